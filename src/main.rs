@@ -1,1 +1,2 @@
-fn main(){}
+//! The `vanecut` binary.
+fn main() {}

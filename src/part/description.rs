@@ -1,0 +1,107 @@
+//! What a part file says, in mm and radians about Z, before anything is trimmed, extended or
+//! judged. Readers produce it, [`crate::part::Impeller::build`] turns it into a part.
+
+use crate::geometry::Point;
+
+/// A point of the meridional plane, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meridional {
+    /// Distance from the rotation axis.
+    pub r: f64,
+    /// Coordinate along the rotation axis.
+    pub z: f64,
+}
+
+/// A meridional curve as a file gives it, inlet → outlet.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CurveDescription {
+    /// Points to interpolate.
+    Points(Vec<Meridional>),
+    /// A clamped cubic (or lower, with fewer control points) B-spline; `knots` may be empty: uniform.
+    BSpline {
+        /// Control points, at least two.
+        control: Vec<Meridional>,
+        /// Degree 1, 2 or 3.
+        degree: usize,
+        /// Full knot vector (`control.len() + degree + 1` values) or empty for uniform clamped.
+        knots: Vec<f64>,
+    },
+}
+
+/// Camber and thickness at one span of a blade that is given by angles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CamberSpan {
+    /// Span fraction: 0 hub, 1 shroud.
+    pub span: f64,
+    /// Fraction of the channel's meridional arc length at which the leading edge stands (0 for main blades).
+    pub leading_edge: f64,
+    /// Angular position θ of the leading edge, rad.
+    pub theta_leading_edge: f64,
+    /// (fraction from LE to TE, blade angle β from the meridional direction in rad; dθ = tan β dm / r).
+    pub angle: Vec<(f64, f64)>,
+    /// (fraction from LE to TE, thickness normal to the camber line in mm).
+    pub thickness: Vec<(f64, f64)>,
+}
+
+/// A blade as a file gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BladeDescription {
+    /// Span sections hub → tip; each side runs LE → TE. Both lists have the same length ≥ 2.
+    Sections {
+        /// Points of the suction side, per section.
+        suction: Vec<Vec<Point>>,
+        /// Points of the pressure side, per section.
+        pressure: Vec<Vec<Point>>,
+        /// Line of the file at which the blade starts.
+        line: usize,
+    },
+    /// Camber angle and thickness per span (two or more spans, hub → tip).
+    Camber {
+        /// The spans.
+        spans: Vec<CamberSpan>,
+        /// Line of the file at which the blade starts.
+        line: usize,
+    },
+}
+
+/// Everything a part file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartDescription {
+    /// Name of the part: the file's own, else the file stem.
+    pub name: String,
+    /// Hub, inlet → outlet; may run far past the blades.
+    pub hub: CurveDescription,
+    /// Shroud, inlet → outlet; may run far past the blades.
+    pub shroud: CurveDescription,
+    /// Number of main blades around the wheel.
+    pub blade_count: usize,
+    /// The main blade.
+    pub main: BladeDescription,
+    /// Splitters of one pitch (zero or one is supported by the planner).
+    pub splitters: Vec<BladeDescription>,
+    /// Lines of the file, for messages: hub, shroud, blade count.
+    pub hub_line: usize,
+    /// See `hub_line`.
+    pub shroud_line: usize,
+    /// See `hub_line`.
+    pub count_line: usize,
+}
+
+/// Why a description is no impeller; the caller adds the file name.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{what}; {cure}")]
+pub struct PartError {
+    /// Line of the part file, 0 when the fault has no line.
+    pub line: usize,
+    /// What is wrong.
+    pub what: String,
+    /// What to do about it.
+    pub cure: String,
+}
+
+impl PartError {
+    /// A fault at `line` (0: none).
+    pub fn new(line: usize, what: impl Into<String>, cure: impl Into<String>) -> Self {
+        Self { line, what: what.into(), cure: cure.into() }
+    }
+}

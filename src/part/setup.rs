@@ -1,0 +1,119 @@
+//! The setup: stock, tools, and what the programmer asks of the planner. Keys as in the TOML file.
+
+use super::tool::Tool;
+
+/// Axis policy of the plunge planner (paper A and ours).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisPolicy {
+    /// Isoparametric axes, as commercial modules plan them.
+    Conventional,
+    /// Paper A: the angle between hub normal and axis grows from position to position.
+    Monotone,
+}
+
+/// Direction in which the rows of a section are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Feed {
+    /// Outlet → inlet.
+    Inward,
+    /// Inlet → outlet.
+    Outward,
+}
+
+/// `[stock]`: allowances and clearances, mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stock {
+    /// Stock that must stay on the hub.
+    pub hub_allowance: f64,
+    /// Stock that must stay on the blades.
+    pub blade_allowance: f64,
+    /// Distance of the cutter above the blank before a rapid.
+    pub safety_distance: f64,
+    /// Length of blank before the leading edge, along hub and shroud.
+    pub inlet_extension: f64,
+}
+
+/// `[[plunge.section]]`: a stretch of s cut with one tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionSetup {
+    /// Number of the tool in the list of tools.
+    pub tool: u32,
+    /// s at the outlet end.
+    pub from: f64,
+    /// s at the inlet end.
+    pub to: f64,
+    /// Direction of the rows; absent: inward.
+    pub feed: Option<Feed>,
+}
+
+/// `[plunge]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlungeSetup {
+    /// Policy of the result.
+    pub axis: AxisPolicy,
+    /// Upper limit of the step along a row, mm; absent: the insert width of each tool.
+    pub step: Option<f64>,
+    /// Upper limit of the spacing of rows, mm; absent: 4/3 of each tool's radius.
+    pub row_spacing: Option<f64>,
+    /// Greatest scallop between plunges along a wall, mm.
+    pub wall_scallop: f64,
+    /// Largest angle between the axes of neighbouring positions, rad (degrees in the file).
+    pub max_axis_change: f64,
+    /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
+    pub max_tilt: f64,
+    /// Sections, outlet → inlet; empty: chosen from the tools.
+    pub sections: Vec<SectionSetup>,
+}
+
+/// `[flank]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlankSetup {
+    /// Number of the tool.
+    pub tool: Option<u32>,
+    /// Depth of a layer, mm.
+    pub layer_depth: f64,
+    /// Allowed scallop, mm.
+    pub allowed_error: f64,
+}
+
+/// A whole setup. [`Setup::default`] is what an empty file means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// Name of the part the setup is meant for, if it says so (`part = "…"`).
+    pub part: Option<String>,
+    /// `[stock]`.
+    pub stock: Stock,
+    /// `[[tool]]`, in file order; empty: chosen for the part from the standard sizes.
+    pub tools: Vec<Tool>,
+    /// `[plunge]`.
+    pub plunge: PlungeSetup,
+    /// `[flank]`.
+    pub flank: FlankSetup,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            part: None,
+            stock: Stock {
+                hub_allowance: 0.5,
+                blade_allowance: 0.5,
+                safety_distance: 2.0,
+                inlet_extension: 0.0,
+            },
+            tools: Vec::new(),
+            plunge: PlungeSetup {
+                axis: AxisPolicy::Monotone,
+                step: None,
+                row_spacing: None,
+                wall_scallop: 0.6,
+                max_axis_change: 5f64.to_radians(),
+                max_tilt: 45f64.to_radians(),
+                sections: Vec::new(),
+            },
+            flank: FlankSetup { tool: None, layer_depth: 3.0, allowed_error: 0.25 },
+        }
+    }
+}

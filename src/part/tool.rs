@@ -1,0 +1,32 @@
+//! Cutters.
+
+/// A plunge cutter. All lengths mm.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Tool {
+    /// Number in the machine's magazine.
+    pub number: u32,
+    /// D = 2R.
+    pub diameter: f64,
+    /// Radius of the rounded corner, 0 for a sharp one; at most R.
+    pub corner_radius: f64,
+    /// Radial width w of the bottom edges; inside R − w nothing cuts.
+    pub insert_width: f64,
+    /// Free length from the tip to the holder.
+    pub overhang: f64,
+    /// Feed of the plunge, mm/min.
+    pub plunge_feed: f64,
+    /// rev/min.
+    pub spindle: f64,
+}
+
+impl Tool {
+    /// R, mm.
+    pub fn radius(&self) -> f64 {
+        self.diameter / 2.0
+    }
+
+    /// Radius of the core, where no edge cuts: R − w, mm.
+    pub fn core_radius(&self) -> f64 {
+        self.radius() - self.insert_width
+    }
+}

@@ -1,0 +1,5 @@
+//! The plunge planner (paper A, fig. 16): each stage its own file.
+
+pub mod plan;
+
+pub use plan::{Blocked, CoreContact, PlungePlan, Position, SectionPlan};

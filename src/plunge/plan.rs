@@ -1,0 +1,99 @@
+//! What a plunge plan is: positions in cutting order, with everything measured of them.
+
+use crate::geometry::{Point, Vector};
+use crate::part::Tool;
+use crate::part::setup::{AxisPolicy, Feed};
+
+/// Contact of the core with stock during one plunge (DESIGN section 3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct CoreContact {
+    /// How far above the final bottom the stock reaches, mm; 0 when the core is free.
+    pub depth: f64,
+    /// Share of the core disc in stock at the end of the plunge, 0…1.
+    pub area_share: f64,
+}
+
+/// Contact depth above which a position counts as interferential, mm.
+pub const CONTACT_TOLERANCE: f64 = 0.02;
+
+impl CoreContact {
+    /// Whether the position is interferential.
+    pub fn interferes(&self) -> bool {
+        self.depth > CONTACT_TOLERANCE
+    }
+}
+
+/// Why a position could not get the axis its policy asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Blocked {
+    /// No axis with the tilt asked for clears both walls.
+    Walls,
+    /// The row's shroud curve ends before the tilt asked for is reached.
+    ShroudEnd,
+    /// The tilt asked for is beyond `max_tilt`.
+    TiltLimit,
+}
+
+/// One plunge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Position {
+    /// Centre of the bottom at the end of the plunge.
+    pub tip: Point,
+    /// Unit axis, tip → holder.
+    pub axis: Vector,
+    /// Point on the axis at which the cutter is clear of the blank.
+    pub retract: Point,
+    /// Index into [`PlungePlan::sections`].
+    pub section: usize,
+    /// Row within the section, 0 at the suction wall.
+    pub row: usize,
+    /// Fraction of meridional arc length of the tip.
+    pub s: f64,
+    /// Channel coordinate across, 0 suction wall, 1 pressure wall.
+    pub lambda: f64,
+    /// α: signed angle between hub normal at the contact point and axis, rad, positive towards the inlet.
+    pub alpha: f64,
+    /// Where the bottom touches the allowance surface of the hub.
+    pub contact_point: Point,
+    /// Contact of the core with stock.
+    pub contact: CoreContact,
+    /// Why the policy's axis could not be had, if so.
+    pub blocked: Option<Blocked>,
+    /// Least distance of the cutter to the finished hub, mm.
+    pub hub_clearance: f64,
+    /// Least distance of the cutter to the finished blades, mm.
+    pub blade_clearance: f64,
+    /// Least distance of the bottom at the retract point to the blank, mm.
+    pub retract_clearance: f64,
+}
+
+/// A stretch of s cut with one tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionPlan {
+    /// The cutter.
+    pub tool: Tool,
+    /// s at the outlet end.
+    pub from: f64,
+    /// s at the inlet end.
+    pub to: f64,
+    /// Direction of the rows.
+    pub feed: Feed,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+/// A plunge plan of one channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlungePlan {
+    /// Policy that made the axes.
+    pub policy: AxisPolicy,
+    /// Sections in cutting order.
+    pub sections: Vec<SectionPlan>,
+    /// Positions in cutting order: section by section, row by row.
+    pub positions: Vec<Position>,
+    /// Rounds of the outer loop (fig. 16).
+    pub rounds: usize,
+    /// Whether the loop came to rest.
+    pub settled: bool,
+}
