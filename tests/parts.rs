@@ -39,9 +39,30 @@ fn impeller532_is_paper_a_s() {
     let (_, te) = edges(&part);
     let height = part.shroud.point(1.0).distance(part.hub.point(1.0));
     println!("te {te} height {height} narrowest {}", narrowest(&part));
-    for i in 0..=10 { let s=f64::from(i)/10.0; let c=Channel::of(&part); let a=c.full.wall_angles(&part,s,0.0).unwrap(); let b=c.full.wall_angles(&part,s,1.0).unwrap();
-      let h=part.hub.point(s); let w=part.shroud.point(s); let m0=h.at_angle(a[0]); let w0=w.at_angle(b[0]); let d=(w0-m0).normalize(); let n=part.hub.normal(s).direction_at_angle(a[0]);
-      println!("s {s:.1} hub {:.1} {:.1} th {:.2} {:.2} width {:.1}  tip th {:.2} {:.2}  rul-normal {:.1} dist {:.1}", h.r,h.z,a[0].to_degrees(),a[1].to_degrees(), h.r*(a[1]-a[0]).abs(), b[0].to_degrees(), b[1].to_degrees(), d.angle(&n).to_degrees(), (w0-m0).norm()); }
+    for i in 0..=10 {
+        let s = f64::from(i) / 10.0;
+        let c = Channel::of(&part);
+        let a = c.full.wall_angles(&part, s, 0.0).unwrap();
+        let b = c.full.wall_angles(&part, s, 1.0).unwrap();
+        let h = part.hub.point(s);
+        let w = part.shroud.point(s);
+        let m0 = h.at_angle(a[0]);
+        let w0 = w.at_angle(b[0]);
+        let d = (w0 - m0).normalize();
+        let n = part.hub.normal(s).direction_at_angle(a[0]);
+        println!(
+            "s {s:.1} hub {:.1} {:.1} th {:.2} {:.2} width {:.1}  tip th {:.2} {:.2}  rul-normal {:.1} dist {:.1}",
+            h.r,
+            h.z,
+            a[0].to_degrees(),
+            a[1].to_degrees(),
+            h.r * (a[1] - a[0]).abs(),
+            b[0].to_degrees(),
+            b[1].to_degrees(),
+            d.angle(&n).to_degrees(),
+            (w0 - m0).norm()
+        );
+    }
     assert!((height - 32.0).abs() < 0.01, "outlet height {height}");
     assert!((narrowest(&part) - 12.5).abs() < 0.1, "narrowest width {}", narrowest(&part));
 }

@@ -1,14 +1,16 @@
 //! The part in work: impeller, channel, blank, tools and setup.
 
+pub mod blank;
 mod camber;
 pub mod channel;
 pub mod description;
 pub mod impeller;
-pub mod setup;
 pub mod probe;
+pub mod setup;
 mod side;
 pub mod tool;
 
+pub use blank::Blank;
 pub use channel::{Channel, ChannelPoint, Passage, Wall};
 pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,

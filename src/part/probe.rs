@@ -1,7 +1,7 @@
 //! Nearest distances to a blade side: from a cutter, from a point.
 
 use super::side::BladeSide;
-use crate::geometry::{search, CutterSolid, Point};
+use crate::geometry::{CutterSolid, Point, search};
 
 /// A blade side with a coarse grid of its points, made for many distance queries.
 #[derive(Clone, Debug)]
@@ -36,7 +36,8 @@ impl SideProbe {
     pub fn new(side: &BladeSide, from: f64, to: f64) -> Self {
         let count = 40;
         // Noses are small: the grid is finer there.
-        let mut u: Vec<f64> = (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect();
+        let mut u: Vec<f64> =
+            (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect();
         if from == 0.0 {
             u.extend([0.003, 0.007, 0.012, 0.018]);
             u.sort_by(f64::total_cmp);
@@ -95,15 +96,22 @@ impl SideProbe {
             if !value.is_finite() || value > best + 0.5 || (has_lower_neighbour && value > best) {
                 continue;
             }
-            let low = if j > 0 && lines[j - 1].0.is_finite() { self.v[j - 1] } else { v_from.max(self.v[j].min(v_from)) };
-            let high = if j + 1 < V_LINES && lines[j + 1].0.is_finite() { self.v[j + 1] } else { v_to.max(self.v[j]) };
+            let low = if j > 0 && lines[j - 1].0.is_finite() {
+                self.v[j - 1]
+            } else {
+                v_from.max(self.v[j].min(v_from))
+            };
+            let high = if j + 1 < V_LINES && lines[j + 1].0.is_finite() {
+                self.v[j + 1]
+            } else {
+                v_to.max(self.v[j])
+            };
             let (mut u_low, mut u_high) = (self.u[i.saturating_sub(1)], self.u[(i + 1).min(n - 1)]);
             // Neighbouring lines may have their nearest point a little off.
             let drift = 0.5 * (u_high - u_low);
             (u_low, u_high) = ((u_low - drift).max(self.u[0]), (u_high + drift).min(self.u[n - 1]));
-            let on_line = |v: f64| {
-                search::minimum(|u| distance(&self.side.point(u, v)), u_low, u_high, TOLERANCE)
-            };
+            let on_line =
+                |v: f64| search::minimum(|u| distance(&self.side.point(u, v)), u_low, u_high, TOLERANCE);
             let (v, _) = search::minimum(|v| on_line(v).1, low, high, 1e-4);
             for v in [v, low, high] {
                 let (u, d) = on_line(v);
