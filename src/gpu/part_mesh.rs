@@ -338,12 +338,20 @@ impl Channel {
         let center = Vec3::new(0.0, 0.0, (low + high) / 2.0);
         let radius = widest.hypot((high - low) / 2.0);
 
+        let ring = |r: f32, z: f32| even(24).into_iter().map(move |t| turn(Vec3::new(r, 0.0, z), t * TAU));
+        let wheel_outline = body
+            .iter()
+            .map(|&(r, z)| (r, z))
+            .chain([inlet, rim].map(|m| (m.r as f32, m.z as f32)))
+            .flat_map(|(r, z)| ring(r, z))
+            .collect();
+
         let at = |path: &Flowpath, s: f64, lambda: f64| {
             let (p, (sin, cos)) = (path.point(s), self.theta(s, lambda).sin_cos());
             Vec3::new((p.r * cos) as f32, (p.r * sin) as f32, p.z as f32)
         };
         let mut corners = Vec::new();
-        for s in [0.0, 0.5, 1.0] {
+        for s in [0.0, 0.25, 0.5, 0.75, 1.0] {
             for lambda in [0.0, 0.5, 1.0] {
                 corners.extend([at(&part.hub, s, lambda), at(&part.shroud, s, lambda)]);
             }
@@ -369,6 +377,8 @@ impl Channel {
                 from: (onto + outward * 0.35).normalize_or(Vec3::Z),
             },
             sections: Vec::new(),
+            wheel_outline,
+            channel_outline: corners,
             up_sign,
         }
     }
