@@ -1,1 +1,5 @@
-//! .
+//! Device, compute kernel and renderer. Knows no window.
+
+pub mod device;
+
+pub use device::{Gpu, GpuError, device_descriptor, pick_adapter};
