@@ -49,6 +49,7 @@ pub struct CutterGpu {
 /// What the heightfield saw of one position.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct PositionTrace {
     /// Greatest height of stock in the core above its bottom, mm along the tool axis.
     pub contact_depth: f32,
@@ -359,4 +360,4 @@ fn smaller(a: f32, b: f32) -> f32 {
 
 #[cfg(test)]
 #[path = "field_tests.rs"]
-mod tests;
+pub(crate) mod tests;

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 
 /// A saddle of about 60 × 20 mm, far enough from the origin that rounding shows, under a sloped blank.
-fn saddle(rows: usize, columns: usize) -> FloorGrid {
+pub(crate) fn saddle(rows: usize, columns: usize) -> FloorGrid {
     let mut grid = FloorGrid {
         rows,
         columns,
@@ -43,7 +43,7 @@ fn cutter(x: f64, y: f64, lift: f64, lean: f64, turn: f64, radius: f64, core: f6
     }
 }
 
-fn any_cutter() -> impl Strategy<Value = CutterGpu> {
+pub(crate) fn any_cutter() -> impl Strategy<Value = CutterGpu> {
     let corner = prop_oneof![Just(0.0), 0.02..1.0];
     (-35.0..35.0, -13.0..13.0, -1.0..4.0, 0.0..0.9, 0.0..6.2, 2.0..8.0, 0.0..0.9, corner)
         .prop_map(|(x, y, lift, lean, turn, r, core, corner)| cutter(x, y, lift, lean, turn, r, core, corner))
