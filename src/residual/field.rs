@@ -156,13 +156,15 @@ impl Tile {
     }
 
     /// Removes what `cutter` sweeps.
+    ///
+    /// Loops over the lanes of a row hold no branches, and counters are kept per lane until the end, so
+    /// that the compiler turns each loop into vector instructions.
     fn cut(&mut self, cutter: &CutterGpu) -> PositionTrace {
-        let mut depths = [0.0_f32; TILE];
-        let (mut contact_cells, mut swept_cells, mut cut_cells) = (0, 0, 0);
+        let mut seen = Seen::default();
         let squared_radius = cutter.radius * cutter.radius;
         let squared_core = cutter.core_radius * cutter.core_radius;
+        let mut meetings = MeetingRow::default();
         for row in 0..TILE {
-            let mut meetings = MeetingRow::default();
             let mut meets = 0;
             for lane in 0..TILE {
                 let meeting = Meeting::new(
@@ -176,7 +178,8 @@ impl Tile {
             if meets == 0 {
                 continue;
             }
-            let (blank, height, floor) = (&self.blank[row], &mut self.height[row], &self.floor[row]);
+            let (blank, floor) = (self.blank[row], self.floor[row]);
+            let mut height = self.height[row];
             let mut entries = [FAR; TILE];
             for lane in 0..TILE {
                 let meeting = meetings.get(lane);
@@ -191,31 +194,42 @@ impl Tile {
                     }
                 }
             }
-            let mut swept = 0;
             let mut core = 0;
             for lane in 0..TILE {
-                swept += u32::from(entries[lane] < blank[lane]) & floor[lane];
-                core |= u32::from(meetings.get(lane).discriminant(squared_core) > 0.0) & floor[lane];
+                core |= floor[lane] & mask(meetings.get(lane).may_touch(squared_core, height[lane]));
             }
-            swept_cells += swept;
             if core != 0 {
                 for lane in 0..TILE {
-                    let meeting = meetings.get(lane);
-                    let depth = meeting.contact_depth(squared_core, height[lane]);
+                    let depth = meetings.get(lane).contact_depth(squared_core, height[lane]);
                     let depth = if floor[lane] != 0 { depth } else { 0.0 };
-                    depths[lane] = larger(depths[lane], depth);
-                    contact_cells += u32::from(depth > CONTACT_TOLERANCE);
+                    seen.depth[lane] = larger(seen.depth[lane], depth);
+                    seen.contact[lane] += floor[lane] & mask(depth > CONTACT_TOLERANCE);
                 }
             }
             for lane in 0..TILE {
                 let left = smaller(height[lane], entries[lane]);
-                cut_cells += u32::from(height[lane] - left > CUT_TOLERANCE) & floor[lane];
+                seen.swept[lane] += floor[lane] & mask(entries[lane] < blank[lane]);
+                seen.cut[lane] += floor[lane] & mask(height[lane] - left > CUT_TOLERANCE);
                 height[lane] = left;
             }
+            self.height[row] = height;
         }
-        let contact_depth = depths.into_iter().fold(0.0, larger);
-        PositionTrace { contact_depth, contact_cells, swept_cells, cut_cells }
+        PositionTrace {
+            contact_depth: seen.depth.into_iter().fold(0.0, larger),
+            contact_cells: seen.contact.iter().sum(),
+            swept_cells: seen.swept.iter().sum(),
+            cut_cells: seen.cut.iter().sum(),
+        }
     }
+}
+
+/// What each lane saw of one cutter.
+#[derive(Default)]
+struct Seen {
+    depth: Row<f32>,
+    contact: Row<u32>,
+    swept: Row<u32>,
+    cut: Row<u32>,
 }
 
 /// How one ray lies to one cutter's axis. At height h the ray is at height `z + h·slope` above the
@@ -267,6 +281,14 @@ impl Meeting {
         let enter = if slope > 0.0 { larger(enter, bottom) } else { enter };
         let leave = if slope < 0.0 { smaller(leave, bottom) } else { leave };
         (larger(enter, 0.0), leave)
+    }
+
+    /// False only where [`Meeting::contact_depth`] is 0: the cylinder passes the ray by, or all stock lies
+    /// below the bottom plane. Spares most rows the roots.
+    #[inline(always)]
+    fn may_touch(&self, squared_core: f32, height: f32) -> bool {
+        let above = (self.z + height * self.slope > 0.0) | (self.slope <= 0.0);
+        (self.discriminant(squared_core) > 0.0) & above
     }
 
     /// Height above the bottom of the highest stock in the core, for stock up to `height`; 0 if none.
@@ -344,6 +366,12 @@ impl MeetingRow {
 #[inline(always)]
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// All bits set if `condition` holds: combines with a lane's value where an `if` would become a branch.
+#[inline(always)]
+fn mask(condition: bool) -> u32 {
+    u32::from(condition).wrapping_neg()
 }
 
 /// The larger of two numbers. Unlike `f32::max` it says nothing about NaN, and so is one instruction.
