@@ -56,7 +56,12 @@ const CORNER_TOLERANCE: f32 = 2e-5;
 
 // Traces of this many cutters are gathered within the workgroup before they go to memory.
 const BATCH: u32 = 64u;
-var<workgroup> batch: array<Trace, BATCH>;
+var<workgroup> batch_depths: array<atomic<u32>, BATCH>;
+// Swept, cut and contact cells in 10 bits each, as a tile has 256: one atomic instead of three.
+var<workgroup> batch_counts: array<atomic<u32>, BATCH>;
+const CUT_SHIFT: u32 = 10u;
+const CONTACT_SHIFT: u32 = 20u;
+const COUNT_MASK: u32 = 1023u;
 
 struct Meeting {
     z: f32,
@@ -170,10 +175,8 @@ fn residual_field(
     for (var start = first; start < end; start += BATCH) {
         let count = min(BATCH, end - start);
         if lane < BATCH {
-            atomicStore(&batch[lane].contact_depth, 0u);
-            atomicStore(&batch[lane].contact_cells, 0u);
-            atomicStore(&batch[lane].swept_cells, 0u);
-            atomicStore(&batch[lane].cut_cells, 0u);
+            atomicStore(&batch_depths[lane], 0u);
+            atomicStore(&batch_counts[lane], 0u);
         }
         workgroupBarrier();
         for (var i = 0u; i < count; i++) {
@@ -191,16 +194,14 @@ fn residual_field(
             if is_floor {
                 let depth = contact_depth(m, cutter.core_radius * cutter.core_radius, height);
                 if depth > 0.0 {
-                    atomicMax(&batch[i].contact_depth, bitcast<u32>(depth));
+                    atomicMax(&batch_depths[i], bitcast<u32>(depth));
                 }
-                if depth > CONTACT_TOLERANCE {
-                    atomicAdd(&batch[i].contact_cells, 1u);
-                }
-                if entry < blank {
-                    atomicAdd(&batch[i].swept_cells, 1u);
-                }
-                if height - min(height, entry) > CUT_TOLERANCE {
-                    atomicAdd(&batch[i].cut_cells, 1u);
+                let swept = u32(entry < blank);
+                let cut = u32(height - min(height, entry) > CUT_TOLERANCE);
+                let contact = u32(depth > CONTACT_TOLERANCE);
+                let counts = swept | (cut << CUT_SHIFT) | (contact << CONTACT_SHIFT);
+                if counts != 0u {
+                    atomicAdd(&batch_counts[i], counts);
                 }
             }
             height = min(height, entry);
@@ -208,15 +209,15 @@ fn residual_field(
         workgroupBarrier();
         if lane < count {
             let k = tile_cutters[start + lane];
-            let depth = atomicLoad(&batch[lane].contact_depth);
-            let swept = atomicLoad(&batch[lane].swept_cells);
+            let depth = atomicLoad(&batch_depths[lane]);
+            let counts = atomicLoad(&batch_counts[lane]);
             if depth > 0u {
                 atomicMax(&traces[k].contact_depth, depth);
-                atomicAdd(&traces[k].contact_cells, atomicLoad(&batch[lane].contact_cells));
             }
-            if swept > 0u {
-                atomicAdd(&traces[k].swept_cells, swept);
-                atomicAdd(&traces[k].cut_cells, atomicLoad(&batch[lane].cut_cells));
+            if counts > 0u {
+                atomicAdd(&traces[k].contact_cells, counts >> CONTACT_SHIFT);
+                atomicAdd(&traces[k].swept_cells, counts & COUNT_MASK);
+                atomicAdd(&traces[k].cut_cells, (counts >> CUT_SHIFT) & COUNT_MASK);
             }
         }
         // The next batch clears what this one just read: same lane, same entry, so no barrier is needed.

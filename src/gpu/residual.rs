@@ -1,4 +1,7 @@
 //! The residual heightfield on the graphics device; its CPU twin is [`crate::residual::residual_field`].
+//!
+//! On a software driver the twin gives the same result several times faster: ask
+//! [`Gpu::is_software`] which to run.
 
 use std::sync::mpsc;
 

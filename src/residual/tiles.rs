@@ -88,32 +88,31 @@ struct Capsule {
 
 impl Capsule {
     fn around_tile(grid: &FloorGrid, down: usize, across: usize) -> Capsule {
-        let columns = across * TILE..((across + 1) * TILE).min(grid.columns);
-        let rows = down * TILE..((down + 1) * TILE).min(grid.rows);
-        let cells = || {
-            rows.clone().flat_map(|i| columns.clone().map(move |j| i * grid.columns + j)).map(|cell| {
-                let foot = grid.points[cell];
-                (foot, add_scaled(foot, grid.normals[cell], grid.blank_heights[cell].max(0.0)))
-            })
-        };
-        let (mut foot, mut top) = (Bounds::EMPTY, Bounds::EMPTY);
-        for (p, t) in cells() {
-            foot.add(p);
-            top.add(t);
+        let (mut feet, mut tops) = ([[0.0; 3]; TILE * TILE], [[0.0; 3]; TILE * TILE]);
+        let lanes = TILE.min(grid.columns - across * TILE);
+        let mut count = 0;
+        for row in down * TILE..((down + 1) * TILE).min(grid.rows) {
+            let first = row * grid.columns + across * TILE;
+            let cells = first..first + lanes;
+            let rays = grid.points[cells.clone()].iter().zip(&grid.normals[cells.clone()]);
+            for ((&foot, &normal), &blank) in rays.zip(&grid.blank_heights[cells]) {
+                feet[count] = foot;
+                tops[count] = add_scaled(foot, normal, blank.max(0.0));
+                count += 1;
+            }
         }
-        let (foot, top) = (foot.centre(), top.centre());
+        let (feet, tops) = (&feet[..count], &tops[..count]);
+        let (foot, top) = (centre(feet), centre(tops));
         // Distance to a segment is convex along a ray, so the two ends of each ray decide.
-        let squared = cells().fold(0.0_f32, |r, (p, t)| r.max(distance2(p, foot)).max(distance2(t, top)));
+        let squared = feet.iter().map(|&p| distance2(p, foot)).fold(0.0, larger);
+        let squared = tops.iter().map(|&p| distance2(p, top)).fold(squared, larger);
         Capsule { foot, top, radius: squared.sqrt() }
     }
 
     fn around<'a>(members: impl Iterator<Item = &'a Capsule> + Clone) -> Capsule {
-        let (mut foot, mut top) = (Bounds::EMPTY, Bounds::EMPTY);
-        for member in members.clone() {
-            foot.add(member.foot);
-            top.add(member.top);
-        }
-        let (foot, top) = (foot.centre(), top.centre());
+        let feet: Vec<_> = members.clone().map(|member| member.foot).collect();
+        let tops: Vec<_> = members.clone().map(|member| member.top).collect();
+        let (foot, top) = (centre(&feet), centre(&tops));
         let radius = members
             .map(|m| distance2(m.foot, foot).max(distance2(m.top, top)).sqrt() + m.radius)
             .fold(0.0, f32::max);
@@ -130,47 +129,37 @@ impl Capsule {
         // Part of the segment that is not wholly below the bottom plane.
         let below = -radius - z0;
         let (mut first, mut last) = (0.0_f32, 1.0_f32);
-        if dz.abs() < 1e-6 {
-            if below > 0.0 {
+        if z0.min(z0 + dz) < -radius {
+            if z0.max(z0 + dz) < -radius {
                 return false;
             }
-        } else if dz > 0.0 {
-            first = first.max(below / dz);
-        } else {
-            last = last.min(below / dz);
-        }
-        if first > last {
-            return false;
+            // One end is above and one below, so dz is not 0.
+            if dz > 0.0 { first = below / dz } else { last = below / dz }
         }
         // Nearest approach of that part to the axis.
         let across0 = add_scaled(from_tip, axis, -z0);
         let across = add_scaled(along, axis, -dz);
-        let nearest = (-dot(across0, across) / dot(across, across).max(1e-12)).clamp(first, last);
+        let nearest = (-dot(across0, across) / dot(across, across).max(1e-12)).max(first).min(last);
         let gap = add_scaled(across0, across, nearest);
         let reach = radius + cutter.radius;
         dot(gap, gap) <= reach * reach
     }
 }
 
-#[derive(Clone, Copy)]
-struct Bounds {
-    low: [f32; 3],
-    high: [f32; 3],
-}
-
-impl Bounds {
-    const EMPTY: Bounds = Bounds { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
-
-    fn add(&mut self, p: [f32; 3]) {
-        for (axis, &x) in p.iter().enumerate() {
-            self.low[axis] = self.low[axis].min(x);
-            self.high[axis] = self.high[axis].max(x);
+/// Centre of the box around `points`.
+fn centre(points: &[[f32; 3]]) -> [f32; 3] {
+    let (mut low, mut high) = ([f32::MAX; 3], [f32::MIN; 3]);
+    for p in points {
+        for axis in 0..3 {
+            low[axis] = if p[axis] < low[axis] { p[axis] } else { low[axis] };
+            high[axis] = larger(high[axis], p[axis]);
         }
     }
+    std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]))
+}
 
-    fn centre(&self) -> [f32; 3] {
-        std::array::from_fn(|axis| 0.5 * (self.low[axis] + self.high[axis]))
-    }
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
