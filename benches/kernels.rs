@@ -63,7 +63,7 @@ fn cutters(positions: usize, corner_radius: f32) -> Vec<CutterGpu> {
 
 fn residual(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("residual");
-    group.sample_size(20);
+    group.sample_size(10);
     for (name, n, positions, corner) in
         [("512x150", 512, 150, 0.0), ("512x150 corner 0.8", 512, 150, 0.8), ("1024x1000", 1024, 1000, 0.0)]
     {

@@ -180,13 +180,12 @@ impl Tile {
             }
             let (blank, floor) = (self.blank[row], self.floor[row]);
             let mut height = self.height[row];
-            let mut entries = [FAR; TILE];
-            for lane in 0..TILE {
+            let mut entries: Row<f32> = std::array::from_fn(|lane| {
                 let meeting = meetings.get(lane);
                 let (entry, exit) = meeting.interval(squared_radius);
                 let met = (meeting.discriminant(squared_radius) > 0.0) & (entry < exit);
-                entries[lane] = if met { entry } else { FAR };
-            }
+                if met { entry } else { FAR }
+            });
             if cutter.corner_radius > 0.0 {
                 for lane in 0..TILE {
                     if entries[lane] < blank[lane] {

@@ -31,22 +31,22 @@ pub(crate) fn saddle(rows: usize, columns: usize) -> FloorGrid {
     grid
 }
 
-fn cutter(x: f64, y: f64, lift: f64, lean: f64, turn: f64, radius: f64, core: f64, corner: f64) -> CutterGpu {
-    let z = x * x / 120.0 - y * y / 80.0 + lift;
-    CutterGpu {
-        tip: [x as f32 + 180.0, y as f32, z as f32 + 40.0],
-        radius: radius as f32,
-        axis: [(lean.sin() * turn.cos()) as f32, (lean.sin() * turn.sin()) as f32, lean.cos() as f32],
-        core_radius: (radius * core) as f32,
-        corner_radius: (radius * corner) as f32,
-        pad: [0.0; 3],
-    }
-}
-
 pub(crate) fn any_cutter() -> impl Strategy<Value = CutterGpu> {
-    let corner = prop_oneof![Just(0.0), 0.02..1.0];
-    (-35.0..35.0, -13.0..13.0, -1.0..4.0, 0.0..0.9, 0.0..6.2, 2.0..8.0, 0.0..0.9, corner)
-        .prop_map(|(x, y, lift, lean, turn, r, core, corner)| cutter(x, y, lift, lean, turn, r, core, corner))
+    let place = (-35.0..35.0, -13.0..13.0, -1.0..4.0);
+    let direction = (0.0..0.9_f64, 0.0..6.2_f64);
+    let shape = (2.0..8.0, 0.0..0.9, prop_oneof![Just(0.0), 0.02..1.0]);
+    (place, direction, shape).prop_map(|((x, y, lift), (lean, turn), (radius, core, corner))| {
+        let z = x * x / 120.0 - y * y / 80.0 + lift;
+        let axis = [lean.sin() * turn.cos(), lean.sin() * turn.sin(), lean.cos()];
+        CutterGpu {
+            tip: [x as f32 + 180.0, y as f32, z as f32 + 40.0],
+            radius: radius as f32,
+            axis: axis.map(|x| x as f32),
+            core_radius: (radius * core) as f32,
+            corner_radius: (radius * corner) as f32,
+            pad: [0.0; 3],
+        }
+    })
 }
 
 /// The definition without tiles, cell by cell.
@@ -55,7 +55,7 @@ fn untiled(grid: &FloorGrid, cutters: &[CutterGpu]) -> ResidualField {
     let mut traces = vec![PositionTrace::default(); cutters.len()];
     for (trace, cutter) in traces.iter_mut().zip(cutters) {
         let (squared, core) = (cutter.radius * cutter.radius, cutter.core_radius * cutter.core_radius);
-        for cell in 0..heights.len() {
+        for (cell, height) in heights.iter_mut().enumerate() {
             let meeting = Meeting::new(grid.points[cell], grid.normals[cell], cutter);
             let (mut entry, exit) = meeting.interval(squared);
             if meeting.discriminant(squared) <= 0.0 || entry >= exit || entry >= grid.blank_heights[cell] {
@@ -64,14 +64,14 @@ fn untiled(grid: &FloorGrid, cutters: &[CutterGpu]) -> ResidualField {
             if cutter.corner_radius > 0.0 {
                 entry = meeting.corner_entry(entry, cutter);
             }
-            let before = heights[cell];
-            heights[cell] = before.min(entry);
+            let before = *height;
+            *height = before.min(entry);
             if grid.floor[cell] {
                 let depth = meeting.contact_depth(core, before);
                 trace.contact_depth = trace.contact_depth.max(depth);
                 trace.contact_cells += u32::from(depth > CONTACT_TOLERANCE);
                 trace.swept_cells += u32::from(entry < grid.blank_heights[cell]);
-                trace.cut_cells += u32::from(before - heights[cell] > CUT_TOLERANCE);
+                trace.cut_cells += u32::from(before - *height > CUT_TOLERANCE);
             }
         }
     }
