@@ -175,19 +175,38 @@ impl<'a> Planner<'a> {
         let reach = (tool.radius() + self.setup.stock.blade_allowance) / self.part.hub.length();
         let nose = (hub.min(shroud) - reach).max(0.0);
         let mut stretches = Vec::new();
+        let mut joined = nose;
         if section.from > nose {
-            let to = section.to.max(nose);
-            let share = self.splitter_share(0.5 * (section.from.min(1.0) + to).max(hub.max(shroud)));
+            let share = self.splitter_share(0.5 * (section.from.min(1.0) + section.to).max(hub.max(shroud)));
             for (passage, lambdas) in
                 self.channel.beside_splitter.iter().zip([(0.0, share.0), (share.1, 1.0)])
             {
+                // Upstream of the nose the flanks run on and may close in: the rows end where they do.
+                let to = self.open_until(passage, tool, section.to.max(nose), hub.min(shroud));
+                joined = joined.max(to);
                 stretches.push(Stretch { passage, lambdas, from: section.from, to });
             }
         }
-        if section.to < nose {
-            stretches.push(whole(section.from.min(nose), section.to));
+        if section.to < joined {
+            stretches.push(whole(section.from.min(joined), section.to));
         }
         stretches
+    }
+
+    /// How far inwards of `from` the cutter fits in `passage`, at most to `to`, s.
+    fn open_until(&self, passage: &Passage, tool: &Tool, to: f64, from: f64) -> f64 {
+        let stock = &self.setup.stock;
+        let lane = Lane::new(self.part, passage, tool, stock.hub_allowance, stock.blade_allowance);
+        let steps = 16;
+        let mut open = from.max(to);
+        for i in 1..=steps {
+            let s = from + (to - from) * f64::from(i) / f64::from(steps);
+            if s >= from || lane.wall_pair(s, s, None).is_none() {
+                break;
+            }
+            open = s;
+        }
+        open
     }
 
     /// λ of both sides of the splitter's foot at `s`.
@@ -318,7 +337,7 @@ impl<'a> Planner<'a> {
         tool: &Tool,
         inward: f64,
     ) -> (f64, f64) {
-        let (hub, shroud) = (&self.part.hub, &self.part.shroud);
+        let hub = &self.part.hub;
         let (mut start, end) =
             if inward > 0.0 { (stretch.from, stretch.to) } else { (stretch.to, stretch.from) };
         let border = if inward > 0.0 { section.from } else { section.to };
@@ -327,7 +346,7 @@ impl<'a> Planner<'a> {
             if open_end {
                 // The core stays outside the blank at hub and shroud.
                 let out = tool.core_radius().max(0.0) + START_MARGIN;
-                start += inward * (out / hub.length()).max(out / shroud.length());
+                start += inward * out / hub.length();
             } else if let Some(previous) = before.and_then(|b| tool_of(self.setup, b.tool).ok()) {
                 // Front rims of the larger cutter before and of this one flush.
                 let shift = (previous.radius() - tool.radius()).max(0.0) / hub.length();
@@ -428,7 +447,7 @@ impl<'a> Planner<'a> {
         let stride = 0.1 * maker.tool.radius() / self.part.hub.length();
         for i in 0..=20 {
             let s = start + maker.inward * stride * f64::from(i);
-            let Some(station) = maker.station(s, s) else { return start };
+            let Some(station) = maker.isoparametric(s) else { return start };
             let first = maker.monotone(&[station], lean, self.setup.plunge.max_tilt, &mut |_| true);
             let first = first.and_then(|row| row.first().copied()).unwrap_or(station);
             let column =
@@ -517,23 +536,24 @@ impl<'a> Planner<'a> {
                 }
             }
         }
-        let measured: Vec<f64> = plan
-            .positions
-            .par_iter()
-            .map(|p| {
-                let tool = &plan.sections[p.section].tool;
+        let sections = &plan.sections;
+        plan.positions.par_iter_mut().for_each(|p| {
+            let tool = &sections[p.section].tool;
+            for _ in 0..20 {
                 let cutter = CutterSolid {
                     tip: p.retract,
                     axis: p.axis,
                     radius: tool.radius(),
                     corner_radius: tool.corner_radius,
                 };
-                bottom_clearance(&cutter, &self.blank)
-            })
-            .collect();
-        for (position, clearance) in plan.positions.iter_mut().zip(measured) {
-            position.retract_clearance = clearance;
-        }
+                p.retract_clearance = bottom_clearance(&cutter, &self.blank);
+                if p.retract_clearance >= safety {
+                    break;
+                }
+                // Flat ends of the blank between its circles: go on until it is really clear.
+                p.retract += p.axis * (safety - p.retract_clearance + 1e-3);
+            }
+        });
     }
 }
 

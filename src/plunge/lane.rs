@@ -158,22 +158,22 @@ impl<'a> Lane<'a> {
     }
 
     /// Turns both ends away from `wall` until the cutter, its bottom `lift` mm above M, keeps the
-    /// allowance everywhere (and rests at it where it was further off than the fit could close).
+    /// allowance everywhere. `None` when turning does not help.
     fn push_clear(&self, wall: usize, mut ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
         let inward = self.inward(wall);
-        for _ in 0..12 {
+        for _ in 0..20 {
             let mut cutter = self.cutter(&ends);
             cutter.tip += cutter.axis * lift;
             let near = self.probes[wall].nearest(&cutter, 0.0, 1.0);
             let short = self.blade_allowance - near.distance;
-            if (-4.0 * FIT_TOLERANCE..=0.0).contains(&short) {
+            if short <= 0.0 {
                 return Some(ends);
             }
             let d = near.point - cutter.tip;
             let away = -(d - cutter.axis * d.dot(&cutter.axis));
             let turn = Vector::new(-near.point.y, near.point.x, 0.0);
             let gain = away.normalize().dot(&turn).abs().max(0.2 * turn.norm());
-            let step = (short + 2.0 * FIT_TOLERANCE) / gain * inward;
+            let step = (short + FIT_TOLERANCE) / gain * inward;
             if !step.is_finite() || step.abs() > 0.5 {
                 return None;
             }

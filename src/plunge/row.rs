@@ -3,7 +3,7 @@
 use super::lane::{AxisEnds, Lane};
 use super::plan::Blocked;
 use super::slotting::DepthSurface;
-use crate::geometry::{CutterSolid, Point, Vector};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::part::{Impeller, Tool};
 
 /// One position while it is being planned.
@@ -52,6 +52,14 @@ impl RowMaker<'_> {
         self.exact(&self.lowered(ends))
     }
 
+    /// The conventional station at `s`: M and W at the same fraction of arc length. Outside the channel both
+    /// go on by the same distance, so that the axis stays as it is at the rim (or the leading edge).
+    pub fn isoparametric(&self, s: f64) -> Option<Station> {
+        let inside = s.clamp(0.0, 1.0);
+        let beyond = (s - inside) * self.part.hub.length() / self.part.shroud.length();
+        self.station(s, inside + beyond)
+    }
+
     /// A station near enough for a search: as [`Self::station`], a few µm off the walls.
     pub fn draft(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
         Some(self.lowered(self.lane.row_axis(self.lambda, s_hub, s_shroud)?))
@@ -81,7 +89,13 @@ impl RowMaker<'_> {
         let corner = self.tool.corner_radius;
         let touch = self.hub.touch(&m, &axis, self.tool.radius() - corner);
         let (tip, contact_point, alpha) = match touch {
-            Some(t) => (m + axis * (t.height - corner), t.point, self.alpha(&m, &axis, &t.normal, &ends)),
+            Some(t) => {
+                // On the edge of the hub the normal that counts is still the hub's.
+                let (arc, _) = self.part.hub.curve().project(Meridional::of(&t.point));
+                let theta = t.point.y.atan2(t.point.x);
+                let normal = self.part.hub.curve().at(arc).normal.direction_at_angle(theta);
+                (m + axis * (t.height - corner), t.point, self.alpha(&m, &axis, &normal, &ends))
+            }
             // Beside the hub: the tip stays at M, the angle is that to the hub's normal there.
             None => {
                 let normal = self.part.hub.normal(ends.s_hub).direction_at_angle(ends.theta_hub);
@@ -120,7 +134,7 @@ impl RowMaker<'_> {
         let mut sparse = Vec::with_capacity(coarse + 1);
         for i in 0..=coarse {
             let s = at(i, coarse);
-            sparse.push(self.station(s, s).ok_or(s)?);
+            sparse.push(self.isoparametric(s).ok_or(s)?);
         }
         // Rows run oblique to the meridian: measure how long they really are.
         let stretch = sparse.windows(2).map(|w| self.spacing(&w[0], &w[1])).fold(0.0, f64::max);
@@ -136,7 +150,7 @@ impl RowMaker<'_> {
                 continue;
             }
             let s = at(i, n);
-            stations.push(self.station(s, s).ok_or(s)?);
+            stations.push(self.isoparametric(s).ok_or(s)?);
         }
         Ok(stations)
     }
@@ -168,7 +182,7 @@ impl RowMaker<'_> {
                 continue;
             }
             let middle = 0.5 * (conventional[i].ends.s_hub + conventional[i + 1].ends.s_hub);
-            if let Some(station) = self.station(middle, middle) {
+            if let Some(station) = self.isoparametric(middle) {
                 refined.push(station);
                 inserted += 1;
             }

@@ -131,8 +131,8 @@ fn standard_below(limit: f64) -> f64 {
 fn standard_tools(widths: &[f64], setup: &Setup, part: &Impeller) -> Vec<Tool> {
     let room = |w: f64| w - 2.0 * setup.stock.blade_allowance;
     let least = |from: usize| widths[from..].iter().copied().fold(f64::INFINITY, f64::min);
-    // Room for three rows at the outlet; at the narrowest place there is often room for little more than one.
-    let first = standard_below(0.6 * room(least(7 * STATIONS / 10)));
+    // Room for three rows at the outlet, and no cutter so large that it bridges the hub's curve; at the narrowest place there is often room for little more than one.
+    let first = standard_below((0.65 * room(least(7 * STATIONS / 10))).min(0.12 * part.rim_radius()));
     let last = standard_below(0.8 * room(least(0))).min(first);
     let ratio = first / last;
     let mut diameters = vec![first];
