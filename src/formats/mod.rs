@@ -1,4 +1,24 @@
 //! Readers and writers: part files, setup, CL programs, plans.
+//!
+//! One file per format; [`part_file`] picks the reader by extension. Whatever a file holds, a reader
+//! answers with a value or an [`InputError`]: no panic, no endless loop, no memory beyond a small
+//! multiple of the file. Limits: 64 MiB a file, 1,000,000 points, 1,000 blades, |x| ≤ 1,000,000 mm.
+
+pub mod apt;
+pub mod geomturbo;
+pub mod native;
+pub mod part_file;
+pub mod setup_file;
+mod source;
+mod table;
+pub mod turbogrid;
+pub mod write;
+
+//pub use apt::{ClProgram, ClTool, Motion, Move, read_apt, read_apt_bytes, write_apt};
+pub use native::write_native;
+pub use part_file::{read_part, read_part_bytes};
+//pub use setup_file::{read_setup, read_setup_bytes, write_setup};
+//pub use write::write_whole;
 
 /// A fault in something a user gave us. Shown as `FILE:LINE: what; cure`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -11,6 +31,13 @@ pub struct InputError {
     pub what: String,
     /// What to do about it.
     pub cure: String,
+}
+
+impl InputError {
+    /// A fault at `line` of `file` (0: no line).
+    pub fn new(file: &str, line: usize, what: impl Into<String>, cure: impl Into<String>) -> Self {
+        Self { file: file.to_owned(), line, what: what.into(), cure: cure.into() }
+    }
 }
 
 impl std::fmt::Display for InputError {

@@ -1,6 +1,79 @@
 //! Geometry in f64, millimetres and radians: a catalogue of curves, surfaces and queries.
 
+pub mod cubic;
+pub mod cutter;
+pub mod meridian;
+pub mod search;
+
+pub use cubic::Cubic;
+pub use cutter::CutterSolid;
+pub use meridian::MeridionalCurve;
+
 /// A point in the frame of the part: rotation axis Z, mm.
 pub type Point = nalgebra::Point3<f64>;
 /// A vector in the frame of the part, mm (or without unit for directions).
 pub type Vector = nalgebra::Vector3<f64>;
+
+/// A point of the meridional plane, mm; also used for directions in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Meridional {
+    /// Distance from the rotation axis.
+    pub r: f64,
+    /// Coordinate along the rotation axis.
+    pub z: f64,
+}
+
+impl Meridional {
+    /// The point `point` turned into the meridional plane.
+    pub fn of(point: &Point) -> Self {
+        Self { r: point.x.hypot(point.y), z: point.z }
+    }
+
+    /// This point at angle `theta` about the rotation axis.
+    pub fn at_angle(self, theta: f64) -> Point {
+        let (sin, cos) = theta.sin_cos();
+        Point::new(self.r * cos, self.r * sin, self.z)
+    }
+
+    /// This direction at angle `theta` about the rotation axis.
+    pub fn direction_at_angle(self, theta: f64) -> Vector {
+        let (sin, cos) = theta.sin_cos();
+        Vector::new(self.r * cos, self.r * sin, self.z)
+    }
+
+    /// Distance to `other`, mm.
+    pub fn distance(self, other: Self) -> f64 {
+        (self.r - other.r).hypot(self.z - other.z)
+    }
+
+    /// `self + (other − self) · fraction`.
+    pub fn lerp(self, other: Self, fraction: f64) -> Self {
+        Self { r: self.r + (other.r - self.r) * fraction, z: self.z + (other.z - self.z) * fraction }
+    }
+}
+
+/// `point` turned about the rotation axis by `angle` (rad).
+pub fn rotate_z(point: &Point, angle: f64) -> Point {
+    let (sin, cos) = angle.sin_cos();
+    Point::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y, point.z)
+}
+
+/// `vector` turned about the rotation axis by `angle` (rad).
+pub fn rotate_vector_z(vector: &Vector, angle: f64) -> Vector {
+    let (sin, cos) = angle.sin_cos();
+    Vector::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y, vector.z)
+}
+
+/// Two unit vectors that complete the unit vector `axis` to a right-handed frame.
+pub fn frame_about(axis: &Vector) -> (Vector, Vector) {
+    let helper = if axis.z.abs() < 0.9 { Vector::z() } else { Vector::x() };
+    let u = helper.cross(axis).normalize();
+    (u, axis.cross(&u))
+}
+
+/// `angle` brought into (−π, π].
+pub fn wrap_angle(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let wrapped = (angle + PI).rem_euclid(TAU) - PI;
+    if wrapped <= -PI { wrapped + TAU } else { wrapped }
+}

@@ -1,16 +1,9 @@
 //! What a part file says, in mm and radians about Z, before anything is trimmed, extended or
 //! judged. Readers produce it, [`crate::part::Impeller::build`] turns it into a part.
 
+pub use crate::geometry::Meridional;
 use crate::geometry::Point;
 
-/// A point of the meridional plane, mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meridional {
-    /// Distance from the rotation axis.
-    pub r: f64,
-    /// Coordinate along the rotation axis.
-    pub z: f64,
-}
 
 /// A meridional curve as a file gives it, inlet → outlet.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,67 @@
+//! Opens a part by its extension, whatever its format.
+
+use std::path::Path;
+
+use super::source::{name_of, read_bytes};
+use super::{InputError, geomturbo, native, turbogrid};
+use crate::part::PartDescription;
+
+const CAN_OPEN: &str = "open a .toml, .geomTurbo or .inf (TurboGrid) file";
+
+/// Reads a part file: `.toml`, `.geomTurbo` or TurboGrid `.inf` with its `.curve` files beside it.
+/// The extension's case does not matter. Lengths come out in mm, angles in rad.
+pub fn read_part(path: &Path) -> Result<PartDescription, InputError> {
+    let name = name_of(path);
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "inf" => turbogrid::read(path),
+        "toml" | "geomturbo" => read_part_bytes(&name, &read_bytes(path)?, &extension),
+        other => Err(unknown(&name, other)),
+    }
+}
+
+/// Reads a part from the bytes of its one file; `ext` is `toml` or `geomTurbo` in any case.
+/// `name` is the file name that messages use, its stem the name of a part that has none.
+pub fn read_part_bytes(name: &str, bytes: &[u8], ext: &str) -> Result<PartDescription, InputError> {
+    match ext.to_lowercase().as_str() {
+        "toml" => native::read(name, bytes),
+        "geomturbo" => geomturbo::read(name, bytes),
+        "inf" => Err(InputError::new(
+            name,
+            0,
+            "a TurboGrid part is several files",
+            "open the .inf file from the folder that holds its .curve files",
+        )),
+        other => Err(unknown(name, other)),
+    }
+}
+
+fn unknown(name: &str, extension: &str) -> InputError {
+    let what = match extension {
+        "" => "has no extension, so its format is unknown".to_owned(),
+        "curve" => "is one piece of a TurboGrid part".to_owned(),
+        other => format!("`.{other}` is no part format"),
+    };
+    InputError::new(name, 0, what, CAN_OPEN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_extensions_list_what_can_be_opened() {
+        for name in ["a.step", "noext", "b.curve"] {
+            let error = read_part(Path::new(name)).unwrap_err();
+            assert!(error.to_string().contains(".geomTurbo"), "{error}");
+        }
+        assert!(read_part_bytes("a.inf", b"x", "INF").unwrap_err().cure.contains("folder"));
+    }
+
+    #[test]
+    fn a_missing_file_says_so() {
+        let error = read_part(Path::new("no/such/part.TOML")).unwrap_err();
+        assert!(error.to_string().starts_with("no/such/part.TOML: cannot be read: "), "{error}");
+        assert_eq!(error.cure, "check the path");
+    }
+}

@@ -1,0 +1,212 @@
+//! What every reader shares: a file's bytes and text within limits, numbers, and how a piece of a
+//! file is quoted in a message.
+
+use std::borrow::Cow;
+use std::io::Read;
+use std::path::Path;
+
+use super::InputError;
+use crate::part::{CurveDescription, Meridional};
+
+/// Largest file that is opened, bytes.
+pub const MAX_BYTES: usize = 64 << 20;
+/// Most points (or moves) a file may hold.
+pub const MAX_POINTS: usize = 1_000_000;
+/// Largest coordinate, mm.
+pub const MAX_COORDINATE: f64 = 1e6;
+/// Most blades round a wheel.
+pub const MAX_BLADES: usize = 1_000;
+/// Points nearer to each other than this are one point, mm. Joints of chained curves repeat their
+/// point to within 1e-9 m.
+pub const JOINT: f64 = 5e-6;
+
+/// Cure of a file that ends too early.
+pub const TRUNCATED: &str = "the file seems cut off: export or copy it again";
+
+/// Where a fault is: the file now being read.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    /// File as the user named it.
+    pub file: &'a str,
+}
+
+impl Source<'_> {
+    /// A fault at `line` (0: none) of this file.
+    pub fn fault(&self, line: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
+        InputError::new(self.file, line, what, cure)
+    }
+
+    /// A finite number, at most 1e6 in size.
+    pub fn number(&self, line: usize, token: &str) -> Result<f64, InputError> {
+        number(token).map_err(|what| self.fault(line, what, "give a finite number"))
+    }
+
+    /// A length of the file in mm: the number times `scale`.
+    pub fn length(&self, line: usize, token: &str, scale: f64) -> Result<f64, InputError> {
+        let mm = self.number(line, token)? * scale;
+        if mm.abs() > MAX_COORDINATE {
+            return Err(self.fault(
+                line,
+                format!("{} is more than 1,000,000 mm", shown(token)),
+                "check the number and the units of the file",
+            ));
+        }
+        Ok(mm)
+    }
+
+    /// A number of blades.
+    pub fn blades(&self, line: usize, token: &str) -> Result<usize, InputError> {
+        match number(token) {
+            Ok(n) if n.fract() == 0.0 && (1.0..=MAX_BLADES as f64).contains(&n) => Ok(n as usize),
+            _ => Err(self.fault(
+                line,
+                format!("{} is no number of blades", shown(token)),
+                format!("give a whole number from 1 to {MAX_BLADES}"),
+            )),
+        }
+    }
+
+    /// A meridional curve through `points`, with repeated points taken out.
+    pub fn curve(
+        &self,
+        line: usize,
+        what: &str,
+        mut points: Vec<Meridional>,
+    ) -> Result<CurveDescription, InputError> {
+        points.dedup_by(|a, b| (a.r - b.r).hypot(a.z - b.z) < JOINT);
+        if points.len() < 2 {
+            return Err(self.fault(
+                line,
+                format!("the {what} has {} distinct point(s)", points.len()),
+                "give two or more, inlet to outlet",
+            ));
+        }
+        Ok(CurveDescription::Points(points))
+    }
+}
+
+/// A finite number, at most 1e6 in size; otherwise what is wrong with it.
+pub fn number(token: &str) -> Result<f64, String> {
+    match token.parse::<f64>() {
+        Err(_) => Err(format!("{} is no number", shown(token))),
+        Ok(x) if !x.is_finite() => Err(format!("{} is not a finite number", shown(token))),
+        Ok(x) if x.abs() > MAX_COORDINATE => Err(format!("{} is larger than 1,000,000", shown(token))),
+        Ok(x) => Ok(x),
+    }
+}
+
+/// A piece of a file as a message quotes it: one line, short, in back quotes.
+pub fn shown(token: &str) -> String {
+    let mut text: String = token.chars().take(40).flat_map(char::escape_debug).collect();
+    if token.chars().nth(40).is_some() {
+        text.push('…');
+    }
+    format!("`{text}`")
+}
+
+/// Name a message gives to a path.
+pub fn name_of(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// File name without folder and extension: the name of a part whose file gives none.
+pub fn stem_of(file: &str) -> String {
+    Path::new(file).file_stem().map_or_else(|| "part".to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+/// All bytes of a file of at most [`MAX_BYTES`].
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
+    let name = name_of(path);
+    let source = Source { file: &name };
+    let unreadable = |error: std::io::Error| {
+        let cure = match error.kind() {
+            std::io::ErrorKind::NotFound => "check the path",
+            std::io::ErrorKind::PermissionDenied => "check who may read it",
+            _ => "check the file and its disk",
+        };
+        source.fault(0, format!("cannot be read: {error}"), cure)
+    };
+    let metadata = std::fs::metadata(path).map_err(unreadable)?;
+    if metadata.is_dir() {
+        return Err(source.fault(0, "is a folder", "name a file in it"));
+    }
+    if !metadata.is_file() {
+        return Err(source.fault(0, "is no regular file", "name a file"));
+    }
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    check_size(source, &bytes)?;
+    Ok(bytes)
+}
+
+fn check_size(source: Source<'_>, bytes: &[u8]) -> Result<(), InputError> {
+    if bytes.len() > MAX_BYTES {
+        return Err(source.fault(0, "is larger than 64 MiB", "give a smaller file"));
+    }
+    Ok(())
+}
+
+/// Line (from 1) of a byte offset.
+pub fn line_at(bytes: &[u8], offset: usize) -> usize {
+    1 + bytes.iter().take(offset).filter(|b| **b == b'\n').count()
+}
+
+/// The bytes as text: not empty, no NUL, UTF-8 (a byte order mark is dropped).
+pub fn text<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a str, InputError> {
+    let bytes = checked(source, bytes)?;
+    std::str::from_utf8(bytes).map_err(|error| {
+        let line = line_at(bytes, error.valid_up_to());
+        source.fault(line, "is not UTF-8 text", "check that this is the right file, or save it as UTF-8")
+    })
+}
+
+/// Like [`text`], but characters in another encoding (names, comments) become U+FFFD.
+pub fn text_lossy<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<Cow<'a, str>, InputError> {
+    Ok(String::from_utf8_lossy(checked(source, bytes)?))
+}
+
+fn checked<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a [u8], InputError> {
+    check_size(source, bytes)?;
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if let Some(offset) = bytes.iter().position(|b| *b == 0) {
+        let line = line_at(bytes, offset);
+        return Err(source.fault(line, "is binary, not text", "check that this is the right file"));
+    }
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(source.fault(0, "is empty", "check that it was written completely"));
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HERE: Source<'static> = Source { file: "x.toml" };
+
+    #[test]
+    fn numbers_are_finite_and_bounded() {
+        assert_eq!(number("-1.5e3"), Ok(-1500.0));
+        for bad in ["nan", "inf", "1e300", "-1e7", "", "1,5", "0x10"] {
+            assert!(number(bad).is_err(), "{bad} must be refused");
+        }
+    }
+
+    #[test]
+    fn messages_stay_one_short_line() {
+        assert_eq!(shown("a\nb"), "`a\\nb`");
+        assert!(shown(&"y".repeat(1000)).len() < 60);
+    }
+
+    #[test]
+    fn text_refuses_what_is_no_text() {
+        assert_eq!(text(HERE, b"").unwrap_err().to_string(), {
+            "x.toml: is empty; check that it was written completely"
+        });
+        assert_eq!(text(HERE, b"a\nb\0").unwrap_err().line, 2);
+        assert_eq!(text(HERE, b"a\n\nb\xff").unwrap_err().line, 3);
+        assert_eq!(text(HERE, b"\xef\xbb\xbfa").unwrap(), "a");
+        assert!(text(HERE, &vec![b'a'; MAX_BYTES + 1]).is_err());
+    }
+}

@@ -1,0 +1,385 @@
+//! A TOML document whose every value knows its line: keys are checked by name, numbers by range,
+//! and each fault says where it is.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::InputError;
+use super::source::{self, Source, shown};
+
+/// Most separators in a document: what bounds the memory of its tree.
+const MAX_SEPARATORS: usize = 4_000_000;
+
+/// Text of a document and where its lines start.
+pub struct Document<'a> {
+    source: Source<'a>,
+    text: &'a str,
+    newlines: Vec<usize>,
+}
+
+impl<'a> Document<'a> {
+    /// Checks the bytes and finds their lines.
+    pub fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, InputError> {
+        let source = Source { file };
+        let text = source::text(source, bytes)?;
+        if text.bytes().filter(|b| matches!(b, b',' | b'[' | b'{' | b'=' | b'.')).count() > MAX_SEPARATORS {
+            return Err(source.fault(0, "holds more than 1,000,000 points", "give fewer points"));
+        }
+        let newlines = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at).collect();
+        Ok(Self { source, text, newlines })
+    }
+
+    /// The document's tree.
+    pub fn parse(&self) -> Result<Spanned<DeTable<'a>>, InputError> {
+        DeTable::parse(self.text).map_err(|error| {
+            let at = error.span().map_or(self.text.len(), |span| span.start);
+            let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+            self.fault(at, format!("no valid TOML: {what}"), "correct the line")
+        })
+    }
+
+    /// The top of the tree.
+    pub fn root<'t>(&'t self, table: &'t Spanned<DeTable<'a>>) -> Section<'t> {
+        Section { doc: self, name: String::new(), table: table.get_ref(), at: 0 }
+    }
+
+    /// Line of a byte offset.
+    pub fn line(&self, at: usize) -> usize {
+        1 + self.newlines.partition_point(|n| *n < at)
+    }
+
+    /// A fault at a byte offset.
+    pub fn fault(&self, at: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
+        self.source.fault(self.line(at), what, cure)
+    }
+}
+
+/// Allowed values of a number.
+#[derive(Clone, Copy)]
+pub enum Range {
+    /// Any.
+    Any,
+    /// > 0.
+    Positive,
+    /// ≥ 0.
+    NotNegative,
+    /// Both ends allowed.
+    Between(f64, f64),
+    /// Lower end not allowed, upper end allowed.
+    Above(f64, f64),
+    /// Neither end allowed.
+    Within(f64, f64),
+}
+
+impl Range {
+    fn holds(self, x: f64) -> bool {
+        match self {
+            Self::Any => true,
+            Self::Positive => x > 0.0,
+            Self::NotNegative => x >= 0.0,
+            Self::Between(a, b) => a <= x && x <= b,
+            Self::Above(a, b) => a < x && x <= b,
+            Self::Within(a, b) => a < x && x < b,
+        }
+    }
+
+    /// Whether `x` lies within; otherwise what to give instead.
+    pub fn check(self, x: f64) -> Result<(), String> {
+        if self.holds(x) { Ok(()) } else { Err(self.cure()) }
+    }
+
+    fn cure(self) -> String {
+        match self {
+            Self::Any => "give a finite number".to_owned(),
+            Self::Positive => "give a number greater than 0".to_owned(),
+            Self::NotNegative => "give 0 or more".to_owned(),
+            Self::Between(a, b) => format!("give a number from {a} to {b}"),
+            Self::Above(a, b) => format!("give a number greater than {a} and at most {b}"),
+            Self::Within(a, b) => format!("give a number between {a} and {b}"),
+        }
+    }
+}
+
+/// A value and the byte offset at which it stands.
+#[derive(Clone, Copy)]
+pub struct At<T> {
+    /// The value.
+    pub value: T,
+    /// Byte offset, for [`Document::fault`].
+    pub at: usize,
+}
+
+/// One table of a document.
+pub struct Section<'t> {
+    doc: &'t Document<'t>,
+    name: String,
+    table: &'t DeTable<'t>,
+    at: usize,
+}
+
+impl<'t> Section<'t> {
+    /// Line of the table's header.
+    pub fn line(&self) -> usize {
+        self.doc.line(self.at)
+    }
+
+    /// A fault of the table as a whole.
+    pub fn fault(&self, what: impl Into<String>, cure: impl Into<String>) -> InputError {
+        self.doc.fault(self.at, what, cure)
+    }
+
+    /// How messages name the table.
+    pub fn shown(&self) -> String {
+        if self.name.is_empty() { "the file".to_owned() } else { format!("[{}]", self.name) }
+    }
+
+    fn get(&self, key: &str) -> Option<&'t Spanned<DeValue<'t>>> {
+        self.table.get(key)
+    }
+
+    /// Refuses keys other than `known`.
+    pub fn check_keys(&self, known: &[&str]) -> Result<(), InputError> {
+        let mut unknown: Vec<_> =
+            self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).collect();
+        unknown.sort_by_key(|key| key.span().start);
+        let Some(key) = unknown.first() else { return Ok(()) };
+        let name: &str = key.get_ref();
+        let near = nearest(name, known).unwrap_or_default();
+        Err(self.doc.fault(
+            key.span().start,
+            format!("unknown key {} in {}", shown(name), self.shown()),
+            format!("use `{near}`, the nearest known key, or remove it"),
+        ))
+    }
+
+    /// A number within `range`, if the key is there.
+    pub fn number(&self, key: &str, range: Range) -> Result<Option<At<f64>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let x = self.number_of(key, value)?;
+        let at = value.span().start;
+        range.check(x).map_err(|cure| self.doc.fault(at, format!("`{key}` is {x}"), cure))?;
+        Ok(Some(At { value: x, at }))
+    }
+
+    /// A number within `range`, or `default` when the key is absent.
+    pub fn number_or(&self, key: &str, range: Range, default: f64) -> Result<f64, InputError> {
+        Ok(self.number(key, range)?.map_or(default, |x| x.value))
+    }
+
+    fn number_of(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<f64, InputError> {
+        let at = value.span().start;
+        let token = match value.get_ref() {
+            DeValue::Float(float) => float.as_str(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+            other => {
+                let what = format!("`{key}` holds a {}, not a number", other.type_str());
+                return Err(self.doc.fault(at, what, "give a decimal number"));
+            }
+        };
+        source::number(token)
+            .map_err(|what| self.doc.fault(at, format!("`{key}`: {what}"), "give a finite number"))
+    }
+
+    /// A whole number from `low` to `high`, if the key is there.
+    pub fn whole(&self, key: &str, low: u32, high: u32) -> Result<Option<At<u32>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let at = value.span().start;
+        let whole = match value.get_ref() {
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse::<u32>().ok(),
+            _ => None,
+        };
+        match whole {
+            Some(n) if (low..=high).contains(&n) => Ok(Some(At { value: n, at })),
+            _ => Err(self.doc.fault(
+                at,
+                format!("`{key}` is no whole number from {low} to {high}"),
+                format!("give a whole number from {low} to {high}"),
+            )),
+        }
+    }
+
+    /// A text, if the key is there.
+    pub fn string(&self, key: &str) -> Result<Option<At<&'t str>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let at = value.span().start;
+        match value.get_ref() {
+            DeValue::String(text) => Ok(Some(At { value: text.as_ref(), at })),
+            other => {
+                let what = format!("`{key}` holds a {}, not a text", other.type_str());
+                Err(self.doc.fault(at, what, "put it in quotes"))
+            }
+        }
+    }
+
+    fn child(&self, key: &str, value: &'t Spanned<DeValue<'t>>) -> Result<Section<'t>, InputError> {
+        let name = if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) };
+        match value.get_ref() {
+            DeValue::Table(table) => Ok(Section { doc: self.doc, name, table, at: value.span().start }),
+            _ => Err(self.doc.fault(
+                value.span().start,
+                format!("`{key}` is no table"),
+                format!("write it under a header [{name}]"),
+            )),
+        }
+    }
+
+    /// The table `[key]`, if it is there.
+    pub fn table(&self, key: &str) -> Result<Option<Section<'t>>, InputError> {
+        self.get(key).map(|value| self.child(key, value)).transpose()
+    }
+
+    /// The tables `[[key]]`, in file order; none when the key is absent.
+    pub fn tables(&self, key: &str) -> Result<Vec<Section<'t>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(Vec::new()) };
+        match value.get_ref() {
+            DeValue::Array(list) => list.iter().map(|item| self.child(key, item)).collect(),
+            _ => Err(self.doc.fault(
+                value.span().start,
+                format!("`{key}` is no list of tables"),
+                format!("write each under a header [[{key}]] with two brackets"),
+            )),
+        }
+    }
+
+    /// A list of numbers, if the key is there.
+    pub fn numbers(&self, key: &str) -> Result<Option<At<Vec<f64>>>, InputError> {
+        let Some((list, at)) = self.list(key)? else { return Ok(None) };
+        let numbers = list.iter().map(|item| self.number_of(key, item)).collect::<Result<_, _>>()?;
+        Ok(Some(At { value: numbers, at }))
+    }
+
+    /// A list of rows of `N` numbers, if the key is there; each row with its place.
+    pub fn rows<const N: usize>(&self, key: &str) -> Result<Option<At<Vec<At<[f64; N]>>>>, InputError> {
+        let Some((list, at)) = self.list(key)? else { return Ok(None) };
+        let mut rows = Vec::with_capacity(list.len());
+        for item in list {
+            let place = item.span().start;
+            let row = match item.get_ref() {
+                DeValue::Array(row) if row.len() == N => row,
+                _ => {
+                    let what = format!("`{key}` holds something else than rows of {N} numbers");
+                    return Err(self.doc.fault(place, what, format!("give {N} numbers in brackets")));
+                }
+            };
+            let mut numbers = [0.0; N];
+            for (number, value) in numbers.iter_mut().zip(row.iter()) {
+                *number = self.number_of(key, value)?;
+            }
+            rows.push(At { value: numbers, at: place });
+        }
+        Ok(Some(At { value: rows, at }))
+    }
+
+    fn list(&self, key: &str) -> Result<Option<(&'t toml::de::DeArray<'t>, usize)>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let at = value.span().start;
+        match value.get_ref() {
+            DeValue::Array(list) if list.len() > source::MAX_POINTS => Err(self.doc.fault(
+                at,
+                format!("`{key}` holds more than 1,000,000 points"),
+                "give fewer points",
+            )),
+            DeValue::Array(list) => Ok(Some((list, at))),
+            other => {
+                let what = format!("`{key}` holds a {}, not a list", other.type_str());
+                Err(self.doc.fault(at, what, "put it in brackets"))
+            }
+        }
+    }
+
+    /// A fault at a value of this document.
+    pub fn fault_at(&self, at: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
+        self.doc.fault(at, what, cure)
+    }
+}
+
+/// The name of `known` with the least edit distance to `name`, the first of several.
+pub fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
+    let name: Vec<char> = name.chars().take(64).flat_map(char::to_lowercase).collect();
+    known.iter().copied().min_by_key(|candidate| edit_distance(&name, candidate))
+}
+
+fn edit_distance(a: &[char], b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=a.len()).collect();
+    for (i, cb) in b.chars().enumerate() {
+        let mut diagonal = i;
+        let mut left = i + 1;
+        if let Some(first) = row.first_mut() {
+            *first = left;
+        }
+        for (ca, above) in a.iter().zip(row.iter_mut().skip(1)) {
+            let least = (diagonal + usize::from(*ca != cb)).min(left + 1).min(*above + 1);
+            diagonal = *above;
+            *above = least;
+            left = least;
+        }
+    }
+    row.last().copied().unwrap_or_default()
+}
+
+/// A text as a TOML basic string, quotes included.
+pub fn quoted(text: &str) -> String {
+    let mut out = String::with_capacity(text.len() + 2);
+    out.push('"');
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            c if c.is_control() => out.push_str(&format!("\\u{:04X}", c as u32)),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+/// An angle in rad as the shortest number of degrees that reads back as the same angle; where no
+/// number does (not every f64 is a product with π/180), the nearest.
+pub fn degrees_text(rad: f64) -> String {
+    let exact = rad.to_degrees();
+    let short = (1..=15).map(|digits| format!("{exact:.digits$}"));
+    let close = [exact, exact.next_up(), exact.next_down()].map(|degrees| format!("{degrees:?}"));
+    short
+        .chain(close)
+        .find(|text| text.parse::<f64>().is_ok_and(|degrees| degrees.to_radians() == rad))
+        .unwrap_or_else(|| format!("{exact:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_name_by_edit_distance() {
+        assert_eq!(nearest("diametr", &["number", "diameter", "overhang"]), Some("diameter"));
+        assert_eq!(nearest("STEP", &["axis", "step"]), Some("step"));
+        assert_eq!(edit_distance(&"kitten".chars().collect::<Vec<_>>(), "sitting"), 3);
+        assert_eq!(edit_distance(&[], "abc"), 3);
+    }
+
+    #[test]
+    fn degrees_are_short_and_exact() {
+        assert_eq!(degrees_text(5f64.to_radians()), "5.0");
+        assert_eq!(degrees_text(22.5f64.to_radians()), "22.5");
+        for k in 0..2000 {
+            let rad = (f64::from(k) * 0.037).to_radians();
+            let back = degrees_text(rad).parse::<f64>().unwrap().to_radians();
+            assert_eq!(back, rad, "angle {k} must survive");
+        }
+    }
+
+    #[test]
+    fn lines_and_nesting() {
+        let text = "a = 1\n\n[b]\nc = [[1, 2],\n [3, nan]]\n[[d.e]]\nf = 1";
+        let doc = Document::new("f", text.as_bytes()).unwrap();
+        let tree = doc.parse().unwrap();
+        let root = doc.root(&tree);
+        let b = root.table("b").unwrap().unwrap();
+        assert_eq!(b.line(), 3);
+        assert_eq!(b.rows::<2>("c").err().unwrap().line, 5);
+        assert_eq!(root.table("d").unwrap().unwrap().tables("e").unwrap()[0].line(), 6);
+        assert_eq!(root.check_keys(&["a", "b"]).unwrap_err().line, 6);
+        let deep = "[".repeat(200_000);
+        assert!(Document::new("f", format!("a = {deep}").as_bytes()).unwrap().parse().is_err());
+    }
+}

@@ -1,0 +1,111 @@
+//! One-dimensional root and minimum searches: deterministic, bounded, without allocation.
+
+/// Root of `f` in [`a`, `b`] by the Illinois variant of false position with bisection as a guard;
+/// `fa` and `fb` must differ in sign. Stops when the bracket is shorter than `tolerance`.
+pub fn root(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> f64 {
+    let mut fa = f(a);
+    if fa == 0.0 {
+        return a;
+    }
+    let mut fb = f(b);
+    for step in 0..80 {
+        if (b - a).abs() <= tolerance || fb == 0.0 {
+            break;
+        }
+        let mut c = b - fb * (b - a) / (fb - fa);
+        if step % 3 == 2 || !c.is_finite() || (c - a) * (c - b) > 0.0 {
+            c = 0.5 * (a + b);
+        }
+        let fc = f(c);
+        if fc * fb < 0.0 {
+            (a, fa) = (b, fb);
+        } else {
+            fa *= 0.5;
+        }
+        (b, fb) = (c, fc);
+    }
+    b
+}
+
+/// Minimum of `f` in [`a`, `b`] by Brent's method, to `tolerance` in the argument.
+/// Returns (argument, value). `f` should have one minimum there; else it finds one of them.
+pub fn minimum(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.381_966_011_250_105;
+    let mut x = a + GOLDEN * (b - a);
+    let (mut w, mut v) = (x, x);
+    let mut fx = f(x);
+    let (mut fw, mut fv) = (fx, fx);
+    let (mut d, mut e) = (0.0f64, 0.0f64);
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        let tolerance_here = tolerance + 1e-15 * x.abs();
+        if (x - middle).abs() <= 2.0 * tolerance_here - 0.5 * (b - a) {
+            break;
+        }
+        let mut golden = true;
+        if e.abs() > tolerance_here {
+            let r = (x - w) * (fx - fv);
+            let mut q = (x - v) * (fx - fw);
+            let mut p = (x - v) * q - (x - w) * r;
+            q = 2.0 * (q - r);
+            if q > 0.0 {
+                p = -p;
+            }
+            q = q.abs();
+            let previous = e;
+            e = d;
+            if p.abs() < (0.5 * q * previous).abs() && p > q * (a - x) && p < q * (b - x) {
+                d = p / q;
+                let u = x + d;
+                if u - a < 2.0 * tolerance_here || b - u < 2.0 * tolerance_here {
+                    d = tolerance_here.copysign(middle - x);
+                }
+                golden = false;
+            }
+        }
+        if golden {
+            e = if x >= middle { a - x } else { b - x };
+            d = GOLDEN * e;
+        }
+        let u = if d.abs() >= tolerance_here { x + d } else { x + tolerance_here.copysign(d) };
+        let fu = f(u);
+        if fu <= fx {
+            if u >= x {
+                a = x;
+            } else {
+                b = x;
+            }
+            (v, fv) = (w, fw);
+            (w, fw) = (x, fx);
+            (x, fx) = (u, fu);
+        } else {
+            if u < x {
+                a = u;
+            } else {
+                b = u;
+            }
+            if fu <= fw || w == x {
+                (v, fv) = (w, fw);
+                (w, fw) = (u, fu);
+            } else if fu <= fv || v == x || v == w {
+                (v, fv) = (u, fu);
+            }
+        }
+    }
+    (x, fx)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_roots_and_minima_of_known_functions() {
+        let r = root(|x| x * x * x - 2.0, 0.0, 2.0, 1e-12);
+        assert!((r - 2f64.cbrt()).abs() < 1e-10, "cube root of 2: {r}");
+        let (x, fx) = minimum(|x| (x - 0.3).powi(2) + 1.0, -1.0, 2.0, 1e-8);
+        assert!((x - 0.3).abs() < 1e-6 && (fx - 1.0).abs() < 1e-12, "parabola: {x} {fx}");
+        let (x, _) = minimum(|x| x, 0.0, 1.0, 1e-9);
+        assert!(x < 1e-6, "minimum at the border: {x}");
+    }
+}
