@@ -161,10 +161,8 @@ impl State {
     pub fn step_selection(&mut self, step: isize, faults_only: bool) {
         let Some(planned) = &self.planned else { return };
         let positions = planned.plan(self.side).positions.iter().enumerate();
-        let candidates: Vec<usize> = positions
-            .filter(|(_, p)| !faults_only || p.contact.interferes())
-            .map(|(k, _)| k)
-            .collect();
+        let candidates: Vec<usize> =
+            positions.filter(|(_, p)| !faults_only || p.contact.interferes()).map(|(k, _)| k).collect();
         let Some((&first, &last)) = candidates.first().zip(candidates.last()) else { return };
         let next = match self.selected {
             None => Some(if step > 0 { first } else { last }),

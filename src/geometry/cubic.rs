@@ -28,8 +28,7 @@ impl<const D: usize> Cubic<D> {
     /// The B-spline with `control` points of `degree` 1 to 3 over a full non-decreasing knot vector of
     /// `control.len() + degree + 1` values.
     pub fn b_spline(control: &[[f64; D]], degree: usize, knots: &[f64]) -> Self {
-        let spans: Vec<usize> =
-            (degree..control.len()).filter(|&i| knots[i + 1] > knots[i]).collect();
+        let spans: Vec<usize> = (degree..control.len()).filter(|&i| knots[i + 1] > knots[i]).collect();
         let mut breaks: Vec<f64> = spans.iter().map(|&i| knots[i]).collect();
         breaks.push(knots[control.len()]);
         let segments = spans

@@ -1,8 +1,8 @@
 //! Meridional curves by arc length: the generators of hub, shroud and their offsets.
 
-use super::cubic::{chord_lengths, Cubic};
-use super::search;
 use super::Meridional;
+use super::cubic::{Cubic, chord_lengths};
+use super::search;
 
 /// A C2 curve in the meridional plane, parametrised by its arc length t in mm from its start, with
 /// a side that counts as outside. Straight beyond its ends.

@@ -4,7 +4,6 @@
 pub use crate::geometry::Meridional;
 use crate::geometry::Point;
 
-
 /// A meridional curve as a file gives it, inlet → outlet.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CurveDescription {
