@@ -1,13 +1,22 @@
 //! The part in work: impeller, channel, blank, tools and setup.
 
+pub mod blank;
+mod camber;
+pub mod channel;
 pub mod description;
 pub mod impeller;
+pub mod probe;
 pub mod setup;
+mod side;
 pub mod tool;
 
+pub use blank::Blank;
+pub use channel::{Channel, ChannelPoint, Passage, Wall};
 pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
 };
-pub use impeller::{Blade, BladeSide, Flowpath, Impeller};
+pub use impeller::{Blade, Flowpath, Impeller};
+pub use probe::{Nearest, SideProbe};
 pub use setup::{AxisPolicy, Feed, Setup};
+pub use side::BladeSide;
 pub use tool::Tool;

@@ -3,3 +3,5 @@
 pub mod plan;
 
 pub use plan::{Blocked, CoreContact, PlungePlan, Position, SectionPlan};
+pub mod contact;
+pub mod slotting;

@@ -1,0 +1,150 @@
+//! The blank: the turned body between hub and shroud, from the line of leading edges to the rim.
+
+use super::impeller::Impeller;
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
+
+/// A turned blank. Its outline runs along the hub, up the rim (a straight line between the trailing
+/// edges), back along the shroud, and down the line of leading edges.
+#[derive(Clone, Debug)]
+pub struct Blank {
+    /// Hub between leading edge (less the extension) and rim; normal into the blank.
+    pub hub: MeridionalCurve,
+    /// Shroud over the same stretch; normal out of the blank.
+    pub shroud: MeridionalCurve,
+    r_max: f64,
+    z_range: (f64, f64),
+}
+
+impl Blank {
+    /// The blank of `part`, lengthened by `inlet_extension` mm before the leading edge.
+    pub fn of(part: &Impeller, inlet_extension: f64) -> Self {
+        let piece = |path: &super::Flowpath| {
+            let from = path.arc_at(0.0) - inlet_extension;
+            path.curve().piece(from, path.arc_at(1.0))
+        };
+        let (hub, shroud) = (piece(&part.hub), piece(&part.shroud));
+        let mut r_max = 0.0f64;
+        let mut z_range = (f64::INFINITY, f64::NEG_INFINITY);
+        for curve in [&hub, &shroud] {
+            for i in 0..=128 {
+                let p = curve.point(curve.length() * f64::from(i) / 128.0);
+                r_max = r_max.max(p.r);
+                z_range = (z_range.0.min(p.z), z_range.1.max(p.z));
+            }
+        }
+        Self { hub, shroud, r_max: r_max + 0.1, z_range: (z_range.0 - 0.1, z_range.1 + 0.1) }
+    }
+
+    fn lines(&self) -> [(Meridional, Meridional); 2] {
+        [
+            (self.hub.point(0.0), self.shroud.point(0.0)),
+            (self.hub.point(self.hub.length()), self.shroud.point(self.shroud.length())),
+        ]
+    }
+
+    /// Points along the leading-edge line and the rim line: circles a cutter above the blank meets.
+    pub fn end_circles(&self) -> Vec<Meridional> {
+        let steps = 6;
+        self.lines()
+            .iter()
+            .flat_map(|&(a, b)| (0..=steps).map(move |i| a.lerp(b, f64::from(i) / f64::from(steps))))
+            .collect()
+    }
+
+    /// How deep `point` lies inside the blank, mm; negative outside. Near the outline it is the distance to
+    /// the nearest bounding curve or line; its sign is always right.
+    pub fn depth(&self, point: Meridional) -> f64 {
+        self.depth_near(point, &mut None)
+    }
+
+    /// As [`Self::depth`], with arc lengths on hub and shroud carried from call to call.
+    pub fn depth_near(&self, point: Meridional, warm: &mut Option<(f64, f64)>) -> f64 {
+        let ((th, above_hub), (ts, above_shroud)) = match *warm {
+            Some((th, ts)) => (
+                self.hub.project_near(point, th, 0.2 * self.hub.length()),
+                self.shroud.project_near(point, ts, 0.2 * self.shroud.length()),
+            ),
+            None => (self.hub.project(point), self.shroud.project(point)),
+        };
+        *warm = Some((th, ts));
+        let [le, te] = self.lines();
+        // Side of a line from hub to shroud: positive towards the inside.
+        let side = |(a, b): (Meridional, Meridional), sign: f64| {
+            let (dr, dz) = (b.r - a.r, b.z - a.z);
+            sign * ((point.r - a.r) * dz - (point.z - a.z) * dr) / dr.hypot(dz)
+        };
+        let inside =
+            self.hub.point(0.5 * self.hub.length()).lerp(self.shroud.point(0.5 * self.shroud.length()), 0.5);
+        let sign = |(a, b): (Meridional, Meridional)| {
+            ((inside.r - a.r) * (b.z - a.z) - (inside.z - a.z) * (b.r - a.r)).signum()
+        };
+        above_hub.min(-above_shroud).min(side(le, sign(le))).min(side(te, sign(te)))
+    }
+
+    /// Distance from `point` (outside) to the blank's top: shroud, leading-edge line and rim line.
+    /// Negative inside the blank.
+    pub fn clearance(&self, point: Meridional) -> f64 {
+        let segment = |(a, b): (Meridional, Meridional)| {
+            let (dr, dz) = (b.r - a.r, b.z - a.z);
+            let share = ((point.r - a.r) * dr + (point.z - a.z) * dz) / (dr * dr + dz * dz);
+            point.distance(a.lerp(b, share.clamp(0.0, 1.0)))
+        };
+        let [le, te] = self.lines();
+        let distance = self.shroud.project(point).1.abs().min(segment(le)).min(segment(te));
+        if self.depth(point) > 0.0 { -distance } else { distance }
+    }
+
+    /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is in the blank.
+    pub fn highest_inside(&self, origin: &Point, direction: &Vector, low: f64, high: f64) -> Option<f64> {
+        let (low, high) = self.clip(origin, direction, low, high)?;
+        let steps = (((high - low) / 1.0).ceil() as usize).clamp(6, 300);
+        let mut warm = None;
+        let mut inside = |h: f64| self.depth_near(Meridional::of(&(origin + direction * h)), &mut warm) > 0.0;
+        let mut above = None;
+        for i in (0..=steps).rev() {
+            let h = low + (high - low) * i as f64 / steps as f64;
+            if inside(h) {
+                let Some(mut outside) = above else { return Some(h) };
+                let mut in_it = h;
+                for _ in 0..24 {
+                    let middle = 0.5 * (in_it + outside);
+                    if inside(middle) {
+                        in_it = middle;
+                    } else {
+                        outside = middle;
+                    }
+                }
+                return Some(in_it);
+            }
+            above = Some(h);
+        }
+        None
+    }
+
+    /// The part of a line that can be in the blank at all: within its height and outer cylinder.
+    fn clip(&self, origin: &Point, direction: &Vector, low: f64, high: f64) -> Option<(f64, f64)> {
+        let (mut low, mut high) = (low, high);
+        if direction.z.abs() > 1e-12 {
+            let (a, b) =
+                ((self.z_range.0 - origin.z) / direction.z, (self.z_range.1 - origin.z) / direction.z);
+            low = low.max(a.min(b));
+            high = high.min(a.max(b));
+        } else if origin.z < self.z_range.0 || origin.z > self.z_range.1 {
+            return None;
+        }
+        let a = direction.x * direction.x + direction.y * direction.y;
+        let b = origin.x * direction.x + origin.y * direction.y;
+        let c = origin.x * origin.x + origin.y * origin.y - self.r_max * self.r_max;
+        if a > 1e-18 {
+            let discriminant = b * b - a * c;
+            if discriminant <= 0.0 {
+                return None;
+            }
+            low = low.max((-b - discriminant.sqrt()) / a);
+            high = high.min((-b + discriminant.sqrt()) / a);
+        } else if c > 0.0 {
+            return None;
+        }
+        (low < high).then_some((low, high))
+    }
+}

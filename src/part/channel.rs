@@ -1,0 +1,220 @@
+//! A channel: the space between neighbouring blades, with its coordinates (s, λ, η).
+
+use super::impeller::{Impeller, sides_around_channel};
+use super::side::BladeSide;
+use crate::geometry::{Meridional, Point, Vector, wrap_angle};
+
+/// One wall of a passage: the flank of a blade side (its nose left out), running on straight beyond
+/// LE, TE, hub and shroud.
+#[derive(Clone, Debug)]
+pub struct Wall {
+    side: BladeSide,
+    /// s of the wall's foot on the hub by even steps of u over [0, 1]: where to start a search.
+    starts: Vec<f64>,
+}
+
+/// Angle of a wall at a meridional point, with derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct WallPoint {
+    /// θ, rad.
+    pub theta: f64,
+    /// ∂θ/∂s and ∂θ/∂η, rad.
+    pub theta_s: f64,
+    /// See `theta_s`.
+    pub theta_eta: f64,
+    /// Where on the blade side.
+    pub u: f64,
+    /// See `u`.
+    pub v: f64,
+}
+
+impl Wall {
+    fn new(part: &Impeller, side: &BladeSide) -> Self {
+        let side = side.flank();
+        let starts = (0..=32)
+            .map(|i| {
+                let foot = Meridional::of(&side.point(f64::from(i) / 32.0, 0.0));
+                part.hub.s_at(part.hub.curve().project(foot).0)
+            })
+            .collect();
+        Self { side, starts }
+    }
+
+    /// The flank as a surface.
+    pub fn side(&self) -> &BladeSide {
+        &self.side
+    }
+
+    /// The wall at (s, η): Newton on its meridional image. `None` where the wall does not reach
+    /// (it turns tangential to the meridional plane only in absurd parts).
+    pub fn at(&self, part: &Impeller, s: f64, eta: f64) -> Option<WallPoint> {
+        let wanted = part.meridional(s, eta);
+        let n = self.starts.len() - 1;
+        let bracket = self.starts.windows(2).position(|w| w[0] <= s && s <= w[1]);
+        let first = self.starts[0];
+        let mut u = match bracket {
+            Some(i) => {
+                (i as f64 + (s - self.starts[i]) / (self.starts[i + 1] - self.starts[i]).max(1e-12))
+                    / n as f64
+            }
+            None if s < first => self.side.u_knots()[0] + (s - first),
+            None => 1.0 + (s - self.starts[n]),
+        };
+        let mut v = eta;
+        let mut last = None;
+        for _ in 0..40 {
+            let (p, pu, pv) = self.side.derivatives(u, v);
+            let r = p.x.hypot(p.y);
+            if r < 1e-9 {
+                return None;
+            }
+            let radial = |d: &Vector| (p.x * d.x + p.y * d.y) / r;
+            let turn = |d: &Vector| (p.x * d.y - p.y * d.x) / (r * r);
+            let (ru, rv) = (radial(&pu), radial(&pv));
+            let determinant = ru * pv.z - rv * pu.z;
+            if determinant.abs() < 1e-12 {
+                return None;
+            }
+            let (dr, dz) = (wanted.r - r, wanted.z - p.z);
+            let (du, dv) = ((dr * pv.z - rv * dz) / determinant, (ru * dz - pu.z * dr) / determinant);
+            let limit = (0.3 / du.abs().max(dv.abs())).min(1.0);
+            if dr.hypot(dz) < 1e-9 {
+                last = Some((u, v, p, turn(&pu), turn(&pv), ru, rv, pu.z, pv.z, determinant));
+                break;
+            }
+            u += du * limit;
+            v += dv * limit;
+            if !(u.abs() < 20.0 && v.abs() < 20.0) {
+                return None;
+            }
+        }
+        let (u, v, p, tu, tv, ru, rv, zu, zv, determinant) = last?;
+        // Implicit function: (u, v) move so that the meridional image follows (s, η).
+        let (hub, shroud) = (part.hub.at(s), part.shroud.at(s));
+        let (lh, ls) = (part.hub.length(), part.shroud.length());
+        let by_s = (
+            (1.0 - eta) * hub.tangent.r * lh + eta * shroud.tangent.r * ls,
+            (1.0 - eta) * hub.tangent.z * lh + eta * shroud.tangent.z * ls,
+        );
+        let by_eta = (shroud.point.r - hub.point.r, shroud.point.z - hub.point.z);
+        let turn_along = |(dr, dz): (f64, f64)| {
+            let (du, dv) = ((dr * zv - rv * dz) / determinant, (ru * dz - zu * dr) / determinant);
+            tu * du + tv * dv
+        };
+        Some(WallPoint {
+            theta: p.y.atan2(p.x),
+            theta_s: turn_along(by_s),
+            theta_eta: turn_along(by_eta),
+            u,
+            v,
+        })
+    }
+}
+
+/// A point of a channel with its derivatives by the channel coordinates, mm.
+#[derive(Clone, Copy, Debug)]
+pub struct ChannelPoint {
+    /// The point.
+    pub point: Point,
+    /// ∂/∂s.
+    pub by_s: Vector,
+    /// ∂/∂λ.
+    pub by_lambda: Vector,
+    /// ∂/∂η.
+    pub by_eta: Vector,
+}
+
+/// A passage between two walls: the whole channel, or the part of it beside a splitter.
+#[derive(Clone, Debug)]
+pub struct Passage {
+    /// Wall at λ = 0 (a suction side) and at λ = 1 (a pressure side).
+    pub walls: [Wall; 2],
+}
+
+impl Passage {
+    /// Point at (s, λ, η). λ runs across this passage. `None` where a wall does not reach.
+    pub fn point(&self, part: &Impeller, s: f64, lambda: f64, eta: f64) -> Option<ChannelPoint> {
+        let [low, high] = [self.walls[0].at(part, s, eta)?, self.walls[1].at(part, s, eta)?];
+        let width = passage_angle(&low, &high, part.pitch());
+        let theta = low.theta + lambda * width;
+        let (hub, shroud) = (part.hub.at(s), part.shroud.at(s));
+        let (lh, ls) = (part.hub.length(), part.shroud.length());
+        let middle = part.meridional(s, eta);
+        let direction = |r: f64, z: f64, turn: f64| {
+            let (sin, cos) = theta.sin_cos();
+            Vector::new(r * cos - middle.r * turn * sin, r * sin + middle.r * turn * cos, z)
+        };
+        let mix = |a: f64, b: f64| low.theta_s * (1.0 - a) + high.theta_s * b;
+        let mix_eta = |a: f64, b: f64| low.theta_eta * (1.0 - a) + high.theta_eta * b;
+        Some(ChannelPoint {
+            point: middle.at_angle(theta),
+            by_s: direction(
+                (1.0 - eta) * hub.tangent.r * lh + eta * shroud.tangent.r * ls,
+                (1.0 - eta) * hub.tangent.z * lh + eta * shroud.tangent.z * ls,
+                mix(lambda, lambda),
+            ),
+            by_lambda: direction(0.0, 0.0, width),
+            by_eta: direction(
+                shroud.point.r - hub.point.r,
+                shroud.point.z - hub.point.z,
+                mix_eta(lambda, lambda),
+            ),
+        })
+    }
+
+    /// Angles of both walls at (s, η): λ = 0 as it is, λ = 1 following on without a jump.
+    pub fn wall_angles(&self, part: &Impeller, s: f64, eta: f64) -> Option<[f64; 2]> {
+        let [low, high] = [self.walls[0].at(part, s, eta)?, self.walls[1].at(part, s, eta)?];
+        Some([low.theta, low.theta + passage_angle(&low, &high, part.pitch())])
+    }
+}
+
+/// Signed angle across a passage, between 0 and the pitch for any sane part.
+fn passage_angle(low: &WallPoint, high: &WallPoint, pitch: f64) -> f64 {
+    wrap_angle((high.theta - low.theta) - 0.5 * pitch) + 0.5 * pitch
+}
+
+/// Channel 1 of an impeller.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// Between the main blades.
+    pub full: Passage,
+    /// Beside the splitter: at the main suction side, and at the main pressure side. Empty without one.
+    pub beside_splitter: Vec<Passage>,
+    /// s at which the splitter's leading edge stands: on the hub, on the shroud.
+    pub splitter_s: Option<[f64; 2]>,
+    /// Both sides of every blade that bounds or stands in the channel: what a cutter may touch.
+    pub sides: Vec<BladeSide>,
+}
+
+impl Channel {
+    /// Channel 1 of `part`. Only the first splitter of a pitch is planned around.
+    pub fn of(part: &Impeller) -> Self {
+        let other = part.main.rotated(part.pitch());
+        let low = Wall::new(part, &part.main.suction);
+        let high = Wall::new(part, &other.pressure);
+        let mut beside_splitter = Vec::new();
+        let mut splitter_s = None;
+        if let Some(splitter) = part.splitters.first() {
+            let near = Wall::new(part, &splitter.pressure);
+            let far = Wall::new(part, &splitter.suction);
+            let leading = |path: &super::Flowpath, v: f64| {
+                (0..=20)
+                    .map(|i| {
+                        let p = splitter.suction.point(0.1 * f64::from(i) / 20.0, v);
+                        path.s_at(path.curve().project(Meridional::of(&p)).0)
+                    })
+                    .fold(f64::INFINITY, f64::min)
+            };
+            splitter_s = Some([leading(&part.hub, 0.0), leading(&part.shroud, 1.0)]);
+            beside_splitter =
+                vec![Passage { walls: [low.clone(), near] }, Passage { walls: [far, high.clone()] }];
+        }
+        Self {
+            full: Passage { walls: [low, high] },
+            beside_splitter,
+            splitter_s,
+            sides: sides_around_channel(part),
+        }
+    }
+}

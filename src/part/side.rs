@@ -1,0 +1,174 @@
+//! Blade sides: smooth surfaces lofted through span sections.
+
+use crate::geometry::cubic::{Cubic, chord_lengths};
+use crate::geometry::{Point, Vector, rotate_z};
+
+/// One side of a blade: S(u, v) with u from LE (0) to TE (1) and v from hub (0) to shroud (1). C2 in u;
+/// straight in v between two sections (a ruled blade), C2 in v through three or more. Straight
+/// beyond its borders in both directions.
+#[derive(Clone, Debug)]
+pub struct BladeSide {
+    /// v of the sections, first 0, last 1.
+    stations: Vec<f64>,
+    /// Between neighbouring sections: both section curves in one spline (xyz, xyz) …
+    spans: Vec<Cubic<6>>,
+    /// … and, with three or more sections, their slopes by v.
+    slopes: Vec<Cubic<6>>,
+}
+
+impl BladeSide {
+    /// Lofts through `sections` of equally many points at common parameters `u`; `stations` are
+    /// the sections' v, increasing.
+    pub fn loft(u: &[f64], stations: &[f64], sections: &[Vec<Point>]) -> Self {
+        let pair = |a: &[[f64; 3]], b: &[[f64; 3]]| -> Cubic<6> {
+            let joined: Vec<[f64; 6]> =
+                a.iter().zip(b).map(|(p, q)| [p[0], p[1], p[2], q[0], q[1], q[2]]).collect();
+            Cubic::interpolate(u, &joined)
+        };
+        let points: Vec<Vec<[f64; 3]>> =
+            sections.iter().map(|s| s.iter().map(|p| [p.x, p.y, p.z]).collect()).collect();
+        let spans = points.windows(2).map(|w| pair(&w[0], &w[1])).collect();
+        let mut slopes = Vec::new();
+        if sections.len() > 2 {
+            // A spline's slopes are linear in its points, so they may be lofted in u like the points.
+            let mut by_section = vec![Vec::with_capacity(u.len()); sections.len()];
+            for i in 0..u.len() {
+                let column: Vec<[f64; 3]> = points.iter().map(|s| s[i]).collect();
+                let spline = Cubic::interpolate(stations, &column);
+                for (slopes, &v) in by_section.iter_mut().zip(stations) {
+                    slopes.push(spline.derivatives(v).1);
+                }
+            }
+            slopes = by_section.windows(2).map(|w| pair(&w[0], &w[1])).collect();
+        }
+        Self { stations: stations.to_vec(), spans, slopes }
+    }
+
+    /// Whether the side is ruled (two sections).
+    pub fn is_ruled(&self) -> bool {
+        self.slopes.is_empty()
+    }
+
+    /// Values of u at which the side has points: where to put mesh lines.
+    pub fn u_knots(&self) -> &[f64] {
+        self.spans[0].knots()
+    }
+
+    /// Point at u (0 LE … 1 TE) and v (0 on the hub … 1 at the shroud).
+    #[inline]
+    pub fn point(&self, u: f64, v: f64) -> Point {
+        self.derivatives(u, v).0
+    }
+
+    /// Point and derivatives by u and v.
+    #[inline]
+    pub fn derivatives(&self, u: f64, v: f64) -> (Point, Vector, Vector) {
+        let inside = v.clamp(0.0, 1.0);
+        let mut j = 0;
+        while j + 1 < self.spans.len() && self.stations[j + 1] <= inside {
+            j += 1;
+        }
+        let (v0, v1) = (self.stations[j], self.stations[j + 1]);
+        let h = v1 - v0;
+        let (c, cu, _) = self.spans[j].derivatives(u);
+        let split = |a: &[f64; 6]| (Vector::new(a[0], a[1], a[2]), Vector::new(a[3], a[4], a[5]));
+        let ((p0, p1), (p0u, p1u)) = (split(&c), split(&cu));
+        if self.slopes.is_empty() {
+            let x = (v - v0) / h;
+            let p = p0 + (p1 - p0) * x;
+            return (Point::from(p), p0u + (p1u - p0u) * x, (p1 - p0) / h);
+        }
+        let (m, mu, _) = self.slopes[j].derivatives(u);
+        let ((m0, m1), (m0u, m1u)) = (split(&m), split(&mu));
+        let x = (inside - v0) / h;
+        let (x2, x3) = (x * x, x * x * x);
+        let (b0, b1) = (2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2);
+        let (s0, s1) = (h * (x3 - 2.0 * x2 + x), h * (x3 - x2));
+        let mut p = p0 * b0 + p1 * b1 + m0 * s0 + m1 * s1;
+        let mut pu = p0u * b0 + p1u * b1 + m0u * s0 + m1u * s1;
+        let (d0, e0, e1) = (6.0 * (x2 - x) / h, 3.0 * x2 - 4.0 * x + 1.0, 3.0 * x2 - 2.0 * x);
+        let pv = (p0 - p1) * d0 + m0 * e0 + m1 * e1;
+        let beyond = v - inside;
+        if beyond != 0.0 {
+            let (d0u, e0u, e1u) = (d0, e0, e1);
+            p += pv * beyond;
+            pu += ((p0u - p1u) * d0u + m0u * e0u + m1u * e1u) * beyond;
+        }
+        (Point::from(p), pu, pv)
+    }
+
+    /// The side turned about the rotation axis.
+    pub fn rotated(&self, angle: f64) -> Self {
+        let u = self.u_knots().to_vec();
+        let sections: Vec<Vec<Point>> = self
+            .stations
+            .iter()
+            .map(|&v| u.iter().map(|&u| rotate_z(&self.point(u, v), angle)).collect())
+            .collect();
+        Self::loft(&u, &self.stations, &sections)
+    }
+
+    /// The side without its rounded nose: from where its direction has come within 25° of the
+    /// direction at 12 % of the chord, running on straight upstream of there.
+    pub fn flank(&self) -> Self {
+        const SETTLED_U: f64 = 0.12;
+        let bent = |u: f64, v: f64| {
+            let (_, here, _) = self.derivatives(u, v);
+            let (_, settled, _) = self.derivatives(SETTLED_U, v);
+            here.angle(&settled) > 25f64.to_radians()
+        };
+        let steps = 60;
+        let start = (0..=steps)
+            .rev()
+            .map(|i| SETTLED_U * f64::from(i) / f64::from(steps))
+            .find(|&u| [0.0, 0.5, 1.0].iter().any(|&v| bent(u, v)));
+        let Some(start) = start else { return self.clone() };
+        let mut u = vec![start];
+        u.extend(self.u_knots().iter().copied().filter(|&k| k > start + 1e-6));
+        let sections: Vec<Vec<Point>> =
+            self.stations.iter().map(|&v| u.iter().map(|&u| self.point(u, v)).collect()).collect();
+        Self::loft(&u, &self.stations, &sections)
+    }
+}
+
+/// Common parameters and sections of one side from raw section points (which may differ in number):
+/// normalised chord length, averaged over the sections. Repeated points are dropped.
+pub(super) fn common_parameters(sections: &[Vec<Point>]) -> (Vec<f64>, Vec<Vec<Point>>) {
+    let raw: Vec<Vec<[f64; 3]>> = sections
+        .iter()
+        .map(|s| {
+            let mut points: Vec<[f64; 3]> = s.iter().map(|p| [p.x, p.y, p.z]).collect();
+            if sections.iter().any(|other| other.len() != s.len()) {
+                points.dedup_by(|a, b| crate::geometry::cubic::distance(a, b) < 1e-9);
+            }
+            points
+        })
+        .collect();
+    let normalised = |points: &[[f64; 3]]| -> Vec<f64> {
+        let knots = chord_lengths(points);
+        let total = knots[knots.len() - 1];
+        knots.iter().map(|k| k / total).collect()
+    };
+    let same_count = raw.iter().all(|s| s.len() == raw[0].len());
+    if same_count {
+        let all: Vec<Vec<f64>> = raw.iter().map(|s| normalised(s)).collect();
+        let n = raw[0].len();
+        let mean: Vec<f64> =
+            (0..n).map(|i| all.iter().map(|k| k[i]).sum::<f64>() / all.len() as f64).collect();
+        // A point repeated in every section has no parameter of its own.
+        let keep: Vec<usize> = (0..n).filter(|&i| i == 0 || mean[i] > mean[i - 1] + 1e-9).collect();
+        let u = keep.iter().map(|&i| mean[i]).collect();
+        let sections = sections.iter().map(|s| keep.iter().map(|&i| s[i]).collect()).collect();
+        return (u, sections);
+    }
+    let densest = raw.iter().max_by_key(|s| s.len()).unwrap_or(&raw[0]);
+    let u = normalised(densest);
+    let resampled = raw
+        .iter()
+        .map(|s| {
+            let spline = Cubic::interpolate(&normalised(s), s);
+            u.iter().map(|&t| Point::from(Vector::from(spline.point(t)))).collect()
+        })
+        .collect();
+    (u, resampled)
+}

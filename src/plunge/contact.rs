@@ -1,0 +1,166 @@
+//! Contact of the core (DESIGN section 3): where the part of the cutter without edges meets stock that no
+//! earlier plunge removed. An exact question about half-infinite cylinders and the turned
+//! blank, answered by intervals along lines of the core.
+
+use super::plan::CoreContact;
+use crate::geometry::{CutterSolid, Point, Vector, frame_about, search};
+use crate::part::Blank;
+
+/// A plunge as contact sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// The cutter at its final depth.
+    pub cutter: CutterSolid,
+    /// Radius of the core, mm.
+    pub core_radius: f64,
+}
+
+/// Rings of lines through the core: (share of the core radius, lines). Contact starts at the
+/// rim of the core, so most lines are there.
+const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
+/// Uncovered stretches of one line that are kept apart.
+const STRETCHES: usize = 12;
+/// Height above the bottom, mm, at which stock counts for the contact area.
+const AREA_HEIGHT: f64 = 0.02;
+
+/// Contact of `column`'s core with the stock of `blank` that `earlier` plunges left.
+pub fn core_contact(column: &Column, earlier: &[Column], blank: &Blank) -> CoreContact {
+    let near = Neighbours::of(column, earlier);
+    let (e1, e2) = frame_about(&column.cutter.axis);
+    let line = |rho: f64, phi: f64| column.cutter.tip + (e1 * phi.cos() + e2 * phi.sin()) * rho;
+    let mut depth = 0.0f64;
+    let mut area = 0.0;
+    // (value, angle) of the rim lines: entry into what is already removed, negative below the bottom.
+    let mut rim = [(0.0f64, 0.0f64); 48];
+    for (ring, &(share, count)) in RINGS.iter().enumerate() {
+        let rho = share * column.core_radius;
+        let mut hits = 0usize;
+        for i in 0..count {
+            let phi = std::f64::consts::TAU * i as f64 / count as f64;
+            let origin = line(rho, phi);
+            let found = near.stock_on_line(&origin, &column.cutter.axis, blank);
+            depth = depth.max(found);
+            if near.first_entry(&origin, &column.cutter.axis) > AREA_HEIGHT
+                && blank.highest_inside(&origin, &column.cutter.axis, 0.0, AREA_HEIGHT).is_some()
+            {
+                hits += 1;
+            }
+            if ring == 0 {
+                rim[i] = (near.first_entry(&origin, &column.cutter.axis), phi);
+            }
+        }
+        area += hits as f64 / count as f64 * ring_weight(ring);
+    }
+    // Between the lines of the rim the first entry may rise higher: follow it to its top.
+    let step = std::f64::consts::TAU / 48.0;
+    for i in 0..48 {
+        let (before, here, after) = (rim[(i + 47) % 48].0, rim[i].0, rim[(i + 1) % 48].0);
+        if here < before || here < after || here < -0.2 || !here.is_finite() {
+            continue;
+        }
+        let (phi, _) = search::minimum(
+            |phi| -near.first_entry(&line(column.core_radius, phi), &column.cutter.axis),
+            rim[i].1 - step,
+            rim[i].1 + step,
+            1e-5,
+        );
+        depth = depth.max(near.stock_on_line(&line(column.core_radius, phi), &column.cutter.axis, blank));
+    }
+    CoreContact { depth, area_share: area }
+}
+
+/// Share of the core disc each ring stands for: annuli midway between the rings.
+fn ring_weight(ring: usize) -> f64 {
+    let border = |i: usize| 0.5 * (RINGS[i].0 + RINGS[i + 1].0);
+    let outer = if ring == 0 { 1.0 } else { border(ring - 1) };
+    let inner = if ring + 1 == RINGS.len() { 0.0 } else { border(ring) };
+    outer * outer - inner * inner
+}
+
+/// The earlier plunges that can touch a core column, latest first.
+struct Neighbours {
+    columns: Vec<CutterSolid>,
+}
+
+impl Neighbours {
+    fn of(column: &Column, earlier: &[Column]) -> Self {
+        // Far above the blank nothing matters; distances between straight axes change evenly.
+        const HEIGHTS: [f64; 5] = [0.0, 40.0, 80.0, 160.0, 320.0];
+        let columns = earlier
+            .iter()
+            .rev()
+            .filter(|other| {
+                let slope = column.cutter.axis.cross(&other.cutter.axis).norm();
+                HEIGHTS.iter().zip(HEIGHTS.iter().skip(1)).any(|(&low, &high)| {
+                    let middle = 0.5 * (low + high);
+                    let d = column.cutter.tip + column.cutter.axis * middle - other.cutter.tip;
+                    let flat = (d - other.cutter.axis * d.dot(&other.cutter.axis)).norm();
+                    flat - slope * 0.5 * (high - low) < other.cutter.radius + column.core_radius
+                })
+            })
+            .map(|c| c.cutter)
+            .collect();
+        Self { columns }
+    }
+
+    /// Lowest height on the line from which on something is already removed; infinite if nothing is.
+    fn first_entry(&self, origin: &Point, direction: &Vector) -> f64 {
+        let mut first = f64::INFINITY;
+        for cutter in &self.columns {
+            if let Some((low, high)) = removed_interval(cutter, origin, direction)
+                && high > 0.0
+            {
+                first = first.min(low);
+            }
+        }
+        first
+    }
+
+    /// Highest stock on the line from the bottom upwards, mm above it; 0 when there is none.
+    fn stock_on_line(&self, origin: &Point, direction: &Vector, blank: &Blank) -> f64 {
+        let mut open = [(0.0f64, f64::INFINITY); STRETCHES];
+        let mut count = 1;
+        for cutter in &self.columns {
+            let Some((low, high)) = removed_interval(cutter, origin, direction) else { continue };
+            let mut kept = [(0.0, 0.0); STRETCHES];
+            let mut n = 0;
+            for &(a, b) in &open[..count] {
+                for piece in [(a, b.min(low)), (a.max(high), b)] {
+                    if piece.0 < piece.1 && n < STRETCHES {
+                        kept[n] = piece;
+                        n += 1;
+                    }
+                }
+            }
+            (open, count) = (kept, n);
+            if count == 0 {
+                return 0.0;
+            }
+        }
+        open[..count]
+            .iter()
+            .filter(|(a, b)| b - a > 1e-9)
+            .filter_map(|&(a, b)| blank.highest_inside(origin, direction, a, b))
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Interval of the line that a cutter has removed, its rounded corner respected.
+fn removed_interval(cutter: &CutterSolid, origin: &Point, direction: &Vector) -> Option<(f64, f64)> {
+    let (low, high) = cutter.column_interval(cutter.radius, origin, direction)?;
+    if cutter.corner_radius == 0.0 {
+        return Some((low, high));
+    }
+    // The distance to a convex body is convex along a line: its minimum splits the two borders.
+    let (from, to) = (low.max(-1e4), high.min(1e4));
+    let distance = |h: f64| cutter.distance(&(origin + direction * h));
+    let (deepest, value) = search::minimum(distance, from, to, 1e-9);
+    if value >= 0.0 {
+        return None;
+    }
+    let border = |outer: f64| {
+        if distance(outer) < 0.0 { outer } else { search::root(distance, outer, deepest, 1e-10) }
+    };
+    let (entry, exit) = (border(from), border(to));
+    Some((if from > low { low } else { entry }, if to < high { high } else { exit }))
+}
