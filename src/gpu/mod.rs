@@ -1,1 +1,21 @@
-//! .
+//! Device, compute kernel and renderer. Knows no window.
+
+pub mod camera;
+pub mod cutters;
+pub mod device;
+pub mod floor;
+pub mod image;
+pub mod mesh;
+pub mod palette;
+pub mod part_mesh;
+mod pipelines;
+pub mod renderer;
+pub mod scene;
+
+pub use camera::{Camera, Projection, View};
+pub use cutters::CutterFilter;
+pub use device::{Gpu, GpuError, device_descriptor, pick_adapter};
+pub use image::encode_png;
+pub use palette::{ColourMap, Theme};
+pub use renderer::{Picture, Renderer};
+pub use scene::{FloorColours, Pick, Scene, SceneOptions};

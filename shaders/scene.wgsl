@@ -1,0 +1,291 @@
+// The picture of a part and its plan. World in mm; colours are gamma-encoded throughout, so that
+// the floor shows exactly the colours of the legend beside it.
+
+struct Frame {
+    clip_from_world: mat4x4f,
+    eye: vec4f,       // w: 1 perspective, 0 parallel rays
+    right: vec4f,
+    up: vec4f,
+    back: vec4f,      // towards the viewer
+    viewport: vec4f,  // width, height, pixels per line width, shift of lines towards the viewer in mm
+    range: vec4f,     // lowest and highest value of the colour table, floor colours on, floor in relief
+    look: vec4f,      // walls of the channel in work are cut away, floor values are heights
+    greys: array<vec4f, 8>,
+    lines: array<vec4f, 8>,
+    states: array<vec4f, 4>,
+    table: array<vec4f, 256>,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+const GREY_TOP = 0u;
+const GREY_BOTTOM = 1u;
+const GREY_UNCUT = 7u;
+
+// Kinds of surface; a kind's grey is at 2 + kind.
+const SHROUD = 4u;
+// Flags of an instance.
+const INNER = 1u; // faces the channel in work
+
+fn to_viewer(world: vec3f) -> vec3f {
+    return select(frame.back.xyz, normalize(frame.eye.xyz - world), frame.eye.w > 0.5);
+}
+
+// Matt: a soft key light over the viewer's left shoulder, sky and ground, darker in corners and
+// where the surface turns away, which draws the outline of twisted blades.
+fn light(n: vec3f, v: vec3f, open: f32) -> f32 {
+    let key = normalize(frame.back.xyz * 0.75 + frame.up.xyz * 0.6 - frame.right.xyz * 0.55);
+    let half_turned = dot(n, key) * 0.5 + 0.5;
+    let sky = 0.5 + 0.5 * dot(n, frame.up.xyz);
+    let outline = mix(0.70, 1.0, smoothstep(0.0, 0.35, abs(dot(n, v))));
+    let corner = mix(0.62, 1.0, smoothstep(0.0, 1.0, open));
+    return (0.30 + 0.20 * sky + 0.60 * half_turned * half_turned) * outline * corner;
+}
+
+fn facing(n: vec3f, v: vec3f) -> vec3f {
+    return normalize(select(-n, n, dot(n, v) >= 0.0));
+}
+
+// ---- background ---------------------------------------------------------------------------------
+
+struct BackgroundOut {
+    @builtin(position) clip: vec4f,
+    @location(0) height: f32,
+}
+
+@vertex
+fn background_vertex(@builtin(vertex_index) i: u32) -> BackgroundOut {
+    let p = vec2f(f32((i << 1u) & 2u), f32(i & 2u));
+    return BackgroundOut(vec4f(p * 2.0 - 1.0, 1.0, 1.0), p.y);
+}
+
+@fragment
+fn background_fragment(in: BackgroundOut) -> @location(0) vec4f {
+    return vec4f(mix(frame.greys[GREY_BOTTOM].rgb, frame.greys[GREY_TOP].rgb, in.height), 1.0);
+}
+
+// ---- hub, floor, blades, shroud -----------------------------------------------------------------
+
+struct SurfaceIn {
+    @location(0) position: vec3f,
+    @location(1) value: f32,
+    @location(2) normal: vec3f,
+    @location(3) uncut: f32,
+    @location(4) turn: vec2f, // cos, sin
+    @location(5) kind: u32,
+    @location(6) flags: u32,
+}
+
+struct SurfaceOut {
+    @builtin(position) clip: vec4f,
+    @location(0) world: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) value: f32,
+    @location(3) uncut: f32,
+    @location(4) raised: vec3f,
+    @location(5) @interpolate(flat) kind: u32,
+    @location(6) @interpolate(flat) flags: u32,
+}
+
+fn turned(p: vec3f, t: vec2f) -> vec3f {
+    return vec3f(p.x * t.x - p.y * t.y, p.x * t.y + p.y * t.x, p.z);
+}
+
+@vertex
+fn surface_vertex(in: SurfaceIn) -> SurfaceOut {
+    var out: SurfaceOut;
+    out.world = turned(in.position, in.turn);
+    out.normal = turned(in.normal, in.turn);
+    out.value = in.value;
+    out.uncut = in.uncut;
+    out.raised = out.world;
+    out.kind = in.kind;
+    out.flags = in.flags;
+    out.clip = frame.clip_from_world * vec4f(out.world, 1.0);
+    return out;
+}
+
+@fragment
+fn surface_fragment(in: SurfaceOut) -> @location(0) vec4f {
+    let v = to_viewer(in.world);
+    if frame.look.x > 0.5 && (in.flags & INNER) != 0u && dot(in.normal, v) < 0.0 {
+        discard;
+    }
+    let grey = frame.greys[2u + in.kind].rgb;
+    return vec4f(grey * light(facing(in.normal, v), v, in.value), 1.0);
+}
+
+// Walls that stand in front of the channel in work, and the shroud: thin glass, denser where the
+// line of sight runs along it.
+@fragment
+fn glass_fragment(in: SurfaceOut) -> @location(0) vec4f {
+    let v = to_viewer(in.world);
+    let n = normalize(in.normal);
+    let along = 1.0 - abs(dot(n, v));
+    var alpha = 0.22 + 0.55 * along * along * along;
+    if in.kind == SHROUD {
+        alpha = 0.10 + 0.40 * along * along;
+    } else if dot(n, v) < 0.0 {
+        discard;
+    }
+    let grey = frame.greys[2u + in.kind].rgb;
+    return vec4f(grey * light(facing(n, v), v, in.value), alpha);
+}
+
+// The floor with its heights. The turn is unused here; the floor stands in its place.
+@vertex
+fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
+    var out: SurfaceOut;
+    out.raised = in.position + in.normal * in.value * frame.look.y;
+    out.world = select(in.position, out.raised, frame.range.w > 0.5);
+    // A hair above the hub, whose facets would else break through.
+    let shift = to_viewer(out.world) * frame.viewport.w * 0.5;
+    out.normal = in.normal;
+    out.value = in.value;
+    out.uncut = in.uncut;
+    out.kind = in.kind;
+    out.flags = in.flags;
+    out.clip = frame.clip_from_world * vec4f(out.world + shift, 1.0);
+    return out;
+}
+
+@fragment
+fn floor_fragment(in: SurfaceOut) -> @location(0) vec4f {
+    let v = to_viewer(in.world);
+    // Slopes of the stock itself, also where it is drawn flat: steps between plunges show as shading.
+    var n = cross(dpdx(in.raised), dpdy(in.raised));
+    n = select(in.normal, normalize(n), dot(n, n) > 1e-12);
+    n = select(-n, n, dot(n, in.normal) >= 0.0);
+    let flat_light = light(facing(in.normal, v), v, 1.0);
+    let relief = light(n, v, 1.0) / max(flat_light, 0.2);
+    let t = (in.value - frame.range.x) / max(frame.range.y - frame.range.x, 1e-6);
+    let entry = u32(clamp(t, 0.0, 1.0) * 255.0 + 0.5);
+    let stock = frame.table[entry].rgb * clamp(relief, 0.80, 1.12) * mix(0.90, 1.0, flat_light);
+    let uncut = frame.greys[GREY_UNCUT].rgb * flat_light;
+    return vec4f(select(stock, uncut, in.uncut > 0.5), 1.0);
+}
+
+// ---- cutters ------------------------------------------------------------------------------------
+
+struct CutterIn {
+    @location(0) ring: vec2f,          // cos, sin
+    @location(1) reach: vec2f,         // which radius, which height
+    @location(2) part: u32,
+    @location(3) tip: vec3f,
+    @location(4) radius: f32,
+    @location(5) axis: vec3f,
+    @location(6) height: f32,
+    @location(7) core_radius: f32,
+    @location(8) corner_radius: f32,
+    @location(9) state: u32,
+}
+
+struct CutterOut {
+    @builtin(position) clip: vec4f,
+    @location(0) world: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) rise: f32, // 0 at the bottom, 1 at the upper end
+    @location(3) @interpolate(flat) part: u32,
+    @location(4) @interpolate(flat) state: u32,
+}
+
+const WALL = 0u;
+const CORNER = 1u;
+const ANNULUS = 2u;
+const CORE_WALL = 3u;
+const CORE_DISC = 4u;
+
+// Two unit vectors that make a right-handed frame with the axis (Duff et al.: no branch, no pole).
+fn across(a: vec3f) -> mat2x3f {
+    let s = select(-1.0, 1.0, a.z >= 0.0);
+    let c = -1.0 / (s + a.z);
+    let d = a.x * a.y * c;
+    return mat2x3f(vec3f(1.0 + s * a.x * a.x * c, s * d, -s * a.x), vec3f(d, s + a.y * a.y * c, -a.y));
+}
+
+@vertex
+fn cutter_vertex(in: CutterIn) -> CutterOut {
+    let xy = across(in.axis);
+    let outward = xy[0] * in.ring.x + xy[1] * in.ring.y;
+    let c = in.corner_radius;
+    // Radii: 0 axis, 1 core, 2 inner end of the corner, 3 its middle, 4 full.
+    let radii = array<f32, 5>(0.0, in.core_radius, in.radius - c, in.radius - 0.293 * c, in.radius);
+    // Heights: 0 bottom, 1 middle of the corner, 2 end of the corner, 3 upper end.
+    let heights = array<f32, 4>(0.0, 0.293 * c, min(c, in.height), in.height);
+    let r = radii[u32(in.reach.x)];
+    let h = heights[u32(in.reach.y)];
+    var out: CutterOut;
+    out.world = in.tip + outward * r + in.axis * h;
+    switch in.part {
+        case WALL, CORE_WALL: { out.normal = outward; }
+        case CORNER: { out.normal = outward * (r - in.radius + c + 1e-3) - in.axis * (c - h); }
+        default: { out.normal = in.axis * select(-1.0, 1.0, in.reach.y > 2.5); }
+    }
+    out.rise = h / max(in.height, 1e-6);
+    out.part = in.part;
+    out.state = in.state;
+    out.clip = frame.clip_from_world * vec4f(out.world, 1.0);
+    return out;
+}
+
+@fragment
+fn cutter_fragment(in: CutterOut) -> @location(0) vec4f {
+    let v = to_viewer(in.world);
+    let shade = 0.25 + 0.80 * light(facing(in.normal, v), v, 1.0);
+    return vec4f(frame.states[in.state].rgb * shade, 1.0);
+}
+
+@fragment
+fn cutter_glass_fragment(in: CutterOut) -> @location(0) vec4f {
+    let v = to_viewer(in.world);
+    let n = normalize(in.normal);
+    let along = 1.0 - abs(dot(n, v));
+    var alpha = (0.07 + 0.50 * along * along * along) * mix(1.0, 0.35, in.rise);
+    if in.part == ANNULUS {
+        alpha = 0.38;
+    }
+    let shade = 0.45 + 0.60 * light(facing(n, v), v, 1.0);
+    return vec4f(frame.states[in.state].rgb * shade, alpha);
+}
+
+// ---- lines --------------------------------------------------------------------------------------
+
+struct LineIn {
+    @location(0) a: vec3f,
+    @location(1) width: f32,
+    @location(2) b: vec3f,
+    @location(3) colour: u32,
+}
+
+struct LineOut {
+    @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat) colour: u32,
+}
+
+fn lifted(p: vec3f) -> vec4f {
+    return frame.clip_from_world * vec4f(p + to_viewer(p) * frame.viewport.w, 1.0);
+}
+
+@vertex
+fn line_vertex(in: LineIn, @builtin(vertex_index) i: u32) -> LineOut {
+    let a = lifted(in.a);
+    let b = lifted(in.b);
+    if min(a.w, b.w) <= 1e-6 {
+        return LineOut(vec4f(0.0, 0.0, 2.0, 1.0), 0u); // behind the viewer
+    }
+    let size = frame.viewport.xy;
+    let way = (b.xy / b.w - a.xy / a.w) * size;
+    let along = select(vec2f(1.0, 0.0), normalize(way), dot(way, way) > 1e-6);
+    let at_end = i == 1u || i == 2u || i == 4u;
+    let left = i == 2u || i == 4u || i == 5u;
+    let p = select(a, b, at_end);
+    // Square ends half a width long close the joints of a polyline.
+    let offset = vec2f(-along.y, along.x) * select(-1.0, 1.0, left) + along * select(-0.5, 0.5, at_end);
+    let clip_xy = p.xy + offset * in.width * frame.viewport.z / size * p.w;
+    return LineOut(vec4f(clip_xy, p.zw), in.colour);
+}
+
+@fragment
+fn line_fragment(in: LineOut) -> @location(0) vec4f {
+    return vec4f(frame.lines[in.colour].rgb, 1.0);
+}

@@ -1,0 +1,382 @@
+//! Orbit camera: where the picture is taken from. World in mm, Z the axis of rotation, angles in
+//! radians, pixels from the top left corner of the picture.
+
+use std::f32::consts::FRAC_PI_2;
+use std::str::FromStr;
+
+use glam::{Mat4, Vec2, Vec3, Vec4};
+
+/// How the picture is projected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Projection {
+    /// Near things are larger.
+    #[default]
+    Perspective,
+    /// Parallel rays; lengths can be compared across the picture.
+    Orthographic,
+}
+
+/// Standard views.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum View {
+    /// The whole wheel from obliquely above the inlet, the channel in work to the front.
+    #[default]
+    Iso,
+    /// The whole wheel from the side, axis upright.
+    Front,
+    /// The whole wheel along its axis, inlet towards the viewer.
+    Top,
+    /// The channel in work, seen onto its floor.
+    Channel,
+    /// The n-th section of the plan, counted from 1.
+    Section(usize),
+}
+
+/// A word that names no view.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no view is called \"{0}\"; use iso, front, top, channel or section:K with K counted from 1")]
+pub struct UnknownView(pub String);
+
+impl FromStr for View {
+    type Err = UnknownView;
+
+    fn from_str(word: &str) -> Result<Self, UnknownView> {
+        let unknown = || UnknownView(word.to_owned());
+        Ok(match word {
+            "iso" => Self::Iso,
+            "front" => Self::Front,
+            "top" => Self::Top,
+            "channel" => Self::Channel,
+            _ => {
+                let number = word.strip_prefix("section:").ok_or_else(unknown)?;
+                match number.parse() {
+                    Ok(k) if k >= 1 => Self::Section(k),
+                    _ => return Err(unknown()),
+                }
+            }
+        })
+    }
+}
+
+/// Something to look at: a sphere around it and the direction it is best seen from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Centre of the sphere, mm.
+    pub center: Vec3,
+    /// Radius of the sphere, mm.
+    pub radius: f32,
+    /// Unit vector from the centre towards the viewer.
+    pub from: Vec3,
+}
+
+/// What the standard views of a scene aim at.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Framing {
+    /// The whole wheel; `from` is the iso direction.
+    pub wheel: Frame,
+    /// The channel in work.
+    pub channel: Frame,
+    /// Sections of the plan, in cutting order.
+    pub sections: Vec<Frame>,
+    /// +1 when the inlet is at the upper end of Z, −1 when the part stands on its head in its file.
+    pub up_sign: f32,
+}
+
+/// A camera that circles a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Point in the middle of the picture.
+    pub target: Vec3,
+    /// Angle of the eye about Z.
+    pub yaw: f32,
+    /// Angle of the eye above the target's horizon, −π/2 … π/2.
+    pub pitch: f32,
+    /// Distance of the eye from the target, mm.
+    pub distance: f32,
+    /// Vertical angle of view.
+    pub fov: f32,
+    /// Projection.
+    pub projection: Projection,
+    /// +1: Z points up in the picture; −1: down.
+    pub up_sign: f32,
+    /// Everything that is drawn lies in this sphere (centre, radius); it bounds the depth range.
+    pub bounds: (Vec3, f32),
+}
+
+/// A ray from the eye into the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start, mm.
+    pub origin: Vec3,
+    /// Unit direction.
+    pub direction: Vec3,
+}
+
+impl Camera {
+    /// A camera for a standard view in a picture of `aspect` = width / height. A section the plan
+    /// does not have shows the channel.
+    pub fn standard(view: View, framing: &Framing, aspect: f32) -> Self {
+        let mut camera = Self {
+            target: framing.wheel.center,
+            yaw: 0.0,
+            pitch: 0.0,
+            distance: 1.0,
+            fov: 28f32.to_radians(),
+            projection: Projection::Perspective,
+            up_sign: framing.up_sign,
+            bounds: (framing.wheel.center, framing.wheel.radius),
+        };
+        let iso = framing.wheel.from;
+        let frame = match view {
+            View::Iso => framing.wheel,
+            View::Front => Frame { from: Vec3::new(iso.x, iso.y, 0.0), ..framing.wheel },
+            View::Top => Frame { from: Vec3::new(0.0, 0.0, framing.up_sign), ..framing.wheel },
+            View::Channel => framing.channel,
+            View::Section(k) => *framing.sections.get(k.wrapping_sub(1)).unwrap_or(&framing.channel),
+        };
+        camera.look_from(frame.from);
+        if view == View::Top {
+            camera.yaw = iso.y.atan2(iso.x);
+        }
+        camera.fit(frame.center, frame.radius, aspect);
+        camera
+    }
+
+    /// Turns the camera so that it looks at its target from `direction`.
+    pub fn look_from(&mut self, direction: Vec3) {
+        let d = direction.normalize_or(Vec3::X);
+        self.pitch = (d.z * self.up_sign).clamp(-1.0, 1.0).asin();
+        if d.x.hypot(d.y) > 1e-6 {
+            self.yaw = d.y.atan2(d.x);
+        }
+    }
+
+    /// Moves the camera along its line of sight until a sphere fills the picture.
+    pub fn fit(&mut self, center: Vec3, radius: f32, aspect: f32) {
+        let half_vertical = self.fov / 2.0;
+        let half_horizontal = (half_vertical.tan() * aspect).atan();
+        let half = half_vertical.min(half_horizontal);
+        self.target = center;
+        self.distance = match self.projection {
+            Projection::Perspective => radius / half.sin(),
+            Projection::Orthographic => radius / (half_vertical.tan() * aspect.min(1.0)),
+        };
+    }
+
+    /// Unit vectors right, up and back (towards the viewer) of the picture.
+    pub fn basis(&self) -> (Vec3, Vec3, Vec3) {
+        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
+        let back = Vec3::new(cos_pitch * cos_yaw, cos_pitch * sin_yaw, self.up_sign * sin_pitch);
+        let right = Vec3::new(-sin_yaw, cos_yaw, 0.0) * self.up_sign;
+        (right, back.cross(right), back)
+    }
+
+    /// Where the eye is, mm.
+    pub fn eye(&self) -> Vec3 {
+        self.target + self.basis().2 * self.distance
+    }
+
+    /// World → clip space (z 0…1, y up).
+    pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
+        let (_, up, back) = self.basis();
+        let eye = self.eye();
+        let view = glam::camera::rh::view::look_to_mat4(eye, -back, up);
+        // The depth range hugs the scene: far away from the wheel the depth buffer stays sharp.
+        let ahead = (eye - self.bounds.0).dot(back);
+        let far = (ahead + self.bounds.1).max(self.bounds.1 * 0.02);
+        let near = (ahead - self.bounds.1).max(far * 2e-3);
+        let projection = match self.projection {
+            Projection::Perspective => {
+                glam::camera::rh::proj::directx::perspective(self.fov, aspect, near, far)
+            }
+            Projection::Orthographic => {
+                let h = self.distance * (self.fov / 2.0).tan();
+                let w = h * aspect;
+                // Parallel rays start behind the eye too, or zooming in would cut the wheel open.
+                let near = ahead - self.bounds.1;
+                glam::camera::rh::proj::directx::orthographic(-w, w, -h, h, near, far)
+            }
+        };
+        projection * view
+    }
+
+    /// Ray through a pixel of a picture of `size`.
+    pub fn ray(&self, pixel: Vec2, size: Vec2) -> Ray {
+        let (right, up, back) = self.basis();
+        let h = (self.fov / 2.0).tan();
+        let x = (2.0 * pixel.x / size.x - 1.0) * h * size.x / size.y;
+        let y = (1.0 - 2.0 * pixel.y / size.y) * h;
+        match self.projection {
+            Projection::Perspective => {
+                Ray { origin: self.eye(), direction: (right * x + up * y - back).normalize() }
+            }
+            Projection::Orthographic => {
+                // From in front of everything: the eye itself may be inside the part.
+                let out = self.distance.max((self.bounds.0 - self.target).length() + self.bounds.1 * 1.5);
+                let on_plane = self.target + (right * x + up * y) * self.distance;
+                Ray { origin: on_plane + back * out, direction: -back }
+            }
+        }
+    }
+
+    /// Pixel at which a world point appears, if it is in front of the camera.
+    pub fn project(&self, point: Vec3, size: Vec2) -> Option<Vec2> {
+        let clip: Vec4 = self.clip_from_world(size.x / size.y) * point.extend(1.0);
+        (clip.w > 0.0).then(|| {
+            Vec2::new((clip.x / clip.w + 1.0) * 0.5 * size.x, (1.0 - clip.y / clip.w) * 0.5 * size.y)
+        })
+    }
+
+    /// Turns the scene about `pivot`, which keeps its place in the picture; a drag to the right
+    /// (`pixels.x` > 0) turns it to the right.
+    pub fn orbit(&mut self, pixels: Vec2, pivot: Vec3) {
+        const RADIANS_PER_PIXEL: f32 = 0.008;
+        let before = self.basis();
+        let offset = self.target - pivot;
+        let held = (offset.dot(before.0), offset.dot(before.1), offset.dot(before.2));
+        self.yaw -= pixels.x * RADIANS_PER_PIXEL * self.up_sign;
+        self.pitch = (self.pitch + pixels.y * RADIANS_PER_PIXEL).clamp(-FRAC_PI_2, FRAC_PI_2);
+        let after = self.basis();
+        self.target = pivot + after.0 * held.0 + after.1 * held.1 + after.2 * held.2;
+    }
+
+    /// Shifts the scene so that `grabbed` follows the cursor by `pixels`.
+    pub fn pan(&mut self, pixels: Vec2, grabbed: Vec3, size: Vec2) {
+        let (right, up, back) = self.basis();
+        let depth = match self.projection {
+            Projection::Perspective => (self.eye() - grabbed).dot(back).max(self.distance * 1e-2),
+            Projection::Orthographic => self.distance,
+        };
+        let mm_per_pixel = 2.0 * depth * (self.fov / 2.0).tan() / size.y;
+        self.target += (up * pixels.y - right * pixels.x) * mm_per_pixel;
+    }
+
+    /// Zooms by `factor` (< 1: nearer) about `point`, which keeps its place in the picture.
+    pub fn zoom(&mut self, factor: f32, point: Vec3) {
+        let reach = self.bounds.1.max(1e-3);
+        let distance = (self.distance * factor).clamp(reach * 5e-3, reach * 50.0);
+        let factor = distance / self.distance;
+        self.distance = distance;
+        self.target = point + (self.target - point) * factor;
+    }
+
+    /// Centre here: `point` moves to the middle of the picture.
+    pub fn center_on(&mut self, point: Vec3) {
+        self.target = point;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: Vec2 = Vec2::new(900.0, 700.0);
+
+    fn framing(up_sign: f32) -> Framing {
+        let wheel = Frame {
+            center: Vec3::new(3.0, -2.0, 10.0),
+            radius: 120.0,
+            from: Vec3::new(0.4, -0.7, 0.6 * up_sign).normalize(),
+        };
+        Framing { wheel, channel: Frame { radius: 40.0, ..wheel }, sections: vec![], up_sign }
+    }
+
+    fn cameras() -> Vec<Camera> {
+        let mut all = Vec::new();
+        for up_sign in [1.0, -1.0] {
+            for view in [View::Iso, View::Front, View::Top, View::Channel, View::Section(1)] {
+                for projection in [Projection::Perspective, Projection::Orthographic] {
+                    let mut camera = Camera::standard(view, &framing(up_sign), SIZE.x / SIZE.y);
+                    camera.projection = projection;
+                    all.push(camera);
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn views_parse_from_the_command_lines_words() {
+        assert_eq!("iso".parse(), Ok(View::Iso));
+        assert_eq!("section:3".parse(), Ok(View::Section(3)));
+        for word in ["section:0", "section:", "section:x", "Iso", ""] {
+            assert_eq!(word.parse::<View>(), Err(UnknownView(word.to_owned())), "{word}");
+        }
+    }
+
+    #[test]
+    fn basis_is_right_handed_and_up_is_up() {
+        for camera in cameras() {
+            let (right, up, back) = camera.basis();
+            assert!((right.cross(up) - back).length() < 1e-5, "{camera:?}");
+            assert!(up.z * camera.up_sign >= -1e-6, "{camera:?}");
+        }
+    }
+
+    #[test]
+    fn a_point_projects_to_the_pixel_its_ray_starts_from() {
+        for camera in cameras() {
+            for pixel in [Vec2::new(450.0, 350.0), Vec2::new(120.0, 60.0), Vec2::new(800.0, 600.0)] {
+                let ray = camera.ray(pixel, SIZE);
+                let back = camera.project(ray.origin + ray.direction * 300.0, SIZE).expect("in front");
+                assert!((back - pixel).length() < 0.05, "{pixel} came back as {back}, {camera:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_fitted_sphere_stays_in_the_picture_and_touches_its_border() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            for size in [SIZE, Vec2::new(400.0, 900.0)] {
+                let mut camera = Camera::standard(View::Iso, &framing(1.0), 1.0);
+                camera.projection = projection;
+                camera.fit(camera.target, 120.0, size.x / size.y);
+                let (right, up, _) = camera.basis();
+                let mut widest = 0f32;
+                for i in 0..64 {
+                    let (s, c) = (i as f32 / 64.0 * std::f32::consts::TAU).sin_cos();
+                    let p = camera.target + (right * c + up * s) * 120.0;
+                    let q = (camera.project(p, size).expect("in front") / size - 0.5).abs();
+                    widest = widest.max(q.x.max(q.y));
+                }
+                assert!((0.45..=0.501).contains(&widest), "{widest} of the half picture");
+            }
+        }
+    }
+
+    #[test]
+    fn orbit_zoom_and_pan_keep_the_point_under_the_cursor() {
+        for start in cameras() {
+            let pixel = Vec2::new(600.0, 200.0);
+            let ray = start.ray(pixel, SIZE);
+            let point = ray.origin + ray.direction * 350.0;
+            let mut camera = start;
+            camera.orbit(Vec2::new(37.0, 11.0), point);
+            let held = camera.project(point, SIZE).expect("in front");
+            assert!((held - pixel).length() < 0.1, "orbit moved it to {held}");
+            camera.zoom(0.8, point);
+            let held = camera.project(point, SIZE).expect("in front");
+            assert!((held - pixel).length() < 0.1, "zoom moved it to {held}");
+            camera.pan(Vec2::new(-20.0, 30.0), point, SIZE);
+            let held = camera.project(point, SIZE).expect("in front");
+            assert!((held - pixel - Vec2::new(-20.0, 30.0)).length() < 0.1, "pan moved it to {held}");
+        }
+    }
+
+    #[test]
+    fn all_of_the_scene_lies_in_the_depth_range() {
+        for camera in cameras() {
+            let clip_from_world = camera.clip_from_world(1.3);
+            let (center, radius) = camera.bounds;
+            for d in [camera.basis().2, -camera.basis().2] {
+                let p = clip_from_world * (center + d * radius * 0.999).extend(1.0);
+                if p.w > 0.0 {
+                    let z = p.z / p.w;
+                    let inside_eye = (camera.eye() - camera.bounds.0).length() < radius;
+                    assert!((-1e-4..=1.0001).contains(&z) || inside_eye, "{z} {camera:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! Plunge cutters as instances of one mesh: thin glass wall, solid core, bottom, dark rim.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use super::camera::Ray;
+use super::mesh::{LineColour, Segment, polyline};
+use crate::plunge::plan::PlungePlan;
+
+/// What a position's colour says.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CutterState {
+    /// Its core meets no stock.
+    #[default]
+    Sound = 0,
+    /// The blades keep it from the axis its policy asks for.
+    Blocked = 1,
+    /// Its core meets stock.
+    Interferential = 2,
+    /// Chosen by the user.
+    Selected = 3,
+}
+
+/// Which cutters are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CutterFilter {
+    /// None, except the selected one.
+    Hidden,
+    /// Interferential and blocked ones.
+    Faulty,
+    /// All.
+    #[default]
+    All,
+}
+
+/// One cutter as the shader sees it. 48 bytes, matches `CutterIn` of `shaders/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CutterInstance {
+    /// Centre of the bottom, mm.
+    pub tip: [f32; 3],
+    /// R, mm.
+    pub radius: f32,
+    /// Unit axis, tip → holder.
+    pub axis: [f32; 3],
+    /// Length drawn, mm.
+    pub height: f32,
+    /// R − w, mm.
+    pub core_radius: f32,
+    /// Corner radius, mm.
+    pub corner_radius: f32,
+    /// [`CutterState`].
+    pub state: u32,
+    /// Index of the position in the plan.
+    pub id: u32,
+}
+
+/// A position of a plan, ready to be drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cutter {
+    /// Instance at full length, up to the retract point; state without selection.
+    pub instance: CutterInstance,
+    /// Retract point.
+    pub retract: Vec3,
+    /// Section the position belongs to.
+    pub section: usize,
+}
+
+/// Which cutters to draw, and how.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CutterChoice {
+    /// Which ones.
+    pub filter: CutterFilter,
+    /// Only positions before this one; the last of them is drawn at full length.
+    pub at: Option<usize>,
+    /// Chosen position; always drawn at full length.
+    pub selected: Option<usize>,
+    /// Length of the others, in diameters.
+    pub stub: f32,
+}
+
+/// Cutters of a plan, in cutting order. A position of a section the plan lacks is left out.
+pub fn cutters(plan: &PlungePlan) -> Vec<Cutter> {
+    let to = |p: [f64; 3]| p.map(|x| x as f32);
+    let mut all = Vec::with_capacity(plan.positions.len());
+    for (id, position) in plan.positions.iter().enumerate() {
+        let Some(section) = plan.sections.get(position.section) else { continue };
+        let tool = &section.tool;
+        let state = if position.contact.interferes() {
+            CutterState::Interferential
+        } else if position.blocked.is_some() {
+            CutterState::Blocked
+        } else {
+            CutterState::Sound
+        };
+        let tip = to(position.tip.into());
+        let retract = Vec3::from_array(to(position.retract.into()));
+        all.push(Cutter {
+            instance: CutterInstance {
+                tip,
+                radius: tool.radius() as f32,
+                axis: to(position.axis.into()),
+                height: retract.distance(Vec3::from_array(tip)).max(tool.radius() as f32),
+                core_radius: tool.core_radius().clamp(0.0, tool.radius()) as f32,
+                corner_radius: tool.corner_radius.clamp(0.0, tool.radius()) as f32,
+                state: state as u32,
+                id: id as u32,
+            },
+            retract,
+            section: position.section,
+        });
+    }
+    all
+}
+
+impl CutterChoice {
+    /// The instance to draw for a cutter, or `None` when it is not shown.
+    pub fn instance(&self, cutter: &Cutter) -> Option<CutterInstance> {
+        let mut instance = cutter.instance;
+        let id = instance.id as usize;
+        if self.selected == Some(id) {
+            instance.state = CutterState::Selected as u32;
+            return Some(instance);
+        }
+        let in_work = match self.at {
+            Some(at) if id >= at => return None,
+            Some(at) => id + 1 == at,
+            None => false,
+        };
+        let shown = match self.filter {
+            CutterFilter::Hidden => false,
+            CutterFilter::Faulty => instance.state != CutterState::Sound as u32,
+            CutterFilter::All => true,
+        };
+        if !shown {
+            return None;
+        }
+        if !in_work {
+            instance.height = instance.height.min(2.0 * instance.radius * self.stub);
+        }
+        Some(instance)
+    }
+}
+
+/// Colour of the rim of a cutter in a state.
+fn rim_colour(state: u32) -> LineColour {
+    match state {
+        0 => LineColour::Sound,
+        1 => LineColour::Blocked,
+        2 => LineColour::Interferential,
+        _ => LineColour::Selected,
+    }
+}
+
+/// Unit vectors across an axis.
+fn across(axis: Vec3) -> (Vec3, Vec3) {
+    axis.any_orthonormal_pair()
+}
+
+/// Rims of a drawn cutter: the bottom edge, the core's edge, and the upper end where it is `whole`.
+pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec<Segment>) {
+    let tip = Vec3::from_array(instance.tip);
+    let axis = Vec3::from_array(instance.axis);
+    let (x, y) = across(axis);
+    let colour = rim_colour(instance.state);
+    let mut circle = |radius: f32, height: f32, width: f32| {
+        let points: Vec<Vec3> = (0..=steps)
+            .map(|i| {
+                let (sin, cos) = (i as f32 / steps as f32 * std::f32::consts::TAU).sin_cos();
+                tip + axis * height + (x * cos + y * sin) * radius
+            })
+            .collect();
+        into.extend(polyline(&points, width, colour));
+    };
+    let width = if instance.state == CutterState::Selected as u32 { 2.6 } else { 1.5 };
+    circle(instance.radius, instance.corner_radius.min(instance.height), width);
+    if whole {
+        circle(instance.radius, instance.height, width * 0.7);
+    }
+}
+
+/// Axis of a cutter from its tip to the retract point.
+pub fn axis_line(cutter: &Cutter, selected: bool) -> Segment {
+    Segment {
+        a: cutter.instance.tip,
+        width: if selected { 2.0 } else { 1.0 },
+        b: cutter.retract.to_array(),
+        colour: if selected { LineColour::Selected } else { LineColour::Axis } as u32,
+    }
+}
+
+/// One corner of the unit cutter. 20 bytes, matches the first part of `CutterIn`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct UnitVertex {
+    /// cos and sin of the angle about the axis.
+    pub ring: [f32; 2],
+    /// Which of the instance's radii and heights.
+    pub reach: [f32; 2],
+    /// Part, see [`UnitCutter`].
+    pub part: u32,
+}
+
+/// Mesh that every cutter is an instance of: first the solid part, then the glass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitCutter {
+    /// Corners.
+    pub vertices: Vec<UnitVertex>,
+    /// Three per triangle.
+    pub indices: Vec<u32>,
+    /// Number of indices of the solid part; the rest is glass.
+    pub solid: u32,
+}
+
+impl UnitCutter {
+    /// A cutter of `steps` flat facets.
+    pub fn new(steps: usize) -> Self {
+        const WALL: u32 = 0;
+        const CORNER: u32 = 1;
+        const ANNULUS: u32 = 2;
+        const CORE_WALL: u32 = 3;
+        const CORE_DISC: u32 = 4;
+        let mut mesh = Self { vertices: Vec::new(), indices: Vec::new(), solid: 0 };
+        mesh.band(steps, CORE_DISC, [0.0, 0.0], [1.0, 0.0]);
+        mesh.band(steps, CORE_WALL, [1.0, 0.0], [1.0, 3.0]);
+        mesh.band(steps, CORE_DISC, [1.0, 3.0], [0.0, 3.0]);
+        mesh.solid = mesh.indices.len() as u32;
+        mesh.band(steps, ANNULUS, [1.0, 0.0], [2.0, 0.0]);
+        mesh.band(steps, CORNER, [2.0, 0.0], [3.0, 1.0]);
+        mesh.band(steps, CORNER, [3.0, 1.0], [4.0, 2.0]);
+        mesh.band(steps, WALL, [4.0, 2.0], [4.0, 3.0]);
+        mesh
+    }
+
+    fn band(&mut self, steps: usize, part: u32, from: [f32; 2], to: [f32; 2]) {
+        let base = self.vertices.len() as u32;
+        for i in 0..=steps {
+            let (sin, cos) = (i as f32 / steps as f32 * std::f32::consts::TAU).sin_cos();
+            for reach in [from, to] {
+                self.vertices.push(UnitVertex { ring: [cos, sin], reach, part });
+            }
+        }
+        for i in 0..steps as u32 {
+            let a = base + 2 * i;
+            self.indices.extend([a, a + 2, a + 1, a + 1, a + 2, a + 3]);
+        }
+    }
+}
+
+/// Distance along a ray to a cutter's cylinder, mm; `None` beside it.
+pub fn hit(instance: &CutterInstance, ray: &Ray) -> Option<f32> {
+    let axis = Vec3::from_array(instance.axis);
+    let from = ray.origin - Vec3::from_array(instance.tip);
+    let (along_origin, along_ray) = (from.dot(axis), ray.direction.dot(axis));
+    let p = from - axis * along_origin;
+    let d = ray.direction - axis * along_ray;
+    let r2 = instance.radius * instance.radius;
+    let (a, b, c) = (d.dot(d), p.dot(d), p.dot(p) - r2);
+    // Interval of the ray inside the endless cylinder, cut by the slab between bottom and top.
+    let (mut enter, mut leave) = if a > 1e-12 {
+        let root = b * b - a * c;
+        if root < 0.0 {
+            return None;
+        }
+        ((-b - root.sqrt()) / a, (-b + root.sqrt()) / a)
+    } else if c <= 0.0 {
+        (f32::NEG_INFINITY, f32::INFINITY)
+    } else {
+        return None;
+    };
+    if along_ray.abs() > 1e-9 {
+        let (t0, t1) = (-along_origin / along_ray, (instance.height - along_origin) / along_ray);
+        enter = enter.max(t0.min(t1));
+        leave = leave.min(t0.max(t1));
+    } else if !(0.0..=instance.height).contains(&along_origin) {
+        return None;
+    }
+    (enter <= leave && leave > 0.0).then_some(enter.max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cutter(id: u32, state: CutterState) -> Cutter {
+        Cutter {
+            instance: CutterInstance {
+                axis: [0.0, 0.0, 1.0],
+                radius: 5.0,
+                core_radius: 2.0,
+                height: 60.0,
+                state: state as u32,
+                id,
+                ..Default::default()
+            },
+            retract: Vec3::new(0.0, 0.0, 60.0),
+            section: 0,
+        }
+    }
+
+    #[test]
+    fn scrubbing_shows_what_is_cut_and_the_last_at_full_length() {
+        let choice = CutterChoice { at: Some(3), stub: 0.5, ..Default::default() };
+        let heights: Vec<Option<f32>> =
+            (0..5).map(|id| choice.instance(&cutter(id, CutterState::Sound)).map(|i| i.height)).collect();
+        assert_eq!(heights, [Some(5.0), Some(5.0), Some(60.0), None, None]);
+    }
+
+    #[test]
+    fn filters_keep_the_faulty_and_never_hide_the_selected() {
+        let choice = CutterChoice { filter: CutterFilter::Faulty, stub: 0.5, ..Default::default() };
+        assert!(choice.instance(&cutter(0, CutterState::Sound)).is_none());
+        assert!(choice.instance(&cutter(1, CutterState::Blocked)).is_some());
+        let choice = CutterChoice { filter: CutterFilter::Hidden, selected: Some(7), ..Default::default() };
+        let selected = choice.instance(&cutter(7, CutterState::Interferential)).expect("shown");
+        assert_eq!(selected.state, CutterState::Selected as u32);
+    }
+
+    #[test]
+    fn a_ray_meets_the_cylinder_where_it_should() {
+        let cutter = cutter(0, CutterState::Sound).instance;
+        let ray = |o: [f32; 3], d: [f32; 3]| Ray {
+            origin: Vec3::from_array(o),
+            direction: Vec3::from_array(d).normalize(),
+        };
+        assert_eq!(hit(&cutter, &ray([20.0, 0.0, 10.0], [-1.0, 0.0, 0.0])), Some(15.0));
+        assert_eq!(hit(&cutter, &ray([1.0, 1.0, 100.0], [0.0, 0.0, -1.0])), Some(40.0));
+        assert_eq!(hit(&cutter, &ray([20.0, 0.0, 70.0], [-1.0, 0.0, 0.0])), None);
+        assert_eq!(hit(&cutter, &ray([20.0, 6.0, 10.0], [-1.0, 0.0, 0.0])), None);
+        assert_eq!(hit(&cutter, &ray([20.0, 0.0, 10.0], [1.0, 0.0, 0.0])), None);
+    }
+
+    #[test]
+    fn the_unit_cutter_has_a_solid_and_a_glass_part() {
+        let unit = UnitCutter::new(24);
+        assert_eq!(unit.solid, 24 * 3 * 6);
+        assert_eq!(unit.indices.len(), 24 * 7 * 6);
+        assert!(unit.indices.iter().all(|&i| (i as usize) < unit.vertices.len()));
+    }
+}

@@ -1,0 +1,217 @@
+//! The graphics device: which adapter is taken, and what happens to its errors.
+//!
+//! Only Vulkan is used. Without a graphics card the same code runs on Mesa's software driver
+//! (lavapipe), so a machine without a screen draws the same pictures.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Environment variable that forces the software driver when set to `software`.
+pub const GPU_VARIABLE: &str = "VANECUT_GPU";
+
+/// Why there is no device, or why it failed.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    /// No Vulkan loader or no Vulkan driver was found.
+    #[error(
+        "no Vulkan driver was found; install one, on Debian: apt install libvulkan1 mesa-vulkan-drivers \
+         (the latter includes a software driver that needs no graphics card)"
+    )]
+    NoVulkan,
+    /// The software driver was asked for, and only other drivers are there.
+    #[error(
+        "{GPU_VARIABLE}=software asks for a software Vulkan driver, and there is none; \
+         on Debian: apt install mesa-vulkan-drivers"
+    )]
+    NoSoftware,
+    /// The environment variable holds something unknown.
+    #[error("{GPU_VARIABLE} may be \"software\" or unset, and is {0:?}")]
+    UnknownChoice(String),
+    /// The adapter is there but gives no device.
+    #[error("the graphics device {name} could not be opened: {source}")]
+    Open {
+        /// Name of the adapter.
+        name: String,
+        /// The driver's reason.
+        source: wgpu::RequestDeviceError,
+    },
+    /// The device rejected or failed an operation.
+    #[error("the graphics device failed: {0}")]
+    Failed(String),
+    /// The input needs larger buffers than the device has.
+    #[error("{what} needs a buffer of {bytes} bytes; the graphics device allows {limit}")]
+    TooLarge {
+        /// What was to be stored.
+        what: &'static str,
+        /// Size asked for, bytes.
+        bytes: u64,
+        /// Size allowed, bytes.
+        limit: u64,
+    },
+}
+
+/// Errors that reached no error scope. Bounded: a fault repeated in every frame must not fill memory.
+#[derive(Debug, Default)]
+struct ErrorLog {
+    messages: Mutex<VecDeque<String>>,
+}
+
+impl ErrorLog {
+    const KEPT: usize = 32;
+
+    fn record(&self, message: String) {
+        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        if messages.len() == Self::KEPT {
+            messages.pop_front();
+        }
+        messages.push_back(message);
+    }
+
+    fn take(&self) -> Vec<String> {
+        self.messages.lock().unwrap_or_else(PoisonError::into_inner).drain(..).collect()
+    }
+}
+
+/// An open device with its queue. Cheap to clone; clones share device, queue and recorded errors.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name, type and driver of the adapter.
+    pub info: wgpu::AdapterInfo,
+    errors: Arc<ErrorLog>,
+}
+
+impl Gpu {
+    /// Opens a device without a window.
+    ///
+    /// # Errors
+    /// [`GpuError::NoVulkan`], [`GpuError::NoSoftware`] or [`GpuError::UnknownChoice`] when there is no
+    /// adapter to take, [`GpuError::Open`] when the driver refuses.
+    pub fn headless() -> Result<Gpu, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::VULKAN,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+        let adapter = pick_adapter(&adapters)?;
+        let info = adapter.get_info();
+        let (device, queue) = pollster::block_on(adapter.request_device(&device_descriptor(&adapter)))
+            .map_err(|source| GpuError::Open { name: info.name.clone(), source })?;
+        Ok(Gpu::from_parts(device, queue, info))
+    }
+
+    /// Takes over a device that was opened elsewhere, e.g. by the window. From here on its uncaptured
+    /// errors are recorded instead of ending the program.
+    pub fn from_parts(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Gpu {
+        let errors = Arc::new(ErrorLog::default());
+        let log = errors.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| log.record(error.to_string())));
+        let log = errors.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            // Dropping the device at the end also arrives here, and is no fault.
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                log.record(format!("device lost: {message}"));
+            }
+        });
+        Gpu { device, queue, info, errors }
+    }
+
+    /// Errors recorded since the last call, oldest first; at most the last 32.
+    pub fn take_errors(&self) -> Vec<String> {
+        self.errors.take()
+    }
+
+    /// Whether the adapter is a software driver.
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+}
+
+/// What to ask of `adapter`: the default limits, with buffers as large as it allows.
+pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    let offered = adapter.limits();
+    wgpu::DeviceDescriptor {
+        label: Some("vanecut"),
+        required_limits: wgpu::Limits {
+            max_buffer_size: offered.max_buffer_size,
+            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+            ..wgpu::Limits::default()
+        },
+        ..Default::default()
+    }
+}
+
+/// Picks the adapter to use: a discrete card, else an integrated one, else the software driver;
+/// Vulkan only. [`GPU_VARIABLE`] set to `software` leaves only the software driver.
+///
+/// # Errors
+/// [`GpuError::NoVulkan`], [`GpuError::NoSoftware`] or [`GpuError::UnknownChoice`].
+pub fn pick_adapter(adapters: &[wgpu::Adapter]) -> Result<wgpu::Adapter, GpuError> {
+    let software = match std::env::var(GPU_VARIABLE) {
+        Ok(value) if value == "software" => true,
+        Ok(value) if !value.is_empty() => return Err(GpuError::UnknownChoice(value)),
+        _ => false,
+    };
+    let best = adapters
+        .iter()
+        .filter_map(|adapter| {
+            let info = adapter.get_info();
+            Some((rank(info.backend, info.device_type, software)?, adapter))
+        })
+        .min_by_key(|(rank, _)| *rank);
+    match best {
+        Some((_, adapter)) => Ok(adapter.clone()),
+        None if software && adapters.iter().any(|a| a.get_info().backend == wgpu::Backend::Vulkan) => {
+            Err(GpuError::NoSoftware)
+        }
+        None => Err(GpuError::NoVulkan),
+    }
+}
+
+/// Preference of an adapter, lowest first; `None` if it must not be used.
+fn rank(backend: wgpu::Backend, device_type: wgpu::DeviceType, software: bool) -> Option<u8> {
+    if backend != wgpu::Backend::Vulkan || (software && device_type != wgpu::DeviceType::Cpu) {
+        return None;
+    }
+    Some(match device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::{Backend, DeviceType};
+
+    #[test]
+    fn real_cards_come_before_software_and_gl_is_never_taken() {
+        let order =
+            [DeviceType::DiscreteGpu, DeviceType::IntegratedGpu, DeviceType::VirtualGpu, DeviceType::Cpu];
+        let ranks = order.map(|t| rank(Backend::Vulkan, t, false).expect("usable"));
+        assert!(ranks.is_sorted(), "{ranks:?}");
+        assert_eq!(rank(Backend::Gl, DeviceType::DiscreteGpu, false), None, "GL draws other pixels");
+        assert_eq!(rank(Backend::Vulkan, DeviceType::DiscreteGpu, true), None, "software was asked for");
+        assert!(rank(Backend::Vulkan, DeviceType::Cpu, true).is_some(), "software was asked for");
+    }
+
+    #[test]
+    fn errors_are_recorded_and_do_not_panic() {
+        let gpu = Gpu::headless().expect("a Vulkan driver");
+        let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("wrong on purpose"),
+            size: 16,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        let errors = gpu.take_errors();
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert!(gpu.take_errors().is_empty(), "taken once");
+    }
+}

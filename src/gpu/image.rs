@@ -1,0 +1,61 @@
+//! PNG files.
+
+/// Why a picture could not be encoded.
+#[derive(Debug, thiserror::Error)]
+pub enum ImageError {
+    /// The number of bytes does not fit the size.
+    #[error("{width} × {height} pixels need {expected} bytes, not {got}")]
+    Size {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// 4 · width · height.
+        expected: usize,
+        /// Bytes given.
+        got: usize,
+    },
+    /// The encoder's own complaint.
+    #[error("cannot encode the picture: {0}")]
+    Encode(#[from] png::EncodingError),
+}
+
+/// Encodes 8-bit RGBA rows, top row first, as a whole PNG file.
+///
+/// The file comes back in memory, so that the caller can write it in one go or not at all.
+pub fn encode_png(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<u8>, ImageError> {
+    let expected = width as usize * height as usize * 4;
+    if rgba.len() != expected {
+        return Err(ImageError::Size { width, height, expected, got: rgba.len() });
+    }
+    let mut file = Vec::with_capacity(expected / 4 + 1024);
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgba)?;
+    writer.finish()?;
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_survives_encoding() {
+        let rgba: Vec<u8> = (0..5 * 3 * 4).map(|i| (i * 7) as u8).collect();
+        let file = encode_png(5, 3, &rgba).expect("fits");
+        let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("is a PNG");
+        let mut back = vec![0; reader.output_buffer_size().expect("fits")];
+        let info = reader.next_frame(&mut back).expect("has a frame");
+        assert_eq!((info.width, info.height), (5, 3));
+        assert_eq!(back, rgba);
+    }
+
+    #[test]
+    fn a_wrong_number_of_bytes_is_refused() {
+        assert!(matches!(encode_png(2, 2, &[0; 15]), Err(ImageError::Size { expected: 16, got: 15, .. })));
+    }
+}

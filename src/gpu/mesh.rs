@@ -1,0 +1,330 @@
+//! Triangle meshes and line segments as plain lists, mm. Everything here works on grids of
+//! points; [`super::part_mesh`] takes them from a part.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// One corner of a triangle. 32 bytes, matches `SurfaceIn` of `shaders/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Vertex {
+    /// Position in the frame of the part.
+    pub position: [f32; 3],
+    /// Value for the colour table (floor) or nearness to neighbouring surfaces 0…1 (elsewhere:
+    /// 1 in the open, 0 deep in a corner).
+    pub value: f32,
+    /// Unit normal, out of the material.
+    pub normal: [f32; 3],
+    /// Floor only: 1 where no position has cut, else 0.
+    pub uncut: f32,
+}
+
+/// Triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Corners.
+    pub vertices: Vec<Vertex>,
+    /// Three per triangle.
+    pub indices: Vec<u32>,
+}
+
+/// A straight piece of a line. 32 bytes, matches `LineIn` of `shaders/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Segment {
+    /// Start.
+    pub a: [f32; 3],
+    /// Width in pixels.
+    pub width: f32,
+    /// End.
+    pub b: [f32; 3],
+    /// Index into the table of line colours ([`LineColour`]).
+    pub colour: u32,
+}
+
+/// Colours a line can have; the shader's table is in this order.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineColour {
+    /// Edge away from the channel in work.
+    Edge = 0,
+    /// Edge of the channel in work.
+    WallEdge = 1,
+    /// Axis and retract.
+    Axis = 2,
+    /// Rim of a sound cutter.
+    Sound = 3,
+    /// Rim of a blocked cutter.
+    Blocked = 4,
+    /// Rim of an interferential cutter.
+    Interferential = 5,
+    /// Rim of the selected cutter.
+    Selected = 6,
+}
+
+/// Points of a surface in rows and columns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointGrid {
+    /// Number of rows, at least 2.
+    pub rows: usize,
+    /// Number of columns, at least 2.
+    pub columns: usize,
+    /// `rows × columns` points, row by row.
+    pub points: Vec<Vec3>,
+}
+
+impl PointGrid {
+    /// Samples a surface at the given parameters: one row per `us`, one column per `vs`.
+    pub fn sample(us: &[f64], vs: &[f64], mut surface: impl FnMut(f64, f64) -> Vec3) -> Self {
+        let mut points = Vec::with_capacity(us.len() * vs.len());
+        for &u in us {
+            points.extend(vs.iter().map(|&v| surface(u, v)));
+        }
+        Self { rows: us.len(), columns: vs.len(), points }
+    }
+
+    /// Point at row i, column j.
+    pub fn at(&self, i: usize, j: usize) -> Vec3 {
+        self.points[i * self.columns + j]
+    }
+
+    /// Points of a column, along the rows.
+    pub fn column(&self, j: usize) -> Vec<Vec3> {
+        (0..self.rows).map(|i| self.at(i, j)).collect()
+    }
+
+    /// Points of a row.
+    pub fn row(&self, i: usize) -> Vec<Vec3> {
+        (0..self.columns).map(|j| self.at(i, j)).collect()
+    }
+
+    /// Unit normals by central differences, d/drow × d/dcolumn; zero where the surface is degenerate.
+    pub fn normals(&self) -> Vec<Vec3> {
+        let mut normals = Vec::with_capacity(self.points.len());
+        for i in 0..self.rows {
+            for j in 0..self.columns {
+                let along = self.at((i + 1).min(self.rows - 1), j) - self.at(i.saturating_sub(1), j);
+                let across = self.at(i, (j + 1).min(self.columns - 1)) - self.at(i, j.saturating_sub(1));
+                normals.push(along.cross(across).normalize_or_zero());
+            }
+        }
+        normals
+    }
+
+    /// A mesh of this grid whose normals point to the side on which `outside` has most of its
+    /// points (one vector out of the material per point).
+    pub fn mesh(&self, outside: impl Fn(usize, usize) -> Vec3, open: impl Fn(usize, usize) -> f32) -> Mesh {
+        let mut normals = self.normals();
+        let votes: f32 = (0..self.points.len())
+            .map(|k| normals[k].dot(outside(k / self.columns, k % self.columns).normalize_or_zero()))
+            .sum();
+        if votes < 0.0 {
+            normals.iter_mut().for_each(|n| *n = -*n);
+        }
+        let vertex = |k: usize| Vertex {
+            position: self.points[k].to_array(),
+            value: open(k / self.columns, k % self.columns),
+            normal: normals[k].to_array(),
+            uncut: 0.0,
+        };
+        Mesh {
+            vertices: (0..self.points.len()).map(vertex).collect(),
+            indices: quads(self.rows, self.columns, |_, _| true),
+        }
+    }
+}
+
+/// Indices of the quads of a grid, two triangles each, of those with `keep(row, column)`.
+pub fn quads(rows: usize, columns: usize, keep: impl Fn(usize, usize) -> bool) -> Vec<u32> {
+    let mut indices = Vec::with_capacity(rows * columns * 6);
+    for i in 0..rows.saturating_sub(1) {
+        for j in 0..columns.saturating_sub(1) {
+            if keep(i, j) {
+                let a = (i * columns + j) as u32;
+                let (b, c, d) = (a + 1, a + columns as u32, a + columns as u32 + 1);
+                indices.extend([a, c, b, b, c, d]);
+            }
+        }
+    }
+    indices
+}
+
+/// A point of a profile that is turned about Z, with its unit normal in the (r, z) plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfilePoint {
+    /// Radius and height.
+    pub r: f32,
+    /// Height.
+    pub z: f32,
+    /// Normal, radial part.
+    pub normal_r: f32,
+    /// Normal, axial part.
+    pub normal_z: f32,
+}
+
+impl Mesh {
+    /// The surface of revolution of `profile` about Z between two angles.
+    pub fn revolve(profile: &[ProfilePoint], angles: &[f64], open: impl Fn(usize, f64) -> f32) -> Self {
+        let mut vertices = Vec::with_capacity(profile.len() * angles.len());
+        for (i, p) in profile.iter().enumerate() {
+            for &angle in angles {
+                let (sin, cos) = (angle.sin() as f32, angle.cos() as f32);
+                vertices.push(Vertex {
+                    position: [p.r * cos, p.r * sin, p.z],
+                    value: open(i, angle),
+                    normal: [p.normal_r * cos, p.normal_r * sin, p.normal_z],
+                    uncut: 0.0,
+                });
+            }
+        }
+        Self { vertices, indices: quads(profile.len(), angles.len(), |_, _| true) }
+    }
+
+    /// Adds the triangles of another mesh.
+    pub fn append(&mut self, other: &Mesh) {
+        let base = self.vertices.len() as u32;
+        self.vertices.extend_from_slice(&other.vertices);
+        self.indices.extend(other.indices.iter().map(|i| i + base));
+    }
+
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.indices.len() / 3
+    }
+
+    /// Distance along the ray to the nearest triangle in front of its start, mm.
+    pub fn hit(&self, ray: &super::camera::Ray) -> Option<f32> {
+        let at = |i: u32| Vec3::from_array(self.vertices[i as usize].position);
+        let mut nearest = f32::INFINITY;
+        for triangle in self.indices.chunks_exact(3) {
+            let a = at(triangle[0]);
+            let (ab, ac) = (at(triangle[1]) - a, at(triangle[2]) - a);
+            let p = ray.direction.cross(ac);
+            let det = ab.dot(p);
+            if det == 0.0 {
+                continue;
+            }
+            let t = ray.origin - a;
+            let u = t.dot(p) / det;
+            let q = t.cross(ab);
+            let v = ray.direction.dot(q) / det;
+            let distance = ac.dot(q) / det;
+            if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 && distance < nearest {
+                nearest = distance;
+            }
+        }
+        nearest.is_finite().then_some(nearest)
+    }
+}
+
+/// Turns a point about Z.
+pub fn turn(p: Vec3, angle: f64) -> Vec3 {
+    let (sin, cos) = (angle.sin() as f32, angle.cos() as f32);
+    Vec3::new(p.x * cos - p.y * sin, p.x * sin + p.y * cos, p.z)
+}
+
+/// Segments of a polyline.
+pub fn polyline(points: &[Vec3], width: f32, colour: LineColour) -> impl Iterator<Item = Segment> + '_ {
+    points.windows(2).map(move |w| Segment {
+        a: w[0].to_array(),
+        width,
+        b: w[1].to_array(),
+        colour: colour as u32,
+    })
+}
+
+/// Parameters 0…1 in `count` even steps.
+pub fn even(count: usize) -> Vec<f64> {
+    (0..=count).map(|i| i as f64 / count as f64).collect()
+}
+
+/// Of parameters `us` of a curve, the few between which straight pieces stay within `tolerance`
+/// of it (Douglas–Peucker), so that a blade's nose keeps its roundness at little cost.
+pub fn thin(us: &[f64], curve: impl Fn(f64) -> Vec3, tolerance: f32) -> Vec<f64> {
+    let points: Vec<Vec3> = us.iter().map(|&u| curve(u)).collect();
+    let mut keep = vec![false; us.len()];
+    if let Some(last) = us.len().checked_sub(1) {
+        keep[0] = true;
+        keep[last] = true;
+        let mut open = vec![(0, last)];
+        while let Some((from, to)) = open.pop() {
+            let chord = (points[to] - points[from]).normalize_or_zero();
+            let gap = |k: usize| {
+                let d = points[k] - points[from];
+                (d - chord * d.dot(chord)).length()
+            };
+            let worst = (from + 1..to).map(|k| (gap(k), k)).max_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((gap, k)) = worst
+                && gap > tolerance
+            {
+                keep[k] = true;
+                open.push((from, k));
+                open.push((k, to));
+            }
+        }
+    }
+    us.iter().zip(keep).filter_map(|(&u, k)| k.then_some(u)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::camera::Ray;
+
+    fn cone() -> Mesh {
+        let n = 0.5f32.sqrt();
+        let profile = [(10.0, 0.0), (5.0, 5.0)].map(|(r, z)| ProfilePoint { r, z, normal_r: n, normal_z: n });
+        let angles: Vec<f64> = even(90).iter().map(|t| t * std::f64::consts::TAU).collect();
+        Mesh::revolve(&profile, &angles, |_, _| 1.0)
+    }
+
+    #[test]
+    fn a_turned_profile_closes_and_is_hit_where_it_stands() {
+        let mesh = cone();
+        assert_eq!(mesh.triangles(), 180);
+        let ray = Ray { origin: Vec3::new(7.5, 0.01, 100.0), direction: Vec3::NEG_Z };
+        let distance = mesh.hit(&ray).expect("over the cone");
+        assert!((distance - 97.5).abs() < 0.02, "{distance}");
+        let beside = Ray { origin: Vec3::new(20.0, 0.0, 100.0), direction: Vec3::NEG_Z };
+        assert_eq!(mesh.hit(&beside), None);
+    }
+
+    #[test]
+    fn a_grids_normals_point_out_of_the_material() {
+        let grid =
+            PointGrid::sample(&even(8), &even(4), |u, v| Vec3::new(u as f32, v as f32, (u * u) as f32 * 0.1));
+        for up in [Vec3::Z, Vec3::NEG_Z] {
+            let mesh = grid.mesh(|_, _| up, |_, _| 1.0);
+            assert_eq!(mesh.triangles(), 64);
+            for vertex in &mesh.vertices {
+                let n = Vec3::from_array(vertex.normal);
+                assert!((n.length() - 1.0).abs() < 1e-5 && n.dot(up) > 0.9, "{n}");
+            }
+        }
+    }
+
+    #[test]
+    fn thinning_keeps_the_nose_and_drops_the_straight() {
+        // A quarter circle of 1 mm, then 50 mm straight.
+        let curve = |u: f64| {
+            if u < 0.5 {
+                let a = (u * std::f64::consts::PI) as f32;
+                Vec3::new(1.0 - a.cos(), a.sin(), 0.0)
+            } else {
+                Vec3::new(1.0 + (u as f32 - 0.5) * 100.0, 1.0, 0.0)
+            }
+        };
+        let us = even(200);
+        let kept = thin(&us, curve, 0.01);
+        assert_eq!((kept[0], *kept.last().expect("two ends")), (0.0, 1.0));
+        let in_nose = kept.iter().filter(|&&u| u < 0.5).count();
+        assert!((4..12).contains(&in_nose) && kept.len() - in_nose <= 3, "{kept:?}");
+    }
+
+    #[test]
+    fn quads_left_out_leave_no_triangles() {
+        assert_eq!(quads(3, 3, |_, _| true).len(), 4 * 6);
+        assert_eq!(quads(3, 3, |i, j| i != j).len(), 2 * 6);
+        assert!(quads(1, 5, |_, _| true).is_empty());
+    }
+}

@@ -1,0 +1,139 @@
+//! Colours of the picture, declared once. Gamma-encoded sRGB, 0…1.
+
+/// Red, green, blue.
+pub type Rgb = [f32; 3];
+
+const fn rgb(hex: u32) -> Rgb {
+    [((hex >> 16) & 255) as f32 / 255.0, ((hex >> 8) & 255) as f32 / 255.0, (hex & 255) as f32 / 255.0]
+}
+
+/// Interferential: vermilion of the Okabe–Ito set.
+pub const INTERFERENTIAL: Rgb = rgb(0xD55E00);
+/// Blocked by the blades: orange.
+pub const BLOCKED: Rgb = rgb(0xE69F00);
+/// Sound: bluish green.
+pub const SOUND: Rgb = rgb(0x009E73);
+/// Selected: the accent.
+pub const SELECTED: Rgb = rgb(0x0072B2);
+
+/// Light or dark surroundings; meaning and state colours are the same in both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Theme {
+    /// Dark lines on light grey.
+    #[default]
+    Light,
+    /// Light part on a dark ground.
+    Dark,
+}
+
+/// Greys of one theme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Greys {
+    /// Background at the top of the picture.
+    pub background_top: Rgb,
+    /// Background at the bottom.
+    pub background_bottom: Rgb,
+    /// Hub and body away from the channel in work.
+    pub hub: Rgb,
+    /// Floor of the channel in work.
+    pub floor: Rgb,
+    /// Blades away from the channel in work.
+    pub blade: Rgb,
+    /// Blades of the channel in work.
+    pub wall: Rgb,
+    /// Shroud glass.
+    pub shroud: Rgb,
+    /// Stock that no position has reached.
+    pub uncut: Rgb,
+    /// Edges away from the channel in work.
+    pub edge: Rgb,
+    /// Edges of the channel in work.
+    pub wall_edge: Rgb,
+    /// Axes and retracts.
+    pub axis: Rgb,
+}
+
+impl Theme {
+    /// The greys of this theme.
+    pub fn greys(self) -> Greys {
+        match self {
+            Self::Light => Greys {
+                background_top: rgb(0xF7F8F9),
+                background_bottom: rgb(0xDDE1E5),
+                hub: rgb(0xBFC4C9),
+                floor: rgb(0xE9E4D6),
+                blade: rgb(0xCED2D6),
+                wall: rgb(0xE2D8BC),
+                shroud: rgb(0x9FB8CC),
+                uncut: rgb(0xA8A29A),
+                edge: rgb(0x767D84),
+                wall_edge: rgb(0x14181C),
+                axis: rgb(0x4A5157),
+            },
+            Self::Dark => Greys {
+                background_top: rgb(0x2A2E33),
+                background_bottom: rgb(0x16181B),
+                hub: rgb(0x767C83),
+                floor: rgb(0xC9C3B2),
+                blade: rgb(0x878E95),
+                wall: rgb(0xC2B693),
+                shroud: rgb(0x6F93AD),
+                uncut: rgb(0x6E6A64),
+                edge: rgb(0x33383D),
+                wall_edge: rgb(0x08090A),
+                axis: rgb(0xB4BAC0),
+            },
+        }
+    }
+}
+
+/// Number of entries of a colour table.
+pub const TABLE_LEN: usize = 256;
+
+/// A colour map, baked into a table that picture and legend share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColourMap {
+    /// Blue to yellow, the same for every eye: stock left.
+    #[default]
+    Cividis,
+    /// Violet to yellow.
+    Viridis,
+    /// Light grey to vermilion: depth of contact.
+    Contact,
+}
+
+impl ColourMap {
+    /// The table, lowest value first.
+    pub fn table(self) -> [[u8; 3]; TABLE_LEN] {
+        std::array::from_fn(|i| {
+            let t = i as f64 / (TABLE_LEN - 1) as f64;
+            match self {
+                Self::Cividis => colorous::CIVIDIS.eval_continuous(t).into_array(),
+                Self::Viridis => colorous::VIRIDIS.eval_continuous(t).into_array(),
+                Self::Contact => {
+                    // A step at zero: free floor stays grey, any contact is seen.
+                    let weight = if i == 0 { 0.0 } else { 0.35 + 0.65 * t as f32 };
+                    let pale = rgb(0xE9E4D6);
+                    std::array::from_fn(|c| {
+                        ((pale[c] + (INTERFERENTIAL[c] - pale[c]) * weight) * 255.0).round() as u8
+                    })
+                }
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_run_from_the_low_to_the_high_end() {
+        let table = ColourMap::Cividis.table();
+        let brightness = |c: [u8; 3]| c.iter().map(|&v| u32::from(v)).sum::<u32>();
+        assert!(brightness(table[0]) < brightness(table[255]), "cividis brightens");
+        let contact = ColourMap::Contact.table();
+        assert_eq!(contact[255], [0xD5, 0x5E, 0x00]);
+        assert_ne!(contact[0], contact[1]);
+    }
+}

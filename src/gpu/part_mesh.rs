@@ -1,0 +1,405 @@
+//! Meshes of an impeller: hub with body, blades, shroud, the floor of the channel in work.
+//!
+//! The channel in work is channel 1: between the suction side of the main blade and the pressure
+//! side of the next one.
+
+use std::f64::consts::TAU;
+
+use glam::Vec3;
+
+use super::camera::{Frame, Framing};
+use super::mesh::{LineColour, Mesh, PointGrid, ProfilePoint, Segment, even, polyline, thin, turn};
+use crate::geometry::Point;
+use crate::part::{Blade, BladeSide, Flowpath, Impeller};
+
+/// Angular steps of a full turn.
+const TURN_STEPS: usize = 240;
+/// Steps along the meridian.
+const MERIDIAN_STEPS: usize = 40;
+/// Steps of a blade from hub to tip.
+const SPAN_STEPS: usize = 8;
+
+/// A blade in its place, the others of its row follow by rotation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BladeMesh {
+    /// Suction side.
+    pub suction: Mesh,
+    /// Pressure side.
+    pub pressure: Mesh,
+    /// Tip, leading and trailing edge.
+    pub closing: Mesh,
+    /// Leading edge, trailing edge, tip and foot as lines.
+    pub edges: Vec<Vec<Vec3>>,
+    /// Rotations at which a copy stands, rad. The copies of a main blade start with the two walls
+    /// of the channel in work, those of a splitter with the one inside it.
+    pub turns: Vec<f64>,
+}
+
+/// Everything of a part that is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartMesh {
+    /// Hub of the whole wheel with rim, back and bore.
+    pub hub: Mesh,
+    /// Floor of the channel in work.
+    pub floor: Mesh,
+    /// Main blade.
+    pub main: BladeMesh,
+    /// Splitters.
+    pub splitters: Vec<BladeMesh>,
+    /// Shroud over the whole wheel.
+    pub shroud: Mesh,
+    /// Edges of hub, body and all blades.
+    pub edges: Vec<Segment>,
+    /// What the standard views aim at; no sections yet.
+    pub framing: Framing,
+}
+
+fn vec3(p: Point) -> Vec3 {
+    Vec3::new(p.x as f32, p.y as f32, p.z as f32)
+}
+
+/// Angle θ moved by whole turns of `period` into `low … low + period`.
+fn wrapped(theta: f64, low: f64, period: f64) -> f64 {
+    low + (theta - low).rem_euclid(period)
+}
+
+impl PartMesh {
+    /// Tessellates a part.
+    pub fn new(part: &Impeller) -> Self {
+        let channel = Channel::new(part);
+        let up_sign = if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 };
+        let body = body_profile(&part.hub, up_sign);
+        let angles: Vec<f64> = even(TURN_STEPS).iter().map(|t| t * TAU).collect();
+        let mut hub = Mesh::revolve(&profile(&part.hub, &hub_range(&part.hub)), &angles, |_, _| 1.0);
+        let mut edges = Vec::new();
+        for pair in body.windows(2) {
+            let along = Vec3::new(pair[1].0 - pair[0].0, 0.0, pair[1].1 - pair[0].1).normalize_or_zero();
+            // The profile runs inlet → rim → back → bore: its material lies on one known side.
+            let point = |(r, z): (f32, f32)| ProfilePoint {
+                r,
+                z,
+                normal_r: -along.z * up_sign,
+                normal_z: along.x * up_sign,
+            };
+            hub.append(&Mesh::revolve(&[point(pair[0]), point(pair[1])], &angles, |_, _| 1.0));
+        }
+        for &(r, z) in &body {
+            let circle: Vec<Vec3> =
+                angles.iter().map(|a| Vec3::new(r * a.cos() as f32, r * a.sin() as f32, z)).collect();
+            edges.extend(polyline(&circle, 1.0, LineColour::Edge));
+        }
+
+        let pitch = part.pitch();
+        let turns = |first: i64| -> Vec<f64> {
+            (0..part.blade_count as i64).map(|k| (first + k) as f64 * pitch).collect()
+        };
+        let mut main = blade_mesh(&part.main);
+        main.turns = turns(0);
+        let splitters: Vec<BladeMesh> = part
+            .splitters
+            .iter()
+            .map(|blade| {
+                let mut mesh = blade_mesh(blade);
+                mesh.turns = turns(channel.copy_inside(blade));
+                mesh
+            })
+            .collect();
+        let walls = [(&main, 2.min(main.turns.len()))].into_iter().chain(splitters.iter().map(|s| (s, 1)));
+        for (blade, lit) in walls {
+            for (k, &angle) in blade.turns.iter().enumerate() {
+                let (colour, width) =
+                    if k < lit { (LineColour::WallEdge, 1.8) } else { (LineColour::Edge, 1.0) };
+                for edge in &blade.edges {
+                    let turned: Vec<Vec3> = edge.iter().map(|&p| turn(p, angle)).collect();
+                    edges.extend(polyline(&turned, width, colour));
+                }
+            }
+        }
+        let shroud_steps = even(MERIDIAN_STEPS);
+        let shroud = Mesh::revolve(&profile(&part.shroud, &shroud_steps), &angles, |_, _| 1.0);
+        let floor = channel.floor_mesh(&part.hub, TURN_STEPS / part.blade_count.max(1) + 8);
+        let framing = channel.framing(part, up_sign, &body);
+        Self { hub, floor, main, splitters, shroud, edges, framing }
+    }
+
+    /// Triangles of the whole wheel as drawn, shroud included.
+    pub fn triangles(&self) -> usize {
+        let blade = |b: &BladeMesh| {
+            (b.suction.triangles() + b.pressure.triangles() + b.closing.triangles()) * b.turns.len()
+        };
+        self.hub.triangles()
+            + self.floor.triangles()
+            + self.shroud.triangles()
+            + blade(&self.main)
+            + self.splitters.iter().map(blade).sum::<usize>()
+    }
+}
+
+/// Values of s of the hub that are drawn: from a short nose ahead of the blades to the rim.
+fn hub_range(hub: &Flowpath) -> Vec<f64> {
+    let nose = hub.s_range().0.max(-0.12);
+    even(MERIDIAN_STEPS).iter().map(|t| nose + (1.0 - nose) * t).collect()
+}
+
+fn profile(path: &Flowpath, at: &[f64]) -> Vec<ProfilePoint> {
+    at.iter()
+        .map(|&s| {
+            let (p, n) = (path.point(s), path.normal(s));
+            ProfilePoint { r: p.r as f32, z: p.z as f32, normal_r: n.r as f32, normal_z: n.z as f32 }
+        })
+        .collect()
+}
+
+/// (r, z) of the closed rest of the body: rim, back, bore and nose ring. A picture of a solid
+/// wheel, not the drawing's back side, which part files do not hold.
+fn body_profile(hub: &Flowpath, up_sign: f32) -> Vec<(f32, f32)> {
+    let nose = hub.point(hub_range(hub)[0]);
+    let rim = hub.point(1.0);
+    let plate = (0.03 * rim.r).max(3.0) as f32;
+    let bore = (0.45 * nose.r) as f32;
+    let back = rim.z as f32 - up_sign * plate;
+    vec![
+        (rim.r as f32, rim.z as f32),
+        (rim.r as f32, back),
+        (bore, back),
+        (bore, nose.z as f32),
+        (nose.r as f32, nose.z as f32),
+    ]
+}
+
+/// Parameters of mesh lines along a blade: from the file's points, thinned.
+fn blade_lines(blade: &Blade) -> Vec<f64> {
+    let mut us: Vec<f64> = blade.suction.u_knots().to_vec();
+    us.extend_from_slice(blade.pressure.u_knots());
+    us.extend(even(16));
+    us.retain(|u| (0.0..=1.0).contains(u));
+    us.sort_by(f64::total_cmp);
+    us.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    let length = (blade.suction.point(1.0, 0.5) - blade.suction.point(0.0, 0.5)).norm() as f32;
+    let mut kept: Vec<f64> = even(16);
+    for side in [&blade.suction, &blade.pressure] {
+        for v in [0.0, 1.0] {
+            kept.extend(thin(&us, |u| vec3(side.point(u, v)), length * 4e-4));
+        }
+    }
+    kept.sort_by(f64::total_cmp);
+    kept.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    kept
+}
+
+/// Tessellates one blade: both sides, and the strips that close it at tip, LE and TE.
+fn blade_mesh(blade: &Blade) -> BladeMesh {
+    let us = blade_lines(blade);
+    let vs = even(SPAN_STEPS);
+    let side = |side: &BladeSide| PointGrid::sample(&us, &vs, |u, v| vec3(side.point(u, v)));
+    close_blade(&side(&blade.suction), &side(&blade.pressure))
+}
+
+/// A blade from grids of its sides (rows LE → TE, columns hub → tip, same shape).
+pub fn close_blade(suction: &PointGrid, pressure: &PointGrid) -> BladeMesh {
+    let (last_row, last_column) = (suction.rows - 1, suction.columns - 1);
+    // Corners at the foot are darker: the eye reads where the blade stands on the hub.
+    let open = |_: usize, j: usize| (j as f32 / last_column as f32 * 2.5).min(1.0);
+    let strip = |a: Vec<Vec3>, b: Vec<Vec3>, outside: Vec3| {
+        let grid = PointGrid { rows: 2, columns: a.len(), points: [a, b].concat() };
+        grid.mesh(|_, _| outside, |_, _| 1.0)
+    };
+    let middle = last_row / 2;
+    let up = suction.at(middle, last_column) - suction.at(middle, 0);
+    let along = suction.at(last_row, last_column / 2) - suction.at(last_row - 1, last_column / 2);
+    let mut closing = strip(suction.column(last_column), pressure.column(last_column), up);
+    closing.append(&strip(suction.row(0), pressure.row(0), suction.at(0, 0) - suction.at(1, 0)));
+    closing.append(&strip(suction.row(last_row), pressure.row(last_row), along));
+    BladeMesh {
+        suction: suction.mesh(|i, j| suction.at(i, j) - pressure.at(i, j), open),
+        pressure: pressure.mesh(|i, j| pressure.at(i, j) - suction.at(i, j), open),
+        closing,
+        edges: vec![
+            suction.column(last_column),
+            pressure.column(last_column),
+            suction.column(0),
+            pressure.column(0),
+            suction.row(0),
+            suction.row(last_row),
+            pressure.row(last_row),
+        ],
+        turns: vec![0.0],
+    }
+}
+
+/// Where the channel in work lies on the hub: the angles of its walls along s.
+struct Channel {
+    /// s of each station.
+    stations: Vec<f64>,
+    /// Angle of the suction-side wall.
+    suction: Vec<f64>,
+    /// Signed angle from there to the pressure-side wall.
+    width: Vec<f64>,
+    pitch: f64,
+}
+
+impl Channel {
+    fn new(part: &Impeller) -> Self {
+        let pitch = part.pitch();
+        let stations = even(64);
+        let on_hub: Vec<(f64, Vec3)> = even(512)
+            .iter()
+            .map(|&s| (s, part.hub.point(s)))
+            .map(|(s, m)| (s, Vec3::new(m.r as f32, 0.0, m.z as f32)))
+            .collect();
+        // Foot of a side as (s, θ), θ without jumps.
+        let foot = |side: &BladeSide| {
+            let mut table: Vec<(f64, f64)> = Vec::new();
+            for u in even(256) {
+                let p = side.point(u, 0.0);
+                let flat = Vec3::new(p.x.hypot(p.y) as f32, 0.0, p.z as f32);
+                let nearest = on_hub
+                    .iter()
+                    .min_by(|a, b| a.1.distance_squared(flat).total_cmp(&b.1.distance_squared(flat)));
+                let s = nearest.map_or(0.0, |n| n.0);
+                let theta = p.y.atan2(p.x);
+                let theta = table.last().map_or(theta, |l| wrapped(theta, l.1 - TAU / 2.0, TAU));
+                if table.last().is_none_or(|l| s > l.0) {
+                    table.push((s, theta));
+                }
+            }
+            table
+        };
+        let at = |table: &[(f64, f64)], s: f64| {
+            let k = table.partition_point(|e| e.0 < s).clamp(1, table.len().max(2) - 1);
+            match (table.get(k - 1), table.get(k)) {
+                (Some(a), Some(b)) => a.1 + (b.1 - a.1) * ((s - a.0) / (b.0 - a.0)).clamp(0.0, 1.0),
+                (Some(a), None) => a.1,
+                _ => 0.0,
+            }
+        };
+        let (suction_foot, pressure_foot) = (foot(&part.main.suction), foot(&part.main.pressure));
+        let suction: Vec<f64> = stations.iter().map(|&s| at(&suction_foot, s)).collect();
+        let width = stations
+            .iter()
+            .zip(&suction)
+            .map(|(&s, &wall)| {
+                let gap = at(&pressure_foot, s) + pitch - wall;
+                // Both feet wind the same way; a whole turn between them is a matter of atan2 only.
+                pitch.signum() * wrapped(gap * pitch.signum(), 0.0, TAU)
+            })
+            .collect();
+        Self { stations, suction, width, pitch }
+    }
+
+    /// Angle at s and λ.
+    fn theta(&self, s: f64, lambda: f64) -> f64 {
+        let x = s.clamp(0.0, 1.0) * (self.stations.len() - 1) as f64;
+        let k = (x as usize).min(self.stations.len() - 2);
+        let mix = |list: &[f64]| list[k] + (list[k + 1] - list[k]) * (x - k as f64);
+        mix(&self.suction) + lambda * mix(&self.width)
+    }
+
+    /// How many pitches a splitter has to be turned to stand in this channel.
+    fn copy_inside(&self, splitter: &Blade) -> i64 {
+        let p = splitter.suction.point(1.0, 0.0);
+        let q = splitter.pressure.point(1.0, 0.0);
+        let middle = Vec3::new((p.x + q.x) as f32, (p.y + q.y) as f32, 0.0);
+        let theta = f64::from(middle.y).atan2(f64::from(middle.x));
+        let offset = theta - self.theta(1.0, 0.0);
+        -(offset / self.pitch).floor() as i64
+    }
+
+    fn floor_mesh(&self, hub: &Flowpath, columns: usize) -> Mesh {
+        let lambdas = even(columns.clamp(12, 96));
+        let mut mesh = Mesh::default();
+        for &s in &self.stations {
+            let (p, n) = (hub.point(s), hub.normal(s));
+            for &lambda in &lambdas {
+                let (sin, cos) = self.theta(s, lambda).sin_cos();
+                // Corners beside the walls are darker.
+                let wall = (lambda.min(1.0 - lambda) * 8.0).min(1.0);
+                mesh.vertices.push(super::mesh::Vertex {
+                    position: [(p.r * cos) as f32, (p.r * sin) as f32, p.z as f32],
+                    value: wall as f32,
+                    normal: [(n.r * cos) as f32, (n.r * sin) as f32, n.z as f32],
+                    uncut: 0.0,
+                });
+            }
+        }
+        mesh.indices = super::mesh::quads(self.stations.len(), lambdas.len(), |_, _| true);
+        mesh
+    }
+
+    fn framing(&self, part: &Impeller, up_sign: f32, body: &[(f32, f32)]) -> Framing {
+        let (inlet, rim) = (part.shroud.point(0.0), part.shroud.point(1.0));
+        let mut low = f32::INFINITY;
+        let mut high = f32::NEG_INFINITY;
+        for z in body.iter().map(|p| p.1).chain([inlet.z as f32, rim.z as f32]) {
+            low = low.min(z);
+            high = high.max(z);
+        }
+        let widest = body.iter().map(|p| p.0).fold(rim.r as f32, f32::max);
+        let center = Vec3::new(0.0, 0.0, (low + high) / 2.0);
+        let radius = widest.hypot((high - low) / 2.0);
+
+        let at = |path: &Flowpath, s: f64, lambda: f64| {
+            let (p, (sin, cos)) = (path.point(s), self.theta(s, lambda).sin_cos());
+            Vec3::new((p.r * cos) as f32, (p.r * sin) as f32, p.z as f32)
+        };
+        let mut corners = Vec::new();
+        for s in [0.0, 0.5, 1.0] {
+            for lambda in [0.0, 0.5, 1.0] {
+                corners.extend([at(&part.hub, s, lambda), at(&part.shroud, s, lambda)]);
+            }
+        }
+        let middle = corners.iter().sum::<Vec3>() / corners.len() as f32;
+        let reach = corners.iter().map(|c| c.distance(middle)).fold(0.0, f32::max);
+
+        // Onto the floor where the meridian has turned half way, leaning towards the rim: from
+        // there neither wall hides the floor.
+        let (sin, cos) = self.theta(0.6, 0.5).sin_cos();
+        let (sin, cos) = (sin as f32, cos as f32);
+        let n = part.hub.normal(0.55);
+        let onto = Vec3::new(n.r as f32 * cos, n.r as f32 * sin, n.z as f32);
+        let outward = Vec3::new(cos, sin, 0.0);
+        // Iso: the mouth of the channel at the rim to the front.
+        let (rim_sin, rim_cos) = self.theta(0.8, 0.5).sin_cos();
+        let iso = Vec3::new(rim_cos as f32, rim_sin as f32, 0.0);
+        Framing {
+            wheel: Frame { center, radius, from: (iso + Vec3::Z * 0.85 * up_sign).normalize() },
+            channel: Frame {
+                center: middle,
+                radius: reach,
+                from: (onto + outward * 0.35).normalize_or(Vec3::Z),
+            },
+            sections: Vec::new(),
+            up_sign,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_blade_is_closed_and_its_sides_face_apart() {
+        let sample = |y: f32| {
+            PointGrid::sample(&even(12), &even(6), |u, v| {
+                let thickness = 4.0 * u.min(1.0 - u).min(0.2) as f32;
+                Vec3::new(60.0 * u as f32, y * thickness, 20.0 * v as f32)
+            })
+        };
+        let blade = close_blade(&sample(1.0), &sample(-1.0));
+        for (mesh, facing) in [(&blade.suction, 1.0), (&blade.pressure, -1.0)] {
+            for vertex in &mesh.vertices {
+                assert!(vertex.normal[1] * facing > 0.5, "{vertex:?}");
+            }
+        }
+        let tip: Vec<_> = blade.closing.vertices.iter().take(26).collect();
+        assert!(tip.iter().filter(|v| v.normal[2] > 0.9).count() >= 20, "tip faces up");
+        assert_eq!(blade.edges.len(), 7);
+    }
+
+    #[test]
+    fn angles_wrap_into_the_period_asked_for() {
+        assert!((wrapped(-0.1, 0.0, TAU) - (TAU - 0.1)).abs() < 1e-12);
+        assert!((wrapped(7.0, 0.0, TAU) - (7.0 - TAU)).abs() < 1e-12);
+    }
+}

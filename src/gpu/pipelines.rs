@@ -1,0 +1,162 @@
+//! Render pipelines of `shaders/scene.wgsl`, one set per number of samples.
+
+use super::cutters::{CutterInstance, UnitVertex};
+use super::mesh::{Segment, Vertex};
+use super::scene::SurfaceInstance;
+
+/// Format of the picture: gamma-encoded, opaque.
+pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Format of the depth buffer.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The shader.
+pub const SCENE_WGSL: &str = include_str!("../../shaders/scene.wgsl");
+
+/// Everything that draws, for one number of samples.
+#[derive(Debug)]
+pub struct Pipelines {
+    pub background: wgpu::RenderPipeline,
+    pub surface: wgpu::RenderPipeline,
+    pub floor: wgpu::RenderPipeline,
+    pub glass: wgpu::RenderPipeline,
+    pub cutter: wgpu::RenderPipeline,
+    pub cutter_glass: wgpu::RenderPipeline,
+    pub line: wgpu::RenderPipeline,
+}
+
+/// What differs between pipelines.
+struct Stage<'a> {
+    label: &'a str,
+    vertex: &'a str,
+    fragment: &'a str,
+    buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    glass: bool,
+    behind_all: bool,
+}
+
+impl Pipelines {
+    /// Builds the set; `layout` has the frame uniform as group 0.
+    pub fn new(
+        device: &wgpu::Device,
+        module: &wgpu::ShaderModule,
+        layout: &wgpu::PipelineLayout,
+        samples: u32,
+    ) -> Self {
+        let corner = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32];
+        let turn = wgpu::vertex_attr_array![4 => Float32x2, 5 => Uint32, 6 => Uint32];
+        let unit = wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Uint32];
+        let cutter = wgpu::vertex_attr_array![
+            3 => Float32x3, 4 => Float32, 5 => Float32x3, 6 => Float32,
+            7 => Float32, 8 => Float32, 9 => Uint32];
+        let segment = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Uint32];
+        let surfaces = [
+            buffer::<Vertex>(wgpu::VertexStepMode::Vertex, &corner),
+            buffer::<SurfaceInstance>(wgpu::VertexStepMode::Instance, &turn),
+        ];
+        let cutters = [
+            buffer::<UnitVertex>(wgpu::VertexStepMode::Vertex, &unit),
+            buffer::<CutterInstance>(wgpu::VertexStepMode::Instance, &cutter),
+        ];
+        let lines = [buffer::<Segment>(wgpu::VertexStepMode::Instance, &segment)];
+        let build = |stage: &Stage| pipeline(device, module, layout, samples, stage);
+        let stage = |label, vertex, fragment, buffers, glass| Stage {
+            label,
+            vertex,
+            fragment,
+            buffers,
+            glass,
+            behind_all: false,
+        };
+        Self {
+            background: build(&Stage {
+                behind_all: true,
+                ..stage("background", "background_vertex", "background_fragment", &[], false)
+            }),
+            surface: build(&stage("surface", "surface_vertex", "surface_fragment", &surfaces, false)),
+            floor: build(&stage("floor", "floor_vertex", "floor_fragment", &surfaces, false)),
+            glass: build(&stage("glass", "surface_vertex", "glass_fragment", &surfaces, true)),
+            cutter: build(&stage("cutter", "cutter_vertex", "cutter_fragment", &cutters, false)),
+            cutter_glass: build(&stage(
+                "cutter glass",
+                "cutter_vertex",
+                "cutter_glass_fragment",
+                &cutters,
+                true,
+            )),
+            line: build(&stage("line", "line_vertex", "line_fragment", &lines, false)),
+        }
+    }
+}
+
+fn buffer<T>(
+    step_mode: wgpu::VertexStepMode,
+    attributes: &[wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'_>> {
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<T>() as wgpu::BufferAddress,
+        step_mode,
+        attributes,
+    })
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    samples: u32,
+    stage: &Stage,
+) -> wgpu::RenderPipeline {
+    let blend = wgpu::BlendState {
+        color: wgpu::BlendState::ALPHA_BLENDING.color,
+        // The picture stays opaque.
+        alpha: wgpu::BlendComponent::OVER,
+    };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(stage.label),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(stage.vertex),
+            compilation_options: Default::default(),
+            buffers: stage.buffers,
+        },
+        // Part files wind their blades either way: the shader asks the normals instead.
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(!stage.glass && !stage.behind_all),
+            depth_compare: Some(if stage.behind_all {
+                wgpu::CompareFunction::Always
+            } else {
+                wgpu::CompareFunction::Less
+            }),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(stage.fragment),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: COLOUR_FORMAT,
+                blend: stage.glass.then_some(blend),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SCENE_WGSL;
+
+    #[test]
+    fn the_shader_is_valid() {
+        let module = naga::front::wgsl::parse_str(SCENE_WGSL).expect("parses");
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
+            .validate(&module)
+            .expect("validates without optional capabilities");
+    }
+}

@@ -1,0 +1,459 @@
+//! Draws a [`Scene`] into a texture of its own. The window shows the texture, the command line
+//! reads it back; both get the same pixels.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{UVec2, Vec3};
+use wgpu::util::DeviceExt;
+
+use super::camera::{Camera, Projection};
+use super::cutters::{self, CutterInstance, UnitCutter};
+use super::device::{Gpu, GpuError};
+use super::mesh::{LineColour, Segment};
+use super::palette::{self, Rgb, TABLE_LEN};
+use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
+use super::scene::{FloorColours, Layer, MeshBuffers, Scene, SceneOptions, unit_cutter};
+
+/// Uniform of `shaders/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct FrameUniform {
+    clip_from_world: [[f32; 4]; 4],
+    eye: [f32; 4],
+    right: [f32; 4],
+    up: [f32; 4],
+    back: [f32; 4],
+    viewport: [f32; 4],
+    range: [f32; 4],
+    look: [f32; 4],
+    greys: [[f32; 4]; 8],
+    lines: [[f32; 4]; 8],
+    states: [[f32; 4]; 4],
+    table: [[f32; 4]; TABLE_LEN],
+}
+
+/// A picture in memory: 8-bit RGBA, top row first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// 4 · width · height bytes.
+    pub rgba: Vec<u8>,
+}
+
+/// Textures of one size and number of samples.
+#[derive(Debug)]
+struct Target {
+    size: UVec2,
+    samples: u32,
+    colour: wgpu::Texture,
+    view: wgpu::TextureView,
+    multisampled: Option<wgpu::TextureView>,
+    depth: wgpu::TextureView,
+}
+
+/// A vertex buffer that is rewritten every picture and grows when needed.
+#[derive(Debug)]
+struct Stream {
+    label: &'static str,
+    buffer: Option<wgpu::Buffer>,
+    count: u32,
+}
+
+impl Stream {
+    fn new(label: &'static str) -> Self {
+        Self { label, buffer: None, count: 0 }
+    }
+
+    fn write<T: Pod>(&mut self, gpu: &Gpu, contents: &[T]) {
+        let bytes: &[u8] = bytemuck::cast_slice(contents);
+        self.count = contents.len() as u32;
+        if bytes.is_empty() {
+            return;
+        }
+        let size = bytes.len() as u64;
+        if self.buffer.as_ref().is_none_or(|b| b.size() < size) {
+            self.buffer = Some(gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(self.label),
+                size: size.next_power_of_two(),
+                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }));
+        }
+        if let Some(buffer) = &self.buffer {
+            gpu.queue.write_buffer(buffer, 0, bytes);
+        }
+    }
+}
+
+/// Draws scenes; keeps pipelines and the target between pictures.
+#[derive(Debug)]
+pub struct Renderer {
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    /// One set for a single sample, one for four; each built when first asked for.
+    pipelines: [Option<Pipelines>; 2],
+    uniform: wgpu::Buffer,
+    bind_group: wgpu::BindGroup,
+    unit_solid: u32,
+    unit: MeshBuffers,
+    cutters: Stream,
+    cutter_lines: Stream,
+    target: Option<Target>,
+    generation: u64,
+}
+
+impl Renderer {
+    /// Prepares a renderer on a device.
+    pub fn new(gpu: &Gpu) -> Self {
+        let device = &gpu.device;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("scene"),
+            source: wgpu::ShaderSource::Wgsl(SCENE_WGSL.into()),
+        });
+        let group_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("frame"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("scene"),
+            bind_group_layouts: &[Some(&group_layout)],
+            immediate_size: 0,
+        });
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("frame"),
+            size: size_of::<FrameUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &group_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        });
+        let UnitCutter { vertices, indices, solid } = unit_cutter();
+        let unit = MeshBuffers {
+            vertices: super::scene::vertex_buffer(gpu, "unit cutter", &vertices),
+            indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("unit cutter triangles"),
+                contents: bytemuck::cast_slice(&indices),
+                usage: wgpu::BufferUsages::INDEX,
+            }),
+            count: indices.len() as u32,
+        };
+        Self {
+            module,
+            layout,
+            pipelines: [None, None],
+            uniform,
+            bind_group,
+            unit_solid: solid,
+            unit,
+            cutters: Stream::new("cutters"),
+            cutter_lines: Stream::new("cutter lines"),
+            target: None,
+            generation: 0,
+        }
+    }
+
+    /// Draws a picture of `size` pixels (at least 1 × 1, at most what the device allows), with 4
+    /// samples per pixel, or 1 where `samples` < 4 (while moving).
+    pub fn render(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: &Camera,
+        options: &SceneOptions,
+        size: UVec2,
+        samples: u32,
+    ) {
+        let most = gpu.device.limits().max_texture_dimension_2d;
+        let size = size.clamp(UVec2::ONE, UVec2::splat(most));
+        let samples = if samples >= 4 { 4 } else { 1 };
+        self.ensure_target(gpu, size, samples);
+        let set = usize::from(samples == 4);
+        if self.pipelines[set].is_none() {
+            self.pipelines[set] = Some(Pipelines::new(&gpu.device, &self.module, &self.layout, samples));
+        }
+        let uniform = frame_uniform(scene, camera, options, size);
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        self.stream_cutters(gpu, scene, camera, options);
+        let (Some(target), Some(pipelines)) = (&self.target, &self.pipelines[set]) else { return };
+
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        {
+            let (view, resolve_target) = match &target.multisampled {
+                Some(view) => (view, Some(&target.view)),
+                None => (&target.view, None),
+            };
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("scene"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view,
+                    depth_slice: None,
+                    resolve_target,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: if resolve_target.is_some() {
+                            wgpu::StoreOp::Discard
+                        } else {
+                            wgpu::StoreOp::Store
+                        },
+                    },
+                })],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &target.depth,
+                    depth_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(1.0),
+                        store: wgpu::StoreOp::Discard,
+                    }),
+                    stencil_ops: None,
+                }),
+                timestamp_writes: None,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            pass.set_bind_group(0, &self.bind_group, &[]);
+            self.draw(&mut pass, pipelines, scene, options);
+        }
+        gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Opaque things first, then glass from the inside out: walls, cutters, shroud.
+    fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        pipelines: &Pipelines,
+        scene: &Scene,
+        options: &SceneOptions,
+    ) {
+        pass.set_pipeline(&pipelines.background);
+        pass.draw(0..3, 0..1);
+
+        let surfaces = |pass: &mut wgpu::RenderPass, wanted: &dyn Fn(Layer) -> bool| {
+            pass.set_vertex_buffer(0, scene.surfaces.vertices.slice(..));
+            pass.set_vertex_buffer(1, scene.instances.slice(..));
+            pass.set_index_buffer(scene.surfaces.indices.slice(..), wgpu::IndexFormat::Uint32);
+            for piece in scene.pieces.iter().filter(|p| wanted(p.layer)) {
+                pass.draw_indexed(piece.indices.clone(), piece.base_vertex, piece.instances.clone());
+            }
+        };
+        pass.set_pipeline(&pipelines.surface);
+        surfaces(pass, &|layer| match layer {
+            Layer::Hub => options.show_hub,
+            Layer::Blades => options.show_blades,
+            Layer::CutAway => options.show_blades && !options.cut_away,
+            Layer::Shroud => false,
+        });
+        let floor = scene.floor.as_ref().and_then(|f| match options.show_floor_colours {
+            FloorColours::Residual => Some(&f.residual),
+            FloorColours::Interference => f.contact.as_ref(),
+            FloorColours::Plain => None,
+        });
+        if let Some(floor) = floor {
+            pass.set_pipeline(&pipelines.floor);
+            pass.set_vertex_buffer(0, floor.vertices.slice(..));
+            pass.set_vertex_buffer(1, scene.instances.slice(..));
+            pass.set_index_buffer(floor.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..floor.count, 0, 0..1);
+        }
+        let solid = 0..self.unit_solid;
+        let glass = self.unit_solid..self.unit.count;
+        let cutters = |pass: &mut wgpu::RenderPass, indices: std::ops::Range<u32>| {
+            if let Some(buffer) = self.cutters.buffer.as_ref().filter(|_| self.cutters.count > 0) {
+                pass.set_vertex_buffer(0, self.unit.vertices.slice(..));
+                pass.set_vertex_buffer(1, buffer.slice(..));
+                pass.set_index_buffer(self.unit.indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(indices, 0, 0..self.cutters.count);
+            }
+        };
+        pass.set_pipeline(&pipelines.cutter);
+        cutters(pass, solid);
+
+        pass.set_pipeline(&pipelines.line);
+        if options.show_blades && scene.edge_count > 0 {
+            pass.set_vertex_buffer(0, scene.edges.slice(..));
+            pass.draw(0..6, 0..scene.edge_count);
+        }
+        if let Some(buffer) = self.cutter_lines.buffer.as_ref().filter(|_| self.cutter_lines.count > 0) {
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..6, 0..self.cutter_lines.count);
+        }
+
+        pass.set_pipeline(&pipelines.glass);
+        surfaces(pass, &|layer| layer == Layer::CutAway && options.show_blades && options.cut_away);
+        pass.set_pipeline(&pipelines.cutter_glass);
+        cutters(pass, glass);
+        pass.set_pipeline(&pipelines.glass);
+        surfaces(pass, &|layer| layer == Layer::Shroud && options.show_shroud);
+    }
+
+    /// Chooses the cutters to draw and sorts them far to near, so that glass lies over glass.
+    fn stream_cutters(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, options: &SceneOptions) {
+        let choice = options.cutter_choice();
+        let back = camera.basis().2;
+        let mut lines: Vec<Segment> = Vec::new();
+        let mut shown: Vec<(f32, CutterInstance)> = Vec::new();
+        let steps = if scene.cutters.len() > 300 { 16 } else { 32 };
+        for cutter in &scene.cutters {
+            let Some(instance) = choice.instance(cutter) else { continue };
+            let selected = options.selected == Some(instance.id as usize);
+            let whole = instance.height >= cutter.instance.height;
+            cutters::rims(&instance, steps, whole, &mut lines);
+            if options.show_axes || selected {
+                lines.push(cutters::axis_line(cutter, selected));
+            }
+            shown.push((Vec3::from_array(instance.tip).dot(back), instance));
+        }
+        shown.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let instances: Vec<CutterInstance> = shown.into_iter().map(|s| s.1).collect();
+        self.cutters.write(gpu, &instances);
+        self.cutter_lines.write(gpu, &lines);
+    }
+
+    fn ensure_target(&mut self, gpu: &Gpu, size: UVec2, samples: u32) {
+        if self.target.as_ref().is_some_and(|t| t.size == size && t.samples == samples) {
+            return;
+        }
+        let texture = |label, format, samples, usage| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: samples,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        // The shown texture outlives a change of samples: the window need not register it again.
+        let (colour, view) = match self.target.take() {
+            Some(old) if old.size == size => (old.colour, old.view),
+            _ => {
+                self.generation += 1;
+                let usage = attachment | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+                let colour = texture("picture", COLOUR_FORMAT, 1, usage);
+                let view = colour.create_view(&Default::default());
+                (colour, view)
+            }
+        };
+        let view_of = |t: wgpu::Texture| t.create_view(&Default::default());
+        self.target = Some(Target {
+            size,
+            samples,
+            colour,
+            view,
+            multisampled: (samples > 1)
+                .then(|| view_of(texture("picture, samples", COLOUR_FORMAT, samples, attachment))),
+            depth: view_of(texture("depth", DEPTH_FORMAT, samples, attachment)),
+        });
+    }
+
+    /// The texture of the last picture, to be shown; `None` before the first.
+    pub fn view(&self) -> Option<&wgpu::TextureView> {
+        self.target.as_ref().map(|t| &t.view)
+    }
+
+    /// Counts the textures there have been: when it changes, [`Self::view`] is another one.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Reads the last picture back.
+    ///
+    /// # Errors
+    /// [`GpuError::Failed`] when nothing was drawn yet or the device fails.
+    pub fn read_rgba(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
+        let failed = |what: &dyn std::fmt::Display| GpuError::Failed(what.to_string());
+        let target = self.target.as_ref().ok_or_else(|| failed(&"no picture was drawn yet"))?;
+        let (width, height) = (target.size.x, target.size.y);
+        // Rows in a copy are padded to a multiple the interface prescribes.
+        let row = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture, read back"),
+            size: u64::from(row) * u64::from(height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            target.colour.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(row),
+                    rows_per_image: None,
+                },
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+        gpu.queue.submit([encoder.finish()]);
+        let (send, receive) = std::sync::mpsc::channel();
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            let _ = send.send(result);
+        });
+        gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
+        receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
+        if let Some(error) = gpu.take_errors().first() {
+            return Err(failed(error));
+        }
+        let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
+        let rgba =
+            mapped.chunks_exact(row as usize).flat_map(|r| &r[..width as usize * 4]).copied().collect();
+        Ok(Picture { width, height, rgba })
+    }
+}
+
+/// Everything the shader is told about one picture.
+fn frame_uniform(scene: &Scene, camera: &Camera, options: &SceneOptions, size: UVec2) -> FrameUniform {
+    let vec = |v: Vec3| v.extend(0.0).to_array();
+    let rgb = |c: Rgb| [c[0], c[1], c[2], 1.0];
+    let g = options.theme.greys();
+    let (right, up, back) = camera.basis();
+    let size = size.as_vec2();
+    let contact = options.show_floor_colours == FloorColours::Interference;
+    let map = if contact { palette::ColourMap::Contact } else { options.map };
+    let on = |yes: bool| f32::from(u8::from(yes));
+    let mut lines = [[0.0; 4]; 8];
+    let darker = |c: Rgb| c.map(|x| x * 0.55);
+    for (colour, value) in [
+        (LineColour::Edge, g.edge),
+        (LineColour::WallEdge, g.wall_edge),
+        (LineColour::Axis, g.axis),
+        (LineColour::Sound, darker(palette::SOUND)),
+        (LineColour::Blocked, darker(palette::BLOCKED)),
+        (LineColour::Interferential, darker(palette::INTERFERENTIAL)),
+        (LineColour::Selected, darker(palette::SELECTED)),
+    ] {
+        lines[colour as usize] = rgb(value);
+    }
+    let perspective = on(camera.projection == Projection::Perspective);
+    FrameUniform {
+        clip_from_world: camera.clip_from_world(size.x / size.y).to_cols_array_2d(),
+        eye: camera.eye().extend(perspective).to_array(),
+        right: vec(right),
+        up: vec(up),
+        back: vec(back),
+        viewport: [size.x, size.y, options.pixel_scale, scene.framing().wheel.radius * 2.5e-3],
+        range: [options.range_mm.0, options.range_mm.1, 1.0, on(options.relief && !contact)],
+        look: [on(options.cut_away), on(!contact), 0.0, 0.0],
+        greys: [g.background_top, g.background_bottom, g.hub, g.floor, g.blade, g.wall, g.shroud, g.uncut]
+            .map(rgb),
+        lines,
+        states: [palette::SOUND, palette::BLOCKED, palette::INTERFERENTIAL, palette::SELECTED].map(rgb),
+        table: map.table().map(|c| [c[0], c[1], c[2], 255].map(|x| f32::from(x) / 255.0)),
+    }
+}

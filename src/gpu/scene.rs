@@ -1,0 +1,402 @@
+//! What is drawn: buffers of one part with its plan, and what to show of it.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+use wgpu::util::DeviceExt;
+
+use super::camera::{Camera, Frame, Framing};
+use super::cutters::{self, Cutter, CutterChoice, CutterFilter, UnitCutter};
+use super::device::Gpu;
+use super::floor;
+use super::mesh::{Mesh, turn};
+use super::palette::{ColourMap, Theme};
+use super::part_mesh::{BladeMesh, PartMesh};
+use crate::part::Impeller;
+use crate::plunge::plan::PlungePlan;
+use crate::residual::FloorGrid;
+
+/// What the floor of the channel in work shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FloorColours {
+    /// Height of stock left above the finished hub.
+    #[default]
+    Residual,
+    /// Depth of contact of the cores that end there.
+    Interference,
+    /// Nothing.
+    Plain,
+}
+
+/// What to show, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneOptions {
+    /// Hub of the wheel, with its body.
+    pub show_hub: bool,
+    /// Blades.
+    pub show_blades: bool,
+    /// Shroud, as glass over everything.
+    pub show_shroud: bool,
+    /// Cutters.
+    pub show_cutters: CutterFilter,
+    /// Axes from tip to retract point of the cutters shown.
+    pub show_axes: bool,
+    /// Colours of the floor.
+    pub show_floor_colours: FloorColours,
+    /// Stock drawn at its height instead of as colours on the hub.
+    pub relief: bool,
+    /// Walls of the channel in work that stand in front of it are glass.
+    pub cut_away: bool,
+    /// Values at the ends of the colour table, mm.
+    pub range_mm: (f32, f32),
+    /// Colour table of the residual layer.
+    pub map: ColourMap,
+    /// Light or dark.
+    pub theme: Theme,
+    /// Only positions before this one; the last of them at full length.
+    pub at: Option<usize>,
+    /// Chosen position.
+    pub selected: Option<usize>,
+    /// Length of cutters that are neither chosen nor last, in diameters.
+    pub cutter_stub: f32,
+    /// Physical pixels per point: lines keep their width on dense screens.
+    pub pixel_scale: f32,
+}
+
+impl Default for SceneOptions {
+    fn default() -> Self {
+        Self {
+            show_hub: true,
+            show_blades: true,
+            show_shroud: false,
+            show_cutters: CutterFilter::All,
+            show_axes: false,
+            show_floor_colours: FloorColours::Residual,
+            relief: false,
+            cut_away: true,
+            range_mm: (0.0, 4.0),
+            map: ColourMap::Cividis,
+            theme: Theme::Light,
+            at: None,
+            selected: None,
+            cutter_stub: 0.5,
+            pixel_scale: 1.0,
+        }
+    }
+}
+
+impl SceneOptions {
+    /// Which cutters are drawn under these options.
+    pub fn cutter_choice(&self) -> CutterChoice {
+        CutterChoice {
+            filter: self.show_cutters,
+            at: self.at,
+            selected: self.selected,
+            stub: self.cutter_stub,
+        }
+    }
+}
+
+/// Copy of a surface turned about Z. 16 bytes, matches `SurfaceIn` of the shader.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SurfaceInstance {
+    turn: [f32; 2],
+    kind: u32,
+    flags: u32,
+}
+
+/// Kinds of surface, in the order of the shader's greys.
+const HUB: u32 = 0;
+const FLOOR: u32 = 1;
+const BLADE: u32 = 2;
+const WALL: u32 = 3;
+const SHROUD: u32 = 4;
+/// Faces the channel in work.
+const INNER: u32 = 1;
+
+/// When a piece is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Layer {
+    /// With the hub.
+    Hub,
+    /// With the blades.
+    Blades,
+    /// With the blades; as glass when walls are cut away.
+    CutAway,
+    /// With the shroud.
+    Shroud,
+}
+
+/// A range of indices with a range of instances.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub layer: Layer,
+    pub indices: std::ops::Range<u32>,
+    pub base_vertex: i32,
+    pub instances: std::ops::Range<u32>,
+}
+
+/// Vertex and index buffer.
+#[derive(Debug)]
+pub(super) struct MeshBuffers {
+    pub vertices: wgpu::Buffer,
+    pub indices: wgpu::Buffer,
+    pub count: u32,
+}
+
+impl MeshBuffers {
+    fn new(gpu: &Gpu, mesh: &Mesh) -> Self {
+        Self {
+            vertices: vertex_buffer(gpu, "floor corners", &mesh.vertices),
+            indices: gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("floor triangles"),
+                contents: bytemuck::cast_slice(&mesh.indices),
+                usage: wgpu::BufferUsages::INDEX,
+            }),
+            count: mesh.indices.len() as u32,
+        }
+    }
+}
+
+pub(super) fn vertex_buffer<T: Pod>(gpu: &Gpu, label: &str, contents: &[T]) -> wgpu::Buffer {
+    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::cast_slice(contents),
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+    })
+}
+
+/// Floor of the channel in work with its values.
+#[derive(Debug)]
+pub(super) struct FloorPart {
+    pub residual: MeshBuffers,
+    pub contact: Option<MeshBuffers>,
+    mesh: Mesh,
+}
+
+/// One part with its plan, on the GPU.
+#[derive(Debug)]
+pub struct Scene {
+    part: PartMesh,
+    pub(super) surfaces: MeshBuffers,
+    pub(super) instances: wgpu::Buffer,
+    pub(super) pieces: Vec<Piece>,
+    pub(super) edges: wgpu::Buffer,
+    pub(super) edge_count: u32,
+    pub(super) floor: Option<FloorPart>,
+    pub(super) cutters: Vec<Cutter>,
+    framing: Framing,
+}
+
+/// What is under a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pick {
+    /// Nearest surface point of the part, or of the cutter if that is nearer, mm.
+    pub point: Vec3,
+    /// Position whose cutter is under the pixel.
+    pub position: Option<usize>,
+}
+
+impl Scene {
+    /// Tessellates a part and loads it; no plan yet.
+    pub fn new(gpu: &Gpu, part: &Impeller) -> Self {
+        Self::from_mesh(gpu, PartMesh::new(part))
+    }
+
+    /// Loads a part that is tessellated already.
+    pub fn from_mesh(gpu: &Gpu, part: PartMesh) -> Self {
+        let mut builder = Builder::default();
+        let still = |kind, flags| SurfaceInstance { turn: [1.0, 0.0], kind, flags };
+        builder.add(Layer::Hub, &part.hub, &[still(HUB, 0)]);
+        builder.add(Layer::Blades, &part.floor, &[still(FLOOR, 0)]);
+        builder.add_blade(&part.main, 2);
+        for splitter in &part.splitters {
+            builder.add_blade(splitter, 1);
+        }
+        builder.add(Layer::Shroud, &part.shroud, &[still(SHROUD, 0)]);
+        // The floor of the channel is part of the hub, a hair above it.
+        builder.pieces[1].layer = Layer::Hub;
+        let framing = part.framing.clone();
+        Self {
+            surfaces: MeshBuffers::new(gpu, &builder.mesh),
+            instances: vertex_buffer(gpu, "surface copies", &builder.instances),
+            pieces: builder.pieces,
+            edges: vertex_buffer(gpu, "edges", &part.edges),
+            edge_count: part.edges.len() as u32,
+            floor: None,
+            cutters: Vec::new(),
+            framing,
+            part,
+        }
+    }
+
+    /// Shows a plan's cutters, or none.
+    pub fn set_plan(&mut self, plan: Option<&PlungePlan>) {
+        self.cutters = plan.map(cutters::cutters).unwrap_or_default();
+        self.framing.sections = plan.map_or(0, |p| p.sections.len()).checked_sub(1).map_or(vec![], |last| {
+            (0..=last).map(|k| section_frame(&self.cutters, k, &self.framing)).collect()
+        });
+    }
+
+    /// Shows stock on the floor: `heights` per cell of `grid`; with a plan also the contact of its
+    /// cores. Heights that do not fit the grid show no floor colours.
+    pub fn set_floor(&mut self, gpu: &Gpu, floor: Option<(&FloorGrid, &[f32])>, plan: Option<&PlungePlan>) {
+        self.floor = floor.and_then(|(grid, heights)| {
+            let mesh = floor::floor_mesh(grid, heights)?;
+            let contact = plan.map(|plan| MeshBuffers::new(gpu, &floor::contact_mesh(grid, plan)));
+            Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), contact, mesh })
+        });
+    }
+
+    /// Replaces the heights on the floor, e.g. while scrubbing; the grid is the one of
+    /// [`Self::set_floor`], and nothing happens before that or when the sizes differ.
+    pub fn set_heights(&mut self, gpu: &Gpu, grid: &FloorGrid, heights: &[f32]) {
+        let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights)) else { return };
+        if mesh.vertices.len() == floor.mesh.vertices.len() {
+            gpu.queue.write_buffer(&floor.residual.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
+            floor.mesh = mesh;
+        }
+    }
+
+    /// What the standard views aim at.
+    pub fn framing(&self) -> &Framing {
+        &self.framing
+    }
+
+    /// Number of triangles of the part.
+    pub fn triangles(&self) -> usize {
+        self.part.triangles()
+    }
+
+    /// What is under a pixel of a picture of `size`, if anything.
+    pub fn pick(&self, camera: &Camera, options: &SceneOptions, pixel: Vec2, size: Vec2) -> Option<Pick> {
+        let ray = camera.ray(pixel, size);
+        let choice = options.cutter_choice();
+        let cutter = self
+            .cutters
+            .iter()
+            .filter_map(|c| choice.instance(c))
+            .filter_map(|i| Some((cutters::hit(&i, &ray)?, i.id as usize)))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let mut surface = f32::INFINITY;
+        let mut near = |hit: Option<f32>| surface = surface.min(hit.unwrap_or(f32::INFINITY));
+        if options.show_hub {
+            near(self.part.hub.hit(&ray));
+        }
+        if options.show_blades {
+            for (blade, lit) in self.blades() {
+                // Turning the ray back is cheaper than turning the blade.
+                for (k, &angle) in blade.turns.iter().enumerate() {
+                    let back = super::camera::Ray {
+                        origin: turn(ray.origin, -angle),
+                        direction: turn(ray.direction, -angle),
+                    };
+                    // Walls drawn as glass let the pointer through to the floor behind.
+                    if k < lit && options.cut_away {
+                        continue;
+                    }
+                    near(blade.suction.hit(&back));
+                    near(blade.pressure.hit(&back));
+                }
+            }
+        }
+        let at = |distance: f32| ray.origin + ray.direction * distance;
+        match cutter {
+            Some((distance, id)) if distance <= surface => {
+                Some(Pick { point: at(distance), position: Some(id) })
+            }
+            _ => surface.is_finite().then(|| Pick { point: at(surface), position: None }),
+        }
+    }
+
+    fn blades(&self) -> impl Iterator<Item = (&BladeMesh, usize)> {
+        std::iter::once((&self.part.main, 2)).chain(self.part.splitters.iter().map(|s| (s, 1)))
+    }
+}
+
+/// Sphere about the lower ends of a section's cutters, seen along their mean axis.
+fn section_frame(cutters: &[Cutter], section: usize, framing: &Framing) -> Frame {
+    let of_section = || cutters.iter().filter(|c| c.section == section).map(|c| &c.instance);
+    let count = of_section().count();
+    if count == 0 {
+        return framing.channel;
+    }
+    let tips = || of_section().map(|i| Vec3::from_array(i.tip));
+    let center = tips().sum::<Vec3>() / count as f32;
+    let axis = of_section().map(|i| Vec3::from_array(i.axis)).sum::<Vec3>();
+    let reach =
+        of_section().map(|i| Vec3::from_array(i.tip).distance(center) + 1.5 * i.radius).fold(0.0, f32::max);
+    let outward = Vec3::new(center.x, center.y, 0.0).normalize_or_zero();
+    let from = axis.normalize_or(framing.channel.from) + outward * 0.35;
+    Frame { center, radius: reach, from: from.normalize_or(framing.channel.from) }
+}
+
+/// Gathers surfaces into one buffer.
+#[derive(Default)]
+struct Builder {
+    mesh: Mesh,
+    instances: Vec<SurfaceInstance>,
+    pieces: Vec<Piece>,
+}
+
+impl Builder {
+    fn load(&mut self, mesh: &Mesh) -> (std::ops::Range<u32>, i32) {
+        let base_vertex = self.mesh.vertices.len() as i32;
+        let first = self.mesh.indices.len() as u32;
+        self.mesh.vertices.extend_from_slice(&mesh.vertices);
+        self.mesh.indices.extend_from_slice(&mesh.indices);
+        (first..self.mesh.indices.len() as u32, base_vertex)
+    }
+
+    fn place(&mut self, layer: Layer, loaded: &(std::ops::Range<u32>, i32), copies: &[SurfaceInstance]) {
+        if copies.is_empty() {
+            return;
+        }
+        let first = self.instances.len() as u32;
+        self.instances.extend_from_slice(copies);
+        self.pieces.push(Piece {
+            layer,
+            indices: loaded.0.clone(),
+            base_vertex: loaded.1,
+            instances: first..self.instances.len() as u32,
+        });
+    }
+
+    fn add(&mut self, layer: Layer, mesh: &Mesh, copies: &[SurfaceInstance]) {
+        let loaded = self.load(mesh);
+        self.place(layer, &loaded, copies);
+    }
+
+    /// A blade row whose first `lit` copies belong to the channel in work: 2 walls, or 1 splitter
+    /// inside it.
+    fn add_blade(&mut self, blade: &BladeMesh, lit: usize) {
+        let copy = |k: usize, kind, flags| SurfaceInstance {
+            turn: [blade.turns[k].cos() as f32, blade.turns[k].sin() as f32],
+            kind,
+            flags,
+        };
+        let lit = lit.min(blade.turns.len());
+        let pale: Vec<SurfaceInstance> = (lit..blade.turns.len()).map(|k| copy(k, BLADE, 0)).collect();
+        for (side, mesh) in [&blade.suction, &blade.pressure].into_iter().enumerate() {
+            let loaded = self.load(mesh);
+            self.place(Layer::Blades, &loaded, &pale);
+            for k in 0..lit {
+                // Wall 0 faces the channel with its suction side, wall 1 with its pressure side.
+                if lit == 2 && side == k {
+                    self.place(Layer::Blades, &loaded, &[copy(k, WALL, INNER)]);
+                } else {
+                    self.place(Layer::CutAway, &loaded, &[copy(k, WALL, 0)]);
+                }
+            }
+        }
+        let loaded = self.load(&blade.closing);
+        self.place(Layer::Blades, &loaded, &pale);
+        let near: Vec<SurfaceInstance> = (0..lit).map(|k| copy(k, WALL, 0)).collect();
+        self.place(Layer::Blades, &loaded, &near);
+    }
+}
+
+/// Mesh every cutter is an instance of, coarser when there are many.
+pub(super) fn unit_cutter() -> UnitCutter {
+    UnitCutter::new(24)
+}
