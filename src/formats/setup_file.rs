@@ -1,1 +1,386 @@
-//! (to be written)
+//! The setup file: TOML, lengths in mm, angles in degrees, feeds in mm/min, spindle in rev/min.
+//!
+//! Every key is optional; [`Setup::default`] says what an absent one means. Unknown keys are faults
+//! that name the nearest known one.
+//!
+//! ```toml
+//! part = "impeller"          # the part this setup is meant for
+//! [stock]                    # hub_allowance, blade_allowance, safety_distance, inlet_extension
+//! hub_allowance = 0.5
+//! [[tool]]                   # number, diameter, corner_radius, insert_width, overhang, plunge_feed, spindle
+//! diameter = 30.0            # the one key a tool must have
+//! [plunge]                   # axis, step, row_spacing, wall_scallop, max_axis_change, max_tilt
+//! axis = "monotone"
+//! [[plunge.section]]         # tool, from, to, feed
+//! tool = 1
+//! from = 1.0
+//! to = 0.6
+//! [flank]                    # tool, layer_depth, allowed_error
+//! layer_depth = 3.0
+//! ```
+//!
+//! Defaults of a tool: number = its place in the list, sharp corner, insert width 0.9 R (core radius
+//! 0.1 R), overhang 4 D, feed 300, spindle 1200.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::InputError;
+use super::source::{name_of, read_bytes};
+use super::table::{Document, Range, Section, degrees_text, nearest, quoted};
+use crate::part::setup::{AxisPolicy, Feed, FlankSetup, PlungeSetup, SectionSetup, Setup, Stock};
+use crate::part::tool::Tool;
+
+/// Longest length a setup may name, mm.
+const LONGEST: f64 = 10_000.0;
+const LENGTH: Range = Range::Above(0.0, LONGEST);
+const ALLOWANCE: Range = Range::Between(0.0, LONGEST);
+const ANGLE: Range = Range::Above(0.0, 90.0);
+const RATE: Range = Range::Above(0.0, 1e6);
+
+/// Reads a setup file.
+pub fn read_setup(path: &Path) -> Result<Setup, InputError> {
+    read_setup_bytes(&name_of(path), &read_bytes(path)?)
+}
+
+/// Reads a setup from bytes; `name` is the file name that messages use. An empty file is the default.
+pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Ok(Setup::default());
+    }
+    let document = Document::new(name, bytes)?;
+    let tree = document.parse()?;
+    let root = document.root(&tree);
+    root.check_keys(&["part", "stock", "tool", "plunge", "flank"])?;
+    let mut setup =
+        Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..Setup::default() };
+    if let Some(table) = root.table("stock")? {
+        stock(&table, &mut setup.stock)?;
+    }
+    for table in root.tables("tool")? {
+        let tool = tool(&table, &setup.tools)?;
+        setup.tools.push(tool);
+    }
+    if let Some(table) = root.table("plunge")? {
+        plunge(&table, &setup.tools, &mut setup.plunge)?;
+    }
+    if let Some(table) = root.table("flank")? {
+        flank(&table, &mut setup.flank)?;
+    }
+    Ok(setup)
+}
+
+fn stock(table: &Section<'_>, stock: &mut Stock) -> Result<(), InputError> {
+    table.check_keys(&["hub_allowance", "blade_allowance", "safety_distance", "inlet_extension"])?;
+    stock.hub_allowance = table.number_or("hub_allowance", ALLOWANCE, stock.hub_allowance)?;
+    stock.blade_allowance = table.number_or("blade_allowance", ALLOWANCE, stock.blade_allowance)?;
+    stock.safety_distance = table.number_or("safety_distance", ALLOWANCE, stock.safety_distance)?;
+    stock.inlet_extension = table.number_or("inlet_extension", ALLOWANCE, stock.inlet_extension)?;
+    Ok(())
+}
+
+const TOOL_KEYS: [&str; 7] =
+    ["number", "diameter", "corner_radius", "insert_width", "overhang", "plunge_feed", "spindle"];
+
+fn tool(table: &Section<'_>, before: &[Tool]) -> Result<Tool, InputError> {
+    table.check_keys(&TOOL_KEYS)?;
+    let given = table.whole("number", 1, 1_000_000)?;
+    let number = given.map_or(before.len() as u32 + 1, |n| n.value);
+    let at = |at: Option<usize>, what: String, cure: &str| match at {
+        Some(at) => table.fault_at(at, what, cure),
+        None => table.fault(what, cure),
+    };
+    if before.iter().any(|tool| tool.number == number) {
+        let what = format!("two tools have the number {number}");
+        return Err(at(given.map(|n| n.at), what, "give each tool its own number"));
+    }
+    let diameter = table
+        .number("diameter", LENGTH)?
+        .ok_or_else(|| table.fault(format!("tool {number} has no `diameter`"), "add diameter = … in mm"))?
+        .value;
+    let radius = diameter / 2.0;
+    let within_radius = |key: &str, range: Range, default: f64| {
+        let value = table.number(key, range)?;
+        match value.filter(|v| v.value > radius) {
+            Some(v) => {
+                let what = format!("`{key}` {} is larger than the radius {radius}", v.value);
+                Err(table.fault_at(v.at, what, format!("give at most {radius}")))
+            }
+            None => Ok(value.map_or(default, |v| v.value)),
+        }
+    };
+    Ok(Tool {
+        number,
+        diameter,
+        corner_radius: within_radius("corner_radius", ALLOWANCE, 0.0)?,
+        insert_width: within_radius("insert_width", LENGTH, 0.9 * radius)?,
+        overhang: table.number_or("overhang", Range::Above(0.0, 10.0 * LONGEST), 4.0 * diameter)?,
+        plunge_feed: table.number_or("plunge_feed", RATE, 300.0)?,
+        spindle: table.number_or("spindle", RATE, 1200.0)?,
+    })
+}
+
+fn plunge(table: &Section<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Result<(), InputError> {
+    table.check_keys(&[
+        "axis",
+        "step",
+        "row_spacing",
+        "wall_scallop",
+        "max_axis_change",
+        "max_tilt",
+        "section",
+    ])?;
+    if let Some(axis) = table.string("axis")? {
+        plunge.axis = axis_policy(axis.value).map_err(|(what, cure)| table.fault_at(axis.at, what, cure))?;
+    }
+    plunge.step = table.number("step", LENGTH)?.map(|step| step.value);
+    plunge.row_spacing = table.number("row_spacing", LENGTH)?.map(|spacing| spacing.value);
+    plunge.wall_scallop = table.number_or("wall_scallop", LENGTH, plunge.wall_scallop)?;
+    if let Some(angle) = table.number("max_axis_change", ANGLE)? {
+        plunge.max_axis_change = angle.value.to_radians();
+    }
+    if let Some(angle) = table.number("max_tilt", ANGLE)? {
+        plunge.max_tilt = angle.value.to_radians();
+    }
+    plunge.sections =
+        table.tables("section")?.iter().map(|table| section(table, tools)).collect::<Result<_, _>>()?;
+    Ok(())
+}
+
+/// The policy a name in a file or on the command line means; otherwise what is wrong and its cure.
+pub fn axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
+    match name {
+        "conventional" => Ok(AxisPolicy::Conventional),
+        "monotone" => Ok(AxisPolicy::Monotone),
+        "minimal" | "staircase" => Err((
+            format!("the axis policy `{name}` is not available yet"),
+            "use \"monotone\" or \"conventional\"".to_owned(),
+        )),
+        other => {
+            let near = nearest(other, &["conventional", "monotone", "minimal", "staircase"]);
+            Err((
+                format!("{} is no axis policy", super::source::shown(other)),
+                format!(
+                    "use \"monotone\" or \"conventional\" (the nearest name is `{}`)",
+                    near.unwrap_or("")
+                ),
+            ))
+        }
+    }
+}
+
+fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputError> {
+    table.check_keys(&["tool", "from", "to", "feed"])?;
+    let needed = |key: &str| {
+        table.fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
+    };
+    let tool = table.whole("tool", 1, 1_000_000)?.ok_or_else(|| needed("tool"))?;
+    if !tools.iter().any(|known| known.number == tool.value) {
+        let numbers: Vec<String> = tools.iter().take(20).map(|tool| tool.number.to_string()).collect();
+        let cure = match numbers.is_empty() {
+            true => format!("add a [[tool]] with number = {}", tool.value),
+            false => format!("use one of the tools {}", numbers.join(", ")),
+        };
+        return Err(table.fault_at(tool.at, format!("there is no tool {}", tool.value), cure));
+    }
+    let s = Range::Between(0.0, 1.0);
+    let from = table.number("from", s)?.ok_or_else(|| needed("from"))?;
+    let to = table.number("to", s)?.ok_or_else(|| needed("to"))?;
+    if from.value <= to.value {
+        let what = format!("the section runs from {} to {}", from.value, to.value);
+        let cure = "`from` is the outlet end (1 at the rim) and must be greater than `to`";
+        return Err(table.fault_at(to.at, what, cure));
+    }
+    let feed = match table.string("feed")? {
+        None => None,
+        Some(feed) => Some(match feed.value {
+            "inward" => Feed::Inward,
+            "outward" => Feed::Outward,
+            other => {
+                let what = format!("{} is no feed", super::source::shown(other));
+                return Err(table.fault_at(feed.at, what, "use \"inward\" or \"outward\""));
+            }
+        }),
+    };
+    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, feed })
+}
+
+fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
+    table.check_keys(&["tool", "layer_depth", "allowed_error"])?;
+    // No look at the list of tools: a setup for plunging may leave the flank tool to a later day.
+    flank.tool = table.whole("tool", 1, 1_000_000)?.map(|tool| tool.value);
+    flank.layer_depth = table.number_or("layer_depth", LENGTH, flank.layer_depth)?;
+    flank.allowed_error = table.number_or("allowed_error", LENGTH, flank.allowed_error)?;
+    Ok(())
+}
+
+/// Writes a setup as a file that reads back equal (angles that came from degrees too; others to the
+/// last bit of an f64).
+pub fn write_setup(setup: &Setup) -> String {
+    let mut out = String::new();
+    // `write!` to a `String` cannot fail.
+    let _ = write_to(&mut out, setup);
+    out
+}
+
+fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
+    if let Some(part) = &setup.part {
+        writeln!(out, "part = {}\n", quoted(part))?;
+    }
+    let stock = &setup.stock;
+    writeln!(out, "[stock]")?;
+    writeln!(out, "hub_allowance = {:?}", stock.hub_allowance)?;
+    writeln!(out, "blade_allowance = {:?}", stock.blade_allowance)?;
+    writeln!(out, "safety_distance = {:?}", stock.safety_distance)?;
+    writeln!(out, "inlet_extension = {:?}", stock.inlet_extension)?;
+    for tool in &setup.tools {
+        writeln!(out, "\n[[tool]]")?;
+        writeln!(out, "number = {}", tool.number)?;
+        writeln!(out, "diameter = {:?}", tool.diameter)?;
+        writeln!(out, "corner_radius = {:?}", tool.corner_radius)?;
+        writeln!(out, "insert_width = {:?}", tool.insert_width)?;
+        writeln!(out, "overhang = {:?}", tool.overhang)?;
+        writeln!(out, "plunge_feed = {:?}", tool.plunge_feed)?;
+        writeln!(out, "spindle = {:?}", tool.spindle)?;
+    }
+    let plunge = &setup.plunge;
+    let axis = match plunge.axis {
+        AxisPolicy::Conventional => "conventional",
+        AxisPolicy::Monotone => "monotone",
+    };
+    writeln!(out, "\n[plunge]\naxis = \"{axis}\"")?;
+    if let Some(step) = plunge.step {
+        writeln!(out, "step = {step:?}")?;
+    }
+    if let Some(spacing) = plunge.row_spacing {
+        writeln!(out, "row_spacing = {spacing:?}")?;
+    }
+    writeln!(out, "wall_scallop = {:?}", plunge.wall_scallop)?;
+    writeln!(out, "max_axis_change = {}", degrees_text(plunge.max_axis_change))?;
+    writeln!(out, "max_tilt = {}", degrees_text(plunge.max_tilt))?;
+    for section in &plunge.sections {
+        writeln!(out, "\n[[plunge.section]]\ntool = {}", section.tool)?;
+        writeln!(out, "from = {:?}\nto = {:?}", section.from, section.to)?;
+        match section.feed {
+            Some(Feed::Inward) => writeln!(out, "feed = \"inward\"")?,
+            Some(Feed::Outward) => writeln!(out, "feed = \"outward\"")?,
+            None => {}
+        }
+    }
+    writeln!(out, "\n[flank]")?;
+    if let Some(tool) = setup.flank.tool {
+        writeln!(out, "tool = {tool}")?;
+    }
+    writeln!(out, "layer_depth = {:?}", setup.flank.layer_depth)?;
+    writeln!(out, "allowed_error = {:?}", setup.flank.allowed_error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SAMPLE: &str = r#"part = "D 532"
+[stock]
+hub_allowance = 0.25
+[[tool]]
+number = 7
+diameter = 30.0
+insert_width = 10.0
+overhang = 120
+[[tool]]
+diameter = 16
+corner_radius = 0.8
+[plunge]
+axis = "conventional"
+step = 8.0
+max_axis_change = 4.3
+max_tilt = 30
+wall_scallop = 0.4
+[[plunge.section]]
+tool = 7
+from = 1.0
+to = 0.6
+feed = "outward"
+[[plunge.section]]
+tool = 2
+from = 0.6
+to = 0.0
+[flank]
+tool = 4
+"#;
+
+    fn read(text: &str) -> Result<Setup, InputError> {
+        read_setup_bytes("s.toml", text.as_bytes())
+    }
+
+    #[test]
+    fn an_empty_file_is_the_default() {
+        assert_eq!(read(" \n").unwrap(), Setup::default());
+        assert_eq!(read("# nothing\n").unwrap(), Setup::default());
+        assert_eq!(read(&write_setup(&Setup::default())).unwrap(), Setup::default());
+    }
+
+    #[test]
+    fn reads_every_key_and_fills_in_the_rest() {
+        let setup = read(SAMPLE).unwrap();
+        assert_eq!(setup.part.as_deref(), Some("D 532"));
+        assert_eq!((setup.stock.hub_allowance, setup.stock.blade_allowance), (0.25, 0.5));
+        assert_eq!((setup.tools[0].number, setup.tools[0].core_radius()), (7, 5.0));
+        let second = Tool {
+            number: 2,
+            diameter: 16.0,
+            corner_radius: 0.8,
+            insert_width: 7.2,
+            overhang: 64.0,
+            plunge_feed: 300.0,
+            spindle: 1200.0,
+        };
+        assert_eq!(setup.tools[1], second);
+        assert_eq!(setup.plunge.axis, AxisPolicy::Conventional);
+        assert_eq!((setup.plunge.step, setup.plunge.row_spacing), (Some(8.0), None));
+        assert_eq!(setup.plunge.max_tilt, 30f64.to_radians());
+        assert_eq!(setup.plunge.sections[0].feed, Some(Feed::Outward));
+        assert_eq!((setup.flank.tool, setup.flank.layer_depth), (Some(4), 3.0));
+    }
+
+    #[test]
+    fn a_written_setup_reads_back_equal() {
+        let setup = read(SAMPLE).unwrap();
+        assert_eq!(read(&write_setup(&setup)).unwrap(), setup);
+    }
+
+    #[test]
+    fn faults_name_their_line() {
+        for (from, to, line, words) in [
+            ("hub_allowance = 0.25", "hub_allowance = -0.1", 3, "0 to"),
+            ("hub_allowance = 0.25", "hub_allowance = nan", 3, "not a finite number"),
+            ("hub_allowance = 0.25", "hub_allowance = \"x\"", 3, "not a number"),
+            ("hub_allowance", "hub_alowance", 3, "`hub_allowance`"),
+            ("[stock]", "[stok]", 2, "`stock`"),
+            ("number = 7", "number = 0", 5, "whole number"),
+            ("number = 7", "number = 2", 9, "two tools have the number 2"),
+            ("diameter = 30.0", "diameter = 0", 6, "greater than 0"),
+            ("diameter = 30.0", "diameter = -30", 6, "greater than 0"),
+            ("diameter = 30.0", "", 4, "no `diameter`"),
+            ("insert_width = 10.0", "insert_width = 15.1", 7, "at most 15"),
+            ("corner_radius = 0.8", "corner_radius = 8.5", 11, "at most 8"),
+            ("overhang = 120", "overhang = 1e300", 8, "larger than"),
+            ("\"conventional\"", "\"minimal\"", 13, "not available yet"),
+            ("\"conventional\"", "\"monotnoe\"", 13, "`monotone`"),
+            ("step = 8.0", "step = 0", 14, "greater than 0"),
+            ("max_axis_change = 4.3", "max_axis_change = 91", 15, "at most 90"),
+            ("max_tilt = 30", "max_tilt = -1", 16, "greater than 0"),
+            ("tool = 7", "tool = 3", 19, "there is no tool 3; use one of the tools 7, 2"),
+            ("to = 0.6", "to = 1.0", 21, "outlet end"),
+            ("from = 1.0", "from = 1.5", 20, "from 0 to 1"),
+            ("\"outward\"", "\"sideways\"", 22, "inward"),
+            ("[[plunge.section]]", "[plunge.section]", 18, "TOML"),
+        ] {
+            assert!(SAMPLE.contains(from), "{from} must be in the sample");
+            let error = read(&SAMPLE.replacen(from, to, 1)).expect_err(to);
+            let shown = error.to_string();
+            assert!(shown.contains(words), "{from} → {to}: {shown}");
+            assert!(error.line.abs_diff(line) <= usize::from(words == "TOML") * 5, "{to}: {shown}");
+        }
+    }
+}

@@ -1,1 +1,97 @@
-//! (to be written)
+//! Writes result files whole or not at all.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Error, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::InputError;
+use super::source::name_of;
+
+/// Writes `bytes` to `path`: first to a file beside it, which then takes its name. On failure the old
+/// file, if there was one, is untouched and nothing else is left behind.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
+    let fault = |what: String, cure: &str| InputError::new(&name_of(path), 0, what, cure);
+    let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
+        return Err(fault("is a folder, not a file".to_owned(), "name a file in it"));
+    };
+    if path.exists() && !path.is_file() {
+        return Err(fault("is no regular file".to_owned(), "name a file to write"));
+    }
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let failed = |error: Error| {
+        let cure = match error.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => "make the folder first, or name another",
+            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+                "choose a folder that you may write to"
+            }
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space on the disk",
+            _ => "check the disk, or name another folder",
+        };
+        fault(format!("cannot be written: {error}"), cure)
+    };
+    let (file, temporary) = create_beside(folder, &name.to_string_lossy()).map_err(failed)?;
+    let written = write_synced(file, bytes).and_then(|()| std::fs::rename(&temporary, path));
+    if let Err(error) = written {
+        // The fault worth telling is the first one.
+        let _ = std::fs::remove_file(&temporary);
+        return Err(failed(error));
+    }
+    Ok(())
+}
+
+/// A new file in `folder` whose name no other writer uses.
+fn create_beside(folder: &Path, name: &str) -> Result<(File, PathBuf), Error> {
+    let process = std::process::id();
+    let short: String = name.chars().take(40).collect();
+    for attempt in 0..1000 {
+        let path = folder.join(format!(".{short}.{process}-{attempt}.tmp"));
+        match OpenOptions::new().write(true).create_new(true).open(&path) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+            Ok(file) => return Ok((file, path)),
+        }
+    }
+    Err(Error::new(ErrorKind::AlreadyExists, "too many unfinished files in the folder"))
+}
+
+fn write_synced(mut file: File, bytes: &[u8]) -> Result<(), Error> {
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect()
+    }
+
+    #[test]
+    fn writes_and_replaces() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        write_whole(&path, b"old and longer").unwrap();
+        write_whole(&path, b"new").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a.json"]);
+    }
+
+    #[test]
+    fn failures_leave_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write_whole(&folder.path().join("no/such/a.json"), b"x").unwrap_err();
+        assert!(error.to_string().contains("make the folder first"), "{error}");
+        let error = write_whole(folder.path(), b"x").unwrap_err();
+        assert!(error.to_string().contains("is a folder"), "{error}");
+        assert!(write_whole(&folder.path().join(".."), b"x").is_err());
+        assert!(write_whole(Path::new(""), b"x").is_err());
+        assert!(names(folder.path()).is_empty());
+    }
+}

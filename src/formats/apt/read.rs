@@ -1,0 +1,409 @@
+//! Reads APT of any origin.
+//!
+//! A statement is a word, optionally `/` and a list: `GOTO/x,y,z,i,j,k`. Case, blanks and unknown
+//! words do not matter. `$$` starts a comment, a trailing `$` continues on the next line; `PARTNO`,
+//! `PPRINT` and `REMARK` take their line literally. `RAPID` holds for the next `GOTO` only. A `GOTO`
+//! of three numbers keeps the last axis (0, 0, 1 at first), whether `MULTAX` is on or off.
+//! Also read: NX (`TLDATA`, `TOOL PATH`, `LOAD/TOOL`, `FEDRAT/MMPM,150.`) and Creo
+//! (`LOADTL/1,LENGTH,120.`, `$$-> CUTTER / 30.`) dialects.
+
+use std::path::Path;
+
+use super::super::InputError;
+use super::super::source::{
+    self, MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, name_of, read_bytes, shown, text_lossy,
+};
+use super::{ClProgram, ClTool, ClWarning, MAX_WARNINGS, Motion, Move};
+use crate::geometry::{Point, Vector};
+
+const MM_PER_INCH: f64 = 25.4;
+
+/// Reads a CL program from a file. Fails on damaged numbers and on a program without moves; what
+/// is only odd stands in [`ClProgram::warnings`].
+pub fn read_apt(path: &Path) -> Result<ClProgram, InputError> {
+    read_apt_bytes(&name_of(path), &read_bytes(path)?)
+}
+
+/// Reads a CL program from bytes; `name` is the file name that messages use.
+pub fn read_apt_bytes(name: &str, bytes: &[u8]) -> Result<ClProgram, InputError> {
+    let source = Source { file: name };
+    let text = text_lossy(source, bytes)?;
+    let mut reader = Reader::new(source);
+    let mut lines = text.lines().enumerate();
+    let mut last = 0;
+    while let Some((at, line)) = lines.next() {
+        last = at + 1;
+        if literal(line) {
+            reader.literal(at + 1, line.trim());
+            continue;
+        }
+        let mut statement = String::new();
+        let mut open = gather(&mut statement, line);
+        while open {
+            let Some((at, line)) = lines.next() else { break };
+            last = at + 1;
+            open = gather(&mut statement, line);
+        }
+        if reader.statement(at + 1, &statement)? {
+            reader.ended = true;
+            break;
+        }
+    }
+    reader.finish(last)
+}
+
+/// Appends a line without its comment; says whether the statement goes on.
+fn gather(statement: &mut String, line: &str) -> bool {
+    let line = line.trim();
+    // Creo keeps the cutter in a comment.
+    let line = line.strip_prefix("$$->").filter(|rest| starts_with_word(rest, "CUTTER")).unwrap_or(line);
+    let line = line.find("$$").map_or(line, |at| line.get(..at).unwrap_or(line)).trim_end();
+    match line.strip_suffix('$') {
+        Some(line) => {
+            statement.push_str(line);
+            true
+        }
+        None => {
+            statement.push_str(line);
+            false
+        }
+    }
+}
+
+fn starts_with_word(text: &str, word: &str) -> bool {
+    let text = text.trim_start();
+    text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word))
+        && !text.get(word.len()..).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_alphanumeric()))
+}
+
+fn literal(line: &str) -> bool {
+    ["PARTNO", "PPRINT", "REMARK"].iter().any(|word| starts_with_word(line, word))
+}
+
+struct Reader<'a> {
+    source: Source<'a>,
+    program: ClProgram,
+    /// mm in the unit of the program.
+    unit: f64,
+    tip: Point,
+    axis: Vector,
+    rapid: bool,
+    feed: Option<f64>,
+    tool: Option<usize>,
+    /// Whether the current tool has moved: a new cutter is then a new tool.
+    used: bool,
+    /// Whether the current tool has a number of its own.
+    numbered: bool,
+    spindle: Option<f64>,
+    insert_widths: Vec<(u32, f64)>,
+    ended: bool,
+}
+
+impl<'a> Reader<'a> {
+    fn new(source: Source<'a>) -> Self {
+        Self {
+            source,
+            program: ClProgram::default(),
+            unit: 1.0,
+            tip: Point::origin(),
+            axis: Vector::z(),
+            rapid: false,
+            feed: None,
+            tool: None,
+            used: false,
+            numbered: false,
+            spindle: None,
+            insert_widths: Vec::new(),
+            ended: false,
+        }
+    }
+
+    fn warn(&mut self, line: usize, what: &str) {
+        if self.program.warnings.len() < MAX_WARNINGS {
+            self.program.warnings.push(ClWarning { line, what: what.to_owned() });
+        }
+    }
+
+    /// `PARTNO name`, `PPRINT/INSERT WIDTH n w`; other literal lines are comments.
+    fn literal(&mut self, line: usize, text: &str) {
+        let (word, rest) = text.split_at_checked(6).unwrap_or((text, ""));
+        let rest = rest.trim_start().trim_start_matches('/').trim();
+        if word.eq_ignore_ascii_case("PARTNO") {
+            if self.program.part.is_empty() {
+                rest.clone_into(&mut self.program.part);
+            }
+            return;
+        }
+        let mut words = rest.split_whitespace();
+        let mut is = |word: &str| words.next().is_some_and(|w| w.eq_ignore_ascii_case(word));
+        if !(word.eq_ignore_ascii_case("PPRINT") && is("INSERT") && is("WIDTH")) {
+            return;
+        }
+        let number = words.next().and_then(|token| token.parse::<u32>().ok());
+        let width = words.next().and_then(|token| source::number(token).ok()).filter(|width| *width > 0.0);
+        match number.zip(width) {
+            // The list stays as short as the list of tools.
+            Some((number, width)) if self.insert_widths.len() < MAX_WARNINGS * 10 => {
+                self.insert_widths.push((number, width * self.unit));
+                let here = self.tool.and_then(|index| self.program.tools.get_mut(index));
+                if let Some(tool) = here.filter(|tool| tool.number == number) {
+                    tool.insert_width = Some(width * self.unit);
+                }
+            }
+            _ => self.warn(line, "an INSERT WIDTH that is no `n w` was left out"),
+        }
+    }
+
+    /// One statement; true at the program's end.
+    fn statement(&mut self, line: usize, text: &str) -> Result<bool, InputError> {
+        let (word, list) = text.split_once('/').unwrap_or((text, ""));
+        let word: String = word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_uppercase();
+        let words: Vec<String> = match word.as_str() {
+            "GOTO" | "GOHOME" | "GODLTA" | "FROM" | "FEDRAT" | "SPINDL" | "LOADTL" | "LOAD" | "SELECT"
+            | "CUTTER" | "TLDATA" | "UNITS" => {
+                list.split(',').map(|w| w.trim().to_ascii_uppercase()).collect()
+            }
+            _ => Vec::new(),
+        };
+        match word.as_str() {
+            "FINI" => return Ok(true),
+            "RAPID" => self.rapid = true,
+            "INCHES" => self.unit = MM_PER_INCH,
+            "UNITS" => match words.first().map(String::as_str) {
+                Some("MM") => self.unit = 1.0,
+                Some("INCHES" | "INCH" | "IN") => self.unit = MM_PER_INCH,
+                Some("CM") => self.unit = 10.0,
+                other => {
+                    let what = format!("{} is no known unit", shown(other.unwrap_or_default()));
+                    return Err(self.source.fault(line, what, "give UNITS/MM or UNITS/INCHES"));
+                }
+            },
+            "GOTO" => self.goto(line, &words, self.rapid)?,
+            "GOHOME" if words.len() >= 3 => self.goto(line, &words, true)?,
+            "FROM" => {
+                let numbers = self.numbers(line, &word, &words)?;
+                self.place(line, &word, &numbers)?;
+            }
+            "GODLTA" => self.godlta(line, &words)?,
+            "FEDRAT" => self.fedrat(line, &words)?,
+            "SPINDL" => self.spindl(&words),
+            "LOADTL" => self.load(&words),
+            "LOAD" | "SELECT" if words.first().is_some_and(|w| w == "TOOL") => {
+                self.load(words.get(1..).unwrap_or_default());
+            }
+            "CUTTER" => self.cutter(line, &words, None)?,
+            "TLDATA" => {
+                let sizes = words.get(1..).unwrap_or_default();
+                let length = sizes.get(2).and_then(|w| source::number(w).ok()).filter(|l| *l > 0.0);
+                self.cutter(line, sizes, Some(length))?;
+            }
+            "END-OF-PATH" => self.ended = true,
+            "CIRCLE" | "MOVARC" | "CYCLE" | "COPY" | "TRANS" | "TRACUT" => {
+                self.warn(line, &format!("{word} is not understood: only the GOTO points count"));
+            }
+            _ => {}
+        }
+        Ok(false)
+    }
+
+    fn numbers(&self, line: usize, word: &str, words: &[String]) -> Result<Vec<f64>, InputError> {
+        // A comma at the end of a list is common.
+        let words = match words {
+            [list @ .., last] if last.is_empty() => list,
+            list => list,
+        };
+        words.iter().map(|token| self.number(line, word, token)).collect()
+    }
+
+    fn number(&self, line: usize, word: &str, token: &str) -> Result<f64, InputError> {
+        source::number(token)
+            .map_err(|what| self.source.fault(line, format!("{word}: {what}"), "correct or export again"))
+    }
+
+    /// Sets tip and axis from 3 or 6 numbers in the program's unit.
+    fn place(&mut self, line: usize, word: &str, numbers: &[f64]) -> Result<(), InputError> {
+        let (x, y, z) = match *numbers {
+            [x, y, z] => (x, y, z),
+            [x, y, z, i, j, k] => {
+                let axis = Vector::new(i, j, k);
+                let length = axis.norm();
+                if length < 1e-6 {
+                    let cure = "give the direction from tip to holder";
+                    return Err(self.source.fault(line, format!("{word}: the axis has no length"), cure));
+                }
+                self.axis = axis / length;
+                (x, y, z)
+            }
+            _ => {
+                let what = format!("{word} has {} numbers", numbers.len());
+                return Err(self.source.fault(line, what, "give x,y,z or x,y,z,i,j,k"));
+            }
+        };
+        self.go(line, Point::new(x, y, z) * self.unit)
+    }
+
+    fn go(&mut self, line: usize, tip: Point) -> Result<(), InputError> {
+        if tip.coords.amax() > MAX_COORDINATE {
+            let what = "the position is more than 1,000,000 mm away";
+            return Err(self.source.fault(line, what, "check the numbers and the units"));
+        }
+        self.tip = tip;
+        Ok(())
+    }
+
+    fn goto(&mut self, line: usize, words: &[String], rapid: bool) -> Result<(), InputError> {
+        let numbers = self.numbers(line, "GOTO", words)?;
+        self.place(line, "GOTO", &numbers)?;
+        self.push(line, rapid)
+    }
+
+    /// `GODLTA/dx,dy,dz`, or a distance along the axis.
+    fn godlta(&mut self, line: usize, words: &[String]) -> Result<(), InputError> {
+        let step = match *self.numbers(line, "GODLTA", words)? {
+            [x, y, z] => Vector::new(x, y, z),
+            [d] => self.axis * d,
+            ref other => {
+                let what = format!("GODLTA has {} numbers", other.len());
+                return Err(self.source.fault(line, what, "give dx,dy,dz or one distance"));
+            }
+        };
+        self.go(line, self.tip + step * self.unit)?;
+        self.push(line, self.rapid)
+    }
+
+    fn push(&mut self, line: usize, rapid: bool) -> Result<(), InputError> {
+        if self.program.moves.len() >= MAX_POINTS {
+            return Err(self.source.fault(line, "holds more than 1,000,000 moves", "split the program"));
+        }
+        self.rapid = false;
+        self.used = true;
+        self.ended = false;
+        let motion = if rapid { Motion::Rapid } else { Motion::Feed(self.feed) };
+        if let Motion::Feed(Some(feed)) = motion
+            && let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index))
+        {
+            tool.feed.get_or_insert(feed);
+        }
+        let (tip, axis, tool) = (self.tip, self.axis, self.tool);
+        self.program.moves.push(Move { motion, tip, axis, tool, line });
+        Ok(())
+    }
+
+    /// Number and unit in either order; a plain number is in the program's unit per minute.
+    fn fedrat(&mut self, line: usize, words: &[String]) -> Result<(), InputError> {
+        let mut rate = None;
+        let mut unit = self.unit;
+        for word in words {
+            match word.as_str() {
+                "MMPM" => unit = 1.0,
+                "IPM" => unit = MM_PER_INCH,
+                "MMPR" => unit = self.spindle.unwrap_or(0.0),
+                "IPR" => unit = self.spindle.unwrap_or(0.0) * MM_PER_INCH,
+                "PERREV" => unit *= self.spindle.unwrap_or(0.0),
+                "RAPID" => self.rapid = true,
+                word if rate.is_none() && word.starts_with(|c: char| !c.is_ascii_alphabetic()) => {
+                    rate = Some(self.number(line, "FEDRAT", word)?);
+                }
+                _ => {}
+            }
+        }
+        let Some(rate) = rate else { return Ok(()) };
+        self.feed = Some(rate * unit).filter(|feed| *feed > 0.0 && *feed <= MAX_COORDINATE);
+        if self.feed.is_none() {
+            self.warn(line, "this feed is none that a machine could run: taken as unknown");
+        }
+        Ok(())
+    }
+
+    fn spindl(&mut self, words: &[String]) {
+        let speed = words.iter().find_map(|word| source::number(word).ok()).filter(|speed| *speed > 0.0);
+        let Some(speed) = speed else { return };
+        self.spindle = Some(speed);
+        if let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index)) {
+            tool.spindle.get_or_insert(speed);
+        }
+    }
+
+    fn add(&mut self, tool: ClTool) {
+        self.tool = Some(self.program.tools.len());
+        self.program.tools.push(tool);
+        self.used = false;
+    }
+
+    /// `n` and, as Creo writes it, `LENGTH,l`.
+    fn load(&mut self, words: &[String]) {
+        let number = words.iter().find_map(|w| w.trim_end_matches('.').parse::<u32>().ok()).unwrap_or(0);
+        let after = |name: &str| {
+            let at = words.iter().position(|word| word == name)?;
+            words.get(at + 1).and_then(|word| source::number(word).ok())
+        };
+        let length = after("LENGTH").map(|l| l * self.unit).filter(|l| *l > 0.0);
+        let known = self.program.tools.iter().rposition(|tool| tool.number == number && tool.diameter > 0.0);
+        let described = self.tool.filter(|_| !self.used && !self.numbered);
+        match (described.and_then(|index| self.program.tools.get_mut(index)), known) {
+            // NX: the size came first.
+            (Some(tool), _) => tool.number = number,
+            (None, Some(index)) => {
+                self.tool = Some(index);
+                self.used = true;
+            }
+            (None, None) => self.add(ClTool { number, ..ClTool::default() }),
+        }
+        self.numbered = true;
+        let width = self.insert_widths.iter().rev().find(|(n, _)| *n == number).map(|(_, w)| *w);
+        if let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index)) {
+            tool.overhang = length.or(tool.overhang);
+            tool.insert_width = tool.insert_width.or(width);
+        }
+    }
+
+    /// `d,r,…,h`: h is the seventh number, or `length` where the statement has its own.
+    fn cutter(
+        &mut self,
+        line: usize,
+        words: &[String],
+        length: Option<Option<f64>>,
+    ) -> Result<(), InputError> {
+        let size = |k: usize| match words.get(k).filter(|word| !word.is_empty()) {
+            Some(word) => Ok(self.number(line, "CUTTER", word)?.max(0.0) * self.unit),
+            None => Ok(0.0),
+        };
+        let (diameter, corner_radius) = (size(0)?, size(1)?);
+        let height = match length {
+            Some(length) => length.map(|l| l * self.unit),
+            None => Some(size(6)?).filter(|h| *h > 0.0),
+        };
+        if corner_radius > diameter / 2.0 + 1e-6 {
+            let what =
+                format!("CUTTER: corner radius {corner_radius} is larger than the radius {}", diameter / 2.0);
+            return Err(self.source.fault(line, what, "correct the cutter"));
+        }
+        let same = |tool: &ClTool| tool.diameter == diameter && tool.corner_radius == corner_radius;
+        let number = self.tool.and_then(|index| self.program.tools.get(index)).map(|tool| tool.number);
+        let current = self.tool.and_then(|index| self.program.tools.get(index));
+        if !current.is_some_and(|tool| !self.used || same(tool)) {
+            // A cutter of another size after moves is another tool, though its number may be the same.
+            self.numbered = false;
+            self.add(ClTool { number: number.unwrap_or(0), ..ClTool::default() });
+        }
+        if let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index)) {
+            (tool.diameter, tool.corner_radius) = (diameter, corner_radius);
+            tool.overhang = tool.overhang.or(height);
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, last: usize) -> Result<ClProgram, InputError> {
+        if self.program.moves.is_empty() {
+            return Err(self.source.fault(
+                last,
+                "the program has no moves",
+                "check that it holds GOTO statements",
+            ));
+        }
+        if !self.ended {
+            self.warn(last, &format!("FINI is missing: {TRUNCATED}"));
+        }
+        Ok(self.program)
+    }
+}

@@ -1,0 +1,122 @@
+//! Writes APT: at most 72 columns, `$` continues a statement on the next line.
+
+use super::{ClProgram, ClTool, Motion};
+
+const COLUMNS: usize = 72;
+
+/// A program as APT text. Six decimals for lengths, nine for axes; positions in the order of
+/// `moves`. A tool is announced where the moves change to it.
+///
+/// A name of a part is cut to its line, and control characters in it become spaces.
+pub fn write_apt(program: &ClProgram) -> String {
+    let mut out = String::new();
+    statement(&mut out, &["PARTNO ", &part_name(&program.part)]);
+    statement(&mut out, &["UNITS/MM"]);
+    statement(&mut out, &["MULTAX/ON"]);
+    let mut tool = None;
+    let mut feed = None;
+    for step in &program.moves {
+        if step.tool.is_some() && step.tool != tool {
+            tool = step.tool;
+            feed = None;
+            if let Some(tool) = step.tool.and_then(|index| program.tools.get(index)) {
+                load(&mut out, tool);
+            }
+        }
+        match step.motion {
+            Motion::Rapid => {
+                statement(&mut out, &["RAPID"]);
+                // The feed is said again after a rapid, so that each plunge stands for itself.
+                feed = None;
+            }
+            Motion::Feed(rate) if rate != feed => {
+                if let Some(rate) = rate {
+                    statement(&mut out, &["FEDRAT/", &short(rate), ",MMPM"]);
+                }
+                feed = rate;
+            }
+            Motion::Feed(_) => {}
+        }
+        let (tip, axis) = (step.tip, step.axis);
+        let numbers = [
+            fixed(tip.x, 6),
+            fixed(tip.y, 6),
+            fixed(tip.z, 6),
+            fixed(axis.x, 9),
+            fixed(axis.y, 9),
+            fixed(axis.z, 9),
+        ];
+        list(&mut out, "GOTO/", &numbers);
+    }
+    statement(&mut out, &["FINI"]);
+    out
+}
+
+fn load(out: &mut String, tool: &ClTool) {
+    let number = tool.number.to_string();
+    statement(out, &["LOADTL/", &number]);
+    // d, r, e (axis to corner centre), f (tip to corner centre), a and b (angles of bottom and side), h (length).
+    let (d, r) = (tool.diameter, tool.corner_radius);
+    let sizes = [d, r, d / 2.0 - r, r, 0.0, 0.0, tool.overhang.unwrap_or(0.0)];
+    list(out, "CUTTER/", &sizes.map(|size| fixed(size, 6)));
+    if let Some(width) = tool.insert_width {
+        statement(out, &["PPRINT/INSERT WIDTH ", &number, " ", &fixed(width, 6)]);
+    }
+    if let Some(spindle) = tool.spindle {
+        statement(out, &["SPINDL/", &short(spindle), ",RPM,CLW"]);
+    }
+    statement(out, &["COOLNT/ON"]);
+}
+
+fn statement(out: &mut String, parts: &[&str]) {
+    for part in parts {
+        out.push_str(part);
+    }
+    while out.ends_with(' ') {
+        out.pop();
+    }
+    out.push('\n');
+}
+
+/// A word and its list of numbers, broken after a comma where a line is full.
+fn list(out: &mut String, word: &str, numbers: &[String]) {
+    let mut column = word.len();
+    out.push_str(word);
+    for (k, number) in numbers.iter().enumerate() {
+        let comma = usize::from(k + 1 < numbers.len());
+        // Room for the number, its comma and a `$`.
+        if column > 0 && column + number.len() + 2 * comma > COLUMNS {
+            out.push_str("$\n");
+            column = 0;
+        }
+        out.push_str(number);
+        if comma == 1 {
+            out.push(',');
+        }
+        column += number.len() + comma;
+    }
+    out.push('\n');
+}
+
+/// A number with a fixed count of decimals; no negative zero.
+fn fixed(x: f64, decimals: usize) -> String {
+    let text = format!("{x:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.bytes().all(|b| matches!(b, b'0' | b'.')) => rest.to_owned(),
+        _ => text,
+    }
+}
+
+/// A number with up to six decimals and a point.
+fn short(x: f64) -> String {
+    let text = fixed(x, 6);
+    let cut = text.trim_end_matches('0');
+    if cut.ends_with('.') { format!("{cut}0") } else { cut.to_owned() }
+}
+
+/// The name as one line that APT takes literally.
+pub(super) fn part_name(name: &str) -> String {
+    let clean: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let clean = clean.trim().trim_start_matches(['/', ' ']);
+    clean.chars().take(COLUMNS - "PARTNO ".len()).collect::<String>().trim_end().to_owned()
+}
