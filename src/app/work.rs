@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::formats::InputError;
+use crate::formats::setup_file::read_setup;
 use crate::gpu::part_mesh::PartMesh;
 use crate::job::JobError;
 use crate::job::worker::{End, Worker};
@@ -48,7 +49,7 @@ impl Work {
         let (to_open, to_plan) = (engine.clone(), engine.clone());
         let open = move |task: &OpenTask, monitor: &crate::monitor::Monitor| {
             let setup = match &task.setup {
-                Some(path) => Some((path.clone(), files::read_setup(path)?)),
+                Some(path) => Some((path.clone(), read_setup(path)?)),
                 None => None,
             };
             let part = match &task.part {
