@@ -7,7 +7,7 @@ struct Frame {
     right: vec4f,
     up: vec4f,
     back: vec4f,      // towards the viewer
-    viewport: vec4f,  // width, height, pixels per line width, shift of lines towards the viewer in mm
+    viewport: vec4f,  // width, height, pixels per line width, unit of `lifted` in mm
     range: vec4f,     // lowest and highest value of the colour table, floor colours on, floor in relief
     look: vec4f,      // walls of the channel in work are cut away, floor values are heights
     greys: array<vec4f, 8>,
@@ -26,6 +26,18 @@ const GREY_UNCUT = 7u;
 const SHROUD = 4u;
 // Flags of an instance.
 const INNER = 1u; // faces the channel in work
+const ON_HUB = 2u; // lies on the hub
+
+// What lies on something else is drawn a hair nearer to the viewer, or facets and depth buffer
+// would let the lower one break through. In units of a few tenths of a mm, layer by layer:
+const LIFT_CHANNEL = 0.4;
+const LIFT_FLOOR = 0.8;
+const LIFT_CUTTER = 1.2;
+const LIFT_LINE = 1.6;
+
+fn lifted(world: vec3f, layers: f32) -> vec4f {
+    return frame.clip_from_world * vec4f(world + to_viewer(world) * frame.viewport.w * layers, 1.0);
+}
 
 fn to_viewer(world: vec3f) -> vec3f {
     return select(frame.back.xyz, normalize(frame.eye.xyz - world), frame.eye.w > 0.5);
@@ -39,7 +51,7 @@ fn light(n: vec3f, v: vec3f, open: f32) -> f32 {
     let sky = 0.5 + 0.5 * dot(n, frame.up.xyz);
     let outline = mix(0.70, 1.0, smoothstep(0.0, 0.35, abs(dot(n, v))));
     let corner = mix(0.62, 1.0, smoothstep(0.0, 1.0, open));
-    return (0.30 + 0.20 * sky + 0.60 * half_turned * half_turned) * outline * corner;
+    return (0.40 + 0.16 * sky + 0.52 * half_turned * half_turned) * outline * corner;
 }
 
 fn facing(n: vec3f, v: vec3f) -> vec3f {
@@ -101,7 +113,7 @@ fn surface_vertex(in: SurfaceIn) -> SurfaceOut {
     out.raised = out.world;
     out.kind = in.kind;
     out.flags = in.flags;
-    out.clip = frame.clip_from_world * vec4f(out.world, 1.0);
+    out.clip = lifted(out.world, select(0.0, LIFT_CHANNEL, (in.flags & ON_HUB) != 0u));
     return out;
 }
 
@@ -138,14 +150,12 @@ fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
     var out: SurfaceOut;
     out.raised = in.position + in.normal * in.value * frame.look.y;
     out.world = select(in.position, out.raised, frame.range.w > 0.5);
-    // A hair above the hub, whose facets would else break through.
-    let shift = to_viewer(out.world) * frame.viewport.w * 0.5;
     out.normal = in.normal;
     out.value = in.value;
     out.uncut = in.uncut;
     out.kind = in.kind;
     out.flags = in.flags;
-    out.clip = frame.clip_from_world * vec4f(out.world + shift, 1.0);
+    out.clip = lifted(out.world, LIFT_FLOOR);
     return out;
 }
 
@@ -224,7 +234,7 @@ fn cutter_vertex(in: CutterIn) -> CutterOut {
     out.rise = h / max(in.height, 1e-6);
     out.part = in.part;
     out.state = in.state;
-    out.clip = frame.clip_from_world * vec4f(out.world, 1.0);
+    out.clip = lifted(out.world, LIFT_CUTTER);
     return out;
 }
 
@@ -262,14 +272,10 @@ struct LineOut {
     @location(0) @interpolate(flat) colour: u32,
 }
 
-fn lifted(p: vec3f) -> vec4f {
-    return frame.clip_from_world * vec4f(p + to_viewer(p) * frame.viewport.w, 1.0);
-}
-
 @vertex
 fn line_vertex(in: LineIn, @builtin(vertex_index) i: u32) -> LineOut {
-    let a = lifted(in.a);
-    let b = lifted(in.b);
+    let a = lifted(in.a, LIFT_LINE);
+    let b = lifted(in.b, LIFT_LINE);
     if min(a.w, b.w) <= 1e-6 {
         return LineOut(vec4f(0.0, 0.0, 2.0, 1.0), 0u); // behind the viewer
     }

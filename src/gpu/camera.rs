@@ -78,6 +78,10 @@ pub struct Framing {
     pub channel: Frame,
     /// Sections of the plan, in cutting order.
     pub sections: Vec<Frame>,
+    /// Points that span the wheel.
+    pub wheel_outline: Vec<Vec3>,
+    /// Points that span the channel in work.
+    pub channel_outline: Vec<Vec3>,
     /// +1 when the inlet is at the upper end of Z, −1 when the part stands on its head in its file.
     pub up_sign: f32,
 }
@@ -139,6 +143,11 @@ impl Camera {
             camera.yaw = iso.y.atan2(iso.x);
         }
         camera.fit(frame.center, frame.radius, aspect);
+        match view {
+            View::Iso | View::Front | View::Top => camera.fit_points(&framing.wheel_outline, aspect),
+            View::Channel => camera.fit_points(&framing.channel_outline, aspect),
+            View::Section(_) => {}
+        }
         camera
     }
 
@@ -161,6 +170,35 @@ impl Camera {
             Projection::Perspective => radius / half.sin(),
             Projection::Orthographic => radius / (half_vertical.tan() * aspect.min(1.0)),
         };
+    }
+
+    /// Shifts the camera so that `points` just fill the picture, seen from where it looks now.
+    pub fn fit_points(&mut self, points: &[Vec3], aspect: f32) {
+        /// Share of the picture to be filled.
+        const FILL: f32 = 0.92;
+        // Depth differs from point to point, so the fit is found by repetition; it settles fast.
+        for _ in 0..12 {
+            let (right, up, back) = self.basis();
+            let tan = (self.fov / 2.0).tan();
+            let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+            for &point in points {
+                let d = point - self.target;
+                let depth = match self.projection {
+                    Projection::Perspective => (self.distance - d.dot(back)).max(self.distance * 0.05),
+                    Projection::Orthographic => self.distance,
+                };
+                let seen = Vec2::new(d.dot(right) / aspect, d.dot(up)) / (depth * tan);
+                low = low.min(seen);
+                high = high.max(seen);
+            }
+            if !(low.is_finite() && high.is_finite()) {
+                return;
+            }
+            let middle = (low + high) / 2.0 * self.distance * tan;
+            self.target += right * middle.x * aspect + up * middle.y;
+            let scale = (high - low).max_element() / 2.0 / FILL;
+            self.distance *= scale.clamp(0.25, 4.0);
+        }
     }
 
     /// Unit vectors right, up and back (towards the viewer) of the picture.
@@ -279,7 +317,20 @@ mod tests {
             radius: 120.0,
             from: Vec3::new(0.4, -0.7, 0.6 * up_sign).normalize(),
         };
-        Framing { wheel, channel: Frame { radius: 40.0, ..wheel }, sections: vec![], up_sign }
+        let ring = |r: f32, z: f32| {
+            (0..24).map(move |i| {
+                let (sin, cos) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
+                Vec3::new(3.0 + r * cos, r * sin - 2.0, z)
+            })
+        };
+        Framing {
+            wheel,
+            channel: Frame { radius: 40.0, ..wheel },
+            sections: vec![],
+            wheel_outline: ring(110.0, -20.0).chain(ring(40.0, 50.0)).collect(),
+            channel_outline: ring(30.0, 10.0).collect(),
+            up_sign,
+        }
     }
 
     fn cameras() -> Vec<Camera> {
@@ -341,6 +392,26 @@ mod tests {
                     widest = widest.max(q.x.max(q.y));
                 }
                 assert!((0.45..=0.501).contains(&widest), "{widest} of the half picture");
+            }
+        }
+    }
+
+    #[test]
+    fn fitted_points_fill_the_picture_evenly() {
+        let framing = framing(1.0);
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            for size in [SIZE, Vec2::new(400.0, 900.0)] {
+                let mut camera = Camera::standard(View::Iso, &framing, size.x / size.y);
+                camera.projection = projection;
+                camera.fit_points(&framing.wheel_outline, size.x / size.y);
+                let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+                for &point in &framing.wheel_outline {
+                    let seen = camera.project(point, size).expect("in front") / size;
+                    (low, high) = (low.min(seen), high.max(seen));
+                }
+                assert!((low + high - 1.0).abs().max_element() < 0.02, "off the middle: {low} {high}");
+                let filled = (high - low).max_element();
+                assert!((filled - 0.92).abs() < 0.02, "{filled} of the picture");
             }
         }
     }

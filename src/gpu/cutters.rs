@@ -76,7 +76,7 @@ pub struct CutterChoice {
     pub at: Option<usize>,
     /// Chosen position; always drawn at full length.
     pub selected: Option<usize>,
-    /// Length of the others, in diameters.
+    /// Length of the other sound ones, in diameters; faulty ones are longer.
     pub stub: f32,
 }
 
@@ -137,7 +137,13 @@ impl CutterChoice {
             return None;
         }
         if !in_work {
-            instance.height = instance.height.min(2.0 * instance.radius * self.stub);
+            // Not by colour alone: the faulty ones also stand out in length.
+            let stretch = match instance.state {
+                0 => 1.0,
+                1 => 1.6,
+                _ => 2.6,
+            };
+            instance.height = instance.height.min(2.0 * instance.radius * self.stub * stretch);
         }
         Some(instance)
     }
@@ -173,7 +179,11 @@ pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec
             .collect();
         into.extend(polyline(&points, width, colour));
     };
-    let width = if instance.state == CutterState::Selected as u32 { 2.6 } else { 1.5 };
+    let width = match instance.state {
+        0 => 1.1,
+        3 => 2.6,
+        _ => 1.6,
+    };
     circle(instance.radius, instance.corner_radius.min(instance.height), width);
     if whole {
         circle(instance.radius, instance.height, width * 0.7);

@@ -60,10 +60,10 @@ impl Theme {
             Self::Light => Greys {
                 background_top: rgb(0xF7F8F9),
                 background_bottom: rgb(0xDDE1E5),
-                hub: rgb(0xBFC4C9),
-                floor: rgb(0xE9E4D6),
-                blade: rgb(0xCED2D6),
-                wall: rgb(0xE2D8BC),
+                hub: rgb(0xABB1B7),
+                floor: rgb(0xF1EBDA),
+                blade: rgb(0xDADDE1),
+                wall: rgb(0xEADFBF),
                 shroud: rgb(0x9FB8CC),
                 uncut: rgb(0xA8A29A),
                 edge: rgb(0x767D84),
@@ -73,9 +73,9 @@ impl Theme {
             Self::Dark => Greys {
                 background_top: rgb(0x2A2E33),
                 background_bottom: rgb(0x16181B),
-                hub: rgb(0x767C83),
+                hub: rgb(0x6A7076),
                 floor: rgb(0xC9C3B2),
-                blade: rgb(0x878E95),
+                blade: rgb(0x959CA3),
                 wall: rgb(0xC2B693),
                 shroud: rgb(0x6F93AD),
                 uncut: rgb(0x6E6A64),
@@ -113,7 +113,7 @@ impl ColourMap {
                 Self::Contact => {
                     // A step at zero: free floor stays grey, any contact is seen.
                     let weight = if i == 0 { 0.0 } else { 0.35 + 0.65 * t as f32 };
-                    let pale = rgb(0xE9E4D6);
+                    let pale = rgb(0xF1EBDA);
                     std::array::from_fn(|c| {
                         ((pale[c] + (INTERFERENTIAL[c] - pale[c]) * weight) * 255.0).round() as u8
                     })

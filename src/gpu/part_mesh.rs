@@ -9,8 +9,8 @@ use glam::Vec3;
 
 use super::camera::{Frame, Framing};
 use super::mesh::{LineColour, Mesh, PointGrid, ProfilePoint, Segment, even, polyline, thin, turn};
-use crate::geometry::Point;
-use crate::part::{Blade, BladeSide, Flowpath, Impeller};
+use crate::geometry::{Point, wrap_angle};
+use crate::part::{Blade, BladeSide, Channel, Flowpath, Impeller};
 
 /// Angular steps of a full turn.
 const TURN_STEPS: usize = 240;
@@ -58,15 +58,10 @@ fn vec3(p: Point) -> Vec3 {
     Vec3::new(p.x as f32, p.y as f32, p.z as f32)
 }
 
-/// Angle θ moved by whole turns of `period` into `low … low + period`.
-fn wrapped(theta: f64, low: f64, period: f64) -> f64 {
-    low + (theta - low).rem_euclid(period)
-}
-
 impl PartMesh {
     /// Tessellates a part.
     pub fn new(part: &Impeller) -> Self {
-        let channel = Channel::new(part);
+        let channel = WallFeet::new(part);
         let up_sign = if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 };
         let body = body_profile(&part.hub, up_sign);
         let angles: Vec<f64> = even(TURN_STEPS).iter().map(|t| t * TAU).collect();
@@ -90,20 +85,12 @@ impl PartMesh {
         }
 
         let pitch = part.pitch();
-        let turns = |first: i64| -> Vec<f64> {
-            (0..part.blade_count as i64).map(|k| (first + k) as f64 * pitch).collect()
+        let row = |blade: &Blade| {
+            let turns = (0..part.blade_count).map(|k| k as f64 * pitch).collect();
+            BladeMesh { turns, ..blade_mesh(blade) }
         };
-        let mut main = blade_mesh(&part.main);
-        main.turns = turns(0);
-        let splitters: Vec<BladeMesh> = part
-            .splitters
-            .iter()
-            .map(|blade| {
-                let mut mesh = blade_mesh(blade);
-                mesh.turns = turns(channel.copy_inside(blade));
-                mesh
-            })
-            .collect();
+        let main = row(&part.main);
+        let splitters: Vec<BladeMesh> = part.splitters.iter().map(row).collect();
         let walls = [(&main, 2.min(main.turns.len()))].into_iter().chain(splitters.iter().map(|s| (s, 1)));
         for (blade, lit) in walls {
             for (k, &angle) in blade.turns.iter().enumerate() {
@@ -228,81 +215,34 @@ pub fn close_blade(suction: &PointGrid, pressure: &PointGrid) -> BladeMesh {
 }
 
 /// Where the channel in work lies on the hub: the angles of its walls along s.
-struct Channel {
-    /// s of each station.
+struct WallFeet {
+    /// s of each station, even from 0 to 1.
     stations: Vec<f64>,
-    /// Angle of the suction-side wall.
-    suction: Vec<f64>,
-    /// Signed angle from there to the pressure-side wall.
-    width: Vec<f64>,
-    pitch: f64,
+    /// Angles of the suction-side wall and, without a jump, of the pressure-side wall.
+    angles: Vec<[f64; 2]>,
 }
 
-impl Channel {
+impl WallFeet {
     fn new(part: &Impeller) -> Self {
-        let pitch = part.pitch();
+        let passage = Channel::of(part).full;
         let stations = even(64);
-        let on_hub: Vec<(f64, Vec3)> = even(512)
-            .iter()
-            .map(|&s| (s, part.hub.point(s)))
-            .map(|(s, m)| (s, Vec3::new(m.r as f32, 0.0, m.z as f32)))
-            .collect();
-        // Foot of a side as (s, θ), θ without jumps.
-        let foot = |side: &BladeSide| {
-            let mut table: Vec<(f64, f64)> = Vec::new();
-            for u in even(256) {
-                let p = side.point(u, 0.0);
-                let flat = Vec3::new(p.x.hypot(p.y) as f32, 0.0, p.z as f32);
-                let nearest = on_hub
-                    .iter()
-                    .min_by(|a, b| a.1.distance_squared(flat).total_cmp(&b.1.distance_squared(flat)));
-                let s = nearest.map_or(0.0, |n| n.0);
-                let theta = p.y.atan2(p.x);
-                let theta = table.last().map_or(theta, |l| wrapped(theta, l.1 - TAU / 2.0, TAU));
-                if table.last().is_none_or(|l| s > l.0) {
-                    table.push((s, theta));
-                }
-            }
-            table
-        };
-        let at = |table: &[(f64, f64)], s: f64| {
-            let k = table.partition_point(|e| e.0 < s).clamp(1, table.len().max(2) - 1);
-            match (table.get(k - 1), table.get(k)) {
-                (Some(a), Some(b)) => a.1 + (b.1 - a.1) * ((s - a.0) / (b.0 - a.0)).clamp(0.0, 1.0),
-                (Some(a), None) => a.1,
-                _ => 0.0,
-            }
-        };
-        let (suction_foot, pressure_foot) = (foot(&part.main.suction), foot(&part.main.pressure));
-        let suction: Vec<f64> = stations.iter().map(|&s| at(&suction_foot, s)).collect();
-        let width = stations
-            .iter()
-            .zip(&suction)
-            .map(|(&s, &wall)| {
-                let gap = at(&pressure_foot, s) + pitch - wall;
-                // Both feet wind the same way; a whole turn between them is a matter of atan2 only.
-                pitch.signum() * wrapped(gap * pitch.signum(), 0.0, TAU)
-            })
-            .collect();
-        Self { stations, suction, width, pitch }
+        let mut angles: Vec<[f64; 2]> = Vec::with_capacity(stations.len());
+        for &s in &stations {
+            // Where a wall does not reach, the picture carries the last angle on.
+            let last = angles.last().copied().unwrap_or([0.0, part.pitch()]);
+            angles.push(passage.wall_angles(part, s, 0.0).unwrap_or(last));
+        }
+        Self { stations, angles }
     }
 
     /// Angle at s and λ.
     fn theta(&self, s: f64, lambda: f64) -> f64 {
         let x = s.clamp(0.0, 1.0) * (self.stations.len() - 1) as f64;
         let k = (x as usize).min(self.stations.len() - 2);
-        let mix = |list: &[f64]| list[k] + (list[k + 1] - list[k]) * (x - k as f64);
-        mix(&self.suction) + lambda * mix(&self.width)
-    }
-
-    /// How many pitches a splitter has to be turned to stand in this channel.
-    fn copy_inside(&self, splitter: &Blade) -> i64 {
-        let p = splitter.suction.point(1.0, 0.0);
-        let q = splitter.pressure.point(1.0, 0.0);
-        let middle = Vec3::new((p.x + q.x) as f32, (p.y + q.y) as f32, 0.0);
-        let theta = f64::from(middle.y).atan2(f64::from(middle.x));
-        let offset = theta - self.theta(1.0, 0.0);
-        -(offset / self.pitch).floor() as i64
+        let at = |[low, high]: [f64; 2]| low + lambda * (high - low);
+        let (a, b) = (at(self.angles[k]), at(self.angles[k + 1]));
+        // Neighbouring stations may differ by a whole turn of atan2.
+        a + wrap_angle(b - a) * (x - k as f64)
     }
 
     fn floor_mesh(&self, hub: &Flowpath, columns: usize) -> Mesh {
@@ -338,12 +278,20 @@ impl Channel {
         let center = Vec3::new(0.0, 0.0, (low + high) / 2.0);
         let radius = widest.hypot((high - low) / 2.0);
 
+        let ring = |r: f32, z: f32| even(24).into_iter().map(move |t| turn(Vec3::new(r, 0.0, z), t * TAU));
+        let wheel_outline = body
+            .iter()
+            .map(|&(r, z)| (r, z))
+            .chain([inlet, rim].map(|m| (m.r as f32, m.z as f32)))
+            .flat_map(|(r, z)| ring(r, z))
+            .collect();
+
         let at = |path: &Flowpath, s: f64, lambda: f64| {
             let (p, (sin, cos)) = (path.point(s), self.theta(s, lambda).sin_cos());
             Vec3::new((p.r * cos) as f32, (p.r * sin) as f32, p.z as f32)
         };
         let mut corners = Vec::new();
-        for s in [0.0, 0.5, 1.0] {
+        for s in [0.0, 0.25, 0.5, 0.75, 1.0] {
             for lambda in [0.0, 0.5, 1.0] {
                 corners.extend([at(&part.hub, s, lambda), at(&part.shroud, s, lambda)]);
             }
@@ -369,6 +317,8 @@ impl Channel {
                 from: (onto + outward * 0.35).normalize_or(Vec3::Z),
             },
             sections: Vec::new(),
+            wheel_outline,
+            channel_outline: corners,
             up_sign,
         }
     }
@@ -395,11 +345,5 @@ mod tests {
         let tip: Vec<_> = blade.closing.vertices.iter().take(26).collect();
         assert!(tip.iter().filter(|v| v.normal[2] > 0.9).count() >= 20, "tip faces up");
         assert_eq!(blade.edges.len(), 7);
-    }
-
-    #[test]
-    fn angles_wrap_into_the_period_asked_for() {
-        assert!((wrapped(-0.1, 0.0, TAU) - (TAU - 0.1)).abs() < 1e-12);
-        assert!((wrapped(7.0, 0.0, TAU) - (7.0 - TAU)).abs() < 1e-12);
     }
 }

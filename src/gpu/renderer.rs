@@ -447,7 +447,7 @@ fn frame_uniform(scene: &Scene, camera: &Camera, options: &SceneOptions, size: U
         right: vec(right),
         up: vec(up),
         back: vec(back),
-        viewport: [size.x, size.y, options.pixel_scale, scene.framing().wheel.radius * 2.5e-3],
+        viewport: [size.x, size.y, options.pixel_scale, scene.framing().wheel.radius * 8e-4],
         range: [options.range_mm.0, options.range_mm.1, 1.0, on(options.relief && !contact)],
         look: [on(options.cut_away), on(!contact), 0.0, 0.0],
         greys: [g.background_top, g.background_bottom, g.hub, g.floor, g.blade, g.wall, g.shroud, g.uncut]

@@ -56,7 +56,8 @@ pub struct SceneOptions {
     pub at: Option<usize>,
     /// Chosen position.
     pub selected: Option<usize>,
-    /// Length of cutters that are neither chosen nor last, in diameters.
+    /// Length of sound cutters that are neither chosen nor last, in diameters; faulty ones are
+    /// longer.
     pub cutter_stub: f32,
     /// Physical pixels per point: lines keep their width on dense screens.
     pub pixel_scale: f32,
@@ -78,7 +79,7 @@ impl Default for SceneOptions {
             theme: Theme::Light,
             at: None,
             selected: None,
-            cutter_stub: 0.5,
+            cutter_stub: 0.4,
             pixel_scale: 1.0,
         }
     }
@@ -113,6 +114,8 @@ const WALL: u32 = 3;
 const SHROUD: u32 = 4;
 /// Faces the channel in work.
 const INNER: u32 = 1;
+/// Lies on the hub.
+const ON_HUB: u32 = 2;
 
 /// When a piece is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,14 +211,12 @@ impl Scene {
         let mut builder = Builder::default();
         let still = |kind, flags| SurfaceInstance { turn: [1.0, 0.0], kind, flags };
         builder.add(Layer::Hub, &part.hub, &[still(HUB, 0)]);
-        builder.add(Layer::Blades, &part.floor, &[still(FLOOR, 0)]);
+        builder.add(Layer::Hub, &part.floor, &[still(FLOOR, ON_HUB)]);
         builder.add_blade(&part.main, 2);
         for splitter in &part.splitters {
             builder.add_blade(splitter, 1);
         }
         builder.add(Layer::Shroud, &part.shroud, &[still(SHROUD, 0)]);
-        // The floor of the channel is part of the hub, a hair above it.
-        builder.pieces[1].layer = Layer::Hub;
         let framing = part.framing.clone();
         Self {
             surfaces: MeshBuffers::new(gpu, &builder.mesh),

@@ -1,0 +1,204 @@
+//! Pictures of a real part, drawn without a window and looked at pixel by pixel.
+#![cfg(feature = "gpu")]
+
+use std::path::Path;
+
+use glam::{UVec2, Vec2, Vec3};
+use vanecut::formats::read_part;
+use vanecut::geometry::{Point, Vector};
+use vanecut::gpu::palette::{INTERFERENTIAL, SELECTED};
+use vanecut::gpu::{Camera, CutterFilter, FloorColours, Gpu, Picture, Renderer, Scene, SceneOptions, View};
+use vanecut::part::{AxisPolicy, Feed, Impeller, Tool};
+use vanecut::plunge::plan::{CoreContact, PlungePlan, Position, SectionPlan};
+use vanecut::residual::FloorGrid;
+
+const SIZE: UVec2 = UVec2::new(300, 240);
+
+fn part() -> Impeller {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller532.toml");
+    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
+}
+
+/// Hub point and normal a share of the pitch beside the suction-side wall's foot.
+fn on_hub(part: &Impeller, s: f64, share: f64) -> (Point, Vector) {
+    let foot = part.main.suction.point(s, 0.0);
+    let (sin, cos) = (foot.y.atan2(foot.x) + share * part.pitch()).sin_cos();
+    let (m, n) = (part.hub.point(s), part.hub.normal(s));
+    (Point::new(m.r * cos, m.r * sin, m.z), Vector::new(n.r * cos, n.r * sin, n.z))
+}
+
+/// Two plunges along the hub's normal in the channel, the second one interferential.
+fn plan(part: &Impeller) -> PlungePlan {
+    let position = |s: f64, depth: f64| {
+        let (foot, axis) = on_hub(part, s, 0.5);
+        Position {
+            tip: foot + axis * 0.5,
+            axis,
+            retract: foot + axis * 40.0,
+            section: 0,
+            row: 0,
+            s,
+            lambda: 0.5,
+            alpha: 0.0,
+            contact_point: foot,
+            contact: CoreContact { depth, area_share: 0.2 },
+            blocked: None,
+            hub_clearance: 0.5,
+            blade_clearance: 5.0,
+            retract_clearance: 5.0,
+        }
+    };
+    let tool = Tool {
+        number: 1,
+        diameter: 24.0,
+        corner_radius: 1.0,
+        insert_width: 8.0,
+        overhang: 100.0,
+        plunge_feed: 300.0,
+        spindle: 2000.0,
+    };
+    PlungePlan {
+        policy: AxisPolicy::Conventional,
+        sections: vec![SectionPlan { tool, from: 1.0, to: 0.6, feed: Feed::Inward, rows: 1 }],
+        positions: vec![position(0.95, 0.0), position(0.75, 2.0)],
+        rounds: 1,
+        settled: true,
+    }
+}
+
+/// A small grid in the middle of the channel.
+fn floor(part: &Impeller) -> FloorGrid {
+    let (rows, columns) = (24, 12);
+    let mut grid = FloorGrid {
+        rows,
+        columns,
+        points: Vec::new(),
+        normals: Vec::new(),
+        blank_heights: vec![40.0; rows * columns],
+        areas: vec![1.0; rows * columns],
+        floor: vec![true; rows * columns],
+    };
+    for i in 0..rows {
+        for j in 0..columns {
+            let s = 0.5 + 0.5 * i as f64 / (rows - 1) as f64;
+            let (p, n) = on_hub(part, s, 0.3 + 0.4 * j as f64 / (columns - 1) as f64);
+            grid.points.push([p.x, p.y, p.z].map(|x| x as f32));
+            grid.normals.push([n.x, n.y, n.z].map(|x| x as f32));
+        }
+    }
+    grid
+}
+
+/// Number of pixels whose hue is near a colour's, however lit.
+fn pixels_like(picture: &Picture, colour: [f32; 3]) -> usize {
+    let unit = |c: [f32; 3]| c.map(|x| x / c.iter().map(|x| x * x).sum::<f32>().sqrt().max(1e-6));
+    let wanted = unit(colour);
+    let like = |p: &&[u8]| {
+        let seen = unit([f32::from(p[0]), f32::from(p[1]), f32::from(p[2])]);
+        wanted.iter().zip(seen).map(|(a, b)| a * b).sum::<f32>() > 0.995
+    };
+    picture.rgba.chunks_exact(4).filter(like).count()
+}
+
+struct Studio {
+    gpu: Gpu,
+    renderer: Renderer,
+}
+
+impl Studio {
+    fn new() -> Self {
+        let gpu = Gpu::headless().expect("a Vulkan driver");
+        let renderer = Renderer::new(&gpu);
+        Self { gpu, renderer }
+    }
+
+    fn shot(&mut self, scene: &Scene, view: View, options: &SceneOptions, samples: u32) -> Picture {
+        let camera = Camera::standard(view, scene.framing(), SIZE.x as f32 / SIZE.y as f32);
+        self.renderer.render(&self.gpu, scene, &camera, options, SIZE, samples);
+        let picture = self.renderer.read_rgba(&self.gpu).expect("drawn");
+        assert_eq!((picture.width, picture.height), (SIZE.x, SIZE.y));
+        picture
+    }
+}
+
+#[test]
+fn a_wheel_fills_the_picture_the_same_every_time() {
+    let mut studio = Studio::new();
+    let scene = Scene::new(&studio.gpu, &part());
+    assert!(scene.triangles() < 150_000, "{} triangles", scene.triangles());
+    let options = SceneOptions::default();
+    let picture = studio.shot(&scene, View::Iso, &options, 4);
+    assert!(picture.rgba.chunks_exact(4).all(|p| p[3] == 255), "opaque");
+    let empty = SceneOptions { show_hub: false, show_blades: false, ..options };
+    let background = studio.shot(&scene, View::Iso, &empty, 4);
+    let pairs = picture.rgba.chunks_exact(4).zip(background.rgba.chunks_exact(4));
+    let share = pairs.filter(|(a, b)| a != b).count() as f32 / (SIZE.x * SIZE.y) as f32;
+    assert!((0.3..0.9).contains(&share), "the wheel covers {share} of the picture");
+    assert_eq!(picture, studio.shot(&scene, View::Iso, &options, 4), "drawn twice");
+    let shroud = SceneOptions { show_shroud: true, ..options };
+    assert_ne!(picture, studio.shot(&scene, View::Iso, &shroud, 4), "under glass");
+}
+
+#[test]
+fn cutters_show_in_the_colour_of_their_state() {
+    let mut studio = Studio::new();
+    let part = part();
+    let mut scene = Scene::new(&studio.gpu, &part);
+    scene.set_plan(Some(&plan(&part)));
+    let hidden = SceneOptions { show_cutters: CutterFilter::Hidden, ..Default::default() };
+    let all = SceneOptions { show_cutters: CutterFilter::All, ..hidden };
+    let mut red = |options: &SceneOptions| {
+        pixels_like(&studio.shot(&scene, View::Section(1), options, 4), INTERFERENTIAL)
+    };
+    assert_eq!(red(&hidden), 0);
+    assert!(red(&all) > 100);
+    assert_eq!(red(&SceneOptions { at: Some(1), ..all }), 0, "before the second plunge");
+    let selected = SceneOptions { selected: Some(1), ..hidden };
+    let picture = studio.shot(&scene, View::Section(1), &selected, 1);
+    assert!(pixels_like(&picture, SELECTED) > 100);
+}
+
+#[test]
+fn the_floor_shows_the_legends_colour() {
+    let mut studio = Studio::new();
+    let part = part();
+    let mut scene = Scene::new(&studio.gpu, &part);
+    let grid = floor(&part);
+    let count = grid.points.len();
+    scene.set_floor(&studio.gpu, Some((&grid, &vec![0.0; count])), None);
+    let options = SceneOptions { range_mm: (0.0, 4.0), ..Default::default() };
+    let table = options.map.table();
+    let lowest = table[0].map(f32::from);
+    let highest = table[255].map(f32::from);
+    let low = studio.shot(&scene, View::Channel, &options, 4);
+    scene.set_heights(&studio.gpu, &grid, &vec![4.0; count]);
+    let high = studio.shot(&scene, View::Channel, &options, 4);
+    let plain = SceneOptions { show_floor_colours: FloorColours::Plain, ..options };
+    let plain = studio.shot(&scene, View::Channel, &plain, 4);
+    for (colour, with, without) in [(lowest, &low, &high), (highest, &high, &low)] {
+        let seen = pixels_like(with, colour);
+        assert!(seen > 500, "{seen} pixels of {colour:?}");
+        assert!(pixels_like(without, colour) < 50 && pixels_like(&plain, colour) < 50, "{colour:?}");
+    }
+}
+
+#[test]
+fn the_pointer_finds_the_cutter_that_is_seen() {
+    let studio = Studio::new();
+    let part = part();
+    let mut scene = Scene::new(&studio.gpu, &part);
+    let plan = plan(&part);
+    scene.set_plan(Some(&plan));
+    let size = SIZE.as_vec2();
+    let camera = Camera::standard(View::Section(1), scene.framing(), size.x / size.y);
+    let options = SceneOptions { show_cutters: CutterFilter::All, ..Default::default() };
+    for (k, position) in plan.positions.iter().enumerate() {
+        let above = position.tip + position.axis * 5.0;
+        let above = Vec3::new(above.x as f32, above.y as f32, above.z as f32);
+        let pixel = camera.project(above, size).expect("in front");
+        let pick = scene.pick(&camera, &options, pixel, size).expect("something there");
+        assert_eq!(pick.position, Some(k));
+    }
+    let far_off = Vec2::new(1e6, 1e6);
+    assert_eq!(scene.pick(&camera, &options, far_off, size), None);
+}
