@@ -1,0 +1,215 @@
+//! TurboGrid parts as BladeGen exports them: an `.inf` file and its `.curve` files.
+//!
+//! `.inf`: `Key: value` lines, `!` starts a comment; unknown keys are skipped.
+//!
+//! ```text
+//! Axis of Rotation: Z            X and Y too; mapped to Z by cyclic exchange
+//! Number of Blade Sets: 12       number of main blades
+//! Geometry Units: MM             MM, CM, M, IN or FT
+//! Hub Data File: hub.curve       relative to the folder of the .inf file
+//! Shroud Data File: shroud.curve
+//! Profile Data File: profile.curve
+//! ```
+//!
+//! Hub and shroud: `x y z` a line, upstream to downstream; r is the distance from the axis.
+//! Profile: `## Main Blade` names a blade, `# Profile 1 at 0.0000%` starts a section (hub to tip),
+//! then one closed loop of `x y z` with an optional `le`, `te`, `te1` or `te2`. Blades stand in place.
+
+mod profile;
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::InputError;
+use super::source::{
+    JOINT, MAX_POINTS, Source, name_of, number, read_bytes, shown, stem_of, text, text_lossy,
+};
+use crate::geometry::Point;
+use crate::part::{CurveDescription, Meridional, PartDescription};
+
+/// Reads a part from its `.inf` file and the files that it names. Faults in a `.curve` file name it.
+pub(super) fn read(path: &Path) -> Result<PartDescription, InputError> {
+    let name = name_of(path);
+    let source = Source { file: &name };
+    let bytes = read_bytes(path)?;
+    let text = text_lossy(source, &bytes)?;
+    let inf = Inf::parse(source, &text);
+    let frame = Frame::of(&inf)?;
+    let (count, count_line) = inf.need("number of blade sets", "Number of Blade Sets: 12")?;
+    let blade_count = source.blades(count_line, count)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (hub, hub_line) = inf.flowpath(folder, "hub", frame)?;
+    let (shroud, shroud_line) = inf.flowpath(folder, "shroud", frame)?;
+    let (profile, profile_line) = inf.data_file(folder, "profile")?;
+    let (main, splitters) = profile::read(&profile, profile_line, frame, [&hub, &shroud])?;
+    Ok(PartDescription {
+        name: stem_of(&name),
+        hub: CurveDescription::Points(hub),
+        shroud: CurveDescription::Points(shroud),
+        blade_count,
+        main,
+        splitters,
+        hub_line,
+        shroud_line,
+        count_line,
+    })
+}
+
+/// The keys of an `.inf` file, in lower case, with value and line.
+struct Inf<'a> {
+    source: Source<'a>,
+    keys: HashMap<String, (&'a str, usize)>,
+}
+
+impl<'a> Inf<'a> {
+    fn parse(source: Source<'a>, text: &'a str) -> Self {
+        let mut keys = HashMap::new();
+        for (at, line) in text.lines().enumerate() {
+            let line = line.split('!').next().unwrap_or_default();
+            if let Some((key, value)) = line.split_once(':') {
+                let key = key.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
+                keys.entry(key).or_insert((value.trim().trim_matches('"'), at + 1));
+            }
+        }
+        Self { source, keys }
+    }
+
+    fn need(&self, key: &str, example: &str) -> Result<(&'a str, usize), InputError> {
+        self.keys.get(key).copied().ok_or_else(|| {
+            let (name, _) = example.split_once(':').unwrap_or((example, ""));
+            self.source.fault(0, format!("the key `{name}` is missing"), format!("add `{example}`"))
+        })
+    }
+
+    /// Path of the hub, shroud or profile file, and the line that names it.
+    fn data_file(&self, folder: &Path, kind: &str) -> Result<(PathBuf, usize), InputError> {
+        let title = format!("{}{}", kind.get(..1).unwrap_or_default().to_uppercase(), &kind[1..]);
+        let example = format!("{title} Data File: {kind}.curve");
+        let (name, line) = self.need(&format!("{kind} data file"), &example)?;
+        let path = folder.join(name.replace('\\', "/"));
+        if path.is_file() {
+            return Ok((path, line));
+        }
+        similar_file(folder, &path).map(|path| (path, line)).ok_or_else(|| {
+            let what = format!("the {kind} file {} is not there", shown(name));
+            self.source.fault(line, what, "put it beside the .inf file, or correct its name")
+        })
+    }
+
+    fn flowpath(
+        &self,
+        folder: &Path,
+        kind: &str,
+        frame: Frame,
+    ) -> Result<(Vec<Meridional>, usize), InputError> {
+        let (path, line) = self.data_file(folder, kind)?;
+        let name = name_of(&path);
+        let source = Source { file: &name };
+        let bytes = read_bytes(&path)?;
+        let mut points: Vec<Meridional> = Vec::new();
+        for (at, line) in text(source, &bytes)?.lines().enumerate() {
+            let line = line.trim();
+            if line.is_empty() || line.starts_with(['#', '!']) {
+                continue;
+            }
+            let (p, _) = frame.point(source, at + 1, line)?;
+            let p = Meridional { r: p.x.hypot(p.y), z: p.z };
+            if points.last().is_none_or(|q| (p.r - q.r).hypot(p.z - q.z) >= JOINT) {
+                points.push(p);
+            }
+            if points.len() > MAX_POINTS {
+                return Err(source.fault(at + 1, "holds more than 1,000,000 points", "give fewer points"));
+            }
+        }
+        if points.len() < 2 {
+            let what = format!("the {kind} has {} distinct point(s)", points.len());
+            return Err(source.fault(0, what, "give two or more, upstream to downstream"));
+        }
+        Ok((points, line))
+    }
+}
+
+/// The one file of the folder that bears the name in other case, or with a prefix: exports are
+/// often renamed as a set (`stage1_hub.curve` for `hub.curve`).
+fn similar_file(folder: &Path, path: &Path) -> Option<PathBuf> {
+    let wanted = path.file_name()?.to_string_lossy().to_lowercase();
+    let suffix = format!("_{wanted}");
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let mut similar = std::fs::read_dir(folder).ok()?.take(10_000).filter_map(|entry| {
+        let path = entry.ok()?.path();
+        let name = path.file_name()?.to_string_lossy().to_lowercase();
+        ((name == wanted || name.ends_with(&suffix)) && path.is_file()).then_some(path)
+    });
+    let first = similar.next()?;
+    similar.next().is_none().then_some(first)
+}
+
+/// From the file's axis and unit to mm about Z.
+#[derive(Clone, Copy)]
+struct Frame {
+    /// Which of the file's coordinates are x, y, z.
+    order: [usize; 3],
+    /// mm in the file's unit.
+    unit: f64,
+}
+
+impl Frame {
+    fn of(inf: &Inf<'_>) -> Result<Self, InputError> {
+        let (unit, line) = inf.need("geometry units", "Geometry Units: MM")?;
+        let unit = match unit.to_ascii_uppercase().as_str() {
+            "MM" => 1.0,
+            "CM" => 10.0,
+            "M" => 1000.0,
+            "IN" | "INCH" => 25.4,
+            "FT" => 304.8,
+            _ => {
+                let what = format!("{} is no known unit", shown(unit));
+                return Err(inf.source.fault(line, what, "give MM, CM, M, IN or FT"));
+            }
+        };
+        let (axis, line) = inf.keys.get("axis of rotation").copied().unwrap_or(("Z", 0));
+        let order = match axis.to_ascii_uppercase().as_str() {
+            "Z" => [0, 1, 2],
+            "X" => [1, 2, 0],
+            "Y" => [2, 0, 1],
+            _ => {
+                let what = format!("{} is no known axis", shown(axis));
+                return Err(inf.source.fault(line, what, "give X, Y or Z"));
+            }
+        };
+        Ok(Self { order, unit })
+    }
+
+    /// `x y z` and what follows on the line.
+    fn point<'t>(
+        self,
+        source: Source<'_>,
+        line: usize,
+        text: &'t str,
+    ) -> Result<(Point, &'t str), InputError> {
+        let mut tokens =
+            text.split(|c: char| c.is_whitespace() || c == ',').filter(|token| !token.is_empty());
+        let mut xyz = [0.0; 3];
+        for coordinate in &mut xyz {
+            let token = tokens.next().ok_or_else(|| {
+                source.fault(line, "a point has fewer than 3 numbers", "give x y z on a line")
+            })?;
+            *coordinate = source.length(line, token, self.unit)?;
+        }
+        let [x, y, z] = self.order.map(|k| xyz.get(k).copied().unwrap_or_default());
+        Ok((Point::new(x, y, z), tokens.next().unwrap_or("")))
+    }
+}
+
+/// The span of a section header `# Profile 1 at 20.00%`, if the line is one.
+fn profile_header(line: &str) -> Option<Option<f64>> {
+    let words = line.strip_prefix('#').filter(|rest| !rest.starts_with('#'))?;
+    if !words.trim_start().get(..7).is_some_and(|word| word.eq_ignore_ascii_case("profile")) {
+        return None;
+    }
+    let last = words.split_whitespace().last().unwrap_or_default();
+    Some(last.strip_suffix('%').and_then(|percent| number(percent).ok()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,138 @@
+use std::fs;
+
+use super::*;
+use crate::part::BladeDescription;
+
+const INF: &str = "! export\nAxis of Rotation: Z\nNumber of Blade Sets: 9\nNumber of Blades Per Set: 2\n\
+    Geometry Units: CM\nHub Data File: hub.curve\nShroud Data File: shroud.curve\nProfile Data File: p.curve\n";
+const HUB: &str = "2 0 0\n2 0 0\n0 3 2\n5 0 3\n";
+const SHROUD: &str = "4 0 0\n4 0 1\n5 0 2\n";
+
+/// A loop at radius 2 → 5 that wraps towards smaller θ; the side of larger θ has y + 0.1.
+fn profile(marks: [&str; 4], lift: f64) -> String {
+    let [a, b, c, d] = marks;
+    format!(
+        "2.0 0.0 {lift} {a}\n3.0 -1.0 {z}\n4.98 -3.0 {top} {b}\n4.98 -2.9 {top} {c}\n3.1 -0.8 {z} {d}\n2.0 0.0 {lift}\n",
+        z = lift + 1.0,
+        top = lift + 2.0,
+    )
+}
+
+fn files(inf: &str, profile: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("set.inf");
+    fs::write(&path, inf).unwrap();
+    fs::write(folder.path().join("hub.curve"), HUB).unwrap();
+    fs::write(folder.path().join("Stage_Shroud.curve"), SHROUD).unwrap();
+    fs::write(folder.path().join("p.curve"), profile).unwrap();
+    (folder, path)
+}
+
+fn blade(name: &str, marks: [&str; 4]) -> String {
+    let (low, high) = (profile(marks, 0.0), profile(marks, 0.5));
+    format!("{name}# Profile 1 at 0.0000%\n{low}\n# Profile 2 at 100.0%\n{high}")
+}
+
+fn sides(blade: &BladeDescription) -> (&Vec<Point>, &Vec<Point>) {
+    match blade {
+        BladeDescription::Sections { suction, pressure, .. } => (&suction[0], &pressure[0]),
+        BladeDescription::Camber { .. } => panic!("sections expected"),
+    }
+}
+
+#[test]
+fn reads_flowpath_and_named_blades() {
+    let profile = format!(
+        "{}{}",
+        blade("## Splitter\n", ["le", "te1", "te2", ""]),
+        blade("## Main Blade\n", ["le", "te1", "te2", ""])
+    );
+    let (_folder, path) = files(INF, &profile);
+    let part = read(&path).unwrap();
+    assert_eq!((part.name.as_str(), part.blade_count, part.count_line), ("set", 9, 3));
+    let CurveDescription::Points(hub) = &part.hub else { panic!("points expected") };
+    assert_eq!(hub.len(), 3, "the repeated point is one");
+    assert_eq!((hub[1].r, hub[1].z, part.hub_line), (30.0, 20.0, 6));
+    assert_eq!(part.splitters.len(), 1);
+}
+
+#[test]
+fn marked_and_unmarked_edges_split_alike() {
+    for marks in [["le", "te1", "te2", ""], ["", "", "", ""]] {
+        let (_folder, path) = files(INF, &blade("", marks));
+        let part = read(&path).unwrap();
+        let (suction, pressure) = sides(&part.main);
+        assert_eq!((suction.len(), pressure.len()), (3, 3), "{marks:?}");
+        assert_eq!((suction[0], pressure[0]), (Point::new(20.0, 0.0, 0.0), Point::new(20.0, 0.0, 0.0)));
+        // Wrap towards smaller θ: the wheel turns towards larger θ, where the pressure side is.
+        assert_eq!((suction[2].y, pressure[2].y), (-30.0, -29.0));
+    }
+}
+
+#[test]
+fn unnamed_blades_are_told_apart_by_their_span() {
+    let (_folder, path) = files(INF, &format!("{0}{0}", blade("", ["le", "te1", "te2", ""])));
+    assert_eq!(read(&path).unwrap().splitters.len(), 1);
+}
+
+#[test]
+fn other_axes_map_to_z() {
+    for (axis, order) in [("X", [2, 0, 1]), ("y", [1, 2, 0])] {
+        let turned = |text: &str| -> String {
+            let turn = |line: &str| {
+                let words: Vec<&str> = line.split_whitespace().collect();
+                match words.as_slice() {
+                    [_, _, _, ..] if !line.starts_with('#') => {
+                        let tail = words[3..].join(" ");
+                        format!("{} {} {} {tail}\n", words[order[0]], words[order[1]], words[order[2]])
+                    }
+                    _ => format!("{line}\n"),
+                }
+            };
+            text.lines().map(turn).collect()
+        };
+        let plain = blade("", ["le", "te1", "te2", ""]);
+        let (folder, path) =
+            files(&INF.replace("Rotation: Z", &format!("Rotation: {axis}")), &turned(&plain));
+        fs::write(folder.path().join("hub.curve"), turned(HUB)).unwrap();
+        fs::write(folder.path().join("Stage_Shroud.curve"), turned(SHROUD)).unwrap();
+        let (_plain, plain) = files(INF, &plain);
+        assert_eq!(read(&path).unwrap(), read(&plain).unwrap(), "axis {axis}");
+    }
+}
+
+#[test]
+fn faults_name_the_file_they_are_in() {
+    let good = blade("", ["le", "te1", "te2", ""]);
+    let fault = |inf: &str, profile: &str| {
+        let (_folder, path) = files(inf, profile);
+        read(&path).expect_err("must be refused").to_string()
+    };
+    for (from, to, words) in [
+        ("Sets: 9", "Sets: 10000", "set.inf:3: `10000` is no number of blades"),
+        ("Sets: 9", "Sets: 0", "set.inf:3: `0` is no number of blades"),
+        ("Geometry Units: CM\n", "", "`Geometry Units` is missing"),
+        ("Units: CM", "Units: LY", "set.inf:5: `LY` is no known unit"),
+        ("Rotation: Z", "Rotation: Q", "set.inf:2: `Q` is no known axis"),
+        ("hub.curve", "nub.curve", "set.inf:6: the hub file `nub.curve` is not there"),
+        ("Hub Data File: hub.curve\n", "", "`Hub Data File` is missing"),
+    ] {
+        let error = fault(&INF.replace(from, to), &good);
+        assert!(error.contains(words), "{error}");
+    }
+    for (from, to, words) in [
+        ("3.0 -1.0 1", "3.0 nan 1", "p.curve:3: `nan` is not a finite number"),
+        ("3.0 -1.0 1", "3.0 -1.0", "p.curve:3: a point has fewer than 3 numbers"),
+        ("3.0 -1.0 1", "3.0 2e5 1", "p.curve:3: `2e5` is more than 1,000,000 mm"),
+        ("# Profile 1 at 0.0000%\n", "", "p.curve:1: a point before the first `# Profile`"),
+        ("# Profile 2 at 100.0%\n", "", "p.curve:1: the blade has 1 profile(s)"),
+    ] {
+        assert!(good.contains(from), "{from} must be in the sample");
+        let error = fault(INF, &good.replacen(from, to, 1));
+        assert!(error.contains(words), "{error}");
+    }
+    assert!(
+        fault(INF, "# Profile 1 at 0%\n1 1 1\n# Profile 2 at 1%\n1 1 1\n").contains("1 distinct point(s)")
+    );
+    assert!(fault(INF, "").contains("p.curve: is empty"));
+}
