@@ -152,14 +152,14 @@ impl App {
                 Some(Wish::Open(source)) => self.open_part(source),
                 None => {}
             }
-            if self.state.part.is_none() {
-                return;
-            }
             ui.separator();
             let text = egui::RichText::new("Plan").color(egui::Color32::WHITE).strong();
-            let button =
-                egui::Button::new(text).fill(theme::PRIMARY).min_size([ui.available_width(), 26.0].into());
-            if ui.add(button).on_hover_text(Command::Plan.tip_with_keys(ui.ctx())).clicked() {
+            let button = egui::Button::new(text).fill(theme::PRIMARY);
+            if ui
+                .add_sized([ui.available_width(), 26.0], button)
+                .on_hover_text(Command::Plan.tip_with_keys(ui.ctx()))
+                .clicked()
+            {
                 self.obey(ui.ctx(), Command::Plan);
             }
             let setup = &mut self.state.setup;
@@ -173,6 +173,7 @@ impl App {
 
     fn middle(&mut self, ui: &mut Ui) {
         if self.state.part.is_none() {
+            ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
             match panels::part::empty_state(ui, &self.state, &self.engine.samples) {
                 Some(Wish::Command(command)) => self.obey(ui.ctx(), command),
                 Some(Wish::Open(source)) => self.open_part(source),
@@ -195,7 +196,8 @@ impl App {
         }
         let before = camera;
         camera = self.view.camera(&framing, rect.size());
-        let moving = camera != before || response.dragged();
+        // The very first picture is a fast one too: something to see comes before something smooth.
+        let moving = camera != before || response.dragged() || !picture.has_drawn();
         let scale = ui.pixels_per_point();
         let size = [(rect.width() * scale).round() as u32, (rect.height() * scale).round() as u32];
         if let Some(texture) = picture.show(camera, options, size, moving) {
@@ -215,6 +217,7 @@ impl App {
         if let Some(side) = view3d::side_switch(ui, rect, &self.state) {
             self.show_side(side);
         }
+        view3d::layers(ui, rect, &mut self.state.layers);
     }
 
     /// Value under the cursor; asked for again only when the cursor moved.
@@ -283,6 +286,7 @@ fn options(state: &State, ui: &Ui) -> SceneOptions {
         show_shroud: layers.shroud,
         show_cutters: if layers.cutters { CutterFilter::All } else { CutterFilter::Hidden },
         show_axes: layers.axes,
+        show_floor_colours: layers.floor,
         range_mm: state.planned.as_ref().map_or((0.0, 1.0), |planned| planned.range),
         theme: if ui.visuals().dark_mode { crate::gpu::Theme::Dark } else { crate::gpu::Theme::Light },
         selected: state.selected,
@@ -308,9 +312,12 @@ impl eframe::App for App {
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         Panel::top("menu").show(ui, |ui| self.menu(ui));
-        Panel::top("verdict").show(ui, |ui| {
-            ui.horizontal_wrapped(|ui| panels::verdict::show(ui, &self.state));
-        });
+        let open = self.state.part.is_some();
+        if open {
+            Panel::top("verdict").show(ui, |ui| {
+                ui.horizontal_wrapped(|ui| panels::verdict::show(ui, &self.state));
+            });
+        }
         Panel::bottom("status").exact_size(28.0).show(ui, |ui| {
             let activity =
                 panels::status::Activity { running: self.work.running(), device: self.device.clone() };
@@ -318,11 +325,11 @@ impl eframe::App for App {
                 self.obey(ui.ctx(), Command::Cancel);
             }
         });
-        Panel::left("left")
-            .default_size(theme::LEFT_WIDTH)
-            .min_size(200.0)
-            .show(ui, |ui| self.left_panel(ui));
-        if self.state.part.is_some() {
+        if open {
+            Panel::left("left")
+                .default_size(theme::LEFT_WIDTH)
+                .min_size(200.0)
+                .show(ui, |ui| self.left_panel(ui));
             Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0).show(ui, |ui| {
                 ui.add_space(4.0);
                 panels::positions::show(ui, &mut self.state);

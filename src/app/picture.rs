@@ -120,6 +120,11 @@ impl Picture {
         self.texture.map(|(id, _)| id)
     }
 
+    /// Whether there is a picture at all.
+    pub fn has_drawn(&self) -> bool {
+        self.drawn.is_some()
+    }
+
     /// Whether the picture on the screen is the fast one.
     pub fn is_draft(&self) -> bool {
         self.drawn.is_some_and(|look| look.samples < 4)

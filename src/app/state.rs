@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::gpu::scene::FloorColours;
 use crate::part::{Impeller, Setup};
 
 use super::engine::PartSource;
@@ -22,11 +23,20 @@ pub struct Layers {
     pub cutters: bool,
     /// Axes up to the retract points.
     pub axes: bool,
+    /// What colours the floor of the channel in work.
+    pub floor: FloorColours,
 }
 
 impl Default for Layers {
     fn default() -> Self {
-        Self { hub: true, blades: true, shroud: false, cutters: true, axes: false }
+        Self {
+            hub: true,
+            blades: true,
+            shroud: false,
+            cutters: true,
+            axes: false,
+            floor: FloorColours::Residual,
+        }
     }
 }
 

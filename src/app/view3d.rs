@@ -1,11 +1,14 @@
 //! The 3D view: mouse and camera, the picture as an egui image, and what floats over it.
 
+use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
 
 use crate::gpu::camera::{Camera, Framing, Projection, View};
+use crate::gpu::scene::FloorColours;
 
+use super::command::Command;
 use super::planned::Side;
-use super::state::State;
+use super::state::{Layers, State};
 use super::theme;
 
 /// Camera and cursor of the 3D view.
@@ -151,11 +154,7 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, state: &State) -> Option<Side> {
             ui.horizontal(|ui| {
                 for side in [Side::Before, Side::After] {
                     let button = egui::Button::selectable(state.side == side, side.label());
-                    if ui
-                        .add(button)
-                        .on_hover_text(super::command::Command::BeforeAfter.tip_with_keys(ui.ctx()))
-                        .clicked()
-                    {
+                    if ui.add(button).on_hover_text(Command::BeforeAfter.tip_with_keys(ui.ctx())).clicked() {
                         chosen = Some(side);
                     }
                 }
@@ -170,9 +169,49 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, state: &State) -> Option<Side> {
     chosen
 }
 
+/// Names of what can colour the floor.
+const FLOORS: [(FloorColours, &str); 3] = [
+    (FloorColours::Residual, "Stock left"),
+    (FloorColours::Interference, "Contact of the core"),
+    (FloorColours::Plain, "No colours"),
+];
+
+/// Menu of layers, in the upper right corner of the view.
+pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
+    let at = Rect::from_min_max(
+        rect.right_top() + egui::vec2(-84.0, 10.0),
+        rect.right_top() + egui::vec2(-10.0, 40.0),
+    );
+    ui.scope_builder(egui::UiBuilder::new().max_rect(at), |ui| {
+        let fill = theme::overlay(ui.visuals());
+        egui::Frame::new().fill(fill).inner_margin(4).corner_radius(4).show(ui, |ui| {
+            let stay = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+            MenuButton::new("Layers").config(stay).ui(ui, |ui| {
+                for (shown, command) in [
+                    (&mut layers.hub, Command::Hub),
+                    (&mut layers.blades, Command::Blades),
+                    (&mut layers.shroud, Command::Shroud),
+                    (&mut layers.cutters, Command::Cutters),
+                    (&mut layers.axes, Command::Axes),
+                ] {
+                    ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+                }
+                ui.separator();
+                ui.label("Floor");
+                for (floor, name) in FLOORS {
+                    ui.radio_value(&mut layers.floor, floor, name);
+                }
+            });
+        });
+    });
+}
+
 /// Legend at the lower left: the colour bar with its range in mm, and the value under the cursor.
 pub fn legend(ui: &Ui, rect: Rect, state: &State, under_cursor: Option<f32>) {
     let Some(planned) = &state.planned else { return };
+    if state.layers.floor != FloorColours::Residual || !state.layers.hub {
+        return;
+    }
     let (low, high) = planned.range;
     let width = (rect.width() - 40.0).clamp(60.0, 220.0);
     let value = under_cursor.map(|stock| format!("{stock:.2} mm here"));

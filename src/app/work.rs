@@ -204,5 +204,5 @@ impl App {
 
 /// A panic of the program, told so that it can be reported.
 fn broken(what: &str, message: &str) -> String {
-    format!("{what} broke down: {message}; the plan before stays, please report this with the part file")
+    format!("{what} broke down ({message}); change the setup or report this with the part file")
 }

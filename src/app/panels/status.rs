@@ -15,22 +15,25 @@ pub struct Activity {
     pub device: String,
 }
 
+/// Width of the progress bar, points.
+const BAR: f32 = 130.0;
+
 /// Draws the bar; `true` when Cancel was pressed.
 pub fn show(ui: &mut Ui, state: &State, activity: &Activity) -> bool {
     let mut cancel = false;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let button = ui.add_enabled(activity.running.is_some(), Button::new(Command::Cancel.label()));
         cancel = button.on_hover_text(Command::Cancel.tip_with_keys(ui.ctx())).clicked();
-        let (fraction, text) = match activity.running {
-            Some((what, fraction)) => (fraction as f32, format!("{what} {:.0} %", 100.0 * fraction)),
-            None => (0.0, String::new()),
-        };
-        ui.add(
-            ProgressBar::new(fraction)
-                .desired_width(130.0)
-                .desired_height(16.0)
-                .text(RichText::new(text).small()),
-        );
+        match activity.running {
+            Some((what, fraction)) => {
+                let text = RichText::new(format!("{what} {:.0} %", 100.0 * fraction)).small();
+                ui.add(ProgressBar::new(fraction as f32).desired_width(BAR).desired_height(16.0).text(text));
+            }
+            // The place stays: nothing moves when work begins.
+            None => {
+                ui.allocate_space(egui::vec2(BAR, 16.0));
+            }
+        }
         ui.separator();
         ui.label(RichText::new(&activity.device).weak()).on_hover_text("The device that draws the 3D view");
         ui.separator();
