@@ -120,6 +120,11 @@ impl App {
         &self.state
     }
 
+    /// Where the 3D view is seen from; `None` before there is a part.
+    pub fn camera(&self) -> Option<crate::gpu::camera::Camera> {
+        self.view.current()
+    }
+
     /// Whether something runs in the background.
     pub fn is_busy(&self) -> bool {
         self.work.running().is_some()

@@ -43,6 +43,11 @@ impl View3d {
         self.wanted = Some(View::Iso);
     }
 
+    /// The camera as it stands.
+    pub fn current(&self) -> Option<Camera> {
+        self.camera
+    }
+
     /// Takes a standard view.
     pub fn look(&mut self, view: View) {
         self.wanted = Some(view);
