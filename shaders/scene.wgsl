@@ -39,6 +39,11 @@ fn lifted(world: vec3f, layers: f32) -> vec4f {
     return frame.clip_from_world * vec4f(world + to_viewer(world) * frame.viewport.w * layers, 1.0);
 }
 
+// The same along the normal, for lines of sight that graze the surface.
+fn off(world: vec3f, normal: vec3f) -> vec3f {
+    return world + normal * frame.viewport.w * 0.4;
+}
+
 fn to_viewer(world: vec3f) -> vec3f {
     return select(frame.back.xyz, normalize(frame.eye.xyz - world), frame.eye.w > 0.5);
 }
@@ -113,7 +118,10 @@ fn surface_vertex(in: SurfaceIn) -> SurfaceOut {
     out.raised = out.world;
     out.kind = in.kind;
     out.flags = in.flags;
-    out.clip = lifted(out.world, select(0.0, LIFT_CHANNEL, (in.flags & ON_HUB) != 0u));
+    out.clip = frame.clip_from_world * vec4f(out.world, 1.0);
+    if (in.flags & ON_HUB) != 0u {
+        out.clip = lifted(off(out.world, out.normal), LIFT_CHANNEL);
+    }
     return out;
 }
 
@@ -155,7 +163,7 @@ fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
     out.uncut = in.uncut;
     out.kind = in.kind;
     out.flags = in.flags;
-    out.clip = lifted(out.world, LIFT_FLOOR);
+    out.clip = lifted(off(out.world, in.normal * 2.0), LIFT_FLOOR);
     return out;
 }
 

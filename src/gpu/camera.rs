@@ -2,9 +2,10 @@
 //! radians, pixels from the top left corner of the picture.
 
 use std::f32::consts::FRAC_PI_2;
-use std::str::FromStr;
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
+
+use super::view::{Frame, Framing, View};
 
 /// How the picture is projected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,76 +15,6 @@ pub enum Projection {
     Perspective,
     /// Parallel rays; lengths can be compared across the picture.
     Orthographic,
-}
-
-/// Standard views.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum View {
-    /// The whole wheel from obliquely above the inlet, the channel in work to the front.
-    #[default]
-    Iso,
-    /// The whole wheel from the side, axis upright.
-    Front,
-    /// The whole wheel along its axis, inlet towards the viewer.
-    Top,
-    /// The channel in work, seen onto its floor.
-    Channel,
-    /// The n-th section of the plan, counted from 1.
-    Section(usize),
-}
-
-/// A word that names no view.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no view is called \"{0}\"; use iso, front, top, channel or section:K with K counted from 1")]
-pub struct UnknownView(pub String);
-
-impl FromStr for View {
-    type Err = UnknownView;
-
-    fn from_str(word: &str) -> Result<Self, UnknownView> {
-        let unknown = || UnknownView(word.to_owned());
-        Ok(match word {
-            "iso" => Self::Iso,
-            "front" => Self::Front,
-            "top" => Self::Top,
-            "channel" => Self::Channel,
-            _ => {
-                let number = word.strip_prefix("section:").ok_or_else(unknown)?;
-                match number.parse() {
-                    Ok(k) if k >= 1 => Self::Section(k),
-                    _ => return Err(unknown()),
-                }
-            }
-        })
-    }
-}
-
-/// Something to look at: a sphere around it and the direction it is best seen from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
-    /// Centre of the sphere, mm.
-    pub center: Vec3,
-    /// Radius of the sphere, mm.
-    pub radius: f32,
-    /// Unit vector from the centre towards the viewer.
-    pub from: Vec3,
-}
-
-/// What the standard views of a scene aim at.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Framing {
-    /// The whole wheel; `from` is the iso direction.
-    pub wheel: Frame,
-    /// The channel in work.
-    pub channel: Frame,
-    /// Sections of the plan, in cutting order.
-    pub sections: Vec<Frame>,
-    /// Points that span the wheel.
-    pub wheel_outline: Vec<Vec3>,
-    /// Points that span the channel in work.
-    pub channel_outline: Vec<Vec3>,
-    /// +1 when the inlet is at the upper end of Z, −1 when the part stands on its head in its file.
-    pub up_sign: f32,
 }
 
 /// A camera that circles a target.
@@ -345,15 +276,6 @@ mod tests {
             }
         }
         all
-    }
-
-    #[test]
-    fn views_parse_from_the_command_lines_words() {
-        assert_eq!("iso".parse(), Ok(View::Iso));
-        assert_eq!("section:3".parse(), Ok(View::Section(3)));
-        for word in ["section:0", "section:", "section:x", "Iso", ""] {
-            assert_eq!(word.parse::<View>(), Err(UnknownView(word.to_owned())), "{word}");
-        }
     }
 
     #[test]

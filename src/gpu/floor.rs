@@ -108,6 +108,15 @@ pub fn fitting_range(grid: &FloorGrid, heights: &[f32]) -> (f32, f32) {
     (low, high.max(low + 1e-3))
 }
 
+/// Cell of the grid at a point of the floor, for the value under the cursor; `None` away from it.
+pub fn cell_at(grid: &FloorGrid, point: Vec3) -> Option<usize> {
+    let distance = |cell: usize| Vec3::from_array(grid.points[cell]).distance_squared(point);
+    let nearest = (0..grid.points.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
+    // A few cells' width: the point lies on facets, and on stock above the floor.
+    let reach = 3.0 * grid.areas[nearest].max(0.0).sqrt() + 1.0;
+    (distance(nearest) <= reach * reach && grid.floor[nearest]).then_some(nearest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,6 +155,13 @@ mod tests {
         assert_eq!(mesh.vertices[15].uncut, 1.0);
         assert_eq!(mesh.vertices[14].uncut, 0.0);
         assert_eq!(floor_mesh(&grid, &heights[1..]), None);
+    }
+
+    #[test]
+    fn the_cell_under_a_point_is_the_nearest_one_unless_it_is_far() {
+        let grid = grid(10, 10);
+        assert_eq!(cell_at(&grid, Vec3::new(3.2, 4.1, 0.5)), Some(34));
+        assert_eq!(cell_at(&grid, Vec3::new(3.0, 40.0, 0.0)), None);
     }
 
     #[test]

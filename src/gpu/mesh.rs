@@ -192,10 +192,11 @@ impl Mesh {
         self.indices.len() / 3
     }
 
-    /// Distance along the ray to the nearest triangle in front of its start, mm.
-    pub fn hit(&self, ray: &super::camera::Ray) -> Option<f32> {
+    /// Distance along the ray to the nearest triangle in front of its start, mm, and the normal
+    /// there.
+    pub fn hit(&self, ray: &super::camera::Ray) -> Option<(f32, Vec3)> {
         let at = |i: u32| Vec3::from_array(self.vertices[i as usize].position);
-        let mut nearest = f32::INFINITY;
+        let mut nearest: Option<(f32, u32)> = None;
         for triangle in self.indices.chunks_exact(3) {
             let a = at(triangle[0]);
             let (ab, ac) = (at(triangle[1]) - a, at(triangle[2]) - a);
@@ -209,11 +210,12 @@ impl Mesh {
             let q = t.cross(ab);
             let v = ray.direction.dot(q) / det;
             let distance = ac.dot(q) / det;
-            if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 && distance < nearest {
-                nearest = distance;
+            let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
+            if inside && distance > 0.0 && nearest.is_none_or(|n| distance < n.0) {
+                nearest = Some((distance, triangle[0]));
             }
         }
-        nearest.is_finite().then_some(nearest)
+        nearest.map(|(distance, i)| (distance, Vec3::from_array(self.vertices[i as usize].normal)))
     }
 }
 
@@ -283,8 +285,9 @@ mod tests {
         let mesh = cone();
         assert_eq!(mesh.triangles(), 180);
         let ray = Ray { origin: Vec3::new(7.5, 0.01, 100.0), direction: Vec3::NEG_Z };
-        let distance = mesh.hit(&ray).expect("over the cone");
+        let (distance, normal) = mesh.hit(&ray).expect("over the cone");
         assert!((distance - 97.5).abs() < 0.02, "{distance}");
+        assert!(normal.z > 0.7, "{normal}");
         let beside = Ray { origin: Vec3::new(20.0, 0.0, 100.0), direction: Vec3::NEG_Z };
         assert_eq!(mesh.hit(&beside), None);
     }

@@ -11,11 +11,14 @@ pub mod part_mesh;
 mod pipelines;
 pub mod renderer;
 pub mod scene;
+mod uniform;
+pub mod view;
 
-pub use camera::{Camera, Projection, View};
+pub use camera::{Camera, Projection};
 pub use cutters::CutterFilter;
 pub use device::{Gpu, GpuError, device_descriptor, pick_adapter};
 pub use image::encode_png;
 pub use palette::{ColourMap, Theme};
 pub use renderer::{Picture, Renderer};
 pub use scene::{FloorColours, Pick, Scene, SceneOptions};
+pub use view::View;

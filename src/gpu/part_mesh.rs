@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 
 use glam::Vec3;
 
-use super::camera::{Frame, Framing};
 use super::mesh::{LineColour, Mesh, PointGrid, ProfilePoint, Segment, even, polyline, thin, turn};
+use super::view::{Frame, Framing};
 use crate::geometry::{Point, wrap_angle};
 use crate::part::{Blade, BladeSide, Channel, Flowpath, Impeller};
 

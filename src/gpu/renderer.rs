@@ -1,35 +1,17 @@
 //! Draws a [`Scene`] into a texture of its own. The window shows the texture, the command line
 //! reads it back; both get the same pixels.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use wgpu::util::DeviceExt;
 
-use super::camera::{Camera, Projection};
+use super::camera::Camera;
 use super::cutters::{self, CutterInstance, UnitCutter};
 use super::device::{Gpu, GpuError};
-use super::mesh::{LineColour, Segment};
-use super::palette::{self, Rgb, TABLE_LEN};
+use super::mesh::Segment;
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
 use super::scene::{FloorColours, Layer, MeshBuffers, Scene, SceneOptions, unit_cutter};
-
-/// Uniform of `shaders/scene.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct FrameUniform {
-    clip_from_world: [[f32; 4]; 4],
-    eye: [f32; 4],
-    right: [f32; 4],
-    up: [f32; 4],
-    back: [f32; 4],
-    viewport: [f32; 4],
-    range: [f32; 4],
-    look: [f32; 4],
-    greys: [[f32; 4]; 8],
-    lines: [[f32; 4]; 8],
-    states: [[f32; 4]; 4],
-    table: [[f32; 4]; TABLE_LEN],
-}
+use super::uniform::FrameUniform;
 
 /// A picture in memory: 8-bit RGBA, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -185,7 +167,7 @@ impl Renderer {
         if self.pipelines[set].is_none() {
             self.pipelines[set] = Some(Pipelines::new(&gpu.device, &self.module, &self.layout, samples));
         }
-        let uniform = frame_uniform(scene, camera, options, size);
+        let uniform = FrameUniform::new(scene.framing(), camera, options, size);
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         self.stream_cutters(gpu, scene, camera, options);
         let (Some(target), Some(pipelines)) = (&self.target, &self.pipelines[set]) else { return };
@@ -414,46 +396,5 @@ impl Renderer {
         let rgba =
             mapped.chunks_exact(row as usize).flat_map(|r| &r[..width as usize * 4]).copied().collect();
         Ok(Picture { width, height, rgba })
-    }
-}
-
-/// Everything the shader is told about one picture.
-fn frame_uniform(scene: &Scene, camera: &Camera, options: &SceneOptions, size: UVec2) -> FrameUniform {
-    let vec = |v: Vec3| v.extend(0.0).to_array();
-    let rgb = |c: Rgb| [c[0], c[1], c[2], 1.0];
-    let g = options.theme.greys();
-    let (right, up, back) = camera.basis();
-    let size = size.as_vec2();
-    let contact = options.show_floor_colours == FloorColours::Interference;
-    let map = if contact { palette::ColourMap::Contact } else { options.map };
-    let on = |yes: bool| f32::from(u8::from(yes));
-    let mut lines = [[0.0; 4]; 8];
-    let darker = |c: Rgb| c.map(|x| x * 0.55);
-    for (colour, value) in [
-        (LineColour::Edge, g.edge),
-        (LineColour::WallEdge, g.wall_edge),
-        (LineColour::Axis, g.axis),
-        (LineColour::Sound, darker(palette::SOUND)),
-        (LineColour::Blocked, darker(palette::BLOCKED)),
-        (LineColour::Interferential, darker(palette::INTERFERENTIAL)),
-        (LineColour::Selected, darker(palette::SELECTED)),
-    ] {
-        lines[colour as usize] = rgb(value);
-    }
-    let perspective = on(camera.projection == Projection::Perspective);
-    FrameUniform {
-        clip_from_world: camera.clip_from_world(size.x / size.y).to_cols_array_2d(),
-        eye: camera.eye().extend(perspective).to_array(),
-        right: vec(right),
-        up: vec(up),
-        back: vec(back),
-        viewport: [size.x, size.y, options.pixel_scale, scene.framing().wheel.radius * 8e-4],
-        range: [options.range_mm.0, options.range_mm.1, 1.0, on(options.relief && !contact)],
-        look: [on(options.cut_away), on(!contact), 0.0, 0.0],
-        greys: [g.background_top, g.background_bottom, g.hub, g.floor, g.blade, g.wall, g.shroud, g.uncut]
-            .map(rgb),
-        lines,
-        states: [palette::SOUND, palette::BLOCKED, palette::INTERFERENTIAL, palette::SELECTED].map(rgb),
-        table: map.table().map(|c| [c[0], c[1], c[2], 255].map(|x| f32::from(x) / 255.0)),
     }
 }

@@ -1,16 +1,19 @@
 //! What is drawn: buffers of one part with its plan, and what to show of it.
 
+use std::str::FromStr;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use wgpu::util::DeviceExt;
 
-use super::camera::{Camera, Frame, Framing};
+use super::camera::{Camera, Ray};
 use super::cutters::{self, Cutter, CutterChoice, CutterFilter, UnitCutter};
 use super::device::Gpu;
 use super::floor;
 use super::mesh::{Mesh, turn};
 use super::palette::{ColourMap, Theme};
 use super::part_mesh::{BladeMesh, PartMesh};
+use super::view::{Frame, Framing};
 use crate::part::Impeller;
 use crate::plunge::plan::PlungePlan;
 use crate::residual::FloorGrid;
@@ -85,7 +88,35 @@ impl Default for SceneOptions {
     }
 }
 
+impl FromStr for FloorColours {
+    type Err = UnknownColours;
+
+    fn from_str(word: &str) -> Result<Self, UnknownColours> {
+        Ok(match word {
+            "residual" => Self::Residual,
+            "interference" => Self::Interference,
+            "plain" => Self::Plain,
+            _ => return Err(UnknownColours(word.to_owned())),
+        })
+    }
+}
+
+/// A word that names nothing to show.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("nothing to show is called \"{0}\"; use residual, interference or plain")]
+pub struct UnknownColours(pub String);
+
 impl SceneOptions {
+    /// Options for a picture that is about one thing: cutters would hide the floor where stock is
+    /// looked at, and are what is looked at where interference is.
+    pub fn showing(colours: FloorColours) -> Self {
+        let show_cutters = match colours {
+            FloorColours::Interference => CutterFilter::All,
+            FloorColours::Residual | FloorColours::Plain => CutterFilter::Hidden,
+        };
+        Self { show_floor_colours: colours, show_cutters, ..Self::default() }
+    }
+
     /// Which cutters are drawn under these options.
     pub fn cutter_choice(&self) -> CutterChoice {
         CutterChoice {
@@ -280,24 +311,22 @@ impl Scene {
             .filter_map(|i| Some((cutters::hit(&i, &ray)?, i.id as usize)))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let mut surface = f32::INFINITY;
-        let mut near = |hit: Option<f32>| surface = surface.min(hit.unwrap_or(f32::INFINITY));
+        let mut near = |hit: Option<(f32, Vec3)>| surface = surface.min(hit.map_or(f32::INFINITY, |h| h.0));
         if options.show_hub {
             near(self.part.hub.hit(&ray));
         }
-        if options.show_blades {
-            for (blade, lit) in self.blades() {
+        let blades = self.blades().filter(|_| options.show_blades);
+        for (blade, lit) in blades {
+            for (k, &angle) in blade.turns.iter().enumerate() {
                 // Turning the ray back is cheaper than turning the blade.
-                for (k, &angle) in blade.turns.iter().enumerate() {
-                    let back = super::camera::Ray {
-                        origin: turn(ray.origin, -angle),
-                        direction: turn(ray.direction, -angle),
-                    };
-                    // Walls drawn as glass let the pointer through to the floor behind.
-                    if k < lit && options.cut_away {
-                        continue;
+                let back = Ray { origin: turn(ray.origin, -angle), direction: turn(ray.direction, -angle) };
+                for (side, mesh) in [&blade.suction, &blade.pressure].into_iter().enumerate() {
+                    if k >= lit || !options.cut_away {
+                        near(mesh.hit(&back));
+                    } else if lit == 2 && side == k {
+                        // Walls drawn as glass let the pointer through to what is behind.
+                        near(mesh.hit(&back).filter(|hit| hit.1.dot(back.direction) < 0.0));
                     }
-                    near(blade.suction.hit(&back));
-                    near(blade.pressure.hit(&back));
                 }
             }
         }

@@ -1,7 +1,26 @@
 //! The plunge planner (paper A, fig. 16): each stage its own file.
+//!
+//! | stage | file |
+//! |---|---|
+//! | which cutter works where | [`sections`] |
+//! | axes that clear the walls | [`lane`] |
+//! | 1 conventional positions, 2 step inspection | [`row`] |
+//! | 3 axis optimisation | [`monotone`] |
+//! | 4 slotting depth | [`slotting`] |
+//! | 5 safe height | [`retract`] |
+//! | 6 the loop | [`cycle`] |
+//! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
 
-pub mod plan;
-
-pub use plan::{Blocked, CoreContact, PlungePlan, Position, SectionPlan};
+pub mod clearance;
 pub mod contact;
+pub mod cycle;
+pub mod lane;
+pub mod monotone;
+pub mod plan;
+pub mod retract;
+pub mod row;
+pub mod sections;
 pub mod slotting;
+
+pub use cycle::{PlanError, Planner};
+pub use plan::{Blocked, CoreContact, Dropped, PlungePlan, Position, SectionPlan};

@@ -68,6 +68,39 @@ pub struct Position {
     pub retract_clearance: f64,
 }
 
+impl Position {
+    /// A planned position before anything was measured of it.
+    pub(super) fn unmeasured(station: &super::row::Station, section: usize, row: usize, lambda: f64) -> Self {
+        Self {
+            tip: station.tip,
+            axis: station.axis,
+            retract: station.tip,
+            section,
+            row,
+            s: station.ends.s_hub,
+            lambda,
+            alpha: station.alpha,
+            contact_point: station.contact_point,
+            contact: CoreContact::default(),
+            blocked: station.blocked,
+            hub_clearance: f64::NAN,
+            blade_clearance: f64::NAN,
+            retract_clearance: f64::NAN,
+        }
+    }
+}
+
+/// A position that was left out because no place for it clears the blades.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dropped {
+    /// Index of the section.
+    pub section: usize,
+    /// Row within the section.
+    pub row: usize,
+    /// s of the tip it would have had.
+    pub s: f64,
+}
+
 /// A stretch of s cut with one tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionPlan {
@@ -92,6 +125,8 @@ pub struct PlungePlan {
     pub sections: Vec<SectionPlan>,
     /// Positions in cutting order: section by section, row by row.
     pub positions: Vec<Position>,
+    /// Positions left out because the blades are in the way.
+    pub dropped: Vec<Dropped>,
     /// Rounds of the outer loop (fig. 16).
     pub rounds: usize,
     /// Whether the loop came to rest.

@@ -1,0 +1,80 @@
+//! What the shader is told about a picture.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{UVec2, Vec3};
+
+use super::camera::{Camera, Projection};
+use super::mesh::LineColour;
+use super::palette::{self, Rgb, TABLE_LEN};
+use super::scene::{FloorColours, SceneOptions};
+use super::view::Framing;
+
+/// Uniform of `shaders/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub struct FrameUniform {
+    clip_from_world: [[f32; 4]; 4],
+    eye: [f32; 4],
+    right: [f32; 4],
+    up: [f32; 4],
+    back: [f32; 4],
+    viewport: [f32; 4],
+    range: [f32; 4],
+    look: [f32; 4],
+    greys: [[f32; 4]; 8],
+    lines: [[f32; 4]; 8],
+    states: [[f32; 4]; 4],
+    table: [[f32; 4]; TABLE_LEN],
+}
+
+impl FrameUniform {
+    /// Everything the shader is told about one picture.
+    pub fn new(framing: &Framing, camera: &Camera, options: &SceneOptions, size: UVec2) -> Self {
+        let vec = |v: Vec3| v.extend(0.0).to_array();
+        let rgb = |c: Rgb| [c[0], c[1], c[2], 1.0];
+        let g = options.theme.greys();
+        let (right, up, back) = camera.basis();
+        let size = size.as_vec2();
+        let contact = options.show_floor_colours == FloorColours::Interference;
+        let map = if contact { palette::ColourMap::Contact } else { options.map };
+        let on = |yes: bool| f32::from(u8::from(yes));
+        let mut lines = [[0.0; 4]; 8];
+        let darker = |c: Rgb| c.map(|x| x * 0.55);
+        for (colour, value) in [
+            (LineColour::Edge, g.edge),
+            (LineColour::WallEdge, g.wall_edge),
+            (LineColour::Axis, g.axis),
+            (LineColour::Sound, darker(palette::SOUND)),
+            (LineColour::Blocked, darker(palette::BLOCKED)),
+            (LineColour::Interferential, darker(palette::INTERFERENTIAL)),
+            (LineColour::Selected, darker(palette::SELECTED)),
+        ] {
+            lines[colour as usize] = rgb(value);
+        }
+        let perspective = on(camera.projection == Projection::Perspective);
+        FrameUniform {
+            clip_from_world: camera.clip_from_world(size.x / size.y).to_cols_array_2d(),
+            eye: camera.eye().extend(perspective).to_array(),
+            right: vec(right),
+            up: vec(up),
+            back: vec(back),
+            viewport: [size.x, size.y, options.pixel_scale, framing.wheel.radius * 8e-4],
+            range: [options.range_mm.0, options.range_mm.1, 1.0, on(options.relief && !contact)],
+            look: [on(options.cut_away), on(!contact), 0.0, 0.0],
+            greys: [
+                g.background_top,
+                g.background_bottom,
+                g.hub,
+                g.floor,
+                g.blade,
+                g.wall,
+                g.shroud,
+                g.uncut,
+            ]
+            .map(rgb),
+            lines,
+            states: [palette::SOUND, palette::BLOCKED, palette::INTERFERENTIAL, palette::SELECTED].map(rgb),
+            table: map.table().map(|c| [c[0], c[1], c[2], 255].map(|x| f32::from(x) / 255.0)),
+        }
+    }
+}

@@ -1,0 +1,511 @@
+//! The loop of paper A, fig. 16: conventional positions → step inspection → axis optimisation →
+//! slotting depth and safe height, again until nothing changes; then everything is measured.
+
+use rayon::prelude::*;
+
+use super::clearance::FinishedPart;
+use super::contact::{Column, core_contact};
+use super::lane::Lane;
+use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
+use super::retract::{RetractSurface, bottom_clearance};
+use super::row::{RowMaker, Station};
+use super::sections::{SetupFault, tool_of};
+use super::slotting::DepthSurface;
+use crate::geometry::{CutterSolid, Point, Vector};
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::setup::{AxisPolicy, Feed, SectionSetup};
+use crate::part::{Blank, Channel, Impeller, Passage, Setup, Tool};
+
+/// Rounds after which a row that still changes is given up as not settled.
+const MAX_ROUNDS: usize = 12;
+/// Least leans of the first position that are tried for `monotone`, in degrees, after the unchanged one.
+const START_LEANS_DEG: [f64; 9] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0];
+/// Air between the core and the rim at the start of a row, mm.
+const START_MARGIN: f64 = 0.05;
+
+/// Why there is no plan.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlanError {
+    /// Cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// Part and setup do not go together.
+    #[error(transparent)]
+    Setup(#[from] SetupFault),
+}
+
+/// Everything about a part and a setup that all policies share.
+#[derive(Debug)]
+pub struct Planner<'a> {
+    part: &'a Impeller,
+    channel: &'a Channel,
+    setup: &'a Setup,
+    blank: Blank,
+    finished: FinishedPart<'a>,
+}
+
+/// A stretch of a passage that one section cuts.
+struct Stretch<'a> {
+    passage: &'a Passage,
+    /// λ of the passage's walls in the whole channel.
+    lambdas: (f64, f64),
+    /// Outlet end and inlet end, s.
+    from: f64,
+    to: f64,
+}
+
+/// One row, planned.
+struct Row {
+    stations: Vec<Station>,
+    lambda: f64,
+    rounds: usize,
+    settled: bool,
+}
+
+impl<'a> Planner<'a> {
+    /// For `part` with its `channel` and a `setup` that [`super::sections::resolve`] has completed.
+    pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
+        Self {
+            part,
+            channel,
+            setup,
+            blank: Blank::of(part, setup.stock.inlet_extension),
+            finished: FinishedPart::new(part, &channel.sides),
+        }
+    }
+
+    /// The blank the plan starts from.
+    pub fn blank(&self) -> &Blank {
+        &self.blank
+    }
+
+    /// Plans one channel by `policy`.
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`] soon after the monitor asks for it, [`PlanError::Setup`] when a cutter
+    /// does not fit where it shall work.
+    pub fn plan(&self, policy: AxisPolicy, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
+        let mut plan = PlungePlan {
+            policy,
+            sections: Vec::new(),
+            positions: Vec::new(),
+            dropped: Vec::new(),
+            rounds: 0,
+            settled: true,
+        };
+        let mut columns: Vec<Column> = Vec::new();
+        let sections = &self.setup.plunge.sections;
+        for (index, section) in sections.iter().enumerate() {
+            monitor.check()?;
+            monitor.report(0.8 * index as f64 / sections.len() as f64);
+            let tool = tool_of(self.setup, section.tool)?;
+            let before = index.checked_sub(1).map(|i| &sections[i]);
+            let rows = self.section_rows(section, before, tool, policy, &columns, monitor)?;
+            plan.sections.push(SectionPlan {
+                tool: tool.clone(),
+                from: section.from,
+                to: section.to,
+                feed: section.feed.unwrap_or(Feed::Inward),
+                rows: rows.len(),
+            });
+            for (row_index, row) in rows.iter().enumerate() {
+                plan.rounds = plan.rounds.max(row.rounds);
+                plan.settled &= row.settled;
+                for station in &row.stations {
+                    let cutter = cutter(station, tool);
+                    if self.finished.blade_clearance(&cutter) < self.setup.stock.blade_allowance - 1e-6 {
+                        plan.dropped.push(Dropped { section: index, row: row_index, s: station.ends.s_hub });
+                        continue;
+                    }
+                    columns.push(Column { cutter, core_radius: tool.core_radius() });
+                    plan.positions.push(Position::unmeasured(station, index, row_index, row.lambda));
+                }
+            }
+        }
+        monitor.report(0.85);
+        self.measure(&mut plan, &columns, monitor)?;
+        self.raise_links(&mut plan);
+        monitor.report(1.0);
+        Ok(plan)
+    }
+
+    /// The passages a section runs through, outlet end first.
+    fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<Stretch<'_>> {
+        let whole =
+            |from: f64, to: f64| Stretch { passage: &self.channel.full, lambdas: (0.0, 1.0), from, to };
+        let Some([hub, shroud]) = self.channel.splitter_s else {
+            return vec![whole(section.from, section.to)];
+        };
+        // In front of the nose by the cutter's own reach the passages become one.
+        let reach = (tool.radius() + self.setup.stock.blade_allowance) / self.part.hub.length();
+        let nose = (hub.min(shroud) - reach).max(0.0);
+        let mut stretches = Vec::new();
+        if section.from > nose {
+            let to = section.to.max(nose);
+            let share = self.splitter_share(0.5 * (section.from.min(1.0) + to).max(hub.max(shroud)));
+            for (passage, lambdas) in
+                self.channel.beside_splitter.iter().zip([(0.0, share.0), (share.1, 1.0)])
+            {
+                stretches.push(Stretch { passage, lambdas, from: section.from, to });
+            }
+        }
+        if section.to < nose {
+            stretches.push(whole(section.from.min(nose), section.to));
+        }
+        stretches
+    }
+
+    /// λ of both sides of the splitter's foot at `s`.
+    fn splitter_share(&self, s: f64) -> (f64, f64) {
+        let angles = |p: &Passage| p.wall_angles(self.part, s, 0.0);
+        match (
+            angles(&self.channel.full),
+            angles(&self.channel.beside_splitter[0]),
+            angles(&self.channel.beside_splitter[1]),
+        ) {
+            (Some(full), Some(near), Some(far)) => {
+                let width = full[1] - full[0];
+                (
+                    ((near[1] - near[0]) / width).clamp(0.0, 1.0),
+                    (1.0 - (far[1] - far[0]) / width).clamp(0.0, 1.0),
+                )
+            }
+            _ => (0.5, 0.5),
+        }
+    }
+
+    fn section_rows(
+        &self,
+        section: &SectionSetup,
+        before: Option<&SectionSetup>,
+        tool: &Tool,
+        policy: AxisPolicy,
+        earlier: &[Column],
+        monitor: &Monitor,
+    ) -> Result<Vec<Row>, PlanError> {
+        let stock = &self.setup.stock;
+        let hub = DepthSurface::new(self.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
+        let inward = if section.feed == Some(Feed::Outward) { -1.0 } else { 1.0 };
+        let mut rows = Vec::new();
+        for stretch in self.stretches(section, tool) {
+            let lane =
+                Lane::new(self.part, stretch.passage, tool, stock.hub_allowance, stock.blade_allowance);
+            let lambdas = self.row_places(&lane, &stretch, tool)?;
+            let made: Vec<Result<Row, PlanError>> = lambdas
+                .par_iter()
+                .map(|&lambda| {
+                    let wall_row = lambda == 0.0 || lambda == 1.0 || lambdas.len() == 1;
+                    let maker = RowMaker {
+                        part: self.part,
+                        lane: &lane,
+                        hub: &hub,
+                        tool,
+                        lambda,
+                        inward,
+                        step_limit: self.step_limit(tool, wall_row),
+                    };
+                    let (start, end) = self.row_ends(section, &stretch, before, tool, inward);
+                    let mut row = self.row(&maker, (start, end), policy, earlier, monitor)?;
+                    row.lambda = stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
+                    Ok(row)
+                })
+                .collect();
+            for row in made {
+                rows.push(row?);
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Stage 2's limit: the insert width, what the setup asks for, and at walls the scallop
+    /// S ≤ 2·√(2Rh − h²).
+    fn step_limit(&self, tool: &Tool, wall_row: bool) -> f64 {
+        let radius = tool.radius();
+        let mut limit = tool.insert_width.min(radius);
+        limit = limit.min(self.setup.plunge.step.unwrap_or(0.8 * tool.insert_width));
+        if wall_row {
+            let h = self.setup.plunge.wall_scallop.min(radius);
+            limit = limit.min(2.0 * (2.0 * radius * h - h * h).sqrt());
+        }
+        limit
+    }
+
+    /// λ of the rows of a stretch: both walls, and between them no further apart than the row
+    /// spacing on the hub, nor so far at the shroud that a ridge is left standing.
+    fn row_places(&self, lane: &Lane, stretch: &Stretch, tool: &Tool) -> Result<Vec<f64>, PlanError> {
+        let spacing = self.setup.plunge.row_spacing.unwrap_or(4.0 / 3.0 * tool.radius());
+        let mut gaps = 0.0f64;
+        let mut widest = 0.0f64;
+        for i in 0..=8 {
+            let s = stretch.from + (stretch.to - stretch.from) * f64::from(i) / 8.0;
+            let pair = lane.wall_pair(s, s, None).ok_or_else(|| self.misfit(tool, s))?;
+            // Distance of the second axis from the first, at the hub and at the shroud.
+            let across = |p: Point, of: (Point, Vector)| {
+                let d = p - of.0;
+                (d - of.1 * d.dot(&of.1)).norm()
+            };
+            let along = |s: f64| {
+                let step = 1e-3;
+                let a = lane.wall_axis(0, s, s, None)?;
+                let b = lane.wall_axis(0, s - step, s - step, Some(a))?;
+                let d = lane.hub_point(&b) - lane.hub_point(&a);
+                let e = lane.shroud_point(&b) - lane.shroud_point(&a);
+                Some((d.normalize(), e.normalize()))
+            };
+            let first = lane.line(&pair[0]);
+            let (at_hub, at_shroud) = (lane.hub_point(&pair[1]), lane.shroud_point(&pair[1]));
+            let (mut hub, mut shroud) = (across(at_hub, first), across(at_shroud, first));
+            if let Some((flow_hub, flow_shroud)) = along(s) {
+                let square = |p: Point, q: Point, flow: Vector| {
+                    let d = p - q;
+                    (d - flow * d.dot(&flow)).norm()
+                };
+                hub = hub.min(square(at_hub, lane.hub_point(&pair[0]), flow_hub));
+                shroud = shroud.min(square(at_shroud, lane.shroud_point(&pair[0]), flow_shroud));
+            }
+            gaps = gaps.max(hub / spacing).max(shroud / (1.9 * tool.radius()));
+            widest = widest.max(hub);
+        }
+        if widest < 0.1 * tool.radius() {
+            return Ok(vec![0.5]);
+        }
+        let count = (gaps - 1e-9).ceil().clamp(1.0, 400.0) as usize;
+        Ok((0..=count).map(|i| i as f64 / count as f64).collect())
+    }
+
+    /// First and last s of a stretch's rows in the order of cutting, before the start is moved out of
+    /// the stock.
+    fn row_ends(
+        &self,
+        section: &SectionSetup,
+        stretch: &Stretch,
+        before: Option<&SectionSetup>,
+        tool: &Tool,
+        inward: f64,
+    ) -> (f64, f64) {
+        let (hub, shroud) = (&self.part.hub, &self.part.shroud);
+        let (mut start, end) =
+            if inward > 0.0 { (stretch.from, stretch.to) } else { (stretch.to, stretch.from) };
+        let border = if inward > 0.0 { section.from } else { section.to };
+        if start == border {
+            let open_end = if inward > 0.0 { start >= 1.0 - 1e-9 } else { start <= 1e-9 };
+            if open_end {
+                // The core stays outside the blank at hub and shroud.
+                let out = tool.core_radius().max(0.0) + START_MARGIN;
+                start += inward * (out / hub.length()).max(out / shroud.length());
+            } else if let Some(previous) = before.and_then(|b| tool_of(self.setup, b.tool).ok()) {
+                // Front rims of the larger cutter before and of this one flush.
+                let shift = (previous.radius() - tool.radius()).max(0.0) / hub.length();
+                let shifted = start - inward * shift;
+                if (end - shifted) * inward < 0.0 {
+                    start = shifted;
+                }
+            }
+        }
+        (start, end)
+    }
+
+    fn misfit(&self, tool: &Tool, s: f64) -> PlanError {
+        SetupFault::new(
+            format!(
+                "tool {} (D {}) does not fit between the walls at s = {s:.2}",
+                tool.number, tool.diameter
+            ),
+            "use a smaller cutter there, or end its section before it",
+        )
+        .into()
+    }
+
+    /// Plans one row by `policy`. For `monotone` the first position is left as it is if the row is
+    /// then free of contact; else its lean is raised to the least of some fixed angles that
+    /// frees the row (or leaves the fewest contacts).
+    fn row(
+        &self,
+        maker: &RowMaker,
+        ends: (f64, f64),
+        policy: AxisPolicy,
+        earlier: &[Column],
+        monitor: &Monitor,
+    ) -> Result<Row, PlanError> {
+        let first = self.settled_row(maker, ends, policy, None, earlier, monitor)?;
+        if policy == AxisPolicy::Conventional {
+            return Ok(first);
+        }
+        let mut best = (self.contacts(maker, &first, earlier), first);
+        for lean in START_LEANS_DEG {
+            if best.0 == 0 {
+                break;
+            }
+            let row = self.settled_row(maker, ends, policy, Some(lean.to_radians()), earlier, monitor)?;
+            let contacts = self.contacts(maker, &row, earlier);
+            if contacts < best.0 {
+                best = (contacts, row);
+            }
+        }
+        Ok(best.1)
+    }
+
+    /// Stages 1 to 4 until no position is added any more.
+    fn settled_row(
+        &self,
+        maker: &RowMaker,
+        (start, end): (f64, f64),
+        policy: AxisPolicy,
+        lean: Option<f64>,
+        earlier: &[Column],
+        monitor: &Monitor,
+    ) -> Result<Row, PlanError> {
+        monitor.check()?;
+        let max_tilt = self.setup.plunge.max_tilt;
+        let start = self.free_start(maker, start, lean, earlier);
+        let mut conventional = maker.conventional(start, end).map_err(|s| self.misfit(maker.tool, s))?;
+        let mut row = Row { stations: Vec::new(), lambda: maker.lambda, rounds: 0, settled: false };
+        while row.rounds < MAX_ROUNDS && !row.settled {
+            monitor.check()?;
+            row.rounds += 1;
+            row.stations = match policy {
+                AxisPolicy::Conventional => conventional.clone(),
+                AxisPolicy::Monotone => maker.monotone(&conventional, lean, max_tilt),
+            };
+            row.settled = maker.inspect_steps(&row.stations, &mut conventional) == 0;
+        }
+        Ok(row)
+    }
+
+    /// Moves the start of a row out of the stock until its first core column is free up to the top
+    /// of the blank; where nothing frees it within a diameter, leaves it where it was.
+    fn free_start(&self, maker: &RowMaker, start: f64, lean: Option<f64>, earlier: &[Column]) -> f64 {
+        let stride = 0.1 * maker.tool.radius() / self.part.hub.length();
+        for i in 0..=20 {
+            let s = start + maker.inward * stride * f64::from(i);
+            let Some(station) = maker.station(s, s, None) else { return start };
+            let first = maker.monotone(&[station], lean, self.setup.plunge.max_tilt);
+            let column = Column { cutter: maker.cutter(&first[0]), core_radius: maker.tool.core_radius() };
+            if !core_contact(&column, earlier, &self.blank).interferes() {
+                return s;
+            }
+        }
+        start
+    }
+
+    /// Number of interferential stations of a row that comes after `earlier`.
+    fn contacts(&self, maker: &RowMaker, row: &Row, earlier: &[Column]) -> usize {
+        let own: Vec<Column> = row
+            .stations
+            .iter()
+            .map(|s| Column { cutter: maker.cutter(s), core_radius: maker.tool.core_radius() })
+            .collect();
+        let reach = 4.0 * self.part.hub.length() + 4.0 * maker.tool.radius();
+        let near: Vec<Column> = earlier
+            .iter()
+            .filter(|c| own.iter().any(|o| (o.cutter.tip - c.cutter.tip).norm() < reach))
+            .copied()
+            .collect();
+        (0..own.len())
+            .filter(|&k| {
+                let mut before = near.clone();
+                before.extend_from_slice(&own[..k]);
+                core_contact(&own[k], &before, &self.blank).interferes()
+            })
+            .count()
+    }
+
+    /// Contact, clearances and retract of every position.
+    fn measure(&self, plan: &mut PlungePlan, columns: &[Column], monitor: &Monitor) -> Result<(), PlanError> {
+        let stock = &self.setup.stock;
+        let tops: Vec<RetractSurface> = plan
+            .sections
+            .iter()
+            .map(|s| RetractSurface::new(&self.blank, stock.safety_distance + s.tool.corner_radius))
+            .collect();
+        let sections = &plan.sections;
+        let measured: Result<Vec<Position>, Cancelled> = plan
+            .positions
+            .par_iter()
+            .enumerate()
+            .map(|(k, position)| {
+                monitor.check()?;
+                let tool = &sections[position.section].tool;
+                let cutter = columns[k].cutter;
+                let lift = tops[position.section].height(
+                    &cutter.tip,
+                    &cutter.axis,
+                    tool.radius() - tool.corner_radius,
+                );
+                let retract = cutter.tip + cutter.axis * (lift + 1e-6);
+                let mut position = position.clone();
+                position.retract = retract;
+                position.contact = core_contact(&columns[k], &columns[..k], &self.blank);
+                position.hub_clearance = self.finished.hub_clearance(&cutter);
+                position.blade_clearance = self.finished.blade_clearance(&cutter);
+                Ok(position)
+            })
+            .collect();
+        plan.positions = measured?;
+        Ok(())
+    }
+
+    /// Pulls retract points further back until the straight links between them stay above the blank by the
+    /// safety distance, and measures what they keep.
+    fn raise_links(&self, plan: &mut PlungePlan) {
+        let safety = self.setup.stock.safety_distance;
+        let tool = |plan: &PlungePlan, k: usize| plan.sections[plan.positions[k].section].tool.clone();
+        let clearance = |plan: &PlungePlan, k: usize, share: f64| {
+            let (a, b) = (&plan.positions[k], &plan.positions[k + 1]);
+            let tool = tool(plan, k);
+            let cutter = CutterSolid {
+                tip: a.retract + (b.retract - a.retract) * share,
+                axis: (a.axis + (b.axis - a.axis) * share).normalize(),
+                radius: tool.radius(),
+                corner_radius: tool.corner_radius,
+            };
+            bottom_clearance(&cutter, &self.blank)
+        };
+        for k in 0..plan.positions.len().saturating_sub(1) {
+            if plan.positions[k].section != plan.positions[k + 1].section {
+                continue;
+            }
+            let gap = (plan.positions[k + 1].retract - plan.positions[k].retract).norm();
+            let cutter_size = tool(plan, k).diameter;
+            let samples = ((gap / cutter_size).ceil() as usize).clamp(1, 12);
+            for _ in 0..20 {
+                let worst = (1..=samples)
+                    .map(|i| clearance(plan, k, i as f64 / (samples + 1) as f64))
+                    .fold(f64::INFINITY, f64::min);
+                if worst >= safety {
+                    break;
+                }
+                let raise = (safety - worst) + 0.1 * cutter_size.min(10.0);
+                for position in &mut plan.positions[k..=k + 1] {
+                    position.retract += position.axis * raise;
+                }
+            }
+        }
+        let measured: Vec<f64> = plan
+            .positions
+            .par_iter()
+            .map(|p| {
+                let tool = &plan.sections[p.section].tool;
+                let cutter = CutterSolid {
+                    tip: p.retract,
+                    axis: p.axis,
+                    radius: tool.radius(),
+                    corner_radius: tool.corner_radius,
+                };
+                bottom_clearance(&cutter, &self.blank)
+            })
+            .collect();
+        for (position, clearance) in plan.positions.iter_mut().zip(measured) {
+            position.retract_clearance = clearance;
+        }
+    }
+}
+
+fn cutter(station: &Station, tool: &Tool) -> CutterSolid {
+    CutterSolid {
+        tip: station.tip,
+        axis: station.axis,
+        radius: tool.radius(),
+        corner_radius: tool.corner_radius,
+    }
+}

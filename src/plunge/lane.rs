@@ -1,0 +1,231 @@
+//! Lanes: passages as one cutter sees them, and the axes in them that clear both walls.
+//!
+//! A wall axis starts as the offset of the wall's ruling by R + allowance (paper C, fig. 5 to 7); that plain
+//! offset gouges where rulings twist. It is corrected against the true surface until the cutter
+//! rests on the wall in its lower and in its upper half, allowance apart (a two-point fit), and
+//! never nearer than the allowance anywhere.
+
+use crate::geometry::{CutterSolid, Point, Vector};
+use crate::part::{Impeller, Passage, SideProbe, Tool};
+
+/// A passage with the cutter that is to work in it.
+#[derive(Debug)]
+pub struct Lane<'a> {
+    part: &'a Impeller,
+    passage: &'a Passage,
+    probes: [SideProbe; 2],
+    radius: f64,
+    corner_radius: f64,
+    hub_allowance: f64,
+    blade_allowance: f64,
+}
+
+/// An axis given by its ends: M on the allowance surface of the hub, W on the shroud.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisEnds {
+    /// s of M on the hub.
+    pub s_hub: f64,
+    /// s of W on the shroud.
+    pub s_shroud: f64,
+    /// Angle of M about Z, rad.
+    pub theta_hub: f64,
+    /// Angle of W about Z, rad.
+    pub theta_shroud: f64,
+}
+
+/// How far the side lean of a fitted axis may leave the plain offset of the ruling.
+const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
+/// Clearance is met to this, mm, always on the safe side.
+const FIT_TOLERANCE: f64 = 2e-7;
+
+impl<'a> Lane<'a> {
+    /// `passage` of `part` for `tool`.
+    pub fn new(
+        part: &'a Impeller,
+        passage: &'a Passage,
+        tool: &Tool,
+        hub_allowance: f64,
+        blade_allowance: f64,
+    ) -> Self {
+        let probe = |i: usize| {
+            let side = passage.walls[i].side();
+            SideProbe::new(side, side.u_knots()[0] - 0.3, 1.35)
+        };
+        Self {
+            part,
+            passage,
+            probes: [probe(0), probe(1)],
+            radius: tool.radius(),
+            corner_radius: tool.corner_radius,
+            hub_allowance,
+            blade_allowance,
+        }
+    }
+
+    /// M of `ends`.
+    pub fn hub_point(&self, ends: &AxisEnds) -> Point {
+        let here = self.part.hub.at(ends.s_hub);
+        let (p, n, a) = (here.point, here.normal, self.hub_allowance);
+        crate::geometry::Meridional { r: p.r + a * n.r, z: p.z + a * n.z }.at_angle(ends.theta_hub)
+    }
+
+    /// W of `ends`.
+    pub fn shroud_point(&self, ends: &AxisEnds) -> Point {
+        self.part.shroud.point(ends.s_shroud).at_angle(ends.theta_shroud)
+    }
+
+    /// M and the unit axis of `ends`.
+    pub fn line(&self, ends: &AxisEnds) -> (Point, Vector) {
+        let m = self.hub_point(ends);
+        (m, (self.shroud_point(ends) - m).normalize())
+    }
+
+    fn cutter(&self, ends: &AxisEnds) -> CutterSolid {
+        let (tip, axis) = self.line(ends);
+        CutterSolid { tip, axis, radius: self.radius, corner_radius: self.corner_radius }
+    }
+
+    /// +1 where growing θ leads into the passage from this wall.
+    fn inward(&self, wall: usize) -> f64 {
+        self.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 }
+    }
+
+    /// Axis along `wall` (0 or 1) with M at `s_hub` and W at `s_shroud`; `warm` is a neighbouring
+    /// solution to start from. `None` where the wall does not reach.
+    pub fn wall_axis(
+        &self,
+        wall: usize,
+        s_hub: f64,
+        s_shroud: f64,
+        warm: Option<AxisEnds>,
+    ) -> Option<AxisEnds> {
+        let plain = self.plain_offset(wall, s_hub, s_shroud)?;
+        let plain_lean = plain.theta_shroud - plain.theta_hub;
+        let mut ends = match warm {
+            Some(w) => AxisEnds { s_hub, s_shroud, theta_shroud: w.theta_shroud, theta_hub: w.theta_hub },
+            None => plain,
+        };
+        let probe = &self.probes[wall];
+        for _ in 0..8 {
+            let cutter = self.cutter(&ends);
+            let (m, w) = (self.hub_point(&ends), self.shroud_point(&ends));
+            let height = (w - m).norm();
+            // One row per half of the wall: how its clearance answers to turning M and W.
+            let row = |v_from: f64, v_to: f64| {
+                let near = probe.nearest(&cutter, v_from, v_to);
+                let d = near.point - m;
+                let along = d.dot(&cutter.axis);
+                let away = -(d - cutter.axis * along);
+                let away = if away.norm() > 1e-9 { away.normalize() } else { away };
+                let share = (along / height).clamp(-0.2, 1.2);
+                let by_m = (1.0 - share) * away.dot(&Vector::new(-m.y, m.x, 0.0));
+                let by_w = share * away.dot(&Vector::new(-w.y, w.x, 0.0));
+                (by_m, by_w, near.distance - self.blade_allowance)
+            };
+            let (low, high) = (row(0.0, 0.5), row(0.5, 1.0));
+            if low.2.abs().max(high.2.abs()) < FIT_TOLERANCE {
+                break;
+            }
+            // Least squares with a little damping: both halves may rest at the same height.
+            let damping = 1e-4 * (m.x.hypot(m.y)).powi(2);
+            let (a11, a12, a22) = (
+                low.0 * low.0 + high.0 * high.0 + damping,
+                low.0 * low.1 + high.0 * high.1,
+                low.1 * low.1 + high.1 * high.1 + damping,
+            );
+            let (b1, b2) = (-(low.0 * low.2 + high.0 * high.2), -(low.1 * low.2 + high.1 * high.2));
+            let determinant = a11 * a22 - a12 * a12;
+            let limit = 0.5 * self.radius / m.x.hypot(m.y).max(1e-6);
+            let dm = ((b1 * a22 - b2 * a12) / determinant).clamp(-limit, limit);
+            let dw = ((a11 * b2 - a12 * b1) / determinant).clamp(-limit, limit);
+            if !(dm.is_finite() && dw.is_finite()) {
+                return None;
+            }
+            ends.theta_hub += dm;
+            ends.theta_shroud += dw;
+            let lean_limit = LEAN_LIMIT_RAD.tan() * height / w.x.hypot(w.y).max(1e-6);
+            let lean = ends.theta_shroud - ends.theta_hub;
+            ends.theta_shroud = ends.theta_hub + lean.clamp(plain_lean - lean_limit, plain_lean + lean_limit);
+        }
+        self.push_clear(wall, ends, 0.0)
+    }
+
+    /// Turns both ends away from `wall` until the cutter, its bottom `lift` mm above M, keeps the
+    /// allowance everywhere (and rests at it where it was further off than the fit could close).
+    fn push_clear(&self, wall: usize, mut ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
+        let inward = self.inward(wall);
+        for _ in 0..12 {
+            let mut cutter = self.cutter(&ends);
+            cutter.tip += cutter.axis * lift;
+            let near = self.probes[wall].nearest(&cutter, 0.0, 1.0);
+            let short = self.blade_allowance - near.distance;
+            if (-4.0 * FIT_TOLERANCE..=0.0).contains(&short) {
+                return Some(ends);
+            }
+            let d = near.point - cutter.tip;
+            let away = -(d - cutter.axis * d.dot(&cutter.axis));
+            let turn = Vector::new(-near.point.y, near.point.x, 0.0);
+            let gain = away.normalize().dot(&turn).abs().max(0.2 * turn.norm());
+            let step = (short + 2.0 * FIT_TOLERANCE) / gain * inward;
+            if !step.is_finite() || step.abs() > 0.5 {
+                return None;
+            }
+            ends.theta_hub += step;
+            ends.theta_shroud += step;
+        }
+        None
+    }
+
+    /// The ruling's ends, each moved by R + allowance along the surface of hub or shroud.
+    fn plain_offset(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+        let foot = self.passage.walls[wall].at(self.part, s_hub, 0.0)?;
+        let top = self.passage.walls[wall].at(self.part, s_shroud, 1.0)?;
+        let reach = self.radius + self.blade_allowance;
+        let offset = |r: f64, theta_s: f64, length: f64| {
+            let slope = r * theta_s / length;
+            reach * (1.0 + slope * slope).sqrt().min(4.0) / r.max(1e-6) * self.inward(wall)
+        };
+        let (r_hub, r_shroud) = (self.part.hub.point(s_hub).r, self.part.shroud.point(s_shroud).r);
+        let theta_shroud = foot.theta + crate::geometry::wrap_angle(top.theta - foot.theta);
+        Some(AxisEnds {
+            s_hub,
+            s_shroud,
+            theta_hub: foot.theta + offset(r_hub, foot.theta_s, self.part.hub.length()),
+            theta_shroud: theta_shroud + offset(r_shroud, top.theta_s, self.part.shroud.length()),
+        })
+    }
+
+    /// Both wall axes at the same ends; `None` where a wall does not reach or the cutter does not
+    /// fit between them.
+    pub fn wall_pair(&self, s_hub: f64, s_shroud: f64, warm: Option<[AxisEnds; 2]>) -> Option<[AxisEnds; 2]> {
+        let low = self.wall_axis(0, s_hub, s_shroud, warm.map(|w| w[0]))?;
+        let mut high = self.wall_axis(1, s_hub, s_shroud, warm.map(|w| w[1]))?;
+        // Bring the second wall's angles next to the first's.
+        let half = 0.5 * self.part.pitch();
+        let beside = |a: f64, b: f64| a + crate::geometry::wrap_angle(b - a - half) + half;
+        high.theta_hub = beside(low.theta_hub, high.theta_hub);
+        high.theta_shroud = beside(low.theta_shroud, high.theta_shroud);
+        let open = |a: f64, b: f64| (b - a) * self.part.pitch().signum() >= 0.0;
+        (open(low.theta_hub, high.theta_hub) && open(low.theta_shroud, high.theta_shroud))
+            .then_some([low, high])
+    }
+
+    /// Axis of the row at `lambda` between the wall axes.
+    pub fn row_axis(
+        &self,
+        lambda: f64,
+        s_hub: f64,
+        s_shroud: f64,
+        warm: Option<[AxisEnds; 2]>,
+    ) -> Option<(AxisEnds, [AxisEnds; 2])> {
+        let pair = self.wall_pair(s_hub, s_shroud, warm)?;
+        let mix = |a: f64, b: f64| a + lambda * (b - a);
+        let ends = AxisEnds {
+            s_hub,
+            s_shroud,
+            theta_hub: mix(pair[0].theta_hub, pair[1].theta_hub),
+            theta_shroud: mix(pair[0].theta_shroud, pair[1].theta_shroud),
+        };
+        Some((ends, pair))
+    }
+}

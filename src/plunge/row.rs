@@ -1,0 +1,160 @@
+//! Rows of positions, and stages 1 and 2: conventional positions and step inspection.
+
+use super::lane::{AxisEnds, Lane};
+use super::plan::Blocked;
+use super::slotting::DepthSurface;
+use crate::geometry::{CutterSolid, Point, Vector};
+use crate::part::{Impeller, Tool};
+
+/// One position while it is being planned.
+#[derive(Clone, Copy, Debug)]
+pub struct Station {
+    /// Ends of the axis.
+    pub ends: AxisEnds,
+    /// s of W before any optimisation.
+    pub s_shroud_conventional: f64,
+    /// Tip after slotting.
+    pub tip: Point,
+    /// Unit axis, tip → holder.
+    pub axis: Vector,
+    /// Touch point on the allowance surface of the hub.
+    pub contact_point: Point,
+    /// α, rad, positive towards the inlet.
+    pub alpha: f64,
+    /// Why the axis asked for could not be had.
+    pub blocked: Option<Blocked>,
+}
+
+/// Makes the stations of one row: everything that is the same along it.
+#[derive(Debug)]
+pub struct RowMaker<'a> {
+    /// The part.
+    pub part: &'a Impeller,
+    /// The passage with its cutter.
+    pub lane: &'a Lane<'a>,
+    /// Hub, offset by allowance and corner radius.
+    pub hub: &'a DepthSurface<'a>,
+    /// The cutter.
+    pub tool: &'a Tool,
+    /// Place of the row across the passage, 0…1.
+    pub lambda: f64,
+    /// +1 when the row is cut outlet → inlet, −1 the other way.
+    pub inward: f64,
+    /// Upper limit of the step, mm.
+    pub step_limit: f64,
+}
+
+impl RowMaker<'_> {
+    /// The station whose axis runs from `s_hub` to `s_shroud`, fitted between the walls and lowered
+    /// onto the hub. `None` where no axis clears the walls.
+    pub fn station(&self, s_hub: f64, s_shroud: f64, warm: Option<&Station>) -> Option<Station> {
+        let ends = if self.lambda == 0.0 || self.lambda == 1.0 {
+            self.lane.wall_axis(self.lambda as usize, s_hub, s_shroud, warm.map(|w| w.ends))?
+        } else {
+            self.lane.row_axis(self.lambda, s_hub, s_shroud, None)?.0
+        };
+        Some(self.lowered(ends))
+    }
+
+    /// Stage 4 for an axis that is given: tip, contact point and α.
+    pub fn lowered(&self, ends: AxisEnds) -> Station {
+        let (m, axis) = self.lane.line(&ends);
+        let corner = self.tool.corner_radius;
+        let touch = self.hub.touch(&m, &axis, self.tool.radius() - corner);
+        let (tip, contact_point, alpha) = match touch {
+            Some(t) => (m + axis * (t.height - corner), t.point, self.alpha(&m, &axis, &t.normal, &ends)),
+            // Beside the hub: the tip stays at M, the angle is that to the hub's normal there.
+            None => {
+                let normal = self.part.hub.normal(ends.s_hub).direction_at_angle(ends.theta_hub);
+                (m, m, self.alpha(&m, &axis, &normal, &ends))
+            }
+        };
+        Station { ends, s_shroud_conventional: ends.s_shroud, tip, axis, contact_point, alpha, blocked: None }
+    }
+
+    /// Signed angle between `normal` and `axis` in the plane of normal and the direction towards the inlet.
+    fn alpha(&self, m: &Point, axis: &Vector, normal: &Vector, ends: &AxisEnds) -> f64 {
+        let step = 1e-4;
+        let upstream = AxisEnds { s_hub: ends.s_hub - step, ..*ends };
+        let towards = self.lane.hub_point(&upstream) - m;
+        let flat = (towards - normal * towards.dot(normal)).normalize();
+        axis.dot(&flat).atan2(axis.dot(normal))
+    }
+
+    /// Cutter of a station.
+    pub fn cutter(&self, station: &Station) -> CutterSolid {
+        CutterSolid {
+            tip: station.tip,
+            axis: station.axis,
+            radius: self.tool.radius(),
+            corner_radius: self.tool.corner_radius,
+        }
+    }
+
+    /// Stage 1: isoparametric stations from s = `start` to s = `end`, evenly, no further apart than
+    /// the step limit at hub and shroud. `Err` carries the s at which the cutter does not fit.
+    pub fn conventional(&self, start: f64, end: f64) -> Result<Vec<Station>, f64> {
+        let run = (end - start).abs();
+        let longest = run * self.part.hub.length().max(self.part.shroud.length());
+        let coarse = ((longest / self.step_limit / 3.0).ceil() as usize).clamp(1, 4000);
+        let at = |i: usize, n: usize| start + (end - start) * i as f64 / n as f64;
+        let mut sparse = Vec::with_capacity(coarse + 1);
+        for i in 0..=coarse {
+            let s = at(i, coarse);
+            sparse.push(self.station(s, s, sparse.last()).ok_or(s)?);
+        }
+        // Rows run oblique to the meridian: measure how long they really are.
+        let stretch = sparse.windows(2).map(|w| self.spacing(&w[0], &w[1])).fold(0.0, f64::max);
+        let per_gap = ((stretch / self.step_limit - 1e-9).ceil() as usize).clamp(1, 64);
+        if per_gap == 1 {
+            return Ok(sparse);
+        }
+        let n = coarse * per_gap;
+        let mut stations = Vec::with_capacity(n + 1);
+        for i in 0..=n {
+            if i % per_gap == 0 {
+                stations.push(sparse[i / per_gap]);
+                continue;
+            }
+            let s = at(i, n);
+            stations.push(self.station(s, s, stations.last()).ok_or(s)?);
+        }
+        Ok(stations)
+    }
+
+    /// Spacing S of two neighbouring axes: the larger of their distances at hub and shroud, mm.
+    pub fn spacing(&self, a: &Station, b: &Station) -> f64 {
+        let across = |p: Point| {
+            let d = p - a.tip;
+            (d - a.axis * d.dot(&a.axis)).norm()
+        };
+        across(self.lane.hub_point(&b.ends)).max(across(self.lane.shroud_point(&b.ends)))
+    }
+
+    /// Stage 2: inserts isoparametric stations wherever the spacing exceeds the step limit (fig. 6).
+    /// Returns how many.
+    pub fn inspect_steps(&self, optimised: &[Station], conventional: &mut Vec<Station>) -> usize {
+        let mut refined = Vec::with_capacity(conventional.len());
+        let mut inserted = 0;
+        for i in 0..conventional.len() {
+            refined.push(conventional[i]);
+            if i + 1 == conventional.len() {
+                break;
+            }
+            let spacing = self.spacing(&optimised[i], &optimised[i + 1]);
+            let apart = (conventional[i + 1].ends.s_hub - conventional[i].ends.s_hub).abs();
+            if spacing <= self.step_limit * (1.0 + 1e-9)
+                || apart * self.part.hub.length() < 0.02 * self.step_limit
+            {
+                continue;
+            }
+            let middle = 0.5 * (conventional[i].ends.s_hub + conventional[i + 1].ends.s_hub);
+            if let Some(station) = self.station(middle, middle, Some(&conventional[i])) {
+                refined.push(station);
+                inserted += 1;
+            }
+        }
+        *conventional = refined;
+        inserted
+    }
+}
