@@ -80,7 +80,7 @@ impl Command {
             Self::Quit => "Quit",
             Self::Undo => "Undo",
             Self::Redo => "Redo",
-            Self::Plan => "Plan",
+            Self::Plan => "Plan channel",
             Self::Cancel => "Cancel",
             Self::NextFault => "Next interferential",
             Self::PreviousFault => "Previous interferential",

@@ -2,7 +2,7 @@
 
 use egui::{Context, MenuBar, Ui, ViewportCommand};
 
-use crate::gpu::camera::View;
+use crate::gpu::view::View;
 
 use super::App;
 use super::command::Command;

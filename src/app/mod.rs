@@ -158,7 +158,7 @@ impl App {
                 None => {}
             }
             ui.separator();
-            let text = egui::RichText::new("Plan").color(egui::Color32::WHITE).strong();
+            let text = egui::RichText::new(Command::Plan.label()).color(egui::Color32::WHITE).strong();
             let button = egui::Button::new(text).fill(theme::PRIMARY);
             if ui
                 .add_sized([ui.available_width(), 26.0], button)
@@ -215,8 +215,7 @@ impl App {
         self.note_first_picture();
         let stock = self.stock_under_cursor(ui, &response, &camera, &options);
         if self.state.out_of_date() {
-            let edge = egui::Stroke::new(2.0, theme::Condition::Blocked.mark());
-            ui.painter().rect_stroke(rect, 0.0, edge, egui::StrokeKind::Inside);
+            view3d::out_of_date(ui, rect);
         }
         view3d::legend(ui, rect, &self.state, stock);
         if let Some(side) = view3d::side_switch(ui, rect, &self.state) {
@@ -337,7 +336,12 @@ impl eframe::App for App {
                 .show(ui, |ui| self.left_panel(ui));
             Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0).show(ui, |ui| {
                 ui.add_space(4.0);
-                panels::positions::show(ui, &mut self.state);
+                if let Some(k) = self.state.selected {
+                    Panel::bottom("selected position").resizable(false).show(ui, |ui| {
+                        panels::positions::details(ui, &self.state, k);
+                    });
+                }
+                CentralPanel::no_frame().show(ui, |ui| panels::positions::show(ui, &mut self.state));
             });
         }
         CentralPanel::no_frame().show(ui, |ui| self.middle(ui));

@@ -7,11 +7,12 @@ use eframe::egui_wgpu::RenderState;
 use egui::{TextureId, Vec2};
 use glam::Vec3;
 
-use crate::gpu::camera::{Camera, Framing};
+use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::renderer::Renderer;
 use crate::gpu::scene::{Scene, SceneOptions};
+use crate::gpu::view::Framing;
 use crate::residual::FloorGrid;
 
 use super::planned::{Planned, Side};

@@ -3,8 +3,9 @@
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
 
-use crate::gpu::camera::{Camera, Framing, Projection, View};
+use crate::gpu::camera::{Camera, Projection};
 use crate::gpu::scene::FloorColours;
+use crate::gpu::view::{Framing, View};
 
 use super::command::Command;
 use super::planned::Side;
@@ -67,7 +68,7 @@ impl View3d {
     pub fn fit(&mut self, framing: &Framing) {
         let aspect = self.aspect;
         if let Some(camera) = &mut self.camera {
-            camera.fit(framing.wheel.center, framing.wheel.radius, aspect);
+            camera.fit_points(&framing.wheel_outline, aspect);
         }
     }
 
@@ -172,6 +173,20 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, state: &State) -> Option<Side> {
         });
     });
     chosen
+}
+
+/// Mark of a plan that the edited setup has left behind: a word and an edge.
+pub fn out_of_date(ui: &mut Ui, rect: Rect) {
+    let orange = theme::Condition::Blocked;
+    ui.painter().rect_stroke(rect, 0.0, egui::Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
+    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 46.0), egui::vec2(200.0, 26.0));
+    ui.scope_builder(egui::UiBuilder::new().max_rect(at), |ui| {
+        let fill = theme::overlay(ui.visuals());
+        egui::Frame::new().fill(fill).inner_margin(4).corner_radius(4).show(ui, |ui| {
+            let text = egui::RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
+            ui.label(text).on_hover_text("The setup was edited after this plan; plan again (F5)");
+        });
+    });
 }
 
 /// Names of what can colour the floor.

@@ -109,7 +109,7 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
         }
     }
     let section = SectionPlan { tool: tool.clone(), from: 1.0, to: 0.5, feed: Feed::Inward, rows: 2 };
-    PlungePlan { policy, sections: vec![section], positions, rounds: 2, settled: true }
+    PlungePlan { policy, sections: vec![section], positions, dropped: Vec::new(), rounds: 2, settled: true }
 }
 
 fn summary(plan: &PlungePlan, mean: f64) -> Summary {

@@ -54,7 +54,7 @@ fn an_edited_setup_is_out_of_date_until_planned_again() {
     assert_eq!(window.state().state().setup.plunge.step, Some(5.0), "the field edits the setup");
     assert_eq!(window.state().state().position_count(), before, "nothing is planned behind the user's back");
     snapshot_view(&mut window, "out_of_date");
-    window.get_by_role_and_label(Role::Button, "Plan").click();
+    window.get_by_role_and_label(Role::Button, "Plan channel").click();
     window.step();
     settle(&mut window);
     assert!(window.query_by_label("Out of date").is_none(), "planned again");

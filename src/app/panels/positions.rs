@@ -1,6 +1,6 @@
 //! Table of positions in cutting order.
 
-use egui::{ComboBox, RichText, Sense, Ui};
+use egui::{ComboBox, Grid, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use crate::plunge::{Blocked, Position};
@@ -61,13 +61,14 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
         .striped(true)
         .sense(Sense::click())
         .auto_shrink([false, false])
+        .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
         .column(Column::exact(12.0))
-        .column(Column::exact(32.0))
+        .column(Column::exact(30.0))
         .column(Column::exact(28.0))
-        .column(Column::exact(36.0))
-        .column(Column::exact(48.0))
-        .column(Column::exact(48.0))
-        .column(Column::remainder().at_least(34.0));
+        .column(Column::exact(30.0))
+        .column(Column::exact(46.0))
+        .column(Column::exact(50.0))
+        .column(Column::remainder().at_least(38.0));
     if std::mem::take(&mut state.reveal_selection)
         && let Some(row) = state.selected.and_then(|k| rows.iter().position(|&r| r == k))
     {
@@ -79,7 +80,7 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
         ("Row", "Row within its section, 1 at the suction wall"),
         ("D", "Diameter of the cutter, mm"),
         ("α °", "Angle between hub normal and axis, positive towards the inlet"),
-        ("Core", "How far above its final bottom the core meets stock, mm"),
+        ("Contact", "How far above its final bottom the core meets stock, mm"),
         ("Hub", "Mean stock left on the hub under the cutter, mm"),
     ];
     let mut clicked = None;
@@ -168,6 +169,51 @@ fn mark(ui: &mut Ui, of: Condition) {
             painter.circle_stroke(rect.center(), 2.5, egui::Stroke::new(1.5, of.mark()));
         }
     }
+}
+
+/// Everything about the selected position.
+pub fn details(ui: &mut Ui, state: &State, k: usize) {
+    let Some(planned) = &state.planned else { return };
+    let plan = planned.plan(state.side);
+    let Some(position) = plan.positions.get(k) else { return };
+    ui.add_space(4.0);
+    let of = condition(position);
+    ui.horizontal(|ui| {
+        mark(ui, of);
+        ui.label(
+            RichText::new(format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.word())).strong(),
+        );
+    });
+    if let Some(blocked) = position.blocked {
+        ui.label(format!("Blocked: {}", blocked_words(blocked)));
+    }
+    Grid::new("position facts").num_columns(2).spacing([10.0, 1.0]).show(ui, |ui| {
+        let mut fact = |name: &str, value: String| {
+            ui.label(RichText::new(name).weak());
+            ui.label(value);
+            ui.end_row();
+        };
+        let section = plan.sections.get(position.section);
+        if let Some(tool) = section.map(|section| &section.tool) {
+            let place = format!("section {}, row {}", position.section + 1, position.row + 1);
+            fact("Place", format!("{place}, T{} D {}", tool.number, tool.diameter));
+        }
+        let contact = position.contact;
+        if contact.interferes() {
+            fact(
+                "Core meets stock",
+                format!("{:.2} mm, {:.0} % of its disc", contact.depth, 100.0 * contact.area_share),
+            );
+        }
+        let [x, y, z] = [position.tip.x, position.tip.y, position.tip.z];
+        fact("Tip x y z", format!("{x:.3} {y:.3} {z:.3} mm"));
+        let [i, j, k] = [position.axis.x, position.axis.y, position.axis.z];
+        fact("Axis i j k", format!("{i:.4} {j:.4} {k:.4}"));
+        fact("s, across", format!("{:.3}, {:.3}", position.s, position.lambda));
+        let [hub, blade] = [position.hub_clearance, position.blade_clearance];
+        fact("Clearance", format!("hub {hub:.3}, blade {blade:.3} mm"));
+    });
+    ui.add_space(4.0);
 }
 
 /// What the tip over a row says.

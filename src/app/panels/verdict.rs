@@ -16,11 +16,6 @@ pub fn show(ui: &mut Ui, state: &State) {
         return;
     };
     let (before, after) = (&planned.result(Side::Before).summary, &planned.result(Side::After).summary);
-    if state.out_of_date() {
-        let text = RichText::new("Out of date").strong().color(Condition::Blocked.text(ui.visuals()));
-        ui.label(text).on_hover_text("The setup was edited after this plan; plan again (F5)");
-        ui.separator();
-    }
     interferential(ui, planned, before, after);
     if after.blocked > 0 {
         let text =
