@@ -23,7 +23,7 @@ use std::fmt::Write;
 
 use super::InputError;
 use super::source::{MAX_BLADES, MAX_COORDINATE, MAX_POINTS, Source, stem_of};
-use super::table::{At, Document, Range, Section, degrees_text, quoted};
+use super::table::{At, Document, Range, Rows, Section, degrees_text, quoted};
 use crate::geometry::Point;
 use crate::part::{BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription};
 
@@ -74,7 +74,7 @@ fn flowpath(
         root.fault(format!("the {name} is missing"), format!("add [{name}] with points = [[r, z], …]"))
     })?;
     table.check_keys(&["points", "control", "degree", "knots"])?;
-    let meridional = |rows: At<Vec<At<[f64; 2]>>>| -> Result<Vec<Meridional>, InputError> {
+    let meridional = |rows: At<Rows<2>>| -> Result<Vec<Meridional>, InputError> {
         rows.value
             .into_iter()
             .map(|row| {

@@ -7,8 +7,53 @@ use toml::de::{DeTable, DeValue};
 use super::InputError;
 use super::source::{self, Source, shown};
 
-/// Most separators in a document: what bounds the memory of its tree.
-const MAX_SEPARATORS: usize = 4_000_000;
+/// Most list items in a document: 1,000,000 points of three numbers have 4,000,000.
+const MAX_ITEMS: usize = 5_000_000;
+/// Most keys, headers and tables in a document: each costs far more memory than a number.
+const MAX_KEYS: usize = 200_000;
+
+/// Most separators and blanks in a document, where a run of blanks counts once: what bounds the
+/// parser's own memory. 1,000,000 points with a line each have 9,000,000.
+const MAX_TOKENS: usize = 12_000_000;
+
+/// Whether the tree of a document would be small enough to build, by its separators.
+fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
+    let (mut items, mut keys, mut tokens) = (0_usize, 0_usize, 0_usize);
+    for line in text.lines() {
+        tokens += 1;
+        let line = line.trim_start();
+        // A header has no comma; a row of numbers has one.
+        keys += usize::from(line.starts_with('[') && !line.contains(','));
+        let mut before = b' ';
+        let mut dots_in_word = 0;
+        for byte in line.bytes() {
+            match byte {
+                b',' | b'[' => items += 1,
+                b'=' | b'{' => keys += 1,
+                // The dot of a number stands alone after a digit; others part the words of a key.
+                b'.' => {
+                    dots_in_word += 1;
+                    keys += usize::from(dots_in_word > 1 || !before.is_ascii_digit());
+                }
+                byte if byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b' ') => {}
+                _ => dots_in_word = 0,
+            }
+            if matches!(byte, b',' | b'[') {
+                dots_in_word = 0;
+            }
+            let in_word = byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_' | b'+' | 0x80..);
+            tokens += usize::from(!in_word && (byte != b' ' || before != b' '));
+            before = byte;
+        }
+    }
+    if items > MAX_ITEMS || tokens > MAX_TOKENS {
+        return Err(source.fault(0, "holds more than 1,000,000 points", "give fewer points"));
+    }
+    if keys > MAX_KEYS {
+        return Err(source.fault(0, "holds more than 200,000 keys", "check that this is the right file"));
+    }
+    Ok(())
+}
 
 /// Text of a document and where its lines start.
 pub struct Document<'a> {
@@ -22,9 +67,7 @@ impl<'a> Document<'a> {
     pub fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, InputError> {
         let source = Source { file };
         let text = source::text(source, bytes)?;
-        if text.bytes().filter(|b| matches!(b, b',' | b'[' | b'{' | b'=' | b'.')).count() > MAX_SEPARATORS {
-            return Err(source.fault(0, "holds more than 1,000,000 points", "give fewer points"));
-        }
+        check_weight(source, text)?;
         let newlines = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at).collect();
         Ok(Self { source, text, newlines })
     }
@@ -57,12 +100,6 @@ impl<'a> Document<'a> {
 /// Allowed values of a number.
 #[derive(Clone, Copy)]
 pub enum Range {
-    /// Any.
-    Any,
-    /// > 0.
-    Positive,
-    /// ≥ 0.
-    NotNegative,
     /// Both ends allowed.
     Between(f64, f64),
     /// Lower end not allowed, upper end allowed.
@@ -74,9 +111,6 @@ pub enum Range {
 impl Range {
     fn holds(self, x: f64) -> bool {
         match self {
-            Self::Any => true,
-            Self::Positive => x > 0.0,
-            Self::NotNegative => x >= 0.0,
             Self::Between(a, b) => a <= x && x <= b,
             Self::Above(a, b) => a < x && x <= b,
             Self::Within(a, b) => a < x && x < b,
@@ -90,9 +124,6 @@ impl Range {
 
     fn cure(self) -> String {
         match self {
-            Self::Any => "give a finite number".to_owned(),
-            Self::Positive => "give a number greater than 0".to_owned(),
-            Self::NotNegative => "give 0 or more".to_owned(),
             Self::Between(a, b) => format!("give a number from {a} to {b}"),
             Self::Above(a, b) => format!("give a number greater than {a} and at most {b}"),
             Self::Within(a, b) => format!("give a number between {a} and {b}"),
@@ -108,6 +139,9 @@ pub struct At<T> {
     /// Byte offset, for [`Document::fault`].
     pub at: usize,
 }
+
+/// Rows of `N` numbers, each with its place.
+pub type Rows<const N: usize> = Vec<At<[f64; N]>>;
 
 /// One table of a document.
 pub struct Section<'t> {
@@ -249,7 +283,7 @@ impl<'t> Section<'t> {
     }
 
     /// A list of rows of `N` numbers, if the key is there; each row with its place.
-    pub fn rows<const N: usize>(&self, key: &str) -> Result<Option<At<Vec<At<[f64; N]>>>>, InputError> {
+    pub fn rows<const N: usize>(&self, key: &str) -> Result<Option<At<Rows<N>>>, InputError> {
         let Some((list, at)) = self.list(key)? else { return Ok(None) };
         let mut rows = Vec::with_capacity(list.len());
         for item in list {
@@ -381,5 +415,14 @@ mod tests {
         assert_eq!(root.check_keys(&["a", "b"]).unwrap_err().line, 6);
         let deep = "[".repeat(200_000);
         assert!(Document::new("f", format!("a = {deep}").as_bytes()).unwrap().parse().is_err());
+    }
+
+    #[test]
+    fn trees_too_large_to_build_are_refused() {
+        for (piece, times) in [("[1],", 3_000_000), ("a.b.c=1\n", 70_000), ("# \n", 6_000_000)] {
+            let text = piece.repeat(times);
+            let error = Document::new("f", text.as_bytes()).err().expect(piece);
+            assert!(error.what.contains("more than"), "{error}");
+        }
     }
 }

@@ -17,6 +17,10 @@ use super::{ClProgram, ClTool, ClWarning, MAX_WARNINGS, Motion, Move};
 use crate::geometry::{Point, Vector};
 
 const MM_PER_INCH: f64 = 25.4;
+/// Words of a list that are looked at: more than any statement here needs.
+const MAX_WORDS: usize = 64;
+/// Most tools of a program.
+const MAX_TOOLS: usize = 1_000;
 
 /// Reads a CL program from a file. Fails on damaged numbers and on a program without moves; what
 /// is only odd stands in [`ClProgram::warnings`].
@@ -143,7 +147,7 @@ impl<'a> Reader<'a> {
         let width = words.next().and_then(|token| source::number(token).ok()).filter(|width| *width > 0.0);
         match number.zip(width) {
             // The list stays as short as the list of tools.
-            Some((number, width)) if self.insert_widths.len() < MAX_WARNINGS * 10 => {
+            Some((number, width)) if self.insert_widths.len() < MAX_TOOLS => {
                 self.insert_widths.push((number, width * self.unit));
                 let here = self.tool.and_then(|index| self.program.tools.get_mut(index));
                 if let Some(tool) = here.filter(|tool| tool.number == number) {
@@ -161,10 +165,14 @@ impl<'a> Reader<'a> {
         let words: Vec<String> = match word.as_str() {
             "GOTO" | "GOHOME" | "GODLTA" | "FROM" | "FEDRAT" | "SPINDL" | "LOADTL" | "LOAD" | "SELECT"
             | "CUTTER" | "TLDATA" | "UNITS" => {
-                list.split(',').map(|w| w.trim().to_ascii_uppercase()).collect()
+                list.split(',').take(MAX_WORDS).map(|w| w.trim().to_ascii_uppercase()).collect()
             }
             _ => Vec::new(),
         };
+        if self.program.tools.len() > MAX_TOOLS {
+            let what = format!("the program loads more than {MAX_TOOLS} tools");
+            return Err(self.source.fault(line, what, "check that this is the right file"));
+        }
         match word.as_str() {
             "FINI" => return Ok(true),
             "RAPID" => self.rapid = true,

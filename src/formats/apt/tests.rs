@@ -175,6 +175,7 @@ fn faults_and_warnings() {
     ] {
         assert!(fault(text).contains(words), "{text:?}: {}", fault(text));
     }
+    assert!(fault(&"LOADTL/1\n".repeat(2000)).contains("more than 1000 tools"));
     let p = read("FEDRAT/0\nCIRCLE/0,0,0,1\nGOTO/1,2,3,\n");
     let lines: Vec<_> = p.warnings.iter().map(|w| w.line).collect();
     assert_eq!(lines, [1, 2, 3], "{:?}", p.warnings);
