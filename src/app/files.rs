@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::formats::InputError;
+use crate::formats::apt::{ClProgram, write_apt};
 use crate::formats::part_file::{read_part, read_part_bytes};
 use crate::formats::setup_file::write_setup;
 use crate::formats::write::write_whole;
@@ -11,7 +12,7 @@ use crate::gpu::encode_png;
 use crate::part::{Impeller, Setup};
 
 use super::engine::{PartSource, Sample};
-use super::planned::Planned;
+use super::planned::{Planned, Side};
 
 /// Name, what it shows, and text of a sample part.
 type Built = (&'static str, &'static str, &'static str);
@@ -99,6 +100,5 @@ pub fn write(task: &WriteTask) -> Result<String, InputError> {
 }
 
 fn cl_text(planned: &Planned) -> String {
-    let _ = planned;
-    String::new()
+    write_apt(&ClProgram::of_plan(&planned.outcome.part.name, planned.plan(Side::After)))
 }

@@ -337,7 +337,8 @@ impl eframe::App for App {
             Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0).show(ui, |ui| {
                 ui.add_space(4.0);
                 if let Some(k) = self.state.selected {
-                    Panel::bottom("selected position").resizable(false).show(ui, |ui| {
+                    let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(0, 2));
+                    Panel::bottom("selected position").resizable(false).frame(frame).show(ui, |ui| {
                         panels::positions::details(ui, &self.state, k);
                     });
                 }

@@ -173,8 +173,8 @@ impl App {
         }
     }
 
-    /// Goes on once a file was chosen.
-    pub(super) fn file_chosen(&mut self, purpose: Purpose, path: PathBuf) {
+    /// Goes on once a file was chosen: reads or writes it in the background.
+    pub fn file_chosen(&mut self, purpose: Purpose, path: PathBuf) {
         match purpose {
             Purpose::OpenPart => self.open_part(PartSource::File(path)),
             Purpose::OpenSetup => self.open_files(None, Some(path)),

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use harness::{settle, snapshot_ui, snapshot_view, window, with_sample};
+use vanecut::app::dialogs::Purpose;
 use vanecut::app::planned::Side;
 use vanecut::app::state::Tone;
 
@@ -188,4 +189,78 @@ fn a_bad_file_is_named_and_the_open_part_stays() {
     assert_eq!(notice.tone, Tone::Fault);
     assert!(notice.text.contains("no/such/wheel.toml"), "{notice:?}");
     assert!(state.part.is_some(), "what was open stays");
+}
+
+#[test]
+fn a_click_on_a_cutter_selects_its_position() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    let rect = window.get_by_label("3D view").rect();
+    let camera = window.state().camera().expect("a camera");
+    let plan = window.state().state().planned.as_ref().expect("planned").plan(Side::After);
+    // Half a radius up the axis of a cutter in the middle of the row: inside its body.
+    let inside = plan.positions[8].tip + plan.positions[8].axis * 7.5;
+    let point = glam::vec3(inside.x as f32, inside.y as f32, inside.z as f32);
+    let pixel = camera.project(point, glam::vec2(rect.width(), rect.height())).expect("in front");
+    let at = rect.min + egui::vec2(pixel.x, pixel.y);
+    window.hover_at(at);
+    for pressed in [true, false] {
+        let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+        window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+    }
+    window.run_steps(3);
+    let selected = window.state().state().selected.expect("a cutter is there");
+    assert!((6..=11).contains(&selected), "the cutter under the cursor or one in front of it: {selected}");
+}
+
+#[test]
+fn fields_take_arithmetic_and_edits_can_be_undone() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.run_steps(6);
+    window.get_by_role_and_label(Role::SpinButton, "Step").click();
+    window.run_steps(2);
+    window.event(egui::Event::Text("30/4 mm".to_owned()));
+    window.run_steps(1);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(8);
+    assert_eq!(window.state().state().setup.plunge.step, Some(7.5), "30/4");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(2);
+    assert_eq!(window.state().state().setup.plunge.step, None, "undone");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Y);
+    window.run_steps(2);
+    assert_eq!(window.state().state().setup.plunge.step, Some(7.5), "done again");
+}
+
+#[test]
+fn setup_cl_file_and_picture_are_written() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
+    window.run_steps(2);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for (purpose, name) in
+        [(Purpose::SaveSetup, "s.toml"), (Purpose::ExportCl, "p.apt"), (Purpose::SavePicture, "v.png")]
+    {
+        window.state_mut().file_chosen(purpose, path(name));
+        settle(&mut window);
+        let notice = window.state().state().notice.clone().expect("a word about it");
+        assert_eq!(notice.tone, Tone::Done, "{notice:?}");
+    }
+    let setup = vanecut::formats::setup_file::read_setup(&path("s.toml")).expect("a setup");
+    assert_eq!(setup.plunge.step, Some(6.0), "the setup as it was edited");
+    let program = vanecut::formats::read_apt(&path("p.apt")).expect("a CL file");
+    let positions =
+        window.state().state().planned.as_ref().expect("planned").plan(Side::After).positions.len();
+    assert_eq!(program.moves.len(), 3 * positions, "down and back per position");
+    let picture = std::fs::read(path("v.png")).expect("a picture");
+    assert!(picture.starts_with(b"\x89PNG"), "a PNG");
+    window.state_mut().file_chosen(Purpose::ExportCl, path("no/such/folder/p.apt"));
+    settle(&mut window);
+    let notice = window.state().state().notice.clone().expect("a word about it");
+    assert_eq!(notice.tone, Tone::Fault, "what cannot be written is said");
 }

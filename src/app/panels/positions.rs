@@ -68,7 +68,8 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
         .column(Column::exact(30.0))
         .column(Column::exact(46.0))
         .column(Column::exact(50.0))
-        .column(Column::remainder().at_least(38.0));
+        .column(Column::exact(44.0))
+        .column(Column::remainder());
     if std::mem::take(&mut state.reveal_selection)
         && let Some(row) = state.selected.and_then(|k| rows.iter().position(|&r| r == k))
     {
@@ -82,6 +83,7 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
         ("α °", "Angle between hub normal and axis, positive towards the inlet"),
         ("Contact", "How far above its final bottom the core meets stock, mm"),
         ("Hub", "Mean stock left on the hub under the cutter, mm"),
+        ("", ""),
     ];
     let mut clicked = None;
     builder
@@ -124,6 +126,8 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
                         RichText::new(if stock.is_finite() { format!("{stock:.2}") } else { "-".into() }),
                     );
                 });
+                // Room for the scroll bar.
+                row.col(|_| ());
                 let name = format!("Position {}", k + 1);
                 let response = row.response();
                 response.widget_info(|| {

@@ -22,6 +22,11 @@ pub fn show(ui: &mut Ui, state: &State) {
             RichText::new(format!("{} blocked", after.blocked)).color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("Positions that could not get the axis the policy asks for");
     }
+    let dropped = planned.plan(Side::After).dropped.len();
+    if dropped > 0 {
+        let text = RichText::new(format!("{dropped} left out")).color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text("Positions for which no place clears the blades");
+    }
     ui.separator();
     figure(
         ui,
