@@ -249,7 +249,7 @@ fn cutter_vertex(in: CutterIn) -> CutterOut {
 @fragment
 fn cutter_fragment(in: CutterOut) -> @location(0) vec4f {
     let v = to_viewer(in.world);
-    let shade = 0.25 + 0.80 * light(facing(in.normal, v), v, 1.0);
+    let shade = min(0.25 + 0.80 * light(facing(in.normal, v), v, 1.0), 1.0);
     return vec4f(frame.states[in.state].rgb * shade, 1.0);
 }
 

@@ -140,8 +140,8 @@ impl CutterChoice {
             // Not by colour alone: the faulty ones also stand out in length.
             let stretch = match instance.state {
                 0 => 1.0,
-                1 => 1.6,
-                _ => 2.6,
+                1 => 1.5,
+                _ => 2.0,
             };
             instance.height = instance.height.min(2.0 * instance.radius * self.stub * stretch);
         }
@@ -164,7 +164,7 @@ fn across(axis: Vec3) -> (Vec3, Vec3) {
     axis.any_orthonormal_pair()
 }
 
-/// Rims of a drawn cutter: the bottom edge, the core's edge, and the upper end where it is `whole`.
+/// Rims of a drawn cutter: the bottom edge, the core's upper edge, and the upper end where it is `whole`.
 pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec<Segment>) {
     let tip = Vec3::from_array(instance.tip);
     let axis = Vec3::from_array(instance.axis);
@@ -185,6 +185,8 @@ pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec
         _ => 1.6,
     };
     circle(instance.radius, instance.corner_radius.min(instance.height), width);
+    // In a real plan cores overlap: their upper rims keep them apart.
+    circle(instance.core_radius, instance.height, 1.2);
     if whole {
         circle(instance.radius, instance.height, width * 0.7);
     }

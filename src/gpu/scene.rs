@@ -82,7 +82,7 @@ impl Default for SceneOptions {
             theme: Theme::Light,
             at: None,
             selected: None,
-            cutter_stub: 0.4,
+            cutter_stub: 0.15,
             pixel_scale: 1.0,
         }
     }
@@ -270,8 +270,8 @@ impl Scene {
         });
     }
 
-    /// Shows stock on the floor: `heights` per cell of `grid`; with a plan also the contact of its
-    /// cores. Heights that do not fit the grid show no floor colours.
+    /// Shows stock on the floor: `heights` per cell of `grid`; with a plan also the contact of all
+    /// its cores, whatever [`SceneOptions::at`] says. Heights that do not fit the grid show no floor colours.
     pub fn set_floor(&mut self, gpu: &Gpu, floor: Option<(&FloorGrid, &[f32])>, plan: Option<&PlungePlan>) {
         self.floor = floor.and_then(|(grid, heights)| {
             let mesh = floor::floor_mesh(grid, heights)?;

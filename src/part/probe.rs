@@ -54,15 +54,24 @@ impl SideProbe {
 
     /// Nearest distance from `cutter` to the side over v in [`v_from`, `v_to`].
     pub fn nearest(&self, cutter: &CutterSolid, v_from: f64, v_to: f64) -> Nearest {
-        self.nearest_by(|p| cutter.distance(p), v_from, v_to)
+        // Walls start below the bottom: where they pass its height the distance has a kink.
+        let bottom = cutter.tip + cutter.axis * cutter.corner_radius;
+        self.nearest_by(|p| cutter.distance(p), |p| (p - bottom).dot(&cutter.axis), v_from, v_to)
     }
 
     /// Nearest distance from `point` to the whole side.
     pub fn nearest_to_point(&self, point: &Point) -> Nearest {
-        self.nearest_by(|p| (p - point).norm(), 0.0, 1.0)
+        self.nearest_by(|p| (p - point).norm(), |_| 1.0, 0.0, 1.0)
     }
 
-    fn nearest_by(&self, distance: impl Fn(&Point) -> f64, v_from: f64, v_to: f64) -> Nearest {
+    /// The least `distance` over the side. Where `height` changes its sign the distance may have a kink.
+    fn nearest_by(
+        &self,
+        distance: impl Fn(&Point) -> f64,
+        height: impl Fn(&Point) -> f64,
+        v_from: f64,
+        v_to: f64,
+    ) -> Nearest {
         // Best grid value per line of v, then the lines that can hold the minimum are refined.
         let n = self.u.len();
         let mut lines = [(f64::INFINITY, 0usize); V_LINES];
@@ -70,22 +79,17 @@ impl SideProbe {
             if self.v[j] < v_from - 1e-9 || self.v[j] > v_to + 1e-9 {
                 continue;
             }
-            let mut values = [0.0f64; 64];
             for i in 0..n {
-                values[i] = distance(&self.points[j * n + i]);
-                if values[i] < line.0 {
-                    *line = (values[i], i);
+                let value = distance(&self.points[j * n + i]);
+                if value < line.0 {
+                    *line = (value, i);
                 }
             }
-            // A parabola through the neighbours tells how much lower the line really goes.
+            // The grid is coarse: how low the line really goes takes a short search.
             let i = line.1;
-            if i > 0 && i + 1 < n {
-                let (a, b, c) = (values[i - 1], values[i], values[i + 1]);
-                let bend = a - 2.0 * b + c;
-                if bend > 0.0 {
-                    line.0 -= (c - a).powi(2) / (8.0 * bend);
-                }
-            }
+            let (low, high) = (self.u[i.saturating_sub(1)], self.u[(i + 1).min(n - 1)]);
+            let along = |u: f64| distance(&self.side.point(u, self.v[j]));
+            line.0 = line.0.min(search::minimum(along, low, high, 0.01 * (high - low)).1);
         }
         let best = lines.iter().map(|l| l.0).fold(f64::INFINITY, f64::min);
         let mut nearest = Nearest { distance: f64::INFINITY, u: 0.0, v: 0.0, point: Point::origin() };
@@ -112,8 +116,19 @@ impl SideProbe {
             (u_low, u_high) = ((u_low - drift).max(self.u[0]), (u_high + drift).min(self.u[n - 1]));
             let on_line =
                 |v: f64| search::minimum(|u| distance(&self.side.point(u, v)), u_low, u_high, TOLERANCE);
+            // Split at a kink: below it the side mostly recedes, above it the search is smooth.
+            let lowest = low;
+            let mut low = low;
+            let (u_at_low, u_at_high) = (on_line(low).0, on_line(high).0);
+            let above = |v: f64| {
+                let share = (v - lowest) / (high - lowest);
+                height(&self.side.point(u_at_low + share * (u_at_high - u_at_low), v))
+            };
+            if above(low) < 0.0 && above(high) > 0.0 {
+                low = search::root(above, low, high, 1e-9);
+            }
             let (v, _) = search::minimum(|v| on_line(v).1, low, high, 1e-4);
-            for v in [v, low, high] {
+            for v in [v, low, high, lowest] {
                 let (u, d) = on_line(v);
                 if d < nearest.distance {
                     nearest = Nearest { distance: d, u, v, point: Point::origin() };

@@ -108,14 +108,14 @@ impl BladeSide {
         Self::loft(&u, &self.stations, &sections)
     }
 
-    /// The side without its rounded nose: from where its direction has come within 25° of the
-    /// direction at 12 % of the chord, running on straight upstream of there.
+    /// The side without its rounded nose: from where its direction has come within 10° of the
+    /// direction at 8 % of the chord, running on straight upstream of there.
     pub fn flank(&self) -> Self {
-        const SETTLED_U: f64 = 0.12;
+        const SETTLED_U: f64 = 0.08;
         let bent = |u: f64, v: f64| {
             let (_, here, _) = self.derivatives(u, v);
             let (_, settled, _) = self.derivatives(SETTLED_U, v);
-            here.angle(&settled) > 25f64.to_radians()
+            here.angle(&settled) > 10f64.to_radians()
         };
         let steps = 60;
         let start = (0..=steps)

@@ -2,8 +2,8 @@
 //!
 //! A wall axis starts as the offset of the wall's ruling by R + allowance (paper C, fig. 5 to 7); that plain
 //! offset gouges where rulings twist. It is corrected against the true surface until the cutter
-//! rests on the wall in its lower and in its upper half, allowance apart (a two-point fit), and
-//! never nearer than the allowance anywhere.
+//! is equally far from the wall near its root and near its tip and its nearest place anywhere is at the
+//! allowance: a fit that is unique whether the wall bulges towards the cutter or away from it.
 
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::part::{Impeller, Passage, SideProbe, Tool};
@@ -106,11 +106,11 @@ impl<'a> Lane<'a> {
             None => plain,
         };
         let probe = &self.probes[wall];
-        for _ in 0..8 {
+        for _ in 0..10 {
             let cutter = self.cutter(&ends);
             let (m, w) = (self.hub_point(&ends), self.shroud_point(&ends));
             let height = (w - m).norm();
-            // One row per half of the wall: how its clearance answers to turning M and W.
+            // One row per third of the wall: how its clearance answers to turning M and W.
             let row = |v_from: f64, v_to: f64| {
                 let near = probe.nearest(&cutter, v_from, v_to);
                 let d = near.point - m;
@@ -122,27 +122,24 @@ impl<'a> Lane<'a> {
                 let by_w = share * away.dot(&Vector::new(-w.y, w.x, 0.0));
                 (by_m, by_w, near.distance - self.blade_allowance)
             };
-            let (low, high) = (row(0.0, 0.5), row(0.5, 1.0));
-            if low.2.abs().max(high.2.abs()) < FIT_TOLERANCE {
+            let (low, middle, high) = (row(0.0, 0.33), row(0.33, 0.67), row(0.67, 1.0));
+            let nearest = [low, middle, high].into_iter().min_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or(low);
+            if nearest.2.abs().max((low.2 - high.2).abs()) < FIT_TOLERANCE {
                 break;
             }
-            // Least squares with a little damping: both halves may rest at the same height.
-            let damping = 1e-4 * (m.x.hypot(m.y)).powi(2);
-            let (a11, a12, a22) = (
-                low.0 * low.0 + high.0 * high.0 + damping,
-                low.0 * low.1 + high.0 * high.1,
-                low.1 * low.1 + high.1 * high.1 + damping,
-            );
-            let (b1, b2) = (-(low.0 * low.2 + high.0 * high.2), -(low.1 * low.2 + high.1 * high.2));
-            let determinant = a11 * a22 - a12 * a12;
+            // Root and tip equally far off, the nearest place at the allowance.
+            let (a11, a12, b1) = (low.0 - high.0, low.1 - high.1, high.2 - low.2);
+            let (a21, a22, b2) = (nearest.0, nearest.1, -nearest.2);
+            let determinant = a11 * a22 - a12 * a21;
             let limit = 0.5 * self.radius / m.x.hypot(m.y).max(1e-6);
             let dm = ((b1 * a22 - b2 * a12) / determinant).clamp(-limit, limit);
-            let dw = ((a11 * b2 - a12 * b1) / determinant).clamp(-limit, limit);
+            let dw = ((a11 * b2 - a21 * b1) / determinant).clamp(-limit, limit);
             if !(dm.is_finite() && dw.is_finite()) {
                 return None;
             }
             ends.theta_hub += dm;
             ends.theta_shroud += dw;
+            // Several fits may exist on a twisted wall: stay on the branch of the ruling.
             let lean_limit = LEAN_LIMIT_RAD.tan() * height / w.x.hypot(w.y).max(1e-6);
             let lean = ends.theta_shroud - ends.theta_hub;
             ends.theta_shroud = ends.theta_hub + lean.clamp(plain_lean - lean_limit, plain_lean + lean_limit);
