@@ -150,6 +150,8 @@ impl App {
     fn left_panel(&mut self, ui: &mut Ui) {
         ui.add_space(4.0);
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            // The scroll bar floats; nothing should lie under it.
+            ui.set_max_width(ui.available_width() - 8.0);
             let name = self.state.part.as_ref().map_or("Part", |part| part.impeller.name.as_str()).to_owned();
             ui.label(egui::RichText::new(name).strong());
             match panels::part::show(ui, &self.state, &self.engine.samples) {
@@ -222,6 +224,9 @@ impl App {
             self.show_side(side);
         }
         view3d::layers(ui, rect, &mut self.state.layers);
+        if let Some(command) = view3d::view_buttons(ui, rect) {
+            self.obey(ui.ctx(), command);
+        }
     }
 
     /// Value under the cursor; asked for again only when the cursor moved.
@@ -250,9 +255,13 @@ impl App {
 
     fn note_first_picture(&mut self) {
         if let (Some(start), None) = (self.start, self.first_picture) {
+            let told = std::env::var_os("VANECUT_TIMES").is_some();
+            if let Some(picture) = self.picture.as_ref().filter(|_| told) {
+                picture.wait();
+            }
             let took = start.elapsed();
             self.first_picture = Some(took);
-            if std::env::var_os("VANECUT_TIMES").is_some() {
+            if told {
                 eprintln!("vanecut: first picture after {:.0} ms", 1e3 * took.as_secs_f64());
             }
         }

@@ -131,6 +131,12 @@ impl Picture {
         self.drawn.is_some_and(|look| look.samples < 4)
     }
 
+    /// Waits until the device has drawn what it was given; for measuring only.
+    pub fn wait(&self) {
+        // A device that fails says so in its errors; there is nothing to measure then.
+        let _ = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+    }
+
     /// The picture as it was last shown: width, height, RGBA.
     ///
     /// # Errors

@@ -19,6 +19,11 @@ pub enum AppError {
         "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)"
     )]
     NoDisplay,
+    /// There should be a display, but it does not answer.
+    #[error(
+        "the display {0} cannot be opened; check DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)"
+    )]
+    DeadDisplay(String),
     /// No usable Vulkan driver.
     #[error(
         "Vulkan does not start ({0}); install a driver (on Debian: apt install libvulkan1 mesa-vulkan-drivers)"
@@ -56,14 +61,20 @@ pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
     });
     eframe::run_native("Vanecut", options, create).map_err(|error| match error {
         eframe::Error::Wgpu(error) => AppError::NoVulkan(error.to_string()),
+        eframe::Error::WinitEventLoop(_) => AppError::DeadDisplay(display()),
         error => AppError::Window(error.to_string()),
     })
 }
 
 fn has_display() -> bool {
-    ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
-        .iter()
-        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
+    !display().is_empty()
+}
+
+/// What the environment names as display; empty when it names none.
+fn display() -> String {
+    let named = ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].iter().filter_map(std::env::var_os);
+    let named: Vec<String> = named.map(|value| value.to_string_lossy().into_owned()).collect();
+    named.into_iter().find(|value| !value.is_empty()).unwrap_or_default()
 }
 
 /// Vulkan only: without a Vulkan driver eframe would silently take OpenGL, which draws other pixels

@@ -226,6 +226,26 @@ pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
     });
 }
 
+/// The views that are wanted most, in the lower right corner of the view.
+pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
+    let mut chosen = None;
+    let size = egui::vec2(66.0, 54.0);
+    let at = Rect::from_min_size(rect.right_bottom() - size - egui::vec2(10.0, 10.0), size);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(at), |ui| {
+        let fill = theme::overlay(ui.visuals());
+        egui::Frame::new().fill(fill).inner_margin(4).corner_radius(4).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 2.0;
+            for (name, command) in [("Wheel", Command::ViewIso), ("Channel", Command::ViewChannel)] {
+                let button = egui::Button::new(name).min_size(egui::vec2(58.0, 22.0));
+                if ui.add(button).on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+                    chosen = Some(command);
+                }
+            }
+        });
+    });
+    chosen
+}
+
 /// Legend at the lower left: the colour bar with its range in mm, and the value under the cursor.
 pub fn legend(ui: &Ui, rect: Rect, state: &State, under_cursor: Option<f32>) {
     let Some(planned) = &state.planned else { return };
@@ -233,7 +253,8 @@ pub fn legend(ui: &Ui, rect: Rect, state: &State, under_cursor: Option<f32>) {
         return;
     }
     let (low, high) = planned.range;
-    let width = (rect.width() - 40.0).clamp(60.0, 220.0);
+    // The buttons of the views stand to the right.
+    let width = (rect.width() - 120.0).clamp(60.0, 220.0);
     let value = under_cursor.map(|stock| format!("{stock:.2} mm here"));
     let frame =
         Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 58.0), egui::vec2(width + 20.0, 48.0));
@@ -260,7 +281,7 @@ pub fn legend(ui: &Ui, rect: Rect, state: &State, under_cursor: Option<f32>) {
     let ticks = [(0.0, Align2::LEFT_TOP), (0.5, Align2::CENTER_TOP), (1.0, Align2::RIGHT_TOP)];
     for (fraction, align) in ticks {
         let value = egui::lerp(low..=high, fraction);
-        let more = if fraction == 1.0 { " mm and more" } else { "" };
+        let more = if fraction == 1.0 { " mm +" } else { "" };
         let at = egui::pos2(egui::lerp(bar.left()..=bar.right(), fraction), below);
         painter.text(at, align, format!("{value:.2}{more}"), FontId::proportional(11.0), text);
     }

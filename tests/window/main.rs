@@ -264,3 +264,17 @@ fn setup_cl_file_and_picture_are_written() {
     let notice = window.state().state().notice.clone().expect("a word about it");
     assert_eq!(notice.tone, Tone::Fault, "what cannot be written is said");
 }
+
+#[test]
+fn the_light_theme_says_the_same() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("View").click();
+    window.run_steps(2);
+    window.get_by_label("Switch light and dark").click();
+    window.run_steps(2);
+    window.key_press(egui::Key::Num4);
+    window.key_press(egui::Key::B);
+    window.run_steps(4);
+    snapshot_view(&mut window, "light");
+}
