@@ -75,7 +75,7 @@ pub enum WriteTask {
     /// The setup.
     Setup(PathBuf, Box<Setup>),
     /// The plan's "after" side as APT.
-    Cl(PathBuf, Box<Planned>),
+    Cl(PathBuf, Arc<Planned>),
     /// A picture: width, height, RGBA.
     Picture(PathBuf, u32, u32, Vec<u8>),
 }

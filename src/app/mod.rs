@@ -270,7 +270,7 @@ impl App {
     fn show_side(&mut self, side: planned::Side) {
         self.state.show(side);
         if let Some(picture) = &mut self.picture {
-            picture.set_plan(self.state.planned.as_ref().map(|planned| (planned, side)));
+            picture.set_plan(self.state.planned.as_deref().map(|planned| (planned, side)));
         }
         self.hover = None;
     }

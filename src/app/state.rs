@@ -103,7 +103,7 @@ pub struct State {
     /// File the setup was read from or written to.
     pub setup_path: Option<PathBuf>,
     /// Latest good plan of the part.
-    pub planned: Option<Planned>,
+    pub planned: Option<Arc<Planned>>,
     /// Side that is shown.
     pub side: Side,
     /// Selected position of the shown side, in cutting order.
@@ -138,7 +138,7 @@ impl State {
 
     /// Takes a plan in. The selection stays where the new plan still has that position.
     pub fn take_plan(&mut self, planned: Planned) {
-        self.planned = Some(planned);
+        self.planned = Some(Arc::new(planned));
         self.selected = self.selected.filter(|&k| k < self.position_count());
         self.notice = None;
     }

@@ -199,7 +199,7 @@ const FLOORS: [(FloorColours, &str); 3] = [
 /// Menu of layers, in the upper right corner of the view.
 pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
     let at = Rect::from_min_max(
-        rect.right_top() + egui::vec2(-84.0, 10.0),
+        rect.right_top() + egui::vec2(-68.0, 10.0),
         rect.right_top() + egui::vec2(-10.0, 40.0),
     );
     ui.scope_builder(egui::UiBuilder::new().max_rect(at), |ui| {

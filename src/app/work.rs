@@ -181,7 +181,7 @@ impl App {
             Purpose::SaveSetup => self.write(WriteTask::Setup(path, Box::new(self.state.setup.clone()))),
             Purpose::ExportCl => {
                 if let Some(planned) = self.state.planned.clone() {
-                    self.write(WriteTask::Cl(path, Box::new(planned)));
+                    self.write(WriteTask::Cl(path, planned));
                 }
             }
             Purpose::SavePicture => match self.picture.as_ref().map(|picture| picture.read()) {
