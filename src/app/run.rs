@@ -47,7 +47,7 @@ pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
         .with_app_id("vanecut")
         .with_title("Vanecut")
         .with_inner_size([1280.0, 800.0])
-        .with_min_inner_size([760.0, 480.0]);
+        .with_min_inner_size([800.0, 500.0]);
     let wgpu_options =
         WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(wgpu_setup()), ..Default::default() };
     let options = eframe::NativeOptions { viewport, wgpu_options, ..Default::default() };

@@ -164,7 +164,9 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, state: &State) -> Option<Side> {
                         chosen = Some(side);
                     }
                 }
+                // In a narrow view the menu of layers needs the place.
                 let policy = state.planned.as_ref().map(|p| p.plan(state.side).policy);
+                let policy = policy.filter(|_| rect.width() > 300.0);
                 if let Some(policy) = policy {
                     let name = super::panels::setup::policy_label(policy).to_lowercase();
                     ui.label(egui::RichText::new(name).weak());
@@ -255,7 +257,7 @@ pub fn legend(ui: &Ui, rect: Rect, state: &State, under_cursor: Option<f32>) {
     let (low, high) = planned.range;
     // The buttons of the views stand to the right.
     let width = (rect.width() - 120.0).clamp(60.0, 220.0);
-    let value = under_cursor.map(|stock| format!("{stock:.2} mm here"));
+    let value = under_cursor.filter(|_| width > 170.0).map(|stock| format!("{stock:.2} mm here"));
     let frame =
         Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 58.0), egui::vec2(width + 20.0, 48.0));
     let painter = ui.painter_at(rect);
@@ -280,8 +282,11 @@ pub fn legend(ui: &Ui, rect: Rect, state: &State, under_cursor: Option<f32>) {
     let below = bar.bottom() + 2.0;
     let ticks = [(0.0, Align2::LEFT_TOP), (0.5, Align2::CENTER_TOP), (1.0, Align2::RIGHT_TOP)];
     for (fraction, align) in ticks {
+        if fraction == 0.5 && width < 170.0 {
+            continue;
+        }
         let value = egui::lerp(low..=high, fraction);
-        let more = if fraction == 1.0 { " mm +" } else { "" };
+        let more = if fraction == 1.0 { "+ mm" } else { "" };
         let at = egui::pos2(egui::lerp(bar.left()..=bar.right(), fraction), below);
         painter.text(at, align, format!("{value:.2}{more}"), FontId::proportional(11.0), text);
     }

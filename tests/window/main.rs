@@ -2,6 +2,7 @@
 
 mod fake;
 mod harness;
+mod real;
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -277,4 +278,13 @@ fn the_light_theme_says_the_same() {
     window.key_press(egui::Key::B);
     window.run_steps(4);
     snapshot_view(&mut window, "light");
+}
+
+#[test]
+fn the_smallest_window_still_shows_everything() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(800.0, 500.0));
+    window.run_steps(4);
+    snapshot_view(&mut window, "smallest");
 }
