@@ -28,7 +28,8 @@ impl CutterSolid {
         let sharp = if outside_radial <= 0.0 && below <= 0.0 {
             outside_radial.max(below)
         } else {
-            outside_radial.max(0.0).hypot(below.max(0.0))
+            let (x, y) = (outside_radial.max(0.0), below.max(0.0));
+            (x * x + y * y).sqrt()
         };
         sharp - c
     }

@@ -1,8 +1,7 @@
 //! Meridional curves by arc length: the generators of hub, shroud and their offsets.
 
-use super::Meridional;
 use super::cubic::{Cubic, chord_lengths};
-use super::search;
+use super::{Meridional, norm2, search};
 
 /// A C2 curve in the meridional plane, parametrised by its arc length t in mm from its start, with
 /// a side that counts as outside. Straight beyond its ends.
@@ -132,7 +131,7 @@ impl MeridionalCurve {
     #[inline]
     pub fn at(&self, t: f64) -> CurvePoint {
         let (p, d1, d2) = self.raw(t);
-        let speed = d1[0].hypot(d1[1]);
+        let speed = norm2(d1[0], d1[1]);
         let tangent = Meridional { r: d1[0] / speed, z: d1[1] / speed };
         let normal = Meridional { r: -self.side * tangent.z, z: self.side * tangent.r };
         let curvature = (d2[0] * normal.r + d2[1] * normal.z) / (speed * speed);
@@ -185,7 +184,7 @@ impl MeridionalCurve {
         }
         let here = self.at(t);
         let (dr, dz) = (to.r - here.point.r, to.z - here.point.z);
-        let distance = dr.hypot(dz);
+        let distance = norm2(dr, dz);
         (t, distance.copysign(dr * here.normal.r + dz * here.normal.z))
     }
 
@@ -213,7 +212,7 @@ impl MeridionalCurve {
 
 fn speed(curve: &Cubic<2>, t: f64) -> f64 {
     let (_, d, _) = curve.derivatives(t);
-    d[0].hypot(d[1])
+    norm2(d[0], d[1])
 }
 
 /// Arc length between two parameters by five-point Gauss quadrature.

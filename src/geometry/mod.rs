@@ -26,7 +26,7 @@ pub struct Meridional {
 impl Meridional {
     /// The point `point` turned into the meridional plane.
     pub fn of(point: &Point) -> Self {
-        Self { r: point.x.hypot(point.y), z: point.z }
+        Self { r: norm2(point.x, point.y), z: point.z }
     }
 
     /// This point at angle `theta` about the rotation axis.
@@ -43,13 +43,20 @@ impl Meridional {
 
     /// Distance to `other`, mm.
     pub fn distance(self, other: Self) -> f64 {
-        (self.r - other.r).hypot(self.z - other.z)
+        norm2(self.r - other.r, self.z - other.z)
     }
 
     /// `self + (other − self) · fraction`.
     pub fn lerp(self, other: Self, fraction: f64) -> Self {
         Self { r: self.r + (other.r - self.r) * fraction, z: self.z + (other.z - self.z) * fraction }
     }
+}
+
+/// √(x² + y²). Millimetres neither overflow nor vanish when squared, and `f64::hypot`, which guards against
+/// that, costs ten times as much in the hot loops.
+#[inline]
+pub fn norm2(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// `point` turned about the rotation axis by `angle` (rad).

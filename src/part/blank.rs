@@ -1,7 +1,7 @@
 //! The blank: the turned body between hub and shroud, from the line of leading edges to the rim.
 
 use super::impeller::Impeller;
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2};
 
 /// A turned blank. Its outline runs along the hub, up the rim (a straight line between the trailing
 /// edges), back along the shroud, and down the line of leading edges.
@@ -11,6 +11,9 @@ pub struct Blank {
     pub hub: MeridionalCurve,
     /// Shroud over the same stretch; normal out of the blank.
     pub shroud: MeridionalCurve,
+    /// Leading-edge line and rim line, hub to shroud, and the signs that make their inside positive.
+    ends: [(Meridional, Meridional); 2],
+    end_signs: [f64; 2],
     r_max: f64,
     z_range: (f64, f64),
 }
@@ -32,20 +35,18 @@ impl Blank {
                 z_range = (z_range.0.min(p.z), z_range.1.max(p.z));
             }
         }
-        Self { hub, shroud, r_max: r_max + 0.1, z_range: (z_range.0 - 0.1, z_range.1 + 0.1) }
-    }
-
-    fn lines(&self) -> [(Meridional, Meridional); 2] {
-        [
-            (self.hub.point(0.0), self.shroud.point(0.0)),
-            (self.hub.point(self.hub.length()), self.shroud.point(self.shroud.length())),
-        ]
+        let ends =
+            [(hub.point(0.0), shroud.point(0.0)), (hub.point(hub.length()), shroud.point(shroud.length()))];
+        let inside = hub.point(0.5 * hub.length()).lerp(shroud.point(0.5 * shroud.length()), 0.5);
+        let end_signs =
+            ends.map(|(a, b)| ((inside.r - a.r) * (b.z - a.z) - (inside.z - a.z) * (b.r - a.r)).signum());
+        Self { hub, shroud, ends, end_signs, r_max: r_max + 0.1, z_range: (z_range.0 - 0.1, z_range.1 + 0.1) }
     }
 
     /// Points along the leading-edge line and the rim line: circles a cutter above the blank meets.
     pub fn end_circles(&self) -> Vec<Meridional> {
         let steps = 6;
-        self.lines()
+        self.ends
             .iter()
             .flat_map(|&(a, b)| (0..=steps).map(move |i| a.lerp(b, f64::from(i) / f64::from(steps))))
             .collect()
@@ -59,6 +60,26 @@ impl Blank {
 
     /// As [`Self::depth`], with arc lengths on hub and shroud carried from call to call.
     pub fn depth_near(&self, point: Meridional, warm: &mut Option<(f64, f64)>) -> f64 {
+        // Beyond the straight ends and the outer cylinder nothing needs projecting.
+        let ends = self.ends_depth(point);
+        if ends < 0.0 {
+            return ends;
+        }
+        let (hub, shroud) = self.heights(point, warm);
+        hub.min(-shroud).min(ends)
+    }
+
+    /// Depth inside the two straight ends of the outline.
+    fn ends_depth(&self, point: Meridional) -> f64 {
+        let side = |((a, b), sign): ((Meridional, Meridional), f64)| {
+            let (dr, dz) = (b.r - a.r, b.z - a.z);
+            sign * ((point.r - a.r) * dz - (point.z - a.z) * dr) / norm2(dr, dz)
+        };
+        side((self.ends[0], self.end_signs[0])).min(side((self.ends[1], self.end_signs[1])))
+    }
+
+    /// Signed distances from hub and shroud, positive away from the hub body.
+    fn heights(&self, point: Meridional, warm: &mut Option<(f64, f64)>) -> (f64, f64) {
         let ((th, above_hub), (ts, above_shroud)) = match *warm {
             Some((th, ts)) => (
                 self.hub.project_near(point, th, 0.2 * self.hub.length()),
@@ -67,31 +88,20 @@ impl Blank {
             None => (self.hub.project(point), self.shroud.project(point)),
         };
         *warm = Some((th, ts));
-        let [le, te] = self.lines();
-        // Side of a line from hub to shroud: positive towards the inside.
-        let side = |(a, b): (Meridional, Meridional), sign: f64| {
-            let (dr, dz) = (b.r - a.r, b.z - a.z);
-            sign * ((point.r - a.r) * dz - (point.z - a.z) * dr) / dr.hypot(dz)
-        };
-        let inside =
-            self.hub.point(0.5 * self.hub.length()).lerp(self.shroud.point(0.5 * self.shroud.length()), 0.5);
-        let sign = |(a, b): (Meridional, Meridional)| {
-            ((inside.r - a.r) * (b.z - a.z) - (inside.z - a.z) * (b.r - a.r)).signum()
-        };
-        above_hub.min(-above_shroud).min(side(le, sign(le))).min(side(te, sign(te)))
+        (above_hub, above_shroud)
     }
 
     /// Distance from `point` (outside) to the blank's top: shroud, leading-edge line and rim line.
-    /// Negative inside the blank.
-    pub fn clearance(&self, point: Meridional) -> f64 {
+    /// Negative inside the blank. Arc lengths are carried from call to call as in [`Self::depth_near`].
+    pub fn clearance(&self, point: Meridional, warm: &mut Option<(f64, f64)>) -> f64 {
         let segment = |(a, b): (Meridional, Meridional)| {
             let (dr, dz) = (b.r - a.r, b.z - a.z);
             let share = ((point.r - a.r) * dr + (point.z - a.z) * dz) / (dr * dr + dz * dz);
             point.distance(a.lerp(b, share.clamp(0.0, 1.0)))
         };
-        let [le, te] = self.lines();
-        let distance = self.shroud.project(point).1.abs().min(segment(le)).min(segment(te));
-        if self.depth(point) > 0.0 { -distance } else { distance }
+        let (hub, shroud) = self.heights(point, warm);
+        let distance = shroud.abs().min(segment(self.ends[0])).min(segment(self.ends[1]));
+        if hub.min(-shroud).min(self.ends_depth(point)) > 0.0 { -distance } else { distance }
     }
 
     /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is in the blank.

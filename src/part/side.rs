@@ -97,6 +97,39 @@ impl BladeSide {
         (Point::from(p), pu, pv)
     }
 
+    /// Point, first and second derivative by u on the line `v`: what a search along that line needs.
+    #[inline]
+    pub fn along_u(&self, u: f64, v: f64) -> (Point, Vector, Vector) {
+        let mut j = 0;
+        while j + 1 < self.spans.len() && self.stations[j + 1] <= v {
+            j += 1;
+        }
+        let (v0, v1) = (self.stations[j], self.stations[j + 1]);
+        let h = v1 - v0;
+        let x = (v - v0) / h;
+        let (c, cu, cuu) = self.spans[j].derivatives(u);
+        let blend = |a: &[f64; 6], b0: f64, b1: f64| {
+            Vector::new(a[0] * b0 + a[3] * b1, a[1] * b0 + a[4] * b1, a[2] * b0 + a[5] * b1)
+        };
+        if self.slopes.is_empty() || !(0.0..=1.0).contains(&v) {
+            if self.slopes.is_empty() {
+                let (b0, b1) = (1.0 - x, x);
+                return (Point::from(blend(&c, b0, b1)), blend(&cu, b0, b1), blend(&cuu, b0, b1));
+            }
+            // Straight beyond the end sections; the bend by u is that of the end section.
+            let end = v.clamp(0.0, 1.0);
+            let (_, _, second) = self.along_u(u, end);
+            let (p, pu, _) = self.derivatives(u, v);
+            return (p, pu, second);
+        }
+        let (m, mu, muu) = self.slopes[j].derivatives(u);
+        let (x2, x3) = (x * x, x * x * x);
+        let (b0, b1) = (2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2);
+        let (s0, s1) = (h * (x3 - 2.0 * x2 + x), h * (x3 - x2));
+        let whole = |a: &[f64; 6], b: &[f64; 6]| blend(a, b0, b1) + blend(b, s0, s1);
+        (Point::from(whole(&c, &m)), whole(&cu, &mu), whole(&cuu, &muu))
+    }
+
     /// The side turned about the rotation axis.
     pub fn rotated(&self, angle: f64) -> Self {
         let u = self.u_knots().to_vec();

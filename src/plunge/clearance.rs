@@ -18,7 +18,9 @@ impl<'a> FinishedPart<'a> {
 
     /// Least signed distance of the cutter (bottom and column) to any blade, mm.
     pub fn blade_clearance(&self, cutter: &CutterSolid) -> f64 {
-        self.blades.iter().map(|b| b.nearest(cutter, 0.0, 1.0).distance).fold(f64::INFINITY, f64::min)
+        self.blades.iter().fold(f64::INFINITY, |least, blade| {
+            blade.nearest_below(cutter, least).map_or(least, |near| near.distance.min(least))
+        })
     }
 
     /// Least signed distance of the cutter's bottom and flank to the hub, mm.

@@ -3,6 +3,7 @@
 //! blank, answered by intervals along lines of the core.
 
 use super::plan::CoreContact;
+use super::slotting::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector, frame_about, search};
 use crate::part::Blank;
 
@@ -13,6 +14,35 @@ pub struct Column {
     pub cutter: CutterSolid,
     /// Radius of the core, mm.
     pub core_radius: f64,
+    /// Height above the tip, mm, above which the core column is clear of the whole blank.
+    pub top: f64,
+}
+
+impl Column {
+    /// A plunge into `blank`.
+    pub fn new(cutter: CutterSolid, core_radius: f64, blank: &BlankTop) -> Self {
+        Self { cutter, core_radius, top: blank.above(&cutter, core_radius) }
+    }
+}
+
+/// Finds how far up core columns can meet stock.
+#[derive(Debug)]
+pub struct BlankTop<'a> {
+    surface: DepthSurface<'a>,
+}
+
+impl<'a> BlankTop<'a> {
+    /// For columns in `blank`.
+    pub fn new(blank: &'a Blank) -> Self {
+        // A hair's breadth keeps the circles of the outline from being infinitely thin.
+        Self { surface: DepthSurface::new(&blank.shroud, 0.01).with_edges(blank.end_circles()) }
+    }
+
+    fn above(&self, cutter: &CutterSolid, core_radius: f64) -> f64 {
+        self.surface
+            .touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6))
+            .map_or(f64::INFINITY, |t| t.height)
+    }
 }
 
 /// Rings of lines through the core: (share of the core radius, lines). Contact starts at the
@@ -25,6 +55,9 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of `column`'s core with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &Column, earlier: &[Column], blank: &Blank) -> CoreContact {
+    if column.top <= 0.0 {
+        return CoreContact::default();
+    }
     let near = Neighbours::of(column, earlier);
     let (e1, e2) = frame_about(&column.cutter.axis);
     let line = |rho: f64, phi: f64| column.cutter.tip + (e1 * phi.cos() + e2 * phi.sin()) * rho;
@@ -38,15 +71,16 @@ pub fn core_contact(column: &Column, earlier: &[Column], blank: &Blank) -> CoreC
         for i in 0..count {
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let origin = line(rho, phi);
-            let found = near.stock_on_line(&origin, &column.cutter.axis, blank);
+            let entry = near.first_entry(&origin, &column.cutter.axis);
+            let found = near.stock_on_line(&origin, &column.cutter.axis, column.top, blank);
             depth = depth.max(found);
-            if near.first_entry(&origin, &column.cutter.axis) > AREA_HEIGHT
+            if entry > AREA_HEIGHT
                 && blank.highest_inside(&origin, &column.cutter.axis, 0.0, AREA_HEIGHT).is_some()
             {
                 hits += 1;
             }
             if ring == 0 {
-                rim[i] = (near.first_entry(&origin, &column.cutter.axis), phi);
+                rim[i] = (entry, phi);
             }
         }
         area += hits as f64 / count as f64 * ring_weight(ring);
@@ -64,7 +98,12 @@ pub fn core_contact(column: &Column, earlier: &[Column], blank: &Blank) -> CoreC
             rim[i].1 + step,
             1e-5,
         );
-        depth = depth.max(near.stock_on_line(&line(column.core_radius, phi), &column.cutter.axis, blank));
+        depth = depth.max(near.stock_on_line(
+            &line(column.core_radius, phi),
+            &column.cutter.axis,
+            column.top,
+            blank,
+        ));
     }
     CoreContact { depth, area_share: area }
 }
@@ -84,14 +123,14 @@ struct Neighbours {
 
 impl Neighbours {
     fn of(column: &Column, earlier: &[Column]) -> Self {
-        // Far above the blank nothing matters; distances between straight axes change evenly.
-        const HEIGHTS: [f64; 5] = [0.0, 40.0, 80.0, 160.0, 320.0];
+        // Above the blank nothing matters; distances between straight axes change evenly.
+        let heights = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| share * column.top.min(1e4));
         let columns = earlier
             .iter()
             .rev()
             .filter(|other| {
                 let slope = column.cutter.axis.cross(&other.cutter.axis).norm();
-                HEIGHTS.iter().zip(HEIGHTS.iter().skip(1)).any(|(&low, &high)| {
+                heights.iter().zip(&heights[1..]).any(|(&low, &high)| {
                     let middle = 0.5 * (low + high);
                     let d = column.cutter.tip + column.cutter.axis * middle - other.cutter.tip;
                     let flat = (d - other.cutter.axis * d.dot(&other.cutter.axis)).norm();
@@ -117,8 +156,8 @@ impl Neighbours {
     }
 
     /// Highest stock on the line from the bottom upwards, mm above it; 0 when there is none.
-    fn stock_on_line(&self, origin: &Point, direction: &Vector, blank: &Blank) -> f64 {
-        let mut open = [(0.0f64, f64::INFINITY); STRETCHES];
+    fn stock_on_line(&self, origin: &Point, direction: &Vector, top: f64, blank: &Blank) -> f64 {
+        let mut open = [(0.0f64, top); STRETCHES];
         let mut count = 1;
         for cutter in &self.columns {
             let Some((low, high)) = removed_interval(cutter, origin, direction) else { continue };

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::clearance::FinishedPart;
-use super::contact::{Column, core_contact};
+use super::contact::{BlankTop, Column, core_contact};
 use super::lane::Lane;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
 use super::retract::{RetractSurface, bottom_clearance};
@@ -62,6 +62,40 @@ struct Row {
     settled: bool,
 }
 
+impl Row {
+    fn empty(lambda: f64) -> Self {
+        Self { stations: Vec::new(), lambda, rounds: 0, settled: true }
+    }
+}
+
+/// What was cut before the next position of a row: earlier sections and the row so far.
+struct Known<'e> {
+    earlier: &'e [Column],
+    columns: Vec<Column>,
+    blank: &'e Blank,
+    top: BlankTop<'e>,
+}
+
+impl<'e> Known<'e> {
+    fn new(earlier: &'e [Column], blank: &'e Blank) -> Self {
+        Self { earlier, columns: earlier.to_vec(), blank, top: BlankTop::new(blank) }
+    }
+
+    /// Forgets the row.
+    fn forget(&mut self) {
+        self.columns.truncate(self.earlier.len());
+    }
+
+    /// Whether the last of `stations` interferes; remembers it as cut.
+    fn interferes(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
+        let Some(last) = stations.last() else { return false };
+        let column = Column::new(maker.cutter(last), maker.tool.core_radius(), &self.top);
+        let contact = core_contact(&column, &self.columns, self.blank);
+        self.columns.push(column);
+        contact.interferes()
+    }
+}
+
 impl<'a> Planner<'a> {
     /// For `part` with its `channel` and a `setup` that [`super::sections::resolve`] has completed.
     pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
@@ -94,6 +128,7 @@ impl<'a> Planner<'a> {
             settled: true,
         };
         let mut columns: Vec<Column> = Vec::new();
+        let top = BlankTop::new(&self.blank);
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
             monitor.check()?;
@@ -117,7 +152,7 @@ impl<'a> Planner<'a> {
                         plan.dropped.push(Dropped { section: index, row: row_index, s: station.ends.s_hub });
                         continue;
                     }
-                    columns.push(Column { cutter, core_radius: tool.core_radius() });
+                    columns.push(Column::new(cutter, tool.core_radius(), &top));
                     plan.positions.push(Position::unmeasured(station, index, row_index, row.lambda));
                 }
             }
@@ -327,49 +362,64 @@ impl<'a> Planner<'a> {
         earlier: &[Column],
         monitor: &Monitor,
     ) -> Result<Row, PlanError> {
-        let first = self.settled_row(maker, ends, policy, None, earlier, monitor)?;
+        let plain = |lean: Option<f64>, contacts_allowed: bool| {
+            self.settled_row(maker, ends, policy, lean, contacts_allowed, earlier, monitor)
+        };
         if policy == AxisPolicy::Conventional {
-            return Ok(first);
+            return Ok(plain(None, true)?.unwrap_or_else(|| Row::empty(maker.lambda)));
         }
-        let mut best = (self.contacts(maker, &first, earlier), first);
-        for lean in START_LEANS_DEG {
-            if best.0 == 0 {
-                break;
-            }
-            let row = self.settled_row(maker, ends, policy, Some(lean.to_radians()), earlier, monitor)?;
-            let contacts = self.contacts(maker, &row, earlier);
-            if contacts < best.0 {
-                best = (contacts, row);
+        let starts = || std::iter::once(None).chain(START_LEANS_DEG.iter().map(|d| Some(d.to_radians())));
+        for lean in starts() {
+            if let Some(row) = plain(lean, false)? {
+                return Ok(row);
             }
         }
-        Ok(best.1)
+        // Nothing frees the row: the start with the fewest contacts.
+        let mut best: Option<(usize, Row)> = None;
+        for lean in starts() {
+            if let Some(row) = plain(lean, true)? {
+                let contacts = self.contacts(maker, &row.stations, earlier);
+                if best.as_ref().is_none_or(|b| contacts < b.0) {
+                    best = Some((contacts, row));
+                }
+            }
+        }
+        Ok(best.map_or_else(|| Row::empty(maker.lambda), |b| b.1))
     }
 
-    /// Stages 1 to 4 until no position is added any more.
+    /// Stages 1 to 4 until no position is added any more; `None` when a contact turns up and none is allowed.
+    #[allow(clippy::too_many_arguments)]
     fn settled_row(
         &self,
         maker: &RowMaker,
         (start, end): (f64, f64),
         policy: AxisPolicy,
         lean: Option<f64>,
+        contacts_allowed: bool,
         earlier: &[Column],
         monitor: &Monitor,
-    ) -> Result<Row, PlanError> {
-        monitor.check()?;
+    ) -> Result<Option<Row>, PlanError> {
         let max_tilt = self.setup.plunge.max_tilt;
         let start = self.free_start(maker, start, lean, earlier);
         let mut conventional = maker.conventional(start, end).map_err(|s| self.misfit(maker.tool, s))?;
-        let mut row = Row { stations: Vec::new(), lambda: maker.lambda, rounds: 0, settled: false };
+        let mut row = Row { settled: false, ..Row::empty(maker.lambda) };
+        let mut known = Known::new(earlier, &self.blank);
         while row.rounds < MAX_ROUNDS && !row.settled {
-            monitor.check()?;
             row.rounds += 1;
-            row.stations = match policy {
-                AxisPolicy::Conventional => conventional.clone(),
-                AxisPolicy::Monotone => maker.monotone(&conventional, lean, max_tilt),
+            known.forget();
+            let mut accept = |stations: &[Station]| {
+                !monitor.is_cancelled() && (contacts_allowed || !known.interferes(maker, stations))
             };
+            let optimised = match policy {
+                AxisPolicy::Conventional => Some(conventional.clone()),
+                AxisPolicy::Monotone => maker.monotone(&conventional, lean, max_tilt, &mut accept),
+            };
+            monitor.check()?;
+            let Some(stations) = optimised else { return Ok(None) };
+            row.stations = stations;
             row.settled = maker.inspect_steps(&row.stations, &mut conventional) == 0;
         }
-        Ok(row)
+        Ok(Some(row))
     }
 
     /// Moves the start of a row out of the stock until its first core column is free up to the top
@@ -378,9 +428,11 @@ impl<'a> Planner<'a> {
         let stride = 0.1 * maker.tool.radius() / self.part.hub.length();
         for i in 0..=20 {
             let s = start + maker.inward * stride * f64::from(i);
-            let Some(station) = maker.station(s, s, None) else { return start };
-            let first = maker.monotone(&[station], lean, self.setup.plunge.max_tilt);
-            let column = Column { cutter: maker.cutter(&first[0]), core_radius: maker.tool.core_radius() };
+            let Some(station) = maker.station(s, s) else { return start };
+            let first = maker.monotone(&[station], lean, self.setup.plunge.max_tilt, &mut |_| true);
+            let first = first.and_then(|row| row.first().copied()).unwrap_or(station);
+            let column =
+                Column::new(maker.cutter(&first), maker.tool.core_radius(), &BlankTop::new(&self.blank));
             if !core_contact(&column, earlier, &self.blank).interferes() {
                 return s;
             }
@@ -389,25 +441,9 @@ impl<'a> Planner<'a> {
     }
 
     /// Number of interferential stations of a row that comes after `earlier`.
-    fn contacts(&self, maker: &RowMaker, row: &Row, earlier: &[Column]) -> usize {
-        let own: Vec<Column> = row
-            .stations
-            .iter()
-            .map(|s| Column { cutter: maker.cutter(s), core_radius: maker.tool.core_radius() })
-            .collect();
-        let reach = 4.0 * self.part.hub.length() + 4.0 * maker.tool.radius();
-        let near: Vec<Column> = earlier
-            .iter()
-            .filter(|c| own.iter().any(|o| (o.cutter.tip - c.cutter.tip).norm() < reach))
-            .copied()
-            .collect();
-        (0..own.len())
-            .filter(|&k| {
-                let mut before = near.clone();
-                before.extend_from_slice(&own[..k]);
-                core_contact(&own[k], &before, &self.blank).interferes()
-            })
-            .count()
+    fn contacts(&self, maker: &RowMaker, stations: &[Station], earlier: &[Column]) -> usize {
+        let mut known = Known::new(earlier, &self.blank);
+        (1..=stations.len()).filter(|&k| known.interferes(maker, &stations[..k])).count()
     }
 
     /// Contact, clearances and retract of every position.

@@ -5,7 +5,8 @@
 //! is equally far from the wall near its root and near its tip and its nearest place anywhere is at the
 //! allowance: a fit that is unique whether the wall bulges towards the cutter or away from it.
 
-use crate::geometry::{CutterSolid, Point, Vector};
+use super::fit_table::FitTable;
+use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
 use crate::part::{Impeller, Passage, SideProbe, Tool};
 
 /// A passage with the cutter that is to work in it.
@@ -18,6 +19,7 @@ pub struct Lane<'a> {
     corner_radius: f64,
     hub_allowance: f64,
     blade_allowance: f64,
+    tables: [FitTable; 2],
 }
 
 /// An axis given by its ends: M on the allowance surface of the hub, W on the shroud.
@@ -51,7 +53,9 @@ impl<'a> Lane<'a> {
             let side = passage.walls[i].side();
             SideProbe::new(side, side.u_knots()[0] - 0.3, 1.35)
         };
+        let spacing = (1.2 * tool.insert_width / part.hub.length()).clamp(0.004, 0.03);
         Self {
+            tables: [FitTable::new(spacing), FitTable::new(spacing)],
             part,
             passage,
             probes: [probe(0), probe(1)],
@@ -106,13 +110,19 @@ impl<'a> Lane<'a> {
             None => plain,
         };
         let probe = &self.probes[wall];
+        // Where each third of the wall was nearest: found once, then followed.
+        let mut places: [Option<f64>; 3] = [None; 3];
         for _ in 0..10 {
             let cutter = self.cutter(&ends);
             let (m, w) = (self.hub_point(&ends), self.shroud_point(&ends));
             let height = (w - m).norm();
             // One row per third of the wall: how its clearance answers to turning M and W.
-            let row = |v_from: f64, v_to: f64| {
-                let near = probe.nearest(&cutter, v_from, v_to);
+            let mut row = |third: usize, v_from: f64, v_to: f64| {
+                let near = match places[third] {
+                    Some(u) => probe.nearest_from(&cutter, u, v_from, v_to),
+                    None => probe.nearest(&cutter, v_from, v_to),
+                };
+                places[third] = Some(near.u);
                 let d = near.point - m;
                 let along = d.dot(&cutter.axis);
                 let away = -(d - cutter.axis * along);
@@ -122,7 +132,7 @@ impl<'a> Lane<'a> {
                 let by_w = share * away.dot(&Vector::new(-w.y, w.x, 0.0));
                 (by_m, by_w, near.distance - self.blade_allowance)
             };
-            let (low, middle, high) = (row(0.0, 0.33), row(0.33, 0.67), row(0.67, 1.0));
+            let (low, middle, high) = (row(0, 0.0, 0.33), row(1, 0.33, 0.67), row(2, 0.67, 1.0));
             let nearest = [low, middle, high].into_iter().min_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or(low);
             if nearest.2.abs().max((low.2 - high.2).abs()) < FIT_TOLERANCE {
                 break;
@@ -183,7 +193,7 @@ impl<'a> Lane<'a> {
             reach * (1.0 + slope * slope).sqrt().min(4.0) / r.max(1e-6) * self.inward(wall)
         };
         let (r_hub, r_shroud) = (self.part.hub.point(s_hub).r, self.part.shroud.point(s_shroud).r);
-        let theta_shroud = foot.theta + crate::geometry::wrap_angle(top.theta - foot.theta);
+        let theta_shroud = foot.theta + wrap_angle(top.theta - foot.theta);
         Some(AxisEnds {
             s_hub,
             s_shroud,
@@ -199,7 +209,7 @@ impl<'a> Lane<'a> {
         let mut high = self.wall_axis(1, s_hub, s_shroud, warm.map(|w| w[1]))?;
         // Bring the second wall's angles next to the first's.
         let half = 0.5 * self.part.pitch();
-        let beside = |a: f64, b: f64| a + crate::geometry::wrap_angle(b - a - half) + half;
+        let beside = |a: f64, b: f64| a + wrap_angle(b - a - half) + half;
         high.theta_hub = beside(low.theta_hub, high.theta_hub);
         high.theta_shroud = beside(low.theta_shroud, high.theta_shroud);
         let open = |a: f64, b: f64| (b - a) * self.part.pitch().signum() >= 0.0;
@@ -207,22 +217,48 @@ impl<'a> Lane<'a> {
             .then_some([low, high])
     }
 
-    /// Axis of the row at `lambda` between the wall axes.
-    pub fn row_axis(
-        &self,
-        lambda: f64,
-        s_hub: f64,
-        s_shroud: f64,
-        warm: Option<[AxisEnds; 2]>,
-    ) -> Option<(AxisEnds, [AxisEnds; 2])> {
-        let pair = self.wall_pair(s_hub, s_shroud, warm)?;
-        let mix = |a: f64, b: f64| a + lambda * (b - a);
-        let ends = AxisEnds {
+    /// Axis of `wall` read from its table of fits, a few µm from the exact one.
+    fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+        let fit = |s_hub: f64, shift: f64, near: Option<[f64; 2]>| {
+            let warm = near.map(|[theta_hub, theta_shroud]| AxisEnds {
+                s_hub,
+                s_shroud: s_hub - shift,
+                theta_hub,
+                theta_shroud,
+            });
+            let ends = self.wall_axis(wall, s_hub, s_hub - shift, warm)?;
+            Some([ends.theta_hub, ends.theta_shroud])
+        };
+        match self.tables[wall].at(s_hub, s_hub - s_shroud, &fit) {
+            Some([theta_hub, theta_shroud]) => Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud }),
+            None => self.wall_axis(wall, s_hub, s_shroud, None),
+        }
+    }
+
+    /// Axis of the row at `lambda` between the walls, from the tables of fits: for searches.
+    /// `None` where no axis clears both walls.
+    pub fn row_axis(&self, lambda: f64, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+        if lambda == 0.0 || lambda == 1.0 {
+            return self.table_axis(lambda as usize, s_hub, s_shroud);
+        }
+        let low = self.table_axis(0, s_hub, s_shroud)?;
+        let high = self.table_axis(1, s_hub, s_shroud)?;
+        let half = 0.5 * self.part.pitch();
+        let across = |a: f64, b: f64| wrap_angle(b - a - half) + half;
+        let (hub, shroud) =
+            (across(low.theta_hub, high.theta_hub), across(low.theta_shroud, high.theta_shroud));
+        let sign = self.part.pitch().signum();
+        (hub * sign >= 0.0 && shroud * sign >= 0.0).then_some(AxisEnds {
             s_hub,
             s_shroud,
-            theta_hub: mix(pair[0].theta_hub, pair[1].theta_hub),
-            theta_shroud: mix(pair[0].theta_shroud, pair[1].theta_shroud),
-        };
-        Some((ends, pair))
+            theta_hub: low.theta_hub + lambda * hub,
+            theta_shroud: low.theta_shroud + lambda * shroud,
+        })
+    }
+
+    /// A row's axis made exact: an axis at a wall, its bottom `lift` mm above M, rests at the
+    /// allowance; others are good as they are.
+    pub fn settled(&self, lambda: f64, ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
+        if lambda == 0.0 || lambda == 1.0 { self.push_clear(lambda as usize, ends, lift) } else { Some(ends) }
     }
 }

@@ -14,6 +14,7 @@
 pub mod clearance;
 pub mod contact;
 pub mod cycle;
+mod fit_table;
 pub mod lane;
 pub mod monotone;
 pub mod plan;

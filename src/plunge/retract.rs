@@ -30,22 +30,26 @@ pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
     let (e1, e2) = crate::geometry::frame_about(&cutter.axis);
     let flat = cutter.radius - cutter.corner_radius;
     let centre = cutter.tip + cutter.axis * cutter.corner_radius;
-    let at = |rho: f64, phi: f64| {
+    let mut warm = None;
+    let mut at = |rho: f64, phi: f64| {
         let p = centre + (e1 * phi.cos() + e2 * phi.sin()) * rho;
-        blank.clearance(Meridional::of(&p))
+        blank.clearance(Meridional::of(&p), &mut warm)
     };
     let mut least = at(0.0, 0.0);
-    let step = std::f64::consts::TAU / 48.0;
+    let around = 24;
+    let step = std::f64::consts::TAU / f64::from(around);
     let mut best = (f64::INFINITY, 0.0);
-    for i in 0..48 {
+    for i in 0..around {
         let phi = step * f64::from(i);
-        least = least.min(at(0.5 * flat, phi));
+        if i % 3 == 0 {
+            least = least.min(at(0.5 * flat, phi));
+        }
         let d = at(flat, phi);
         if d < best.0 {
             best = (d, phi);
         }
     }
     let (_, refined) =
-        crate::geometry::search::minimum(|phi| at(flat, phi), best.1 - step, best.1 + step, 1e-6);
+        crate::geometry::search::minimum(|phi| at(flat, phi), best.1 - step, best.1 + step, 1e-5);
     least.min(best.0).min(refined) - cutter.corner_radius
 }

@@ -47,13 +47,32 @@ pub struct RowMaker<'a> {
 impl RowMaker<'_> {
     /// The station whose axis runs from `s_hub` to `s_shroud`, fitted between the walls and lowered
     /// onto the hub. `None` where no axis clears the walls.
-    pub fn station(&self, s_hub: f64, s_shroud: f64, warm: Option<&Station>) -> Option<Station> {
-        let ends = if self.lambda == 0.0 || self.lambda == 1.0 {
-            self.lane.wall_axis(self.lambda as usize, s_hub, s_shroud, warm.map(|w| w.ends))?
-        } else {
-            self.lane.row_axis(self.lambda, s_hub, s_shroud, None)?.0
-        };
-        Some(self.lowered(ends))
+    pub fn station(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
+        let ends = self.lane.row_axis(self.lambda, s_hub, s_shroud)?;
+        self.exact(&self.lowered(ends))
+    }
+
+    /// A station near enough for a search: as [`Self::station`], a few µm off the walls.
+    pub fn draft(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
+        Some(self.lowered(self.lane.row_axis(self.lambda, s_hub, s_shroud)?))
+    }
+
+    /// `draft` made exact: clear of its wall at the depth it really goes to.
+    pub fn exact(&self, draft: &Station) -> Option<Station> {
+        let mut station = *draft;
+        for _ in 0..3 {
+            let lift = (station.tip - self.lane.hub_point(&station.ends)).dot(&station.axis);
+            let ends = self.lane.settled(self.lambda, station.ends, lift)?;
+            if ends == station.ends {
+                break;
+            }
+            station = self.lowered(ends);
+        }
+        Some(Station {
+            s_shroud_conventional: draft.s_shroud_conventional,
+            blocked: draft.blocked,
+            ..station
+        })
     }
 
     /// Stage 4 for an axis that is given: tip, contact point and α.
@@ -101,7 +120,7 @@ impl RowMaker<'_> {
         let mut sparse = Vec::with_capacity(coarse + 1);
         for i in 0..=coarse {
             let s = at(i, coarse);
-            sparse.push(self.station(s, s, sparse.last()).ok_or(s)?);
+            sparse.push(self.station(s, s).ok_or(s)?);
         }
         // Rows run oblique to the meridian: measure how long they really are.
         let stretch = sparse.windows(2).map(|w| self.spacing(&w[0], &w[1])).fold(0.0, f64::max);
@@ -117,7 +136,7 @@ impl RowMaker<'_> {
                 continue;
             }
             let s = at(i, n);
-            stations.push(self.station(s, s, stations.last()).ok_or(s)?);
+            stations.push(self.station(s, s).ok_or(s)?);
         }
         Ok(stations)
     }
@@ -149,7 +168,7 @@ impl RowMaker<'_> {
                 continue;
             }
             let middle = 0.5 * (conventional[i].ends.s_hub + conventional[i + 1].ends.s_hub);
-            if let Some(station) = self.station(middle, middle, Some(&conventional[i])) {
+            if let Some(station) = self.station(middle, middle) {
                 refined.push(station);
                 inserted += 1;
             }

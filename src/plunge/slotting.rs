@@ -6,7 +6,7 @@
 //! bulges under the disc (both principal curvatures bend away) the points whose normal is the axis
 //! count as well, and so do the circles in which the surface ends: together the whole disc.
 
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, frame_about, search};
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, frame_about, norm2, search};
 
 /// A surface of revolution that a flat bottom may touch but not enter, offset to its outer side.
 #[derive(Clone, Debug)]
@@ -156,7 +156,7 @@ impl<'a> DepthSurface<'a> {
         let (mut t, mut h) = (t, height);
         for _ in 0..25 {
             let p = origin + axis * h;
-            let r = p.x.hypot(p.y);
+            let r = norm2(p.x, p.y);
             if r < 1e-9 {
                 return None;
             }

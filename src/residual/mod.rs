@@ -3,6 +3,10 @@
 
 pub mod field;
 pub mod grid;
+pub mod statistics;
+pub mod tiles;
 
 pub use field::{CutterGpu, PositionTrace, ResidualField, residual_field};
 pub use grid::FloorGrid;
+pub use statistics::{ResidualStatistics, statistics};
+pub use tiles::TileBins;

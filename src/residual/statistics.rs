@@ -1,0 +1,122 @@
+//! What a heightfield amounts to: mean, 95th percentile, greatest height, uncut share.
+
+use super::grid::FloorGrid;
+
+/// Share of the blank's height from which on a cell counts as uncut.
+const UNCUT_SHARE_OF_BLANK: f32 = 0.999;
+
+/// Figures of the residual layer, weighted by the area of the cells.
+///
+/// Heights are those of *cut* cells: stock that no plunge reaches stands as high as the channel and would
+/// hide the layer itself. It is what `uncut_share` tells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ResidualStatistics {
+    /// Mean height, mm.
+    pub mean: f32,
+    /// Height below which 95 % of the cut area lies, mm.
+    pub p95: f32,
+    /// Greatest height, mm.
+    pub max: f32,
+    /// Uncut share of the whole area, 0…1.
+    pub uncut_share: f32,
+    /// Whole area looked at, mm².
+    pub area: f32,
+}
+
+/// Figures of `heights` over the cells where `mask` is true, e.g. `&grid.floor`.
+///
+/// `heights` and `mask` hold one value per cell of `grid`. All zero for an empty mask.
+pub fn statistics(grid: &FloorGrid, heights: &[f32], mask: &[bool]) -> ResidualStatistics {
+    let (mut volume, mut cut_area, mut area) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let mut max = 0.0_f32;
+    let mut cut = Vec::with_capacity(heights.len());
+    for (cell, _) in mask.iter().enumerate().filter(|(_, inside)| **inside) {
+        let (height, blank, weight) = (heights[cell], grid.blank_heights[cell], grid.areas[cell]);
+        area += f64::from(weight);
+        if blank > 0.0 && height >= UNCUT_SHARE_OF_BLANK * blank {
+            continue;
+        }
+        cut_area += f64::from(weight);
+        volume += f64::from(height) * f64::from(weight);
+        max = max.max(height);
+        cut.push((height, weight));
+    }
+    if area == 0.0 {
+        return ResidualStatistics::default();
+    }
+    ResidualStatistics {
+        mean: if cut_area > 0.0 { (volume / cut_area) as f32 } else { 0.0 },
+        p95: percentile(&mut cut, 0.95 * cut_area),
+        max,
+        uncut_share: ((area - cut_area) / area) as f32,
+        area: area as f32,
+    }
+}
+
+/// The least height at which the weights of all cells up to it sum to `target`. Reorders `cells`.
+fn percentile(mut cells: &mut [(f32, f32)], target: f64) -> f32 {
+    let mut below = 0.0;
+    while cells.len() > 1 {
+        let middle = cells.len() / 2;
+        let (lower, _, _) = cells.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0));
+        let weight: f64 = lower.iter().map(|cell| f64::from(cell.1)).sum();
+        if below + weight >= target {
+            cells = &mut cells[..middle];
+        } else {
+            below += weight;
+            cells = &mut cells[middle..];
+        }
+    }
+    cells.first().map_or(0.0, |cell| cell.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(blank_heights: Vec<f32>, areas: Vec<f32>) -> FloorGrid {
+        let cells = areas.len();
+        FloorGrid {
+            rows: 1,
+            columns: cells,
+            points: vec![[0.0; 3]; cells],
+            normals: vec![[0.0, 0.0, 1.0]; cells],
+            blank_heights,
+            areas,
+            floor: vec![true; cells],
+        }
+    }
+
+    #[test]
+    fn figures_of_a_ramp() {
+        // 1, 2, … 100 in an order that is not sorted.
+        let heights: Vec<f32> = (0..100).map(|i| (i * 37 % 100 + 1) as f32).collect();
+        let grid = grid(vec![200.0; 100], vec![2.0; 100]);
+        let figures = statistics(&grid, &heights, &grid.floor);
+        assert_eq!((figures.mean, figures.p95, figures.max), (50.5, 95.0, 100.0));
+        assert_eq!((figures.uncut_share, figures.area), (0.0, 200.0));
+    }
+
+    #[test]
+    fn large_cells_weigh_more() {
+        let grid = grid(vec![10.0; 3], vec![1.0, 1.0, 98.0]);
+        let figures = statistics(&grid, &[3.0, 5.0, 1.0], &grid.floor);
+        assert_eq!(figures.p95, 1.0, "98 % of the area is at 1 mm");
+        assert!((figures.mean - 1.06).abs() < 1e-6, "{figures:?}");
+    }
+
+    #[test]
+    fn uncut_cells_are_told_apart_and_masked_cells_left_out() {
+        let grid = grid(vec![10.0, 10.0, 10.0, 0.0], vec![1.0; 4]);
+        let figures = statistics(&grid, &[9.995, 1.0, 7.0, 0.0], &[true, true, false, true]);
+        assert_eq!((figures.max, figures.area), (1.0, 3.0));
+        assert!((figures.uncut_share - 1.0 / 3.0).abs() < 1e-6, "no blank, nothing uncut: {figures:?}");
+    }
+
+    #[test]
+    fn nothing_to_look_at_gives_zeros() {
+        let grid = grid(vec![10.0], vec![1.0]);
+        assert_eq!(statistics(&grid, &[10.0], &[false]), ResidualStatistics::default());
+        assert_eq!(statistics(&grid, &[10.0], &[true]).uncut_share, 1.0);
+    }
+}
