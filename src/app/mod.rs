@@ -11,7 +11,7 @@
 //! | [`view3d`], [`picture`] | the 3D view: mouse and camera; the texture it shows |
 //! | [`dialogs`], [`files`] | choosing files; reading and writing them in the background |
 //! | [`menu`], [`work`] | the menu; what runs in the background and what becomes of it |
-//! | [`run`] | opening the window |
+//! | [`mod@run`] | opening the window |
 //!
 //! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which ask for a repaint when
 //! they are done; without input and without work nothing is drawn.

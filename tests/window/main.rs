@@ -165,6 +165,37 @@ fn the_mouse_turns_shifts_and_zooms() {
     window.run_steps(6);
     let zoomed = window.state().camera().expect("a camera");
     assert!(zoomed.distance < turned.distance, "the wheel goes nearer");
+
+    let middle = |pos, pressed| {
+        let (button, modifiers) = (egui::PointerButton::Middle, egui::Modifiers::NONE);
+        egui::Event::PointerButton { pos, button, pressed, modifiers }
+    };
+    let end = rect.center() + egui::vec2(-40.0, 30.0);
+    window.event(middle(rect.center(), true));
+    window.run_steps(1);
+    window.hover_at(end);
+    window.run_steps(1);
+    window.event(middle(end, false));
+    window.run_steps(3);
+    let shifted = window.state().camera().expect("a camera");
+    assert_eq!((shifted.yaw, shifted.pitch), (zoomed.yaw, zoomed.pitch), "the middle button does not turn");
+    assert!(shifted.target.distance(zoomed.target) > 1.0, "it shifts");
+
+    // The harness takes a quarter of a second per event.
+    window.ctx.options_mut(|options| options.input_options.max_double_click_delay = 3.0);
+    window.hover_at(rect.center());
+    window.run_steps(4);
+    for _ in 0..2 {
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+            window.event(egui::Event::PointerButton { pos: rect.center(), button, pressed, modifiers });
+        }
+        window.run_steps(1);
+    }
+    window.run_steps(3);
+    let centred = window.state().camera().expect("a camera");
+    assert_eq!((centred.yaw, centred.pitch), (shifted.yaw, shifted.pitch), "a double click does not turn");
+    assert_ne!(centred.target, shifted.target, "it centres what is under the cursor");
 }
 
 #[test]
