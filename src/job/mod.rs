@@ -1,6 +1,8 @@
 //! The planning job that window and command line share: request in, result out, progress and
 //! cancel between.
 
+pub mod worker;
+
 use std::sync::Arc;
 
 use crate::monitor::Monitor;

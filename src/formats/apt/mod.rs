@@ -3,6 +3,7 @@
 //! Frame of the part, rotation axis Z; mm, mm/min, rev/min; the axis is a unit vector from tip to
 //! holder.
 
+mod program;
 mod read;
 mod write;
 

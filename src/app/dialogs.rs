@@ -1,0 +1,154 @@
+//! File dialogs that never block the window: the system's runs on a thread of its own; where there is
+//! none (no portal, no D-Bus), a line to type the path into takes its place.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use egui::{Context, Key, Ui};
+
+/// What a file is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A part to open.
+    OpenPart,
+    /// A setup to open.
+    OpenSetup,
+    /// Where the setup goes.
+    SaveSetup,
+    /// Where the CL file goes.
+    ExportCl,
+    /// Where the picture goes.
+    SavePicture,
+}
+
+impl Purpose {
+    fn title(self) -> &'static str {
+        match self {
+            Self::OpenPart => "Open part",
+            Self::OpenSetup => "Open setup",
+            Self::SaveSetup => "Save setup",
+            Self::ExportCl => "Export CL",
+            Self::SavePicture => "Save picture",
+        }
+    }
+
+    fn saves(self) -> bool {
+        matches!(self, Self::SaveSetup | Self::ExportCl | Self::SavePicture)
+    }
+
+    fn filter(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf"]),
+            Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
+            Self::ExportCl => ("APT cutter location", &["apt", "cl"]),
+            Self::SavePicture => ("Pictures", &["png"]),
+        }
+    }
+}
+
+/// A line to type a path into.
+#[derive(Clone, Debug)]
+struct Prompt {
+    purpose: Purpose,
+    path: String,
+    fresh: bool,
+}
+
+/// What the thread of a dialog left.
+type Slot = Arc<Mutex<Option<(Purpose, Option<PathBuf>, Duration)>>>;
+
+/// The dialogs; at most one at a time.
+#[derive(Default)]
+pub struct Dialogs {
+    slot: Slot,
+    open: bool,
+    prompt: Option<Prompt>,
+    suggestion: String,
+}
+
+/// A system dialog that "was closed" faster than any hand was never there.
+const NO_DIALOG: Duration = Duration::from_millis(150);
+
+impl Dialogs {
+    /// Asks for a file; `suggestion` is the name offered where something is saved.
+    pub fn ask(&mut self, ctx: &Context, purpose: Purpose, suggestion: String) {
+        if self.open || self.prompt.is_some() {
+            return;
+        }
+        self.suggestion.clone_from(&suggestion);
+        let (slot, ctx) = (Arc::clone(&self.slot), ctx.clone());
+        let ask = move || {
+            let start = Instant::now();
+            let (name, extensions) = purpose.filter();
+            let dialog = rfd::FileDialog::new().set_title(purpose.title()).add_filter(name, extensions);
+            let chosen = if purpose.saves() {
+                dialog.set_file_name(suggestion).save_file()
+            } else {
+                dialog.pick_file()
+            };
+            let answer = Some((purpose, chosen, start.elapsed()));
+            *slot.lock().unwrap_or_else(PoisonError::into_inner) = answer;
+            ctx.request_repaint();
+        };
+        match std::thread::Builder::new().name("file dialog".to_owned()).spawn(ask) {
+            Ok(_) => self.open = true,
+            Err(_) => self.start_prompt(purpose),
+        }
+    }
+
+    fn start_prompt(&mut self, purpose: Purpose) {
+        let path = if purpose.saves() { self.suggestion.clone() } else { String::new() };
+        self.prompt = Some(Prompt { purpose, path, fresh: true });
+    }
+
+    /// Draws what is open, and returns a file once it was chosen.
+    pub fn show(&mut self, ui: &Ui) -> Option<(Purpose, PathBuf)> {
+        let answer = self.slot.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some((purpose, chosen, took)) = answer {
+            self.open = false;
+            match chosen {
+                Some(path) => return Some((purpose, path)),
+                None if took < NO_DIALOG => self.start_prompt(purpose),
+                None => {}
+            }
+        }
+        let prompt = self.prompt.as_mut()?;
+        let (chosen, close) = prompt.show(ui);
+        let purpose = prompt.purpose;
+        if close {
+            self.prompt = None;
+        }
+        chosen.map(|path| (purpose, path))
+    }
+}
+
+impl Prompt {
+    fn show(&mut self, ui: &Ui) -> (Option<PathBuf>, bool) {
+        let (mut chosen, mut close) = (None, false);
+        egui::Window::new(self.purpose.title())
+            .collapsible(false)
+            .resizable(false)
+            .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+            .show(ui.ctx(), |ui| {
+                let label = ui.label("Path of the file (no file dialog answers on this system)");
+                let field = egui::TextEdit::singleline(&mut self.path).desired_width(380.0);
+                let field = ui.add(field).labelled_by(label.id);
+                if std::mem::take(&mut self.fresh) {
+                    field.request_focus();
+                }
+                let enter = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+                let escape = ui.input(|i| i.key_pressed(Key::Escape));
+                ui.horizontal(|ui| {
+                    let ready = !self.path.trim().is_empty();
+                    let verb = if self.purpose.saves() { "Save" } else { "Open" };
+                    let go = ui.add_enabled(ready, egui::Button::new(verb)).clicked();
+                    if ready && (go || enter) {
+                        chosen = Some(PathBuf::from(self.path.trim()));
+                    }
+                    close = ui.button("Close").clicked() || escape || chosen.is_some();
+                });
+            });
+        (chosen, close)
+    }
+}

@@ -1,0 +1,81 @@
+//! What the window asks of the rest of the program, as plain functions: opening a part and planning
+//! it. Tests put stand-ins here.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::formats::InputError;
+use crate::job::{JobError, PlanOutcome, PlanRequest};
+use crate::monitor::Monitor;
+use crate::part::{Impeller, Setup};
+
+use super::planned::Planned;
+
+/// Where a part comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PartSource {
+    /// A file.
+    File(PathBuf),
+    /// A sample that is built into the program, by its name.
+    Sample(String),
+}
+
+/// A sample part that is built into the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sample {
+    /// Name, also that of the part file without its extension.
+    pub name: &'static str,
+    /// What it shows, in a few words.
+    pub about: &'static str,
+}
+
+/// Opens a part.
+pub type OpenFn = dyn Fn(&PartSource, &Monitor) -> Result<Arc<Impeller>, InputError> + Send + Sync;
+/// Plans a part.
+pub type PlanFn = dyn Fn(&PlanRequest, &Monitor) -> Result<PlanOutcome, JobError> + Send + Sync;
+
+/// The functions.
+#[derive(Clone)]
+pub struct Engine {
+    /// Opens a part.
+    pub open: Arc<OpenFn>,
+    /// Plans a part.
+    pub plan: Arc<PlanFn>,
+    /// Sample parts that `open` knows.
+    pub samples: Vec<Sample>,
+}
+
+impl Default for Engine {
+    /// The real ones.
+    fn default() -> Self {
+        Self {
+            open: Arc::new(|source, _| super::files::open_part(source)),
+            plan: Arc::new(crate::job::run),
+            samples: super::files::samples(),
+        }
+    }
+}
+
+/// What the planning thread works on.
+pub(super) struct PlanTask {
+    pub part: Arc<Impeller>,
+    pub setup: Setup,
+}
+
+/// Cells of the residual field along s and λ: the field of the speed goals, and fine enough that a
+/// cell is well below a pixel with the channel fitted.
+const FIELD_CELLS: usize = 512;
+
+impl Engine {
+    /// Plans and prepares everything the panels show, so that the UI thread only draws.
+    pub(super) fn planned(&self, task: &PlanTask, monitor: &Monitor) -> Result<Planned, JobError> {
+        let request = PlanRequest {
+            part: Arc::clone(&task.part),
+            setup: task.setup.clone(),
+            policy: task.setup.plunge.axis,
+            field_cells: FIELD_CELLS,
+        };
+        let outcome = (self.plan)(&request, monitor)?;
+        Ok(Planned::new(request.setup, outcome))
+    }
+}

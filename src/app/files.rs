@@ -1,0 +1,104 @@
+//! Reading and writing for the window; runs on the background threads.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::formats::InputError;
+use crate::formats::apt::{ClProgram, write_apt};
+use crate::formats::part_file::{read_part, read_part_bytes};
+use crate::formats::setup_file::write_setup;
+use crate::formats::write::write_whole;
+use crate::gpu::encode_png;
+use crate::part::{Impeller, Setup};
+
+use super::engine::{PartSource, Sample};
+use super::planned::{Planned, Side};
+
+/// Name, what it shows, and text of a sample part.
+type Built = (&'static str, &'static str, &'static str);
+
+/// The sample parts, inside the program: they open without any file beside it.
+const BUILT_IN: [Built; 1] = [(
+    "impeller532",
+    "17 blades, D 532 mm, outlet height 32 mm",
+    include_str!("../../assets/parts/impeller532.toml"),
+)];
+
+/// The sample parts that are built in.
+pub fn samples() -> Vec<Sample> {
+    BUILT_IN.iter().map(|&(name, about, _)| Sample { name, about }).collect()
+}
+
+/// Reads, trims and checks a part.
+pub fn open_part(source: &PartSource) -> Result<Arc<Impeller>, InputError> {
+    let (file, description) = match source {
+        PartSource::File(path) => (path.display().to_string(), read_part(path)?),
+        PartSource::Sample(name) => {
+            let file = format!("{name}.toml");
+            let Some((_, _, text)) = BUILT_IN.iter().find(|(known, ..)| known == name) else {
+                return Err(InputError {
+                    file,
+                    line: 0,
+                    what: "is no sample part".to_owned(),
+                    cure: "choose one of the list".to_owned(),
+                });
+            };
+            let description = read_part_bytes(&file, text.as_bytes(), "toml")?;
+            (file, description)
+        }
+    };
+    let impeller = Impeller::build(&description);
+    impeller.map(Arc::new).map_err(|e| InputError { file, line: e.line, what: e.what, cure: e.cure })
+}
+
+/// Whether a dropped or named file is a setup rather than a part: both may be TOML, and only a setup
+/// has one of these tables.
+pub fn is_setup(path: &Path) -> bool {
+    let toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    if !toml || std::fs::metadata(path).is_ok_and(|data| data.len() > LARGEST_SETUP) {
+        return false;
+    }
+    let Ok(text) = std::fs::read_to_string(path) else { return false };
+    text.lines().any(|line| {
+        let line = line.trim();
+        ["[stock]", "[[tool]]", "[plunge]", "[[plunge.section]]", "[flank]"]
+            .iter()
+            .any(|t| line.starts_with(t))
+    })
+}
+
+/// A setup is small; a part can be large, and looking into it would cost the UI thread time.
+const LARGEST_SETUP: u64 = 256 * 1024;
+
+/// Something to write.
+pub enum WriteTask {
+    /// The setup.
+    Setup(PathBuf, Box<Setup>),
+    /// The plan's "after" side as APT.
+    Cl(PathBuf, Arc<Planned>),
+    /// A picture: width, height, RGBA.
+    Picture(PathBuf, u32, u32, Vec<u8>),
+}
+
+/// Writes, whole or not at all; returns what to say.
+pub fn write(task: &WriteTask) -> Result<String, InputError> {
+    let (path, bytes) = match task {
+        WriteTask::Setup(path, setup) => (path, write_setup(setup).into_bytes()),
+        WriteTask::Cl(path, planned) => (path, cl_text(planned).into_bytes()),
+        WriteTask::Picture(path, width, height, rgba) => {
+            let png = encode_png(*width, *height, rgba).map_err(|error| InputError {
+                file: path.display().to_string(),
+                line: 0,
+                what: error.to_string(),
+                cure: "resize the window and try again".to_owned(),
+            })?;
+            (path, png)
+        }
+    };
+    write_whole(path, &bytes)?;
+    Ok(format!("Wrote {}", path.display()))
+}
+
+fn cl_text(planned: &Planned) -> String {
+    write_apt(&ClProgram::of_plan(&planned.outcome.part.name, planned.plan(Side::After)))
+}

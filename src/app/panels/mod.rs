@@ -1,0 +1,10 @@
+//! The panels around the 3D view, one file each. A panel draws from the state, edits the state, and
+//! returns what it asks for; it starts nothing itself.
+
+pub mod fields;
+pub mod part;
+pub mod positions;
+pub mod setup;
+pub mod status;
+pub mod tools;
+pub mod verdict;

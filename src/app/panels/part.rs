@@ -1,0 +1,107 @@
+//! Panel "Part": what is open, and where to open another.
+
+use egui::{Grid, RichText, Ui};
+
+use super::super::command::Command;
+use super::super::engine::{PartSource, Sample};
+use super::super::state::State;
+
+/// What the panel asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Run a command.
+    Command(Command),
+    /// Open this part.
+    Open(PartSource),
+}
+
+/// Draws the panel.
+pub fn show(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wish> {
+    let mut wish = None;
+    ui.horizontal(|ui| {
+        let open = ui.button(Command::OpenPart.label());
+        let tip = Command::OpenPart.tip_with_keys(ui.ctx());
+        if open.on_hover_text(tip).clicked() {
+            wish = Some(Wish::Command(Command::OpenPart));
+        }
+        ui.menu_button("Samples", |ui| {
+            if let Some(source) = sample_buttons(ui, samples) {
+                wish = Some(Wish::Open(source));
+                ui.close();
+            }
+        });
+    });
+    let Some(part) = &state.part else { return wish };
+    let impeller = &part.impeller;
+    Grid::new("part facts").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
+        let mut fact = |name: &str, value: String| {
+            ui.label(RichText::new(name).weak());
+            ui.label(value);
+            ui.end_row();
+        };
+        fact("Blades", blades(impeller.blade_count, impeller.splitters.len()));
+        let (rim, eye) = (impeller.hub.point(1.0), impeller.shroud.point(0.0));
+        fact("Outlet diameter", format!("{:.1} mm", 2.0 * rim.r));
+        fact("Eye diameter", format!("{:.1} mm", 2.0 * eye.r));
+        let tip = impeller.shroud.point(1.0);
+        fact("Outlet height", format!("{:.1} mm", (tip.r - rim.r).hypot(tip.z - rim.z)));
+    });
+    wish
+}
+
+/// "17" or "9 + 9 splitters".
+fn blades(main: usize, splitters_per_pitch: usize) -> String {
+    match splitters_per_pitch {
+        0 => main.to_string(),
+        n => format!("{main} + {} splitters", main * n),
+    }
+}
+
+/// One button per sample part.
+pub fn sample_buttons(ui: &mut Ui, samples: &[Sample]) -> Option<PartSource> {
+    let mut chosen = None;
+    for sample in samples {
+        if ui.button(sample.name).on_hover_text(sample.about).clicked() {
+            chosen = Some(PartSource::Sample(sample.name.to_owned()));
+        }
+    }
+    chosen
+}
+
+/// What fills the middle of the window while nothing is open.
+pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wish> {
+    let mut wish = None;
+    ui.vertical_centered(|ui| {
+        ui.add_space((ui.available_height() * 0.28).max(8.0));
+        if let Some(source) = &state.opening {
+            let name = match source {
+                PartSource::File(path) => path.display().to_string(),
+                PartSource::Sample(name) => name.clone(),
+            };
+            ui.label(format!("Opening {name}…"));
+            return;
+        }
+        ui.heading("Drop a part here");
+        ui.label("a .toml, .geomTurbo or TurboGrid .inf file, with or without its setup");
+        ui.add_space(10.0);
+        let button = ui.button(Command::OpenPart.label());
+        if button.on_hover_text(Command::OpenPart.tip_with_keys(ui.ctx())).clicked() {
+            wish = Some(Wish::Command(Command::OpenPart));
+        }
+        if samples.is_empty() {
+            return;
+        }
+        ui.add_space(18.0);
+        ui.label(RichText::new("or look at a sample").weak());
+        ui.add_space(4.0);
+        for sample in samples {
+            let text = RichText::new(sample.name).size(15.0);
+            if ui.add(egui::Button::new(text).min_size([170.0, 28.0].into())).clicked() {
+                wish = Some(Wish::Open(PartSource::Sample(sample.name.to_owned())));
+            }
+            ui.label(RichText::new(sample.about).weak().small());
+            ui.add_space(4.0);
+        }
+    });
+    wish
+}

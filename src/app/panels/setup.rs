@@ -1,0 +1,89 @@
+//! Panel "Setup": policy, limits, allowances.
+
+use egui::{ComboBox, Grid, Ui};
+
+use crate::part::{AxisPolicy, Setup};
+
+use super::fields::{self, Spec};
+
+/// Name of a policy on the screen.
+pub fn policy_label(policy: AxisPolicy) -> &'static str {
+    match policy {
+        AxisPolicy::Conventional => "Conventional",
+        AxisPolicy::Monotone => "Monotone",
+    }
+}
+
+fn policy_tip(policy: AxisPolicy) -> &'static str {
+    match policy {
+        AxisPolicy::Conventional => "Isoparametric axes, left as they are",
+        AxisPolicy::Monotone => "The angle between hub normal and axis grows from position to position",
+    }
+}
+
+/// Policies the planner has.
+const POLICIES: [AxisPolicy; 2] = [AxisPolicy::Monotone, AxisPolicy::Conventional];
+
+const STEP: Spec = Spec::mm(
+    "Step",
+    "Greatest distance of neighbouring axes along a row; auto: each cutter's insert width",
+    0.5,
+    100.0,
+);
+const ROW_SPACING: Spec = Spec::mm(
+    "Row spacing",
+    "Greatest distance of neighbouring rows; auto: 4/3 of each cutter's radius",
+    0.5,
+    200.0,
+);
+const SCALLOP: Spec = Spec::mm("Wall scallop", "Greatest scallop between plunges along a wall", 0.01, 5.0);
+const TILT: Spec =
+    Spec::degrees("Tilt limit", "Largest angle of an axis from the isoparametric one", 0.0, 90.0);
+const CHANGE: Spec =
+    Spec::degrees("Axis change", "Largest angle between the axes of neighbouring positions", 0.1, 90.0);
+const HUB: Spec = Spec::mm("Hub allowance", "Stock that must stay on the hub", 0.0, 20.0);
+const BLADE: Spec = Spec::mm("Blade allowance", "Stock that must stay on the blades", 0.0, 20.0);
+const SAFETY: Spec =
+    Spec::mm("Safety distance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0);
+const INLET: Spec =
+    Spec::mm("Inlet extension", "Length of blank before the leading edge, along hub and shroud", 0.0, 200.0);
+
+/// Draws the plunge fields.
+pub fn plunge(ui: &mut Ui, setup: &mut Setup) {
+    let default = Setup::default().plunge;
+    form(ui, "plunge fields", |ui| {
+        let label = ui.label("Axis policy").on_hover_text("How the axes of the \"after\" plan are made");
+        let policy = &mut setup.plunge.axis;
+        ComboBox::from_id_salt("axis policy")
+            .selected_text(policy_label(*policy))
+            .show_ui(ui, |ui| {
+                for choice in POLICIES {
+                    ui.selectable_value(policy, choice, policy_label(choice))
+                        .on_hover_text(policy_tip(choice));
+                }
+            })
+            .response
+            .labelled_by(label.id);
+        ui.end_row();
+        fields::optional_row(ui, &mut setup.plunge.step, &STEP, "auto");
+        fields::optional_row(ui, &mut setup.plunge.row_spacing, &ROW_SPACING, "auto");
+        fields::angle_row(ui, &mut setup.plunge.max_tilt, default.max_tilt, &TILT);
+        fields::angle_row(ui, &mut setup.plunge.max_axis_change, default.max_axis_change, &CHANGE);
+        fields::row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
+    });
+}
+
+/// Draws the stock fields.
+pub fn stock(ui: &mut Ui, setup: &mut Setup) {
+    let default = Setup::default().stock;
+    form(ui, "stock fields", |ui| {
+        fields::row(ui, &mut setup.stock.hub_allowance, default.hub_allowance, &HUB);
+        fields::row(ui, &mut setup.stock.blade_allowance, default.blade_allowance, &BLADE);
+        fields::row(ui, &mut setup.stock.safety_distance, default.safety_distance, &SAFETY);
+        fields::row(ui, &mut setup.stock.inlet_extension, default.inlet_extension, &INLET);
+    });
+}
+
+fn form(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    Grid::new(name).num_columns(2).min_col_width(92.0).spacing([8.0, 4.0]).show(ui, content);
+}

@@ -1,0 +1,173 @@
+//! Panel "Tools": cutters and the sections they cut, as chosen by the program or given by hand.
+
+use egui::{ComboBox, Grid, RichText, Ui};
+
+use crate::part::setup::{Feed, SectionSetup};
+use crate::part::{Setup, Tool};
+
+use super::fields::{self, Spec};
+
+const DIAMETER: Spec = Spec::mm("Diameter", "", 0.5, 200.0);
+const CORNER: Spec = Spec::mm("Corner radius", "", 0.0, 100.0);
+const INSERT: Spec =
+    Spec::mm("Insert width", "Radial width of the bottom edges; nothing cuts inside", 0.1, 100.0);
+const OVERHANG: Spec = Spec::mm("Overhang", "Free length from tip to holder", 1.0, 1000.0);
+const FEED: Spec = Spec::plain("Plunge feed", " mm/min", 10_000.0);
+const SPINDLE: Spec = Spec::plain("Spindle", " /min", 100_000.0);
+const S: Spec = Spec {
+    label: "s",
+    tip: "Fraction of meridional arc length: 0 at the leading edge, 1 at the rim",
+    unit: "",
+    least: -1.0,
+    greatest: 1.0,
+    speed: 0.005,
+    decimals: 3,
+};
+
+/// Draws the panel; `chosen` is the setup of the latest plan, with everything filled in.
+pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
+    if setup.tools.is_empty() {
+        ui.label(RichText::new("Chosen from standard sizes for the part").weak());
+        let Some(chosen) = chosen else { return };
+        summary(ui, chosen);
+        let edit = ui.button("Edit cutters and sections").on_hover_text("Takes these over into the setup");
+        if edit.clicked() {
+            setup.tools.clone_from(&chosen.tools);
+            setup.plunge.sections.clone_from(&chosen.plunge.sections);
+        }
+        return;
+    }
+    tools(ui, setup);
+    sections(ui, setup);
+    if ui.button("Choose automatically").on_hover_text("Forgets these cutters and sections").clicked() {
+        setup.tools.clear();
+        setup.plunge.sections.clear();
+    }
+}
+
+fn summary(ui: &mut Ui, setup: &Setup) {
+    Grid::new("chosen tools").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        for head in ["Cutter", "insert", "from s", "to s"] {
+            ui.label(RichText::new(head).weak());
+        }
+        ui.end_row();
+        for section in &setup.plunge.sections {
+            let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
+            ui.label(format!("T{} D {}", tool.number, tool.diameter));
+            ui.label(format!("{} mm", tool.insert_width));
+            ui.label(format!("{:.2}", section.from));
+            ui.label(format!("{:.2}", section.to));
+            ui.end_row();
+        }
+    });
+}
+
+fn tools(ui: &mut Ui, setup: &mut Setup) {
+    let mut remove = None;
+    let last_one = setup.tools.len() == 1;
+    for (k, tool) in setup.tools.iter_mut().enumerate() {
+        let name = format!("T{}  D {}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
+        egui::CollapsingHeader::new(name).id_salt(("tool", k)).show(ui, |ui| {
+            Grid::new("tool fields").num_columns(2).min_col_width(84.0).spacing([8.0, 4.0]).show(ui, |ui| {
+                fields::plain_row(ui, &mut tool.diameter, &DIAMETER);
+                fields::plain_row(ui, &mut tool.insert_width, &INSERT);
+                fields::plain_row(ui, &mut tool.corner_radius, &CORNER);
+                fields::plain_row(ui, &mut tool.overhang, &OVERHANG);
+                fields::plain_row(ui, &mut tool.plunge_feed, &FEED);
+                fields::plain_row(ui, &mut tool.spindle, &SPINDLE);
+            });
+            if tool.insert_width > tool.radius() {
+                ui.label("The insert is wider than the radius; make it narrower");
+            }
+            let delete = ui.add_enabled(!last_one, egui::Button::new("Remove cutter"));
+            if delete.clicked() {
+                remove = Some(k);
+            }
+        });
+    }
+    if let Some(k) = remove {
+        let gone = setup.tools.remove(k);
+        setup.plunge.sections.retain(|section| section.tool != gone.number);
+    }
+    if ui.button("Add cutter").clicked() {
+        let number = setup.tools.iter().map(|tool| tool.number).max().unwrap_or(0).saturating_add(1);
+        let like = setup.tools.last();
+        setup.tools.push(Tool {
+            number,
+            diameter: like.map_or(16.0, |t| t.diameter),
+            corner_radius: like.map_or(0.0, |t| t.corner_radius),
+            insert_width: like.map_or(5.0, |t| t.insert_width),
+            overhang: like.map_or(120.0, |t| t.overhang),
+            plunge_feed: like.map_or(300.0, |t| t.plunge_feed),
+            spindle: like.map_or(1200.0, |t| t.spindle),
+        });
+    }
+}
+
+fn sections(ui: &mut Ui, setup: &mut Setup) {
+    ui.add_space(4.0);
+    ui.label(RichText::new("Sections, outlet to inlet").strong());
+    if setup.plunge.sections.is_empty() {
+        ui.label(RichText::new("Chosen from the cutters").weak());
+    }
+    let numbers: Vec<u32> = setup.tools.iter().map(|tool| tool.number).collect();
+    let mut remove = None;
+    for (k, section) in setup.plunge.sections.iter_mut().enumerate() {
+        ui.push_id(("section", k), |ui| {
+            let title = ui.label(format!("Section {}", k + 1));
+            ui.horizontal(|ui| {
+                ComboBox::from_id_salt("tool")
+                    .width(46.0)
+                    .selected_text(format!("T{}", section.tool))
+                    .show_ui(ui, |ui| {
+                        for number in &numbers {
+                            ui.selectable_value(&mut section.tool, *number, format!("T{number}"));
+                        }
+                    })
+                    .response
+                    .labelled_by(title.id);
+                s_box(ui, &mut section.from).labelled_by(title.id);
+                ui.label("to");
+                s_box(ui, &mut section.to).labelled_by(title.id);
+            });
+            ui.horizontal(|ui| {
+                ComboBox::from_id_salt("feed")
+                    .width(120.0)
+                    .selected_text(feed_label(section.feed))
+                    .show_ui(ui, |ui| {
+                        for feed in [None, Some(Feed::Inward), Some(Feed::Outward)] {
+                            ui.selectable_value(&mut section.feed, feed, feed_label(feed));
+                        }
+                    })
+                    .response
+                    .labelled_by(title.id);
+                if ui.button("Remove").clicked() {
+                    remove = Some(k);
+                }
+            });
+        });
+    }
+    if let Some(k) = remove {
+        setup.plunge.sections.remove(k);
+    }
+    if ui.button("Add section").clicked() {
+        let from = setup.plunge.sections.last().map_or(1.0, |section| section.to);
+        let tool = numbers.last().copied().unwrap_or(1);
+        setup.plunge.sections.push(SectionSetup { tool, from, to: (from - 0.3).max(0.0), feed: None });
+    }
+}
+
+fn s_box(ui: &mut Ui, value: &mut f64) -> egui::Response {
+    ui.spacing_mut().interact_size.x = 44.0;
+    let field =
+        egui::DragValue::new(value).speed(S.speed).range(S.least..=S.greatest).max_decimals(S.decimals);
+    ui.add(field).on_hover_text(S.tip)
+}
+
+fn feed_label(feed: Option<Feed>) -> &'static str {
+    match feed {
+        None => "Feed by default",
+        Some(Feed::Inward) => "Outlet to inlet",
+        Some(Feed::Outward) => "Inlet to outlet",
+    }
+}

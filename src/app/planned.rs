@@ -1,0 +1,169 @@
+//! A finished plan with what the panels show of it, worked out once, off the UI thread.
+
+use std::sync::Arc;
+
+use crate::job::{PlanOutcome, PolicyResult};
+use crate::part::Setup;
+use crate::plunge::{PlungePlan, Position};
+use crate::residual::{FloorGrid, ResidualField};
+
+use super::theme::Condition;
+
+/// Which of the two plans is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// The conventional plan.
+    Before,
+    /// The plan by the policy asked for.
+    #[default]
+    After,
+}
+
+impl Side {
+    /// The other one.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Before => Self::After,
+            Self::After => Self::Before,
+        }
+    }
+
+    /// Word on the switch.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Before => "Before",
+            Self::After => "After",
+        }
+    }
+}
+
+/// A finished plan.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    /// The setup as it was asked for: the plan is out of date when the edited one differs.
+    pub setup: Setup,
+    /// The plan.
+    pub outcome: Arc<PlanOutcome>,
+    /// Mean stock on the hub under each position's cutter, mm; before and after; NaN over no floor.
+    stock: [Vec<f32>; 2],
+    /// Range of the colour scale that both sides share, mm.
+    pub range: (f32, f32),
+}
+
+impl Planned {
+    /// Works out what the panels show.
+    pub fn new(setup: Setup, outcome: PlanOutcome) -> Self {
+        let stock = [&outcome.before, &outcome.after].map(|result| {
+            result.plan.positions.iter().map(|p| stock_under(&outcome, result, p)).collect::<Vec<f32>>()
+        });
+        let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);
+        Self { setup, outcome: Arc::new(outcome), stock, range }
+    }
+
+    /// Plan, field and summary of one side.
+    pub fn result(&self, side: Side) -> &PolicyResult {
+        match side {
+            Side::Before => &self.outcome.before,
+            Side::After => &self.outcome.after,
+        }
+    }
+
+    /// Plan of one side.
+    pub fn plan(&self, side: Side) -> &PlungePlan {
+        &self.result(side).plan
+    }
+
+    /// Mean stock on the hub under the cutter of position `index`, mm.
+    pub fn stock(&self, side: Side, index: usize) -> f32 {
+        self.stock[side as usize].get(index).copied().unwrap_or(f32::NAN)
+    }
+}
+
+/// State of a position.
+pub fn condition(position: &Position) -> Condition {
+    if position.contact.interferes() {
+        Condition::Interferential
+    } else if position.blocked.is_some() {
+        Condition::Blocked
+    } else {
+        Condition::Sound
+    }
+}
+
+/// Range of the scale: from none to the 98th percentile of what was cut, so that neither uncut
+/// floor nor one spike bleaches the rest; rounded up to a figure that reads well.
+fn colour_range(grid: &FloorGrid, fields: [&ResidualField; 2]) -> (f32, f32) {
+    let mut heights = Vec::new();
+    for field in fields {
+        let cells = field.heights.iter().zip(&grid.floor).zip(&grid.blank_heights);
+        // A sample is plenty for a percentile.
+        heights.extend(cells.step_by(7).filter_map(|((&height, &floor), &blank)| {
+            (floor && height.is_finite() && height < blank).then_some(height)
+        }));
+    }
+    if heights.is_empty() {
+        return (0.0, 1.0);
+    }
+    let at = (heights.len() - 1) * 98 / 100;
+    let (_, top, _) = heights.select_nth_unstable_by(at, f32::total_cmp);
+    let top = top.max(0.1);
+    let decade = 10f32.powf(top.log10().floor());
+    let steps = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+    (0.0, steps.iter().map(|s| s * decade).find(|&value| value >= top).unwrap_or(top))
+}
+
+/// Mean height over the floor cells under a cutter.
+fn stock_under(outcome: &PlanOutcome, result: &PolicyResult, position: &Position) -> f32 {
+    let (grid, field) = (&*outcome.grid, &result.field);
+    let Some(radius) = result.plan.sections.get(position.section).map(|s| s.tool.radius() as f32) else {
+        return f32::NAN;
+    };
+    let count = grid.rows * grid.columns;
+    if grid.rows < 2
+        || grid.columns < 2
+        || [grid.points.len(), grid.floor.len(), field.heights.len()].iter().any(|&n| n < count)
+    {
+        return f32::NAN;
+    }
+    let tip: [f32; 3] = [position.tip.x as f32, position.tip.y as f32, position.tip.z as f32];
+    let axis: [f32; 3] = [position.axis.x as f32, position.axis.y as f32, position.axis.z as f32];
+    let near = |fraction: f64, n: usize| (fraction.clamp(0.0, 1.0) * (n - 1) as f64).round() as usize;
+    let (i, j) = (near(position.s, grid.rows), near(position.lambda, grid.columns));
+    let at = |i: usize, j: usize| grid.points[i * grid.columns + j];
+    // Cells to either side that the disc can reach, with room for tilt and curvature.
+    let reach = |a: [f32; 3], b: [f32; 3]| (1.5 * radius / distance(a, b).max(1e-3)).ceil() as usize;
+    let i1 = if i + 1 < grid.rows { i + 1 } else { i - 1 };
+    let j1 = if j + 1 < grid.columns { j + 1 } else { j - 1 };
+    let (along, across) = (reach(at(i, j), at(i1, j)), reach(at(i, j), at(i, j1)));
+    let (mut sum, mut cells) = (0.0f64, 0u32);
+    for row in i.saturating_sub(along)..=(i + along).min(grid.rows - 1) {
+        for column in j.saturating_sub(across)..=(j + across).min(grid.columns - 1) {
+            let index = row * grid.columns + column;
+            let height = field.heights[index];
+            if grid.floor[index] && height.is_finite() && off_axis(grid.points[index], tip, axis) <= radius {
+                sum += f64::from(height);
+                cells += 1;
+            }
+        }
+    }
+    if cells == 0 { f32::NAN } else { (sum / f64::from(cells)) as f32 }
+}
+
+fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let d = difference(a, b);
+    dot(d, d).sqrt()
+}
+
+fn off_axis(point: [f32; 3], tip: [f32; 3], axis: [f32; 3]) -> f32 {
+    let d = difference(point, tip);
+    let along = dot(d, axis);
+    (dot(d, d) - along * along).max(0.0).sqrt()
+}

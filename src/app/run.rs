@@ -1,0 +1,92 @@
+//! Starting the window: Vulkan only, a real card before the software driver, and a readable error
+//! where there is no display or no Vulkan.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use eframe::egui_wgpu;
+use egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+
+use crate::gpu::device::{device_descriptor, pick_adapter};
+
+use super::App;
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+pub enum AppError {
+    /// Neither X11 nor Wayland.
+    #[error(
+        "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)"
+    )]
+    NoDisplay,
+    /// There should be a display, but it does not answer.
+    #[error(
+        "the display {0} cannot be opened; check DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)"
+    )]
+    DeadDisplay(String),
+    /// No usable Vulkan driver.
+    #[error(
+        "Vulkan does not start ({0}); install a driver (on Debian: apt install libvulkan1 mesa-vulkan-drivers)"
+    )]
+    NoVulkan(String),
+    /// Anything else the window system says.
+    #[error("the window does not open ({0}); see the README for the packages it needs")]
+    Window(String),
+}
+
+/// Opens the window, with `initial` (a part or a setup file) in it, and returns when it is closed.
+///
+/// # Errors
+/// [`AppError`] when there is no display, no Vulkan, or the window system refuses.
+pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
+    let start = std::time::Instant::now();
+    if cfg!(target_os = "linux") && !has_display() {
+        return Err(AppError::NoDisplay);
+    }
+    let viewport = egui::ViewportBuilder::default()
+        .with_app_id("vanecut")
+        .with_title("Vanecut")
+        .with_inner_size([1280.0, 800.0])
+        .with_min_inner_size([800.0, 500.0]);
+    let wgpu_options =
+        WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(wgpu_setup()), ..Default::default() };
+    let options = eframe::NativeOptions { viewport, wgpu_options, ..Default::default() };
+    let create = Box::new(move |cc: &eframe::CreationContext<'_>| {
+        let mut app = App::new(cc);
+        app.time_from(start);
+        if let Some(path) = initial {
+            app.open_path(path);
+        }
+        Ok(Box::new(app) as Box<dyn eframe::App>)
+    });
+    eframe::run_native("Vanecut", options, create).map_err(|error| match error {
+        eframe::Error::Wgpu(error) => AppError::NoVulkan(error.to_string()),
+        eframe::Error::WinitEventLoop(_) => AppError::DeadDisplay(display()),
+        error => AppError::Window(error.to_string()),
+    })
+}
+
+fn has_display() -> bool {
+    !display().is_empty()
+}
+
+/// What the environment names as display; empty when it names none.
+fn display() -> String {
+    let named = ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].iter().filter_map(std::env::var_os);
+    let named: Vec<String> = named.map(|value| value.to_string_lossy().into_owned()).collect();
+    named.into_iter().find(|value| !value.is_empty()).unwrap_or_default()
+}
+
+/// Vulkan only: without a Vulkan driver eframe would silently take OpenGL, which draws other pixels
+/// and has no compute.
+fn wgpu_setup() -> WgpuSetupCreateNew {
+    let mut setup = WgpuSetupCreateNew::without_display_handle();
+    setup.instance_descriptor.backends = wgpu::Backends::VULKAN;
+    setup.native_adapter_selector = Some(Arc::new(|adapters, surface| {
+        let fits = |adapter: &&wgpu::Adapter| surface.is_none_or(|s| adapter.is_surface_supported(s));
+        let fitting: Vec<wgpu::Adapter> = adapters.iter().filter(fits).cloned().collect();
+        pick_adapter(&fitting).map_err(|error| error.to_string())
+    }));
+    setup.device_descriptor = Arc::new(device_descriptor);
+    setup
+}

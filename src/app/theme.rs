@@ -1,0 +1,117 @@
+//! Design tokens: every colour and size of the window, declared once, for light and dark.
+//!
+//! States use the Okabe–Ito set, which every eye tells apart, and never stand without a word or a mark.
+
+use egui::{Color32, Context, CornerRadius, Stroke, Theme, Visuals};
+
+/// What a position is like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// The core is free.
+    Sound,
+    /// The policy's axis could not be had.
+    Blocked,
+    /// The core meets stock.
+    Interferential,
+}
+
+impl Condition {
+    /// The word that goes with the colour.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::Blocked => "blocked",
+            Self::Interferential => "interferential",
+        }
+    }
+
+    /// Colour of the mark: bluish green, orange, vermilion.
+    pub fn mark(self) -> Color32 {
+        match self {
+            Self::Sound => Color32::from_rgb(0, 158, 115),
+            Self::Blocked => Color32::from_rgb(230, 159, 0),
+            Self::Interferential => Color32::from_rgb(213, 94, 0),
+        }
+    }
+
+    /// Colour of text in this state: the mark's hue, with enough contrast to read on a panel.
+    pub fn text(self, visuals: &Visuals) -> Color32 {
+        match (self, visuals.dark_mode) {
+            (Self::Sound, true) => Color32::from_rgb(60, 200, 158),
+            (Self::Blocked, true) => Color32::from_rgb(240, 175, 40),
+            (Self::Interferential, true) => Color32::from_rgb(245, 130, 50),
+            (Self::Sound, false) => Color32::from_rgb(0, 112, 82),
+            (Self::Blocked, false) => Color32::from_rgb(140, 92, 0),
+            (Self::Interferential, false) => Color32::from_rgb(176, 72, 0),
+        }
+    }
+}
+
+/// The one accent: selection, links, the button that goes on.
+pub fn accent(visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode { Color32::from_rgb(86, 160, 220) } else { Color32::from_rgb(0, 98, 160) }
+}
+
+/// Fill of the button that goes on; its text is white in both themes.
+pub const PRIMARY: Color32 = Color32::from_rgb(0, 98, 160);
+
+/// Background of the 3D view.
+pub fn view_background(visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode { Color32::from_gray(30) } else { Color32::from_rgb(232, 234, 237) }
+}
+
+/// Backing of text that floats over the 3D view.
+pub fn overlay(visuals: &Visuals) -> Color32 {
+    visuals.panel_fill.gamma_multiply(0.88)
+}
+
+/// Colour of stock at `fraction` of the range, 0…1 (cividis, as in the 3D view).
+pub fn stock(fraction: f64) -> Color32 {
+    let c = colorous::CIVIDIS.eval_continuous(fraction.clamp(0.0, 1.0));
+    Color32::from_rgb(c.r, c.g, c.b)
+}
+
+/// Widest left and right panels start with, points.
+pub const LEFT_WIDTH: f32 = 252.0;
+/// See [`LEFT_WIDTH`].
+pub const RIGHT_WIDTH: f32 = 296.0;
+/// Height of a table row, points.
+pub const ROW_HEIGHT: f32 = 19.0;
+
+/// Gives both themes their colours and spacing.
+pub fn apply(ctx: &Context) {
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.style_mut_of(theme, |style| {
+            let visuals = &mut style.visuals;
+            visuals.panel_fill =
+                if visuals.dark_mode { Color32::from_gray(38) } else { Color32::from_gray(246) };
+            visuals.window_fill = visuals.panel_fill;
+            visuals.extreme_bg_color =
+                if visuals.dark_mode { Color32::from_gray(26) } else { Color32::from_gray(255) };
+            visuals.override_text_color = None;
+            let accent = accent(visuals);
+            visuals.selection.bg_fill = accent.gamma_multiply(if visuals.dark_mode { 0.45 } else { 0.28 });
+            visuals.selection.stroke =
+                Stroke::new(1.0, if visuals.dark_mode { Color32::WHITE } else { Color32::BLACK });
+            visuals.hyperlink_color = accent;
+            for widget in [
+                &mut visuals.widgets.noninteractive,
+                &mut visuals.widgets.inactive,
+                &mut visuals.widgets.hovered,
+                &mut visuals.widgets.active,
+                &mut visuals.widgets.open,
+            ] {
+                widget.corner_radius = CornerRadius::same(3);
+            }
+            visuals.widgets.noninteractive.fg_stroke.color =
+                if visuals.dark_mode { Color32::from_gray(205) } else { Color32::from_gray(45) };
+            visuals.widgets.inactive.fg_stroke.color =
+                if visuals.dark_mode { Color32::from_gray(220) } else { Color32::from_gray(30) };
+            style.spacing.item_spacing = egui::vec2(6.0, 4.0);
+            style.spacing.button_padding = egui::vec2(6.0, 2.0);
+            style.spacing.combo_width = 120.0;
+            // Nothing fades or slides: the picture is exact as soon as it is there, and idle means idle.
+            style.animation_time = 0.0;
+        });
+    }
+}

@@ -1,0 +1,44 @@
+//! A plunge plan as a cutter-location program.
+
+use super::{ClProgram, ClTool, Motion, Move};
+use crate::plunge::PlungePlan;
+
+impl ClProgram {
+    /// The program of a plan: per plunge in rapid to the retract point, at the plunge feed to the tip,
+    /// in rapid back; positions in cutting order. A position of a section that the plan lacks is left out.
+    pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
+        let mut program = Self { part: part.to_owned(), ..Self::default() };
+        for position in &plan.positions {
+            let Some(tool) = plan.sections.get(position.section).map(|section| &section.tool) else {
+                continue;
+            };
+            let cutter = ClTool {
+                number: tool.number,
+                diameter: tool.diameter,
+                corner_radius: tool.corner_radius,
+                insert_width: Some(tool.insert_width),
+                overhang: Some(tool.overhang),
+                feed: Some(tool.plunge_feed),
+                spindle: Some(tool.spindle),
+            };
+            let known = program.tools.iter().position(|t| *t == cutter);
+            let index = known.unwrap_or_else(|| {
+                program.tools.push(cutter);
+                program.tools.len() - 1
+            });
+            let plunge = [
+                (Motion::Rapid, position.retract),
+                (Motion::Feed(Some(tool.plunge_feed)), position.tip),
+                (Motion::Rapid, position.retract),
+            ];
+            program.moves.extend(plunge.map(|(motion, tip)| Move {
+                motion,
+                tip,
+                axis: position.axis,
+                tool: Some(index),
+                line: 0,
+            }));
+        }
+        program
+    }
+}

@@ -1,0 +1,395 @@
+//! A background thread with one slot for the newest request and one for the latest end.
+//!
+//! The window must neither wait nor drown: a newer request supersedes the running one, an end that
+//! nobody fetched is overwritten by the next, and nothing queues up. [`Worker::cancel`] takes effect
+//! for the caller at once; the thread itself stops as soon as the job looks at its [`Monitor`], and
+//! whatever it still delivers is dropped.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use crate::monitor::Monitor;
+
+/// What became of a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    /// In the slot, not started.
+    Waiting = 0,
+    /// Being worked on.
+    Running = 1,
+    /// There is a result.
+    Done = 2,
+    /// Stopped because the user asked for it.
+    Cancelled = 3,
+    /// Stopped, or never started, because a newer request came.
+    Superseded = 4,
+    /// The job returned an error, or broke down.
+    Failed = 5,
+}
+
+impl Status {
+    /// Whether nothing more will come.
+    pub fn is_end(self) -> bool {
+        !matches!(self, Self::Waiting | Self::Running)
+    }
+
+    fn from_u8(value: u8) -> Self {
+        match value {
+            0 => Self::Waiting,
+            1 => Self::Running,
+            2 => Self::Done,
+            3 => Self::Cancelled,
+            4 => Self::Superseded,
+            _ => Self::Failed,
+        }
+    }
+}
+
+/// One request's number, progress and fate; cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Ticket {
+    number: u64,
+    status: Arc<AtomicU8>,
+    monitor: Arc<Monitor>,
+}
+
+impl Ticket {
+    fn new(number: u64) -> Self {
+        Self { number, status: Arc::new(AtomicU8::new(Status::Waiting as u8)), monitor: Arc::default() }
+    }
+
+    /// Counts up from 1 within a worker.
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// What became of the request so far.
+    pub fn status(&self) -> Status {
+        Status::from_u8(self.status.load(Ordering::Acquire))
+    }
+
+    /// Progress, 0…1.
+    pub fn progress(&self) -> f64 {
+        self.monitor.progress()
+    }
+
+    fn set(&self, status: Status) {
+        self.status.store(status as u8, Ordering::Release);
+    }
+
+    fn stop(&self, status: Status) {
+        self.set(status);
+        self.monitor.cancel();
+    }
+}
+
+/// How a request ended. A superseded one ends silently: its [`Ticket::status`] says so.
+#[derive(Debug)]
+pub enum End<T, E> {
+    /// The result.
+    Done(T),
+    /// The user cancelled; keep the last good result.
+    Cancelled,
+    /// The job said why there is no result.
+    Failed(E),
+    /// The job panicked: a fault of the program, not of the input. Holds the panic's message.
+    Broken(String),
+}
+
+struct Desk<R, T, E> {
+    next: Option<(R, Ticket)>,
+    running: Option<Ticket>,
+    ended: Option<(Ticket, End<T, E>)>,
+    requests: u64,
+    closing: bool,
+}
+
+struct Shared<R, T, E> {
+    desk: Mutex<Desk<R, T, E>>,
+    wake: Condvar,
+}
+
+impl<R, T, E> Shared<R, T, E> {
+    /// No code that can panic runs under the lock, so a poisoned one is still in order.
+    fn desk(&self) -> MutexGuard<'_, Desk<R, T, E>> {
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The background thread; joined when dropped, after asking the job to stop.
+pub struct Worker<R, T, E> {
+    shared: Arc<Shared<R, T, E>>,
+    thread: Option<JoinHandle<()>>,
+    notify: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl<R, T, E> Worker<R, T, E>
+where
+    R: Send + 'static,
+    T: Send + 'static,
+    E: Send + 'static,
+{
+    /// Starts a thread called `name` that answers requests with `job`; `notify` is called, from any
+    /// thread, after every end.
+    ///
+    /// # Panics
+    /// When the system refuses a thread.
+    pub fn new(
+        name: &str,
+        job: impl Fn(&R, &Monitor) -> Result<T, E> + Send + Sync + 'static,
+        notify: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let desk = Desk { next: None, running: None, ended: None, requests: 0, closing: false };
+        let shared = Arc::new(Shared { desk: Mutex::new(desk), wake: Condvar::new() });
+        let notify: Arc<dyn Fn() + Send + Sync> = Arc::new(notify);
+        let thread = {
+            let (shared, notify) = (Arc::clone(&shared), Arc::clone(&notify));
+            std::thread::Builder::new()
+                .name(name.to_owned())
+                .spawn(move || serve(&shared, &job, notify.as_ref()))
+                .expect("a process that may open a window may start a thread")
+        };
+        Self { shared, thread: Some(thread), notify }
+    }
+
+    /// Puts `request` into the slot. A waiting or running one is superseded.
+    pub fn submit(&self, request: R) -> Ticket {
+        let mut desk = self.shared.desk();
+        desk.requests += 1;
+        let ticket = Ticket::new(desk.requests);
+        if let Some(running) = desk.running.take() {
+            running.stop(Status::Superseded);
+        }
+        if let Some((_, waiting)) = desk.next.replace((request, ticket.clone())) {
+            waiting.stop(Status::Superseded);
+        }
+        drop(desk);
+        self.shared.wake.notify_one();
+        ticket
+    }
+
+    /// Cancels what waits or runs: [`Self::take_end`] has the end at once, and nothing of the
+    /// cancelled request comes later. Without such a request nothing happens.
+    pub fn cancel(&self) {
+        let mut desk = self.shared.desk();
+        let waiting = desk.next.take().map(|(_, ticket)| ticket);
+        let running = desk.running.take();
+        let Some(ticket) = waiting.or(running) else { return };
+        ticket.stop(Status::Cancelled);
+        desk.ended = Some((ticket, End::Cancelled));
+        drop(desk);
+        (self.notify)();
+    }
+
+    /// Progress 0…1 of what waits or runs; `None` when idle.
+    pub fn progress(&self) -> Option<f64> {
+        let desk = self.shared.desk();
+        match (&desk.next, &desk.running) {
+            (Some(_), _) => Some(0.0),
+            (None, Some(running)) => Some(running.progress()),
+            (None, None) => None,
+        }
+    }
+
+    /// Whether something waits or runs.
+    pub fn is_busy(&self) -> bool {
+        self.progress().is_some()
+    }
+
+    /// Fetches the latest end, once.
+    pub fn take_end(&self) -> Option<(Ticket, End<T, E>)> {
+        self.shared.desk().ended.take()
+    }
+}
+
+impl<R, T, E> Drop for Worker<R, T, E> {
+    fn drop(&mut self) {
+        {
+            let mut desk = self.shared.desk();
+            desk.closing = true;
+            desk.next = None;
+            if let Some(running) = desk.running.take() {
+                running.stop(Status::Cancelled);
+            }
+        }
+        self.shared.wake.notify_all();
+        if let Some(thread) = self.thread.take() {
+            // A panic of the job is caught inside; nothing is left to report here.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn serve<R, T, E>(
+    shared: &Shared<R, T, E>,
+    job: &impl Fn(&R, &Monitor) -> Result<T, E>,
+    notify: &(dyn Fn() + Send + Sync),
+) {
+    loop {
+        let (request, ticket) = {
+            let mut desk = shared.desk();
+            loop {
+                if desk.closing {
+                    return;
+                }
+                if let Some((request, ticket)) = desk.next.take() {
+                    ticket.set(Status::Running);
+                    desk.running = Some(ticket.clone());
+                    break (request, ticket);
+                }
+                desk = shared.wake.wait(desk).unwrap_or_else(PoisonError::into_inner);
+            }
+        };
+        let answer = catch_unwind(AssertUnwindSafe(|| job(&request, &ticket.monitor)));
+        let mut desk = shared.desk();
+        // Cancelled or superseded meanwhile: the desk already holds the end, or a newer request.
+        if desk.running.as_ref().is_none_or(|running| running.number != ticket.number) {
+            continue;
+        }
+        desk.running = None;
+        let end = match answer {
+            Ok(Ok(result)) => End::Done(result),
+            Ok(Err(error)) => End::Failed(error),
+            Err(panic) => End::Broken(panic_text(panic.as_ref())),
+        };
+        ticket.set(if matches!(end, End::Done(_)) { Status::Done } else { Status::Failed });
+        desk.ended = Some((ticket, end));
+        drop(desk);
+        notify();
+    }
+}
+
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicUsize;
+    use std::time::{Duration, Instant};
+
+    /// Request `n`: 0 answers at once, 1 works until told to stop, 2 fails, 3 panics, 4 ignores cancel for a while.
+    fn fake(request: &u32, monitor: &Monitor) -> Result<u32, &'static str> {
+        match request {
+            1 => loop {
+                monitor.report(0.5);
+                monitor.check().map_err(|_| "stopped")?;
+                std::thread::sleep(Duration::from_millis(1));
+            },
+            2 => Err("no"),
+            3 => panic!("broken on purpose"),
+            4 => {
+                std::thread::sleep(Duration::from_millis(200));
+                Ok(4)
+            }
+            n => Ok(*n),
+        }
+    }
+
+    fn until<T>(mut what: impl FnMut() -> Option<T>) -> T {
+        let start = Instant::now();
+        loop {
+            if let Some(found) = what() {
+                return found;
+            }
+            assert!(start.elapsed() < Duration::from_secs(10), "nothing happened for 10 s");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn answers_and_notifies() {
+        let calls = Arc::new(AtomicUsize::new(0));
+        let counter = Arc::clone(&calls);
+        let worker = Worker::new("test", fake, move || {
+            counter.fetch_add(1, Ordering::SeqCst);
+        });
+        let ticket = worker.submit(7);
+        let (ended, end) = until(|| worker.take_end());
+        assert!(matches!(end, End::Done(7)), "{end:?}");
+        assert_eq!(ended.number(), ticket.number(), "the end belongs to the request");
+        assert_eq!(ticket.status(), Status::Done, "status of a finished request");
+        until(|| (calls.load(Ordering::SeqCst) == 1).then_some(()));
+        assert!(worker.take_end().is_none(), "an end is fetched once");
+        assert!(!worker.is_busy(), "idle afterwards");
+    }
+
+    #[test]
+    fn cancel_acts_within_50_ms() {
+        let worker = Worker::new("test", fake, || ());
+        for stubborn in [1, 4] {
+            let ticket = worker.submit(stubborn);
+            until(|| (ticket.status() == Status::Running).then_some(()));
+            let start = Instant::now();
+            worker.cancel();
+            let (_, end) = worker.take_end().expect("the end is there at once");
+            assert!(start.elapsed() < Duration::from_millis(50), "cancel took {:?}", start.elapsed());
+            assert!(matches!(end, End::Cancelled), "{end:?}");
+            assert_eq!(ticket.status(), Status::Cancelled, "status of a cancelled request");
+            assert!(!worker.is_busy(), "idle after a cancel");
+        }
+        // The stubborn job's late result never shows, and the worker goes on.
+        worker.submit(7);
+        let (_, end) = until(|| worker.take_end());
+        assert!(matches!(end, End::Done(7)), "{end:?}");
+    }
+
+    #[test]
+    fn newer_request_supersedes() {
+        let worker = Worker::new("test", fake, || ());
+        let first = worker.submit(1);
+        until(|| (first.status() == Status::Running).then_some(()));
+        let second = worker.submit(1);
+        let third = worker.submit(9);
+        let (ended, end) = until(|| worker.take_end());
+        assert!(matches!(end, End::Done(9)), "{end:?}");
+        assert_eq!(ended.number(), third.number(), "only the newest ends visibly");
+        assert_eq!(first.status(), Status::Superseded, "the running one");
+        assert_eq!(second.status(), Status::Superseded, "the waiting one");
+    }
+
+    #[test]
+    fn failure_and_panic_are_told_apart() {
+        let worker = Worker::new("test", fake, || ());
+        worker.submit(2);
+        assert!(matches!(until(|| worker.take_end()).1, End::Failed("no")), "an error is an error");
+        let ticket = worker.submit(3);
+        let (_, end) = until(|| worker.take_end());
+        assert!(matches!(&end, End::Broken(text) if text == "broken on purpose"), "{end:?}");
+        assert_eq!(ticket.status(), Status::Failed, "a panic counts as failed");
+        worker.submit(7);
+        assert!(matches!(until(|| worker.take_end()).1, End::Done(7)), "the thread survives a panic");
+    }
+
+    #[test]
+    fn drop_stops_the_job_and_joins() {
+        let alive = Arc::new(());
+        let inside = Arc::clone(&alive);
+        let worker = Worker::new(
+            "test",
+            move |request: &u32, monitor: &Monitor| {
+                let _inside = &inside;
+                fake(request, monitor)
+            },
+            || (),
+        );
+        let ticket = worker.submit(1);
+        until(|| (ticket.status() == Status::Running).then_some(()));
+        let start = Instant::now();
+        drop(worker);
+        assert!(start.elapsed() < Duration::from_millis(500), "drop waits for the job's next check only");
+        assert_eq!(Arc::strong_count(&alive), 1, "the thread is gone");
+    }
+
+    #[test]
+    fn cancel_without_work_is_silent() {
+        let worker = Worker::new("test", fake, || ());
+        worker.cancel();
+        assert!(worker.take_end().is_none(), "nothing was cancelled");
+    }
+}

@@ -1,0 +1,157 @@
+//! A stand-in for the planner: quick, obedient, and with a plan whose faults are known. The part is real.
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use vanecut::app::engine::Engine;
+use vanecut::geometry::Vector;
+use vanecut::job::{JobError, PlanOutcome, PlanRequest, PolicyResult, Summary};
+use vanecut::monitor::Monitor;
+use vanecut::part::channel::{Channel, Passage};
+use vanecut::part::setup::{Feed, SectionSetup};
+use vanecut::part::{AxisPolicy, Impeller, Tool};
+use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan};
+use vanecut::residual::{FloorGrid, ResidualField};
+
+/// Faults of the conventional plan at the tools' own step.
+pub const FAULTS: usize = 5;
+
+/// While set, the planner works on without end, until it is told to stop.
+pub type Slow = Arc<AtomicBool>;
+
+/// The real samples under the stand-in.
+pub fn engine() -> (Engine, Slow) {
+    let slow = Slow::default();
+    let stalls = Arc::clone(&slow);
+    let plan = move |request: &PlanRequest, monitor: &Monitor| {
+        while stalls.load(Ordering::SeqCst) {
+            monitor.report(0.4);
+            monitor.check().map_err(|_| JobError::Cancelled)?;
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        plan(request)
+    };
+    (Engine { plan: Arc::new(plan), ..Engine::default() }, slow)
+}
+
+fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
+    if request.setup.stock.hub_allowance > 10.0 {
+        let what = "the hub allowance of 12 mm leaves no channel at s 0.31".to_owned();
+        return Err(JobError::Setup { what, cure: "make it smaller".to_owned() });
+    }
+    let part = &request.part;
+    let passage = Channel::of(part).full;
+    let tool = Tool {
+        number: 1,
+        diameter: 30.0,
+        corner_radius: 0.0,
+        insert_width: 10.0,
+        overhang: 120.0,
+        plunge_feed: 300.0,
+        spindle: 1200.0,
+    };
+    let grid = Arc::new(grid(part, &passage));
+    let result = |policy: AxisPolicy| {
+        let plan = plunges(request, &passage, &tool, policy);
+        let height = if policy == AxisPolicy::Conventional { 2.6 } else { 1.1 };
+        let wave = |k: usize| {
+            let (i, j) = (k / grid.columns, k % grid.columns);
+            height * (1.0 + 0.6 * (i as f32 * 0.5).sin() * (j as f32 / grid.columns as f32 * 3.0 * PI).sin())
+        };
+        let heights = (0..grid.points.len()).map(wave).collect();
+        let field = ResidualField { heights, traces: Vec::new() };
+        let summary = summary(&plan, f64::from(height));
+        PolicyResult { plan, field, summary }
+    };
+    let mut setup = request.setup.clone();
+    setup.tools = vec![tool.clone()];
+    setup.plunge.sections = vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, feed: Some(Feed::Inward) }];
+    Ok(PlanOutcome {
+        part: Arc::clone(part),
+        setup,
+        grid: Arc::clone(&grid),
+        before: result(AxisPolicy::Conventional),
+        after: result(request.policy),
+        elapsed: 0.084,
+    })
+}
+
+/// Two rows from the rim to half of the channel; the last ones of the first row interfere under the
+/// conventional policy, and one is blocked under the other.
+fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPolicy) -> PlungePlan {
+    let per_row = (160.0 / request.setup.plunge.step.unwrap_or(tool.insert_width)).ceil() as usize;
+    let mut positions = Vec::new();
+    for (row, lambda) in [0.32, 0.68].into_iter().enumerate() {
+        for k in 0..per_row {
+            let s = 1.0 - 0.5 * k as f64 / per_row as f64;
+            let at = |eta| passage.point(&request.part, s, lambda, eta).expect("inside the channel").point;
+            let (tip, top) = (at(0.02), at(1.0));
+            let axis: Vector = (top - tip).normalize();
+            let conventional = policy == AxisPolicy::Conventional;
+            let interferes = conventional && row == 0 && k + FAULTS >= per_row;
+            positions.push(Position {
+                tip,
+                axis,
+                retract: top + axis * 6.0,
+                section: 0,
+                row,
+                s,
+                lambda,
+                alpha: (2.0 + 0.4 * k as f64).to_radians() * if conventional { -1.0 } else { 1.0 },
+                contact_point: tip,
+                contact: CoreContact { depth: if interferes { 2.56 } else { 0.0 }, area_share: 0.2 },
+                blocked: (!conventional && row == 1 && k == 1).then_some(Blocked::Walls),
+                hub_clearance: 0.5,
+                blade_clearance: 0.5,
+                retract_clearance: 2.0,
+            });
+        }
+    }
+    let section = SectionPlan { tool: tool.clone(), from: 1.0, to: 0.5, feed: Feed::Inward, rows: 2 };
+    PlungePlan { policy, sections: vec![section], positions, dropped: Vec::new(), rounds: 2, settled: true }
+}
+
+fn summary(plan: &PlungePlan, mean: f64) -> Summary {
+    let faults = plan.positions.iter().filter(|p| p.contact.interferes()).count();
+    Summary {
+        positions: plan.positions.len(),
+        interferential: faults,
+        max_contact_depth: if faults > 0 { 2.56 } else { 0.0 },
+        residual_mean: mean,
+        residual_p95: 1.6 * mean,
+        residual_max: 2.0 * mean,
+        uncut_share: 0.012,
+        min_hub_clearance: 0.5,
+        min_blade_clearance: 0.5,
+        min_retract_clearance: 2.0,
+        max_axis_change: 0.02,
+        cut_length: 2000.0,
+        rapid_length: 4000.0,
+        time_estimate: 1080.0,
+        blocked: plan.positions.iter().filter(|p| p.blocked.is_some()).count(),
+    }
+}
+
+fn grid(part: &Impeller, passage: &Passage) -> FloorGrid {
+    let (rows, columns) = (64, 32);
+    let mut grid = FloorGrid {
+        rows,
+        columns,
+        points: Vec::new(),
+        normals: Vec::new(),
+        blank_heights: vec![40.0; rows * columns],
+        areas: vec![12.0; rows * columns],
+        floor: vec![true; rows * columns],
+    };
+    for i in 0..rows {
+        for j in 0..columns {
+            let (s, lambda) = (i as f64 / (rows - 1) as f64, j as f64 / (columns - 1) as f64);
+            let at = |eta| passage.point(part, s, lambda, eta).expect("inside the channel").point;
+            let (foot, normal) = (at(0.0), (at(0.01) - at(0.0)).normalize());
+            grid.points.push([foot.x as f32, foot.y as f32, foot.z as f32]);
+            grid.normals.push([normal.x as f32, normal.y as f32, normal.z as f32]);
+        }
+    }
+    grid
+}

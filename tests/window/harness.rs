@@ -1,0 +1,69 @@
+//! Drives the window without a screen, on software Vulkan, and compares pictures.
+
+use std::time::{Duration, Instant};
+
+use egui_kittest::{Harness, SnapshotOptions};
+use vanecut::app::App;
+use vanecut::app::engine::{Engine, PartSource};
+
+/// A window of 900 × 600.
+pub type Window = Harness<'static, App>;
+
+/// Opens a window over `engine`.
+pub fn window(engine: Engine) -> Window {
+    Harness::builder()
+        .with_size([900.0, 600.0])
+        .with_theme(egui::Theme::Dark)
+        .with_render_cursor(false)
+        .wgpu_setup(vulkan())
+        .build_eframe(|cc| App::with_engine(cc, engine))
+}
+
+/// The test harness' own setup, without its way out to OpenGL: that draws other pixels.
+fn vulkan() -> eframe::egui_wgpu::WgpuSetup {
+    let mut setup = egui_kittest::wgpu::default_wgpu_setup();
+    if let eframe::egui_wgpu::WgpuSetup::CreateNew(new) = &mut setup {
+        new.instance_descriptor.backends = wgpu::Backends::VULKAN;
+    }
+    setup
+}
+
+/// A window with a sample part in it, planned.
+pub fn with_sample(engine: Engine) -> Window {
+    let mut window = window(engine);
+    window.state_mut().open_part(PartSource::Sample("impeller532".to_owned()));
+    settle(&mut window);
+    window
+}
+
+/// Draws until the background work is done and shown.
+pub fn settle(window: &mut Window) {
+    let start = Instant::now();
+    window.step();
+    while window.state().is_busy() {
+        assert!(start.elapsed() < Duration::from_secs(120), "the work does not end");
+        std::thread::sleep(Duration::from_millis(2));
+        window.step();
+    }
+    window.run_steps(4);
+}
+
+/// What is allowed to differ between machines: anti-aliasing of text.
+const UI: (f32, usize) = (0.6, 20);
+/// The same for pictures with a 3D view in them: edges of triangles.
+const VIEW: (f32, usize) = (1.2, 400);
+
+/// Compares a window without a 3D view.
+pub fn snapshot_ui(window: &mut Window, name: &str) {
+    snapshot(window, name, UI);
+}
+
+/// Compares a window with a 3D view.
+pub fn snapshot_view(window: &mut Window, name: &str) {
+    snapshot(window, name, VIEW);
+}
+
+fn snapshot(window: &mut Window, name: &str, (threshold, pixels): (f32, usize)) {
+    let options = SnapshotOptions::new().threshold(threshold).max_failed_pixels(pixels);
+    window.snapshot_options(name, &options);
+}

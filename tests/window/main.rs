@@ -1,0 +1,321 @@
+//! The window, driven through its accessible names on software Vulkan.
+
+mod fake;
+mod harness;
+mod real;
+
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use harness::{settle, snapshot_ui, snapshot_view, window, with_sample};
+use vanecut::app::dialogs::Purpose;
+use vanecut::app::planned::Side;
+use vanecut::app::state::Tone;
+
+#[test]
+fn nothing_open_offers_the_samples() {
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    window.run_steps(2);
+    snapshot_ui(&mut window, "empty");
+    window.get_by_label("impeller532").click();
+    window.step();
+    settle(&mut window);
+    let state = window.state().state();
+    assert_eq!(state.part.as_ref().map(|part| part.impeller.blade_count), Some(17), "the sample is open");
+    assert!(state.planned.is_some(), "its first plan comes by itself");
+}
+
+#[test]
+fn the_repaired_plan_interferes_nowhere_and_both_can_be_seen() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Interferential 5 to 0");
+    snapshot_view(&mut window, "after");
+    window.get_by_label("Before").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().side, Side::Before, "the switch shows the other plan");
+    snapshot_view(&mut window, "before");
+    window.key_press(egui::Key::B);
+    window.run_steps(2);
+    assert_eq!(window.state().state().side, Side::After, "so does its key");
+}
+
+#[test]
+fn an_edited_setup_is_out_of_date_until_planned_again() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let before = window.state().state().position_count();
+    assert!(window.query_by_label("Out of date").is_none(), "fresh plan");
+    let step = window.get_by_role_and_label(Role::SpinButton, "Step");
+    step.set_value_accesskit(5.0);
+    window.run_steps(3);
+    window.get_by_label("Out of date");
+    assert_eq!(window.state().state().setup.plunge.step, Some(5.0), "the field edits the setup");
+    assert_eq!(window.state().state().position_count(), before, "nothing is planned behind the user's back");
+    snapshot_view(&mut window, "out_of_date");
+    window.get_by_role_and_label(Role::Button, "Plan channel").click();
+    window.step();
+    settle(&mut window);
+    assert!(window.query_by_label("Out of date").is_none(), "planned again");
+    assert!(window.state().state().position_count() > before, "a smaller step has more positions");
+    window.get_by_label("Reset step").click();
+    window.run_steps(2);
+    assert_eq!(window.state().state().setup.plunge.step, None, "the dot resets");
+}
+
+#[test]
+fn cancel_acts_at_once_and_keeps_the_last_good_plan() {
+    let (engine, slow) = fake::engine();
+    let mut window = with_sample(engine);
+    slow.store(true, Ordering::SeqCst);
+    window.key_press(egui::Key::F5);
+    window.step();
+    assert!(window.state().is_busy(), "planning");
+    std::thread::sleep(Duration::from_millis(20));
+    window.step();
+    let start = Instant::now();
+    window.get_by_label("Cancel").click();
+    // Pressing and letting go are two events; the second frame shows what came of them.
+    while window.state().is_busy() {
+        assert!(start.elapsed() < Duration::from_secs(5), "cancel does nothing");
+        window.step();
+    }
+    let state = window.state().state();
+    assert!(state.planned.is_some(), "the last good plan stays");
+    window.step();
+    let notice = window.state().state().notice.clone().expect("a word about it");
+    assert_eq!((notice.tone, notice.text.contains("cancelled")), (Tone::Done, true), "{notice:?}");
+    slow.store(false, Ordering::SeqCst);
+}
+
+#[test]
+fn a_newer_request_supersedes_the_running_one() {
+    let (engine, slow) = fake::engine();
+    let mut window = with_sample(engine);
+    slow.store(true, Ordering::SeqCst);
+    window.key_press(egui::Key::F5);
+    window.step();
+    slow.store(false, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(4.0);
+    window.run_steps(2);
+    window.key_press(egui::Key::F5);
+    settle(&mut window);
+    assert!(!window.state().state().out_of_date(), "the newest request's plan is shown");
+}
+
+#[test]
+fn a_row_of_the_table_selects_its_position() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Position 3").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().selected, Some(2), "the third in cutting order");
+    snapshot_view(&mut window, "selected");
+    window.key_press(egui::Key::ArrowRight);
+    window.run_steps(2);
+    assert_eq!(window.state().state().selected, Some(3), "the arrow goes on");
+}
+
+#[test]
+fn faults_are_listed_and_can_be_stepped_through() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::B);
+    window.key_press(egui::Key::N);
+    window.run_steps(3);
+    let state = window.state().state();
+    let first = state.selected.expect("a fault is selected");
+    let plan = state.planned.as_ref().expect("planned").plan(Side::Before);
+    assert!(plan.positions[first].contact.interferes(), "it is one");
+    window.get_by_role_and_label(Role::ComboBox, "Positions").click();
+    window.run_steps(2);
+    window.get_by_label("Interferential only").click();
+    window.run_steps(2);
+    assert_eq!(window.state().state().filtered().len(), fake::FAULTS, "the filter leaves the faults");
+}
+
+#[test]
+fn the_mouse_turns_shifts_and_zooms() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let rect = window.get_by_label("3D view").rect();
+    let drag = |window: &mut harness::Window| {
+        window.drag_at(rect.center());
+        window.run_steps(1);
+        window.hover_at(rect.center() + egui::vec2(60.0, 20.0));
+        window.run_steps(1);
+        window.drop_at(rect.center() + egui::vec2(60.0, 20.0));
+        window.run_steps(3);
+    };
+    let start = window.state().camera().expect("a camera");
+    drag(&mut window);
+    let turned = window.state().camera().expect("a camera");
+    assert!((turned.yaw - start.yaw).abs() > 0.1, "a drag turns");
+    window.hover_at(rect.center());
+    window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 120.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    });
+    window.run_steps(6);
+    let zoomed = window.state().camera().expect("a camera");
+    assert!(zoomed.distance < turned.distance, "the wheel goes nearer");
+
+    let middle = |pos, pressed| {
+        let (button, modifiers) = (egui::PointerButton::Middle, egui::Modifiers::NONE);
+        egui::Event::PointerButton { pos, button, pressed, modifiers }
+    };
+    let end = rect.center() + egui::vec2(-40.0, 30.0);
+    window.event(middle(rect.center(), true));
+    window.run_steps(1);
+    window.hover_at(end);
+    window.run_steps(1);
+    window.event(middle(end, false));
+    window.run_steps(3);
+    let shifted = window.state().camera().expect("a camera");
+    assert_eq!((shifted.yaw, shifted.pitch), (zoomed.yaw, zoomed.pitch), "the middle button does not turn");
+    assert!(shifted.target.distance(zoomed.target) > 1.0, "it shifts");
+
+    // The harness takes a quarter of a second per event.
+    window.ctx.options_mut(|options| options.input_options.max_double_click_delay = 3.0);
+    window.hover_at(rect.center());
+    window.run_steps(4);
+    for _ in 0..2 {
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+            window.event(egui::Event::PointerButton { pos: rect.center(), button, pressed, modifiers });
+        }
+        window.run_steps(1);
+    }
+    window.run_steps(3);
+    let centred = window.state().camera().expect("a camera");
+    assert_eq!((centred.yaw, centred.pitch), (shifted.yaw, shifted.pitch), "a double click does not turn");
+    assert_ne!(centred.target, shifted.target, "it centres what is under the cursor");
+}
+
+#[test]
+fn a_fault_is_one_line_with_its_cure() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(12.0);
+    window.run_steps(2);
+    window.key_press(egui::Key::F5);
+    settle(&mut window);
+    window.get_by_label_contains("leaves no channel at s 0.31; make it smaller");
+    assert!(window.state().state().planned.is_some(), "the last good plan stays");
+}
+
+#[test]
+fn a_bad_file_is_named_and_the_open_part_stays() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().open_path("no/such/wheel.toml".into());
+    settle(&mut window);
+    let state = window.state().state();
+    let notice = state.notice.clone().expect("a message");
+    assert_eq!(notice.tone, Tone::Fault);
+    assert!(notice.text.contains("no/such/wheel.toml"), "{notice:?}");
+    assert!(state.part.is_some(), "what was open stays");
+}
+
+#[test]
+fn a_click_on_a_cutter_selects_its_position() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    let rect = window.get_by_label("3D view").rect();
+    let camera = window.state().camera().expect("a camera");
+    let plan = window.state().state().planned.as_ref().expect("planned").plan(Side::After);
+    // Half a radius up the axis of a cutter in the middle of the row: inside its body.
+    let inside = plan.positions[8].tip + plan.positions[8].axis * 7.5;
+    let point = glam::vec3(inside.x as f32, inside.y as f32, inside.z as f32);
+    let pixel = camera.project(point, glam::vec2(rect.width(), rect.height())).expect("in front");
+    let at = rect.min + egui::vec2(pixel.x, pixel.y);
+    window.hover_at(at);
+    for pressed in [true, false] {
+        let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+        window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+    }
+    window.run_steps(3);
+    let selected = window.state().state().selected.expect("a cutter is there");
+    assert!((6..=11).contains(&selected), "the cutter under the cursor or one in front of it: {selected}");
+}
+
+#[test]
+fn fields_take_arithmetic_and_edits_can_be_undone() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.run_steps(6);
+    window.get_by_role_and_label(Role::SpinButton, "Step").click();
+    window.run_steps(2);
+    window.event(egui::Event::Text("30/4 mm".to_owned()));
+    window.run_steps(1);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(8);
+    assert_eq!(window.state().state().setup.plunge.step, Some(7.5), "30/4");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(2);
+    assert_eq!(window.state().state().setup.plunge.step, None, "undone");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Y);
+    window.run_steps(2);
+    assert_eq!(window.state().state().setup.plunge.step, Some(7.5), "done again");
+}
+
+#[test]
+fn setup_cl_file_and_picture_are_written() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
+    window.run_steps(2);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for (purpose, name) in
+        [(Purpose::SaveSetup, "s.toml"), (Purpose::ExportCl, "p.apt"), (Purpose::SavePicture, "v.png")]
+    {
+        window.state_mut().file_chosen(purpose, path(name));
+        settle(&mut window);
+        let notice = window.state().state().notice.clone().expect("a word about it");
+        assert_eq!(notice.tone, Tone::Done, "{notice:?}");
+    }
+    let setup = vanecut::formats::setup_file::read_setup(&path("s.toml")).expect("a setup");
+    assert_eq!(setup.plunge.step, Some(6.0), "the setup as it was edited");
+    let program = vanecut::formats::read_apt(&path("p.apt")).expect("a CL file");
+    let positions =
+        window.state().state().planned.as_ref().expect("planned").plan(Side::After).positions.len();
+    assert_eq!(program.moves.len(), 3 * positions, "down and back per position");
+    let picture = std::fs::read(path("v.png")).expect("a picture");
+    assert!(picture.starts_with(b"\x89PNG"), "a PNG");
+    window.state_mut().file_chosen(Purpose::ExportCl, path("no/such/folder/p.apt"));
+    settle(&mut window);
+    let notice = window.state().state().notice.clone().expect("a word about it");
+    assert_eq!(notice.tone, Tone::Fault, "what cannot be written is said");
+}
+
+#[test]
+fn the_light_theme_says_the_same() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("View").click();
+    window.run_steps(2);
+    window.get_by_label("Switch light and dark").click();
+    window.run_steps(2);
+    window.key_press(egui::Key::Num4);
+    window.key_press(egui::Key::B);
+    window.run_steps(4);
+    snapshot_view(&mut window, "light");
+}
+
+#[test]
+fn the_smallest_window_still_shows_everything() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(800.0, 500.0));
+    window.run_steps(4);
+    snapshot_view(&mut window, "smallest");
+}
