@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
-use vanecut::residual::{CutterGpu, FloorGrid, residual_field, statistics};
+use vanecut::residual::{FieldCutter, FloorGrid, residual_field, statistics};
 
 /// Length of the hub curve, mm.
 const LENGTH: f64 = 200.0;
@@ -37,7 +37,7 @@ fn grid(n: usize) -> FloorGrid {
 }
 
 /// Rows of plunges from the rim inwards, radius 8 mm, axes leaning with the walls.
-fn cutters(positions: usize, corner_radius: f32) -> Vec<CutterGpu> {
+fn cutters(positions: usize, corner_radius: f32) -> Vec<FieldCutter> {
     let rows = positions.div_ceil(PER_ROW);
     let row_of = |k: usize| k / PER_ROW;
     (0..positions)
@@ -49,7 +49,7 @@ fn cutters(positions: usize, corner_radius: f32) -> Vec<CutterGpu> {
             let across = n.cross(&along);
             let axis = (n + along * 0.12 + across * 0.35 * (lambda - 0.5)).normalize();
             let tip = p + n * 1.2;
-            CutterGpu {
+            FieldCutter {
                 tip: [tip.x as f32, tip.y as f32, tip.z as f32],
                 radius: 8.0,
                 axis: [axis.x as f32, axis.y as f32, axis.z as f32],

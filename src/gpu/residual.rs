@@ -10,7 +10,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::device::{Gpu, GpuError};
 use crate::residual::field::{CONTACT_TOLERANCE, CUT_TOLERANCE};
-use crate::residual::{CutterGpu, FloorGrid, PositionTrace, ResidualField, TileBins};
+use crate::residual::{FieldCutter, FloorGrid, PositionTrace, ResidualField, TileBins};
 
 /// The kernel of `shaders/residual.wgsl`, compiled for one device.
 #[derive(Debug)]
@@ -71,7 +71,12 @@ impl ResidualKernel {
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] if the grid does not fit the device, [`GpuError::Failed`] if it fails.
-    pub fn run(&self, gpu: &Gpu, grid: &FloorGrid, cutters: &[CutterGpu]) -> Result<ResidualField, GpuError> {
+    pub fn run(
+        &self,
+        gpu: &Gpu,
+        grid: &FloorGrid,
+        cutters: &[FieldCutter],
+    ) -> Result<ResidualField, GpuError> {
         let cells: Vec<Cell> = (0..grid.rows * grid.columns)
             .map(|cell| Cell {
                 foot: grid.points[cell],
@@ -228,7 +233,7 @@ mod tests {
         let mut runner = TestRunner::deterministic();
         // More cutters than one batch of the shader.
         for count in [1, 20, 300] {
-            let cutters: Vec<CutterGpu> =
+            let cutters: Vec<FieldCutter> =
                 (0..count).map(|_| any_cutter().new_tree(&mut runner).expect("a cutter").current()).collect();
             let cpu = residual_field(&grid, &cutters);
             let field = kernel.run(&gpu, &grid, &cutters).expect("the kernel runs");
@@ -249,9 +254,9 @@ mod tests {
         let gpu = Gpu::headless().expect("a Vulkan driver");
         let kernel = ResidualKernel::new(&gpu).expect("the kernel compiles");
         let grid = saddle(17, 5);
-        let run = |cutters: &[CutterGpu]| kernel.run(&gpu, &grid, cutters).expect("the kernel runs");
+        let run = |cutters: &[FieldCutter]| kernel.run(&gpu, &grid, cutters).expect("the kernel runs");
         assert_eq!(run(&[]), residual_field(&grid, &[]));
-        let far = CutterGpu { tip: [0.0; 3], radius: 1.0, axis: [0.0, 0.0, 1.0], ..Default::default() };
+        let far = FieldCutter { tip: [0.0; 3], radius: 1.0, axis: [0.0, 0.0, 1.0], ..Default::default() };
         assert_eq!(run(&[far]), residual_field(&grid, &[far]));
     }
 }

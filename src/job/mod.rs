@@ -1,14 +1,18 @@
 //! The planning job that window and command line share: request in, result out, progress and
 //! cancel between.
 
+pub mod summary;
 pub mod worker;
 
 use std::sync::Arc;
 
+pub use summary::Summary;
+
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Impeller, Setup};
-use crate::plunge::PlungePlan;
-use crate::residual::{FloorGrid, ResidualField};
+use crate::part::{AxisPolicy, Channel, Impeller, Setup};
+use crate::plunge::sections::{SetupFault, resolve};
+use crate::plunge::{PlanError, Planner, PlungePlan};
+use crate::residual::{FloorGrid, ResidualField, cutters_of, residual_field};
 
 /// What to plan.
 #[derive(Clone, Debug)]
@@ -32,41 +36,6 @@ pub struct PolicyResult {
     pub field: ResidualField,
     /// The numbers that decide.
     pub summary: Summary,
-}
-
-/// Numbers of one plan, or of one section of it (mm; f64::NAN where there is nothing to measure).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
-    /// Number of positions.
-    pub positions: usize,
-    /// Positions whose core meets stock.
-    pub interferential: usize,
-    /// Deepest contact.
-    pub max_contact_depth: f64,
-    /// Residual layer over the cut floor.
-    pub residual_mean: f64,
-    /// 95th percentile.
-    pub residual_p95: f64,
-    /// Greatest.
-    pub residual_max: f64,
-    /// Share of the floor no position reaches.
-    pub uncut_share: f64,
-    /// Least distance of the cutter to the finished hub.
-    pub min_hub_clearance: f64,
-    /// Least distance of the cutter to the finished blades.
-    pub min_blade_clearance: f64,
-    /// Least distance of the bottom at the retract point to the blank.
-    pub min_retract_clearance: f64,
-    /// Largest angle between neighbouring axes of a row, rad.
-    pub max_axis_change: f64,
-    /// Length under plunge feed, mm.
-    pub cut_length: f64,
-    /// Length in rapid, mm.
-    pub rapid_length: f64,
-    /// Time estimate, s.
-    pub time_estimate: f64,
-    /// Positions the blades block.
-    pub blocked: usize,
 }
 
 /// Result of a [`PlanRequest`].
@@ -102,7 +71,55 @@ pub enum JobError {
     },
 }
 
+impl From<SetupFault> for JobError {
+    fn from(fault: SetupFault) -> Self {
+        Self::Setup { what: fault.what, cure: fault.cure }
+    }
+}
+
+impl From<PlanError> for JobError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Cancelled(_) => Self::Cancelled,
+            PlanError::Setup(fault) => fault.into(),
+        }
+    }
+}
+
 /// Plans one channel. The one way to a plan for window and command line alike.
-pub fn run(_request: &PlanRequest, _monitor: &Monitor) -> Result<PlanOutcome, JobError> {
-    todo!()
+///
+/// # Errors
+/// [`JobError::Cancelled`] soon after `monitor` is told so; [`JobError::Setup`] when part and setup
+/// do not go together.
+pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
+    let started = std::time::Instant::now();
+    let part = &request.part;
+    let channel = Channel::of(part);
+    let setup = resolve(&request.setup, part, &channel)?;
+    let planner = Planner::new(part, &channel, &setup);
+    monitor.report(0.05);
+    let conventional = || planner.plan(AxisPolicy::Conventional, monitor);
+    let asked = || match request.policy {
+        AxisPolicy::Conventional => Ok(None),
+        policy => planner.plan(policy, monitor).map(Some),
+    };
+    let floor =
+        || FloorGrid::new(part, &channel, planner.blank(), setup.stock.blade_allowance, request.field_cells);
+    let ((before, grid), after) = rayon::join(|| (conventional(), floor()), asked);
+    let before = with_field(before?, &grid);
+    monitor.check().map_err(|_| JobError::Cancelled)?;
+    let after = match after? {
+        Some(plan) => with_field(plan, &grid),
+        None => before.clone(),
+    };
+    monitor.report(1.0);
+    let elapsed = started.elapsed().as_secs_f64();
+    Ok(PlanOutcome { part: part.clone(), grid: Arc::new(grid), before, after, elapsed, setup })
+}
+
+/// Adds to a plan what it leaves on the hub.
+fn with_field(plan: PlungePlan, grid: &FloorGrid) -> PolicyResult {
+    let field = residual_field(grid, &cutters_of(&plan));
+    let summary = Summary::of(&plan, grid, &field);
+    PolicyResult { plan, field, summary }
 }

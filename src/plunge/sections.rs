@@ -71,7 +71,8 @@ pub fn resolve(setup: &Setup, part: &Impeller, channel: &Channel) -> Result<Setu
         resolved.tools = standard_tools(&widths, setup, part);
     }
     if resolved.plunge.sections.is_empty() {
-        resolved.plunge.sections = sections_for(&resolved.tools, &widths, setup.stock.blade_allowance);
+        resolved.plunge.sections =
+            sections_for(&resolved.tools, &widths, channel, setup.stock.blade_allowance);
     }
     for section in &resolved.plunge.sections {
         let tool = tool_of(&resolved, section.tool)?;
@@ -131,8 +132,12 @@ fn standard_below(limit: f64) -> f64 {
 fn standard_tools(widths: &[f64], setup: &Setup, part: &Impeller) -> Vec<Tool> {
     let room = |w: f64| w - 2.0 * setup.stock.blade_allowance;
     let least = |from: usize| widths[from..].iter().copied().fold(f64::INFINITY, f64::min);
-    // Room for three rows at the outlet, and no cutter so large that it bridges the hub's curve; at the narrowest place there is often room for little more than one.
-    let first = standard_below((0.65 * room(least(7 * STATIONS / 10))).min(0.12 * part.rim_radius()));
+    // Room for three rows at the outlet, no cutter that bridges the hub's curve or that is much wider than the
+    // outlet is deep; at the narrowest place there is often room for little more than one row.
+    let outlet = part.hub.point(1.0).distance(part.shroud.point(1.0));
+    let first = standard_below(
+        (0.65 * room(least(7 * STATIONS / 10))).min(0.12 * part.rim_radius()).min(2.0 * outlet),
+    );
     let last = standard_below(0.8 * room(least(0))).min(first);
     let ratio = first / last;
     let mut diameters = vec![first];
@@ -173,8 +178,8 @@ fn standard_tools(widths: &[f64], setup: &Setup, part: &Impeller) -> Vec<Tool> {
 }
 
 /// Each cutter, largest first, as far inwards as it fits with a little room to tilt; the smallest to
-/// the leading edge.
-fn sections_for(tools: &[Tool], widths: &[f64], allowance: f64) -> Vec<SectionSetup> {
+/// the leading edge. Where passages join in front of a splitter a new section begins.
+fn sections_for(tools: &[Tool], widths: &[f64], channel: &Channel, allowance: f64) -> Vec<SectionSetup> {
     let mut order: Vec<&Tool> = tools.iter().collect();
     order.sort_by(|a, b| b.diameter.total_cmp(&a.diameter));
     let mut sections: Vec<SectionSetup> = Vec::new();
@@ -192,6 +197,11 @@ fn sections_for(tools: &[Tool], widths: &[f64], allowance: f64) -> Vec<SectionSe
             to = 0.0;
         }
         if to < from - 0.04 {
+            let joint = channel.splitter_s.map(|[hub, shroud]| hub.max(shroud));
+            if let Some(joint) = joint.filter(|j| (to + 0.04..from - 0.04).contains(j)) {
+                sections.push(SectionSetup { tool: tool.number, from, to: joint, feed: Some(Feed::Inward) });
+                from = joint;
+            }
             sections.push(SectionSetup { tool: tool.number, from, to, feed: Some(Feed::Inward) });
             from = to;
         }

@@ -31,7 +31,7 @@ const CORNER_TOLERANCE: f32 = 2e-5;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
-pub struct CutterGpu {
+pub struct FieldCutter {
     /// Tip M: centre of the bottom, mm.
     pub tip: [f32; 3],
     /// Radius R, mm.
@@ -83,7 +83,7 @@ pub struct ResidualField {
 /// Walks `cutters` in cutting order over every cell of `grid`.
 ///
 /// For the state after k positions pass `&cutters[..k]`.
-pub fn residual_field(grid: &FloorGrid, cutters: &[CutterGpu]) -> ResidualField {
+pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualField {
     let bins = TileBins::new(grid, cutters);
     let mut heights = vec![0.0; grid.rows * grid.columns];
     let mut traces = vec![PositionTrace::default(); cutters.len()];
@@ -159,7 +159,7 @@ impl Tile {
     ///
     /// Loops over the lanes of a row hold no branches, and counters are kept per lane until the end, so
     /// that the compiler turns each loop into vector instructions.
-    fn cut(&mut self, cutter: &CutterGpu) -> PositionTrace {
+    fn cut(&mut self, cutter: &FieldCutter) -> PositionTrace {
         let mut seen = Seen::default();
         let squared_radius = cutter.radius * cutter.radius;
         let squared_core = cutter.core_radius * cutter.core_radius;
@@ -244,7 +244,7 @@ struct Meeting {
 
 impl Meeting {
     #[inline(always)]
-    fn new(point: [f32; 3], normal: [f32; 3], cutter: &CutterGpu) -> Meeting {
+    fn new(point: [f32; 3], normal: [f32; 3], cutter: &FieldCutter) -> Meeting {
         let axis = cutter.axis;
         let from_tip = [point[0] - cutter.tip[0], point[1] - cutter.tip[1], point[2] - cutter.tip[2]];
         let z = dot(from_tip, axis);
@@ -306,7 +306,7 @@ impl Meeting {
     /// The distance to the rounded body is convex along the ray and the sharp body contains the rounded
     /// one, so Newton steps from the sharp entry come closer without passing it.
     #[inline(always)]
-    fn corner_entry(&self, sharp_entry: f32, cutter: &CutterGpu) -> f32 {
+    fn corner_entry(&self, sharp_entry: f32, cutter: &FieldCutter) -> f32 {
         let inner = cutter.radius - cutter.corner_radius;
         let mut height = sharp_entry;
         for _ in 0..CORNER_STEPS {

@@ -31,14 +31,14 @@ pub(crate) fn saddle(rows: usize, columns: usize) -> FloorGrid {
     grid
 }
 
-pub(crate) fn any_cutter() -> impl Strategy<Value = CutterGpu> {
+pub(crate) fn any_cutter() -> impl Strategy<Value = FieldCutter> {
     let place = (-35.0..35.0, -13.0..13.0, -1.0..4.0);
     let direction = (0.0..0.9_f64, 0.0..6.2_f64);
     let shape = (2.0..8.0, 0.0..0.9, prop_oneof![Just(0.0), 0.02..1.0]);
     (place, direction, shape).prop_map(|((x, y, lift), (lean, turn), (radius, core, corner))| {
         let z = x * x / 120.0 - y * y / 80.0 + lift;
         let axis = [lean.sin() * turn.cos(), lean.sin() * turn.sin(), lean.cos()];
-        CutterGpu {
+        FieldCutter {
             tip: [x as f32 + 180.0, y as f32, z as f32 + 40.0],
             radius: radius as f32,
             axis: axis.map(|x| x as f32),
@@ -50,7 +50,7 @@ pub(crate) fn any_cutter() -> impl Strategy<Value = CutterGpu> {
 }
 
 /// The definition without tiles, cell by cell.
-fn untiled(grid: &FloorGrid, cutters: &[CutterGpu]) -> ResidualField {
+fn untiled(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualField {
     let mut heights = grid.blank_heights.clone();
     let mut traces = vec![PositionTrace::default(); cutters.len()];
     for (trace, cutter) in traces.iter_mut().zip(cutters) {
@@ -80,7 +80,7 @@ fn untiled(grid: &FloorGrid, cutters: &[CutterGpu]) -> ResidualField {
 
 /// Entry height by definition, f64: distance to the grown or shrunk body, first root along the ray by
 /// ternary search and bisection. `grow` moves every face of the body outwards.
-fn exact_entry(grid: &FloorGrid, cell: usize, cutter: &CutterGpu, grow: f64) -> Option<f64> {
+fn exact_entry(grid: &FloorGrid, cell: usize, cutter: &FieldCutter, grow: f64) -> Option<f64> {
     let vector = |v: [f32; 3]| nalgebra::Vector3::new(v[0].into(), v[1].into(), f64::from(v[2]));
     let (p, n) = (vector(grid.points[cell]), vector(grid.normals[cell]));
     let (tip, axis) = (vector(cutter.tip), vector(cutter.axis).normalize());
@@ -156,8 +156,8 @@ fn plate() -> FloorGrid {
     }
 }
 
-fn upright(x: f32, y: f32, z: f32) -> CutterGpu {
-    CutterGpu {
+fn upright(x: f32, y: f32, z: f32) -> FieldCutter {
+    FieldCutter {
         tip: [x, y, z],
         radius: 8.0,
         axis: [0.0, 0.0, 1.0],

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::field::CutterGpu;
+use super::field::FieldCutter;
 use super::grid::FloorGrid;
 
 /// Cells along one edge of a tile: one workgroup on the GPU, sixteen lanes of a row on the CPU.
@@ -30,7 +30,7 @@ pub struct TileBins {
 
 impl TileBins {
     /// Sorts `cutters` into the tiles of `grid`. Errs only towards too many.
-    pub fn new(grid: &FloorGrid, cutters: &[CutterGpu]) -> TileBins {
+    pub fn new(grid: &FloorGrid, cutters: &[FieldCutter]) -> TileBins {
         let down = grid.rows.div_ceil(TILE);
         let across = grid.columns.div_ceil(TILE);
         let capsules: Vec<Capsule> = (0..down * across)
@@ -120,7 +120,7 @@ impl Capsule {
     }
 
     /// Whether the cutter's half-infinite cylinder may touch the capsule.
-    fn within_reach(&self, cutter: &CutterGpu) -> bool {
+    fn within_reach(&self, cutter: &FieldCutter) -> bool {
         let axis = cutter.axis;
         let radius = self.radius + REACH_MARGIN;
         let from_tip = sub(self.foot, cutter.tip);
