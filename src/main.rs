@@ -1,2 +1,5 @@
 //! The `vanecut` binary.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    vanecut::cli::main()
+}

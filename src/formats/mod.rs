@@ -8,6 +8,7 @@ pub mod apt;
 pub mod geomturbo;
 pub mod native;
 pub mod part_file;
+pub mod plan_file;
 pub mod setup_file;
 mod source;
 mod table;

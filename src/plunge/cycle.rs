@@ -517,12 +517,13 @@ impl<'a> Planner<'a> {
             bottom_clearance(&cutter, &self.blank)
         };
         for k in 0..plan.positions.len().saturating_sub(1) {
-            if plan.positions[k].section != plan.positions[k + 1].section {
+            // A tool change happens at home, far from the part.
+            if tool(plan, k).number != tool(plan, k + 1).number {
                 continue;
             }
             let gap = (plan.positions[k + 1].retract - plan.positions[k].retract).norm();
             let cutter_size = tool(plan, k).diameter;
-            let samples = ((gap / cutter_size).ceil() as usize).clamp(1, 12);
+            let samples = ((gap / (0.2 * cutter_size)).ceil() as usize).clamp(1, 400);
             for _ in 0..20 {
                 let worst = (1..=samples)
                     .map(|i| clearance(plan, k, i as f64 / (samples + 1) as f64))
@@ -551,7 +552,7 @@ impl<'a> Planner<'a> {
                     break;
                 }
                 // Flat ends of the blank between its circles: go on until it is really clear.
-                p.retract += p.axis * (safety - p.retract_clearance + 1e-3);
+                p.retract += p.axis * (1.5 * (safety - p.retract_clearance) + 1e-3);
             }
         });
     }

@@ -24,7 +24,7 @@ impl CoreContact {
 }
 
 /// Why a position could not get the axis its policy asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Blocked {
     /// No axis with the tilt asked for clears both walls.

@@ -1,0 +1,99 @@
+//! What may be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Plans the rough milling of centrifugal impellers. Without a command it opens the window.
+#[derive(Debug, Parser)]
+#[command(name = "vanecut", version, args_conflicts_with_subcommands = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Part or setup to open in the window
+    pub file: Option<PathBuf>,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Plunge plan of a part: plan.json and plunge.apt
+    Plan(PlanArgs),
+    /// Check any APT program against a part
+    Verify(VerifyArgs),
+    /// Picture of a part or of a plan.json, without a window
+    Render(RenderArgs),
+    /// Throughput of the kernels on this machine
+    Bench,
+}
+
+/// `vanecut plan`.
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    /// Part: .toml, .geomTurbo or TurboGrid .inf
+    pub part: PathBuf,
+    /// Setup file; `-` reads it from standard input
+    #[arg(long)]
+    pub setup: Option<PathBuf>,
+    /// conventional or monotone
+    #[arg(long)]
+    pub axis: Option<String>,
+    /// How many channels the program cuts: a number, or all
+    #[arg(long, default_value = "1")]
+    pub channels: String,
+    /// Folder for plan.json and plunge.apt
+    #[arg(short, long, default_value = ".")]
+    pub output: PathBuf,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// Write report.html with pictures as well
+    #[arg(long)]
+    pub report: bool,
+}
+
+/// `vanecut verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// Part: .toml, .geomTurbo or TurboGrid .inf
+    pub part: PathBuf,
+    /// APT program; `-` reads it from standard input
+    pub program: PathBuf,
+    /// Setup file with the allowances and the insert widths
+    #[arg(long)]
+    pub setup: Option<PathBuf>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `vanecut render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Part, or a plan.json
+    pub source: PathBuf,
+    /// PNG to write
+    #[arg(short, long)]
+    pub output: PathBuf,
+    /// Width x height in pixels
+    #[arg(long, default_value = "1280x800")]
+    pub size: String,
+    /// iso, front, top, channel or section:K
+    #[arg(long, default_value = "iso")]
+    pub view: String,
+    /// residual, interference or plain; absent: residual for a plan, plain for a part
+    #[arg(long)]
+    pub show: Option<String>,
+    /// State after this many positions
+    #[arg(long)]
+    pub at: Option<usize>,
+    /// Cutters: all, faulty or none; absent: what suits --show
+    #[arg(long)]
+    pub cutters: Option<String>,
+    /// Also draw the shroud
+    #[arg(long)]
+    pub shroud: bool,
+    /// Dark background
+    #[arg(long)]
+    pub dark: bool,
+}

@@ -1,0 +1,191 @@
+//! `vanecut plan`.
+
+use std::io::IsTerminal;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use super::args::PlanArgs;
+use super::{Failure, open, render, report};
+use crate::formats::apt::{ClProgram, write_apt};
+use crate::formats::plan_file::write_plan;
+use crate::formats::setup_file::axis_policy;
+use crate::formats::write::write_whole;
+use crate::geometry::{rotate_vector_z, rotate_z};
+use crate::job::{self, JobError, PlanOutcome, PlanRequest};
+use crate::monitor::Monitor;
+use crate::part::{AxisPolicy, Impeller, Setup};
+
+/// Cells of the residual field along s and λ.
+pub const FIELD_CELLS: usize = 512;
+
+/// Plans, writes the files, prints the figures.
+pub fn run(args: &PlanArgs) -> Result<(), Failure> {
+    let (description, part) = open::part(&args.part)?;
+    let setup = open::setup(args.setup.as_deref())?;
+    let policy = match &args.axis {
+        None => setup.plunge.axis,
+        Some(name) => {
+            axis_policy(name).map_err(|(what, cure)| Failure::Input(format!("--axis: {what}; {cure}")))?
+        }
+    };
+    let channels = channel_count(&args.channels, &part)?;
+    let outcome = outcome(part, setup, policy, args.setup.as_deref())?;
+    let after = &outcome.after;
+    let text = write_plan(&description, &outcome.setup, &after.plan, channels);
+    let program = repeated(&ClProgram::of_plan(&outcome.part.name, &after.plan), &outcome.part, channels);
+    make_folder(&args.output)?;
+    let write = |name: &str, bytes: &[u8]| write_whole(&args.output.join(name), bytes);
+    write("plan.json", text.as_bytes())?;
+    write("plunge.apt", write_apt(&program).as_bytes())?;
+    if args.report {
+        render::write_report(&args.output, &outcome)?;
+    }
+    if args.json {
+        println!("{}", Value::Object(object(&outcome, channels)));
+    } else {
+        print_tables(&outcome, channels, args);
+    }
+    judge(&outcome)
+}
+
+/// The shared job, with progress on a terminal.
+pub fn outcome(
+    part: Impeller,
+    setup: Setup,
+    policy: AxisPolicy,
+    setup_file: Option<&Path>,
+) -> Result<PlanOutcome, Failure> {
+    let request = PlanRequest { part: Arc::new(part), setup, policy, field_cells: FIELD_CELLS };
+    let monitor = Monitor::default();
+    let done = AtomicBool::new(false);
+    let result = std::thread::scope(|scope| {
+        if std::io::stderr().is_terminal() {
+            scope.spawn(|| {
+                while !done.load(Ordering::Relaxed) {
+                    std::thread::sleep(Duration::from_millis(100));
+                    eprint!("\rplanning… {:3.0} %", 100.0 * monitor.progress());
+                }
+                eprint!("\r                 \r");
+            });
+        }
+        let result = job::run(&request, &monitor);
+        done.store(true, Ordering::Relaxed);
+        result
+    });
+    result.map_err(|error| match (error, setup_file) {
+        (JobError::Cancelled, _) => Failure::Work("cancelled".to_owned()),
+        (error, Some(file)) => Failure::Input(format!("{}: {error}", file.display())),
+        (error, None) => Failure::Input(error.to_string()),
+    })
+}
+
+fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
+    let all = part.blade_count;
+    match word {
+        "all" => Ok(all),
+        _ => word.parse().ok().filter(|n| (1..=all).contains(n)).ok_or_else(|| {
+            Failure::Input(format!("--channels {word}: not a number of channels; give 1 to {all}, or all"))
+        }),
+    }
+}
+
+/// The program of channel 1, repeated by rotation.
+fn repeated(one: &ClProgram, part: &Impeller, channels: usize) -> ClProgram {
+    let mut program = ClProgram { moves: Vec::new(), ..one.clone() };
+    // Tool by tool, so that no tool is loaded twice.
+    for tool in 0..one.tools.len() {
+        for channel in 0..channels {
+            let angle = part.pitch() * channel as f64;
+            program.moves.extend(one.moves.iter().filter(|m| m.tool == Some(tool)).map(|m| {
+                let mut turned = m.clone();
+                turned.tip = rotate_z(&m.tip, angle);
+                turned.axis = rotate_vector_z(&m.axis, angle);
+                turned
+            }));
+        }
+    }
+    program
+}
+
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| {
+        Failure::Input(format!(
+            "{}: the folder cannot be made ({e}); give one that can be written",
+            folder.display()
+        ))
+    })
+}
+
+fn object(outcome: &PlanOutcome, channels: usize) -> serde_json::Map<String, Value> {
+    let head = report::Head {
+        part: &outcome.part.name,
+        blades: outcome.part.blade_count,
+        splitters: outcome.part.splitters.len() * outcome.part.blade_count,
+        channels,
+    };
+    let mut map = report::plan_object(&head, &outcome.after, &outcome.grid);
+    map.insert("policy".into(), json!(outcome.after.plan.policy));
+    map.insert("before".into(), report::compared(&outcome.before, &outcome.grid));
+    let mut policies = serde_json::Map::new();
+    for result in [&outcome.before, &outcome.after] {
+        let name = json!(result.plan.policy).as_str().unwrap_or_default().to_owned();
+        policies.insert(name, report::compared(result, &outcome.grid));
+    }
+    map.insert("policies".into(), Value::Object(policies));
+    map.insert("elapsed".into(), report::number(outcome.elapsed));
+    map
+}
+
+fn print_tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) {
+    let part = &outcome.part;
+    println!(
+        "{}: {} blades{}, D {:.1}; {channels} of {} channels planned",
+        part.name,
+        part.blade_count,
+        if part.splitters.is_empty() { "" } else { " and as many splitters" },
+        2.0 * part.rim_radius(),
+        part.blade_count
+    );
+    let mut results = vec![("conventional", &outcome.before)];
+    if outcome.after.plan.policy != AxisPolicy::Conventional {
+        results.push(("monotone", &outcome.after));
+    }
+    print!("{}", report::table(&results, &outcome.grid));
+    print!("{}", report::clearances(&outcome.after.plan, &outcome.after.summary));
+    print!("{}", report::blocked(&outcome.after.plan));
+    println!(
+        "wrote {} and {}",
+        args.output.join("plan.json").display(),
+        args.output.join("plunge.apt").display()
+    );
+}
+
+/// The work has failed when the plan breaks an allowance or did not come to rest.
+fn judge(outcome: &PlanOutcome) -> Result<(), Failure> {
+    let (stock, s) = (&outcome.setup.stock, &outcome.after.summary);
+    let mut broken = Vec::new();
+    if s.min_hub_clearance < stock.hub_allowance - 1e-3 {
+        broken.push(format!("hub clearance {:.4} mm", s.min_hub_clearance));
+    }
+    if s.min_blade_clearance < stock.blade_allowance - 1e-3 {
+        broken.push(format!("blade clearance {:.4} mm", s.min_blade_clearance));
+    }
+    if s.min_retract_clearance < stock.safety_distance - 1e-3 {
+        broken.push(format!("retract clearance {:.3} mm", s.min_retract_clearance));
+    }
+    if !outcome.after.plan.settled {
+        broken.push("the loop did not come to rest".to_owned());
+    }
+    if broken.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::Work(format!(
+            "the plan does not hold ({}); use smaller cutters or steps",
+            broken.join(", ")
+        )))
+    }
+}

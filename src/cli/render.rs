@@ -1,0 +1,177 @@
+//! `vanecut render`, and the pictures of a report.
+
+use std::path::Path;
+
+use glam::UVec2;
+
+use super::args::RenderArgs;
+use super::plan::FIELD_CELLS;
+use super::{Failure, open, plan, report};
+use crate::formats::plan_file::read_plan_bytes;
+use crate::formats::write::write_whole;
+use crate::gpu::{
+    Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View,
+    encode_png, floor,
+};
+use crate::job::PlanOutcome;
+use crate::part::{Blank, Channel, Impeller, Setup};
+use crate::plunge::PlungePlan;
+use crate::residual::{FloorGrid, ResidualField, cutters_of, residual_field};
+
+/// Largest picture, pixels a side.
+const MAX_SIDE: u32 = 8192;
+
+impl From<GpuError> for Failure {
+    fn from(error: GpuError) -> Self {
+        Self::Work(error.to_string())
+    }
+}
+
+/// Draws one picture.
+pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let size = parse_size(&args.size)?;
+    let view: View = args.view.parse().map_err(|e| Failure::Input(format!("--view: {e}")))?;
+    let is_plan = args.source.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let colours: FloorColours = match &args.show {
+        Some(word) => word.parse().map_err(|e| Failure::Input(format!("--show: {e}")))?,
+        None if is_plan => FloorColours::Residual,
+        None => FloorColours::Plain,
+    };
+    let mut options = SceneOptions::showing(colours);
+    options.at = args.at;
+    options.show_shroud = args.shroud;
+    options.theme = if args.dark { Theme::Dark } else { Theme::Light };
+    if let Some(word) = &args.cutters {
+        options.show_cutters = match word.as_str() {
+            "all" => CutterFilter::All,
+            "faulty" => CutterFilter::Faulty,
+            "none" => CutterFilter::Hidden,
+            other => {
+                return Err(Failure::Input(format!(
+                    "--cutters {other}: not known; give all, faulty or none"
+                )));
+            }
+        };
+    }
+    let (part, stored) = if is_plan {
+        let name = args.source.display().to_string();
+        let bytes = std::fs::read(&args.source)
+            .map_err(|e| Failure::Input(format!("{name}: cannot be read ({e}); check the path")))?;
+        let stored = read_plan_bytes(&name, &bytes)?;
+        (stored.part, Some((stored.setup, stored.plan)))
+    } else {
+        let (_, part) = open::part(&args.source)?;
+        // A part alone is drawn as it is; with plan colours asked for, it is planned with the defaults.
+        if colours == FloorColours::Plain && args.at.is_none() && args.cutters.is_none() {
+            (part, None)
+        } else {
+            let setup = Setup::default();
+            let policy = setup.plunge.axis;
+            let outcome = plan::outcome(part, setup, policy, None)?;
+            let part = Impeller::clone(&outcome.part);
+            (part, Some((outcome.setup, outcome.after.plan)))
+        }
+    };
+    let png = match &stored {
+        None => picture(&part, None, view, options, size)?,
+        Some((setup, plan)) => {
+            let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
+            let channel = Channel::of(&part);
+            let blank = Blank::of(&part, setup.stock.inlet_extension);
+            let cells = FIELD_CELLS;
+            let grid = FloorGrid::new(&part, &channel, &blank, setup.stock.blade_allowance, cells);
+            let field = residual_field(&grid, &cutters_of(plan)[..shown]);
+            picture(&part, Some((plan, &grid, &field)), view, options, size)?
+        }
+    };
+    write_whole(&args.output, &png)?;
+    Ok(())
+}
+
+type Planned<'a> = Option<(&'a PlungePlan, &'a FloorGrid, &'a ResidualField)>;
+
+fn picture(
+    part: &Impeller,
+    planned: Planned,
+    view: View,
+    options: SceneOptions,
+    size: UVec2,
+) -> Result<Vec<u8>, Failure> {
+    let gpu = Gpu::headless()?;
+    let mut renderer = Renderer::new(&gpu);
+    let mut scene = Scene::new(&gpu, part);
+    let mut options = options;
+    if let Some((plan, grid, field)) = planned {
+        options.range_mm = floor::fitting_range(grid, &field.heights);
+        scene.set_plan(Some(plan));
+        scene.set_floor(&gpu, Some((grid, &field.heights)), Some(plan));
+    }
+    draw(&gpu, &mut renderer, &scene, view, &options, size)
+}
+
+fn draw(
+    gpu: &Gpu,
+    renderer: &mut Renderer,
+    scene: &Scene,
+    view: View,
+    options: &SceneOptions,
+    size: UVec2,
+) -> Result<Vec<u8>, Failure> {
+    let camera = Camera::standard(view, scene.framing(), size.x as f32 / size.y as f32);
+    renderer.render(gpu, scene, &camera, options, size, 4);
+    let picture = renderer.read_rgba(gpu)?;
+    encode_png(picture.width, picture.height, &picture.rgba).map_err(|e| Failure::Work(e.to_string()))
+}
+
+fn parse_size(word: &str) -> Result<UVec2, Failure> {
+    let side = |s: &str| s.parse::<u32>().ok().filter(|n| (1..=MAX_SIDE).contains(n));
+    word.split_once(['x', 'X']).and_then(|(w, h)| Some(UVec2::new(side(w)?, side(h)?))).ok_or_else(|| {
+        Failure::Input(format!("--size {word}: no picture size; give WIDTHxHEIGHT up to {MAX_SIDE}"))
+    })
+}
+
+/// `report.html` with its pictures beside it: both plans over one colour scale.
+pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure> {
+    let gpu = Gpu::headless()?;
+    let mut renderer = Renderer::new(&gpu);
+    let mut scene = Scene::new(&gpu, &outcome.part);
+    let size = UVec2::new(900, 640);
+    let range = floor::fitting_range(&outcome.grid, &outcome.before.field.heights);
+    let mut figures = String::new();
+    for (name, result) in [("before", &outcome.before), ("after", &outcome.after)] {
+        scene.set_plan(Some(&result.plan));
+        scene.set_floor(&gpu, Some((&outcome.grid, &result.field.heights)), Some(&result.plan));
+        for (show, colours) in
+            [("residual", FloorColours::Residual), ("interference", FloorColours::Interference)]
+        {
+            let options = SceneOptions { range_mm: range, ..SceneOptions::showing(colours) };
+            let png = draw(&gpu, &mut renderer, &scene, View::Channel, &options, size)?;
+            let file = format!("{name}_{show}.png");
+            write_whole(&folder.join(&file), &png)?;
+            figures += &format!(
+                "<figure><img src=\"{file}\" width=\"450\" alt=\"{name}, {show}\"><figcaption>{name}: {show}</figcaption></figure>\n"
+            );
+        }
+    }
+    let after_name = format!("{:?}", outcome.after.plan.policy).to_lowercase();
+    let table =
+        report::table(&[("conventional", &outcome.before), (&after_name, &outcome.after)], &outcome.grid);
+    let html = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: plunge plan</title>\n\
+         <style>body{{font-family:sans-serif;margin:2em;max-width:1000px}}figure{{display:inline-block;margin:4px}}</style>\n\
+         <h1>{name}: plunge plan</h1>\n<pre>{table}\n{clear}{blocked}</pre>\n\
+         <p>Colours of stock on the hub: {low:.2} mm (dark) to {high:.2} mm (bright).</p>\n{figures}</html>\n",
+        name = escape(&outcome.part.name),
+        table = escape(&table),
+        clear = escape(&report::clearances(&outcome.after.plan, &outcome.after.summary)),
+        blocked = escape(&report::blocked(&outcome.after.plan)),
+        low = range.0,
+        high = range.1,
+    );
+    write_whole(&folder.join("report.html"), html.as_bytes())?;
+    Ok(())
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

@@ -1,0 +1,175 @@
+//! What commands print: the JSON object that other programs rely on, and tables for people.
+
+use serde_json::{Map, Value, json};
+
+use crate::job::{PolicyResult, Summary};
+use crate::part::Feed;
+use crate::plunge::PlungePlan;
+use crate::residual::FloorGrid;
+
+/// A number, or null where there is none.
+pub fn number(x: f64) -> Value {
+    if x.is_finite() { json!(x) } else { Value::Null }
+}
+
+/// The keys of contact and residual layer.
+fn decisive(s: &Summary) -> Map<String, Value> {
+    let mut map = Map::new();
+    map.insert("interferential".into(), json!(s.interferential));
+    map.insert("max_contact_depth".into(), number(s.max_contact_depth));
+    map.insert("residual_mean".into(), number(s.residual_mean));
+    map.insert("residual_p95".into(), number(s.residual_p95));
+    map.insert("residual_max".into(), number(s.residual_max));
+    map.insert("uncut_share".into(), number(s.uncut_share));
+    map
+}
+
+/// What every plan prints: the keys of CONTRACT that describe one plan.
+pub fn plan_object(head: &Head, result: &PolicyResult, grid: &FloorGrid) -> Map<String, Value> {
+    let (plan, s) = (&result.plan, &result.summary);
+    let mut map = Map::new();
+    map.insert("part".into(), json!(head.part));
+    map.insert("blades".into(), json!(head.blades));
+    map.insert("splitters".into(), json!(head.splitters));
+    map.insert("channels".into(), json!(head.channels));
+    map.insert("positions".into(), json!(s.positions));
+    map.insert("rows".into(), json!(plan.sections.iter().map(|s| s.rows).sum::<usize>()));
+    map.insert("sections".into(), json!(plan.sections.len()));
+    map.append(&mut decisive(s));
+    map.insert("min_hub_clearance".into(), number(s.min_hub_clearance));
+    map.insert("min_blade_clearance".into(), number(s.min_blade_clearance));
+    map.insert("min_retract_clearance".into(), number(s.min_retract_clearance));
+    map.insert("max_axis_change".into(), number(s.max_axis_change.to_degrees()));
+    map.insert("cut_length".into(), number(s.cut_length));
+    map.insert("rapid_length".into(), number(s.rapid_length));
+    map.insert("time_estimate".into(), number(s.time_estimate));
+    map.insert("blocked".into(), json!(s.blocked));
+    map.insert("settled".into(), json!(plan.settled));
+    map.insert("rounds".into(), json!(plan.rounds));
+    map.insert("by_section".into(), by_section(result, grid));
+    map
+}
+
+/// What is the same for all plans of a part.
+pub struct Head<'a> {
+    /// Name of the part.
+    pub part: &'a str,
+    /// Number of main blades.
+    pub blades: usize,
+    /// Number of splitters.
+    pub splitters: usize,
+    /// Channels the program cuts.
+    pub channels: usize,
+}
+
+/// Residual and contact keys of a plan, with its sections: for `before` and `policies`.
+pub fn compared(result: &PolicyResult, grid: &FloorGrid) -> Value {
+    let mut map = decisive(&result.summary);
+    map.insert("positions".into(), json!(result.summary.positions));
+    map.insert("blocked".into(), json!(result.summary.blocked));
+    map.insert("by_section".into(), by_section(result, grid));
+    Value::Object(map)
+}
+
+fn by_section(result: &PolicyResult, grid: &FloorGrid) -> Value {
+    let sections = sections(result, grid)
+        .into_iter()
+        .zip(&result.plan.sections)
+        .map(|(s, section)| {
+            let mut map = Map::new();
+            map.insert("tool".into(), json!(section.tool.number));
+            map.insert("diameter".into(), number(section.tool.diameter));
+            map.insert("from".into(), number(section.from));
+            map.insert("to".into(), number(section.to));
+            map.insert("feed".into(), json!(feed_word(section.feed)));
+            map.insert("positions".into(), json!(s.positions));
+            map.append(&mut decisive(&s));
+            map.insert("blocked".into(), json!(s.blocked));
+            Value::Object(map)
+        })
+        .collect();
+    Value::Array(sections)
+}
+
+fn sections(result: &PolicyResult, grid: &FloorGrid) -> Vec<Summary> {
+    (0..result.plan.sections.len())
+        .map(|i| Summary::of_section(&result.plan, grid, &result.field, i))
+        .collect()
+}
+
+fn feed_word(feed: Feed) -> &'static str {
+    match feed {
+        Feed::Inward => "inward",
+        Feed::Outward => "outward",
+    }
+}
+
+/// Table of plans, section by section.
+pub fn table(results: &[(&str, &PolicyResult)], grid: &FloorGrid) -> String {
+    let mut text = String::from(
+        "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  uncut %  blocked\n",
+    );
+    for (name, result) in results {
+        let whole = [(String::from("all"), String::new(), result.summary.clone())];
+        let parts = sections(result, grid).into_iter().zip(&result.plan.sections).map(|(s, section)| {
+            (format!("{:.2} to {:.2}", section.from, section.to), format!("D {}", section.tool.diameter), s)
+        });
+        for (section, tool, s) in parts.chain(whole) {
+            text += &format!(
+                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  {:>7.1}  {:>7}\n",
+                s.positions,
+                s.interferential,
+                s.max_contact_depth,
+                s.residual_mean,
+                s.residual_p95,
+                100.0 * s.uncut_share,
+                s.blocked
+            );
+        }
+    }
+    text
+}
+
+/// The lines under the table: clearances and time.
+pub fn clearances(plan: &PlungePlan, s: &Summary) -> String {
+    format!(
+        "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; axis change up to {:.1}°\n\
+         {} rounds, {}; about {:.0} min a channel (tool changes and accelerations left out)\n",
+        s.min_hub_clearance,
+        s.min_blade_clearance,
+        s.min_retract_clearance,
+        s.max_axis_change.to_degrees(),
+        plan.rounds,
+        if plan.settled { "settled" } else { "NOT settled" },
+        s.time_estimate / 60.0
+    )
+}
+
+/// Names every blocked position of a plan, section by section.
+pub fn blocked(plan: &PlungePlan) -> String {
+    let mut text = String::new();
+    for (index, section) in plan.sections.iter().enumerate() {
+        let ours = plan.positions.iter().enumerate().filter(|(_, p)| p.section == index);
+        let names: Vec<String> = ours
+            .filter_map(|(k, p)| {
+                let why = match p.blocked? {
+                    crate::plunge::Blocked::Walls => "walls",
+                    crate::plunge::Blocked::ShroudEnd => "end of the shroud",
+                    crate::plunge::Blocked::TiltLimit => "tilt limit",
+                };
+                Some(format!("{} ({why})", k + 1))
+            })
+            .collect();
+        let left_out = plan.dropped.iter().filter(|d| d.section == index).count();
+        if !names.is_empty() {
+            text += &format!("blocked with tool {}: position {}\n", section.tool.number, names.join(", "));
+        }
+        if left_out > 0 {
+            text += &format!(
+                "left out with tool {}: {left_out} positions that clear no blade\n",
+                section.tool.number
+            );
+        }
+    }
+    text
+}

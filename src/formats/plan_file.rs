@@ -1,0 +1,180 @@
+//! `plan.json`: a plunge plan with everything needed to show it again, part and setup included.
+
+use serde::{Deserialize, Serialize};
+
+use super::InputError;
+use super::native::write_native;
+use super::part_file::read_part_bytes;
+use super::setup_file::{read_setup_bytes, write_setup};
+use crate::geometry::{Point, Vector};
+use crate::part::{AxisPolicy, Impeller, PartDescription, Setup};
+use crate::plunge::sections::tool_of;
+use crate::plunge::{Blocked, CoreContact, Dropped, PlungePlan, Position, SectionPlan};
+
+/// Version of the file; readers refuse newer ones.
+const VERSION: u32 = 1;
+
+#[derive(Serialize, Deserialize)]
+struct PlanFile {
+    vanecut_plan: u32,
+    /// The part in the native format.
+    part: String,
+    /// The setup with every default filled in.
+    setup: String,
+    policy: AxisPolicy,
+    channels: usize,
+    rounds: usize,
+    settled: bool,
+    rows: Vec<usize>,
+    positions: Vec<PositionFile>,
+    dropped: Vec<(usize, usize, f64)>,
+}
+
+/// Angles in degrees, lengths in mm.
+#[derive(Serialize, Deserialize)]
+struct PositionFile {
+    section: usize,
+    row: usize,
+    s: f64,
+    lambda: f64,
+    tip: [f64; 3],
+    axis: [f64; 3],
+    retract: [f64; 3],
+    contact_point: [f64; 3],
+    alpha: f64,
+    contact_depth: f64,
+    contact_area: f64,
+    blocked: Option<Blocked>,
+    hub_clearance: f64,
+    blade_clearance: f64,
+    retract_clearance: f64,
+}
+
+/// A plan read back.
+#[derive(Debug)]
+pub struct StoredPlan {
+    /// The part as it was.
+    pub description: PartDescription,
+    /// The part, built.
+    pub part: Impeller,
+    /// The setup the plan was made with.
+    pub setup: Setup,
+    /// The plan.
+    pub plan: PlungePlan,
+}
+
+/// Text of a plan file.
+pub fn write_plan(
+    description: &PartDescription,
+    setup: &Setup,
+    plan: &PlungePlan,
+    channels: usize,
+) -> String {
+    let file = PlanFile {
+        vanecut_plan: VERSION,
+        part: write_native(description),
+        setup: write_setup(setup),
+        policy: plan.policy,
+        channels,
+        rounds: plan.rounds,
+        settled: plan.settled,
+        rows: plan.sections.iter().map(|s| s.rows).collect(),
+        positions: plan
+            .positions
+            .iter()
+            .map(|p| PositionFile {
+                section: p.section,
+                row: p.row,
+                s: p.s,
+                lambda: p.lambda,
+                tip: p.tip.coords.into(),
+                axis: p.axis.into(),
+                retract: p.retract.coords.into(),
+                contact_point: p.contact_point.coords.into(),
+                alpha: p.alpha.to_degrees(),
+                contact_depth: p.contact.depth,
+                contact_area: p.contact.area_share,
+                blocked: p.blocked,
+                hub_clearance: p.hub_clearance,
+                blade_clearance: p.blade_clearance,
+                retract_clearance: p.retract_clearance,
+            })
+            .collect(),
+        dropped: plan.dropped.iter().map(|d| (d.section, d.row, d.s)).collect(),
+    };
+    let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// Reads a plan file; `name` stands for it in messages.
+///
+/// # Errors
+/// What is wrong and where, when the bytes are no plan file of a known version.
+pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputError> {
+    let file: PlanFile = serde_json::from_slice(bytes).map_err(|e| {
+        InputError::new(
+            name,
+            e.line(),
+            format!("this is no plan file ({e})"),
+            "give a plan.json that `vanecut plan` wrote",
+        )
+    })?;
+    if file.vanecut_plan > VERSION {
+        return Err(InputError::new(
+            name,
+            0,
+            format!("the plan file has version {}, this program reads up to {VERSION}", file.vanecut_plan),
+            "open it with a newer vanecut",
+        ));
+    }
+    let inside = |what: &str| format!("{name} ({what})");
+    let description = read_part_bytes(&inside("part"), file.part.as_bytes(), "toml")?;
+    let part = Impeller::build(&description)
+        .map_err(|e| InputError::new(&inside("part"), e.line, e.what, e.cure))?;
+    let setup = read_setup_bytes(&inside("setup"), file.setup.as_bytes())?;
+    let broken = |what: String| InputError::new(name, 0, what, "plan the part again");
+    let mut sections = Vec::new();
+    for (index, section) in setup.plunge.sections.iter().enumerate() {
+        sections.push(SectionPlan {
+            tool: tool_of(&setup, section.tool).map_err(|e| broken(e.what))?.clone(),
+            from: section.from,
+            to: section.to,
+            feed: section.feed.unwrap_or(crate::part::Feed::Inward),
+            rows: file.rows.get(index).copied().unwrap_or(0),
+        });
+    }
+    let mut positions = Vec::with_capacity(file.positions.len());
+    for (index, p) in file.positions.into_iter().enumerate() {
+        let axis = Vector::from(p.axis);
+        let finite = p.tip.iter().chain(&p.retract).all(|x| x.is_finite() && x.abs() < 1e6);
+        if p.section >= sections.len() || !finite || (axis.norm() - 1.0).abs() > 1e-6 {
+            return Err(broken(format!("position {} is damaged", index + 1)));
+        }
+        positions.push(Position {
+            tip: Point::from(Vector::from(p.tip)),
+            axis,
+            retract: Point::from(Vector::from(p.retract)),
+            section: p.section,
+            row: p.row,
+            s: p.s,
+            lambda: p.lambda,
+            alpha: p.alpha.to_radians(),
+            contact_point: Point::from(Vector::from(p.contact_point)),
+            contact: CoreContact { depth: p.contact_depth, area_share: p.contact_area },
+            blocked: p.blocked,
+            hub_clearance: p.hub_clearance,
+            blade_clearance: p.blade_clearance,
+            retract_clearance: p.retract_clearance,
+        });
+    }
+    let plan = PlungePlan {
+        policy: file.policy,
+        sections,
+        positions,
+        dropped: file.dropped.iter().map(|&(section, row, s)| Dropped { section, row, s }).collect(),
+        rounds: file.rounds,
+        settled: file.settled,
+    };
+    Ok(StoredPlan { description, part, setup, plan })
+}
