@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::clearance::FinishedPart;
-use super::contact::{BlankTop, Column, core_contact};
+use super::contact::{BlankTop, Column, core_contact, core_interferes};
 use super::lane::Lane;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
 use super::retract::{RetractSurface, bottom_clearance};
@@ -90,9 +90,9 @@ impl<'e> Known<'e> {
     fn interferes(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         let Some(last) = stations.last() else { return false };
         let column = Column::new(maker.cutter(last), maker.tool.core_radius(), &self.top);
-        let contact = core_contact(&column, &self.columns, self.blank);
+        let interferes = core_interferes(&column, &self.columns, self.blank);
         self.columns.push(column);
-        contact.interferes()
+        interferes
     }
 }
 
@@ -452,7 +452,7 @@ impl<'a> Planner<'a> {
             let first = first.and_then(|row| row.first().copied()).unwrap_or(station);
             let column =
                 Column::new(maker.cutter(&first), maker.tool.core_radius(), &BlankTop::new(&self.blank));
-            if !core_contact(&column, earlier, &self.blank).interferes() {
+            if !core_interferes(&column, earlier, &self.blank) {
                 return s;
             }
         }
