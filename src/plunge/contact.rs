@@ -84,8 +84,8 @@ fn contact_up_to(column: &Column, earlier: &[Column], blank: &Blank, enough: f64
         for i in 0..count {
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let origin = line(rho, phi);
-            let entry = near.first_entry(&origin, axis);
-            depth = depth.max(stock.highest(&origin, axis));
+            let (entry, highest) = stock.on_line(&origin, axis);
+            depth = depth.max(highest);
             if depth > enough {
                 return CoreContact { depth, area_share: area };
             }
@@ -112,7 +112,7 @@ fn contact_up_to(column: &Column, earlier: &[Column], blank: &Blank, enough: f64
             rim[i].1 + step,
             1e-4,
         );
-        depth = depth.max(stock.highest(&line(column.core_radius, phi), axis));
+        depth = depth.max(stock.on_line(&line(column.core_radius, phi), axis).1);
     }
     CoreContact { depth, area_share: area }
 }
@@ -179,12 +179,20 @@ impl StockLines<'_> {
         self.blank.depth_near(Meridional::of(point), &mut self.warm) > 0.0
     }
 
-    /// Highest stock on the line from the bottom upwards, mm above it; 0 when there is none.
-    fn highest(&mut self, origin: &Point, direction: &Vector) -> f64 {
+    /// (height from which on something is already removed, highest stock) on the line from the bottom
+    /// upwards, mm above it; infinite and 0 where there is none.
+    fn on_line(&mut self, origin: &Point, direction: &Vector) -> (f64, f64) {
         let mut open = [(0.0f64, self.top); STRETCHES];
         let mut count = 1;
+        let mut first = f64::INFINITY;
         for cutter in &self.near.columns {
             let Some((low, high)) = removed_interval(cutter, origin, direction) else { continue };
+            if high > 0.0 {
+                first = first.min(low);
+            }
+            if count == 0 {
+                continue;
+            }
             let mut kept = [(0.0, 0.0); STRETCHES];
             let mut n = 0;
             for &(a, b) in &open[..count] {
@@ -196,9 +204,6 @@ impl StockLines<'_> {
                 }
             }
             (open, count) = (kept, n);
-            if count == 0 {
-                return 0.0;
-            }
         }
         let mut highest = 0.0f64;
         for &(a, b) in open[..count].iter().filter(|(a, b)| b - a > 1e-9 && *b > 0.0) {
@@ -209,7 +214,7 @@ impl StockLines<'_> {
                 highest = highest.max(h);
             }
         }
-        highest
+        (first, highest)
     }
 }
 
