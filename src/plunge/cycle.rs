@@ -391,7 +391,7 @@ impl<'a> Planner<'a> {
         if positions <= MAX_POSITIONS {
             return Ok(());
         }
-        Err(too_many(positions.to_string(), &self.setup.plunge, tool, place).into())
+        Err(too_many(positions as f64, &self.setup.plunge, tool, place).into())
     }
 
     fn misfit(&self, tool: &Tool, s: f64) -> PlanError {

@@ -188,14 +188,14 @@ fn check_size(setup: &Setup, part: &Impeller, widths: &[f64]) -> Result<(), Setu
         total += inner + walls;
         if total > MAX_POSITIONS as f64 {
             let place = SetupPlace::Section { index, tool: section.tool };
-            return Err(too_many(format!("{total:.0}"), plunge, tool, place));
+            return Err(too_many(total, plunge, tool, place));
         }
     }
     Ok(())
 }
 
-/// The fault of a plan with `about` so many positions, where the setup is finest.
-pub(super) fn too_many(about: String, plunge: &PlungeSetup, tool: &Tool, place: SetupPlace) -> SetupFault {
+/// The fault of a plan with about so many `positions`, where the setup is finest.
+pub(super) fn too_many(positions: f64, plunge: &PlungeSetup, tool: &Tool, place: SetupPlace) -> SetupFault {
     let step = 0.8 * tool.insert_width;
     let asked = [
         (plunge.step, step, "step"),
@@ -211,7 +211,8 @@ pub(super) fn too_many(about: String, plunge: &PlungeSetup, tool: &Tool, place: 
         Some((_, key)) => (format!("give a greater `{key}`"), SetupPlace::Plunge(key)),
         None => (format!("use a larger cutter or wider inserts than those of tool {}", tool.number), place),
     };
-    let what = format!("the plan would have about {about} positions, more than {MAX_POSITIONS}");
+    let count = if positions < 1e6 { format!("about {positions:.0}") } else { "over a million".to_owned() };
+    let what = format!("the plan would have {count} positions; the limit is {MAX_POSITIONS}");
     SetupFault::new(what, cure).at(place)
 }
 
