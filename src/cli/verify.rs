@@ -71,6 +71,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
     match verdict.faults.len() {
         0 => Ok(()),
+        1 => Err(Failure::Work(format!("{name}: one fault found; correct the program"))),
         n => Err(Failure::Work(format!("{name}: {n} faults found; correct the program"))),
     }
 }

@@ -329,7 +329,7 @@ fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescription) -> Resu
             format!(
                 "no radial outlet: the hub leaves at r = {:.1} mm, {:.0}° from the axis",
                 rim.point.r,
-                rim.tangent.r.atan2(rim.tangent.z.abs()).to_degrees()
+                rim.tangent.r.atan2(rim.tangent.z.abs()).to_degrees().round() + 0.0
             ),
             "open a centrifugal impeller; axial rotors are not planned".to_string(),
         ));
