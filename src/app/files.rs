@@ -18,11 +18,23 @@ use super::planned::{Planned, Side};
 type Built = (&'static str, &'static str, &'static str);
 
 /// The sample parts, inside the program: they open without any file beside it.
-const BUILT_IN: [Built; 1] = [(
-    "impeller532",
-    "17 blades, D 532 mm, outlet height 32 mm",
-    include_str!("../../assets/parts/impeller532.toml"),
-)];
+const BUILT_IN: [Built; 3] = [
+    (
+        "impeller532",
+        "17 blades, D 532 mm, outlet height 32 mm",
+        include_str!("../../assets/parts/impeller532.toml"),
+    ),
+    (
+        "impeller9x9",
+        "D 300 mm, 9 blades and 9 splitters",
+        include_str!("../../assets/parts/impeller9x9.toml"),
+    ),
+    (
+        "pump6",
+        "pump impeller, D 240 mm, 6 strongly wrapped blades",
+        include_str!("../../assets/parts/pump6.toml"),
+    ),
+];
 
 /// The sample parts that are built in.
 pub fn samples() -> Vec<Sample> {
@@ -101,4 +113,17 @@ pub fn write(task: &WriteTask) -> Result<String, InputError> {
 
 fn cl_text(planned: &Planned) -> String {
     write_apt(&ClProgram::of_plan(&planned.outcome.part.name, planned.plan(Side::After)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_opens_under_its_own_name() {
+        for sample in samples() {
+            let part = open_part(&PartSource::Sample(sample.name.to_owned())).expect("a sample opens");
+            assert_eq!(part.name, sample.name, "the list and the file agree");
+        }
+    }
 }

@@ -154,7 +154,7 @@ impl MeridionalCurve {
 
     /// Nearest point within the ends: (arc length t, signed distance in mm, positive on the outer side).
     pub fn project(&self, to: Meridional) -> (f64, f64) {
-        let count = 96.min(self.segments.len());
+        let count = 48.min(self.segments.len());
         let mut best = (f64::INFINITY, 0.0);
         for i in 0..=count {
             let t = self.length * i as f64 / count as f64;
@@ -178,7 +178,7 @@ impl MeridionalCurve {
             let next = (t + along / bend.max(0.25)).clamp(low, high);
             let moved = (next - t).abs();
             t = next;
-            if moved < 1e-11 {
+            if moved < 1e-10 {
                 break;
             }
         }

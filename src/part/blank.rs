@@ -104,12 +104,19 @@ impl Blank {
         if hub.min(-shroud).min(self.ends_depth(point)) > 0.0 { -distance } else { distance }
     }
 
-    /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is in the blank.
-    pub fn highest_inside(&self, origin: &Point, direction: &Vector, low: f64, high: f64) -> Option<f64> {
+    /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is in the blank. Arc lengths are
+    /// carried from call to call as in [`Self::depth_near`].
+    pub fn highest_inside(
+        &self,
+        origin: &Point,
+        direction: &Vector,
+        low: f64,
+        high: f64,
+        warm: &mut Option<(f64, f64)>,
+    ) -> Option<f64> {
         let (low, high) = self.clip(origin, direction, low, high)?;
         let steps = (((high - low) / 1.0).ceil() as usize).clamp(6, 300);
-        let mut warm = None;
-        let mut inside = |h: f64| self.depth_near(Meridional::of(&(origin + direction * h)), &mut warm) > 0.0;
+        let mut inside = |h: f64| self.depth_near(Meridional::of(&(origin + direction * h)), warm) > 0.0;
         let mut above = None;
         for i in (0..=steps).rev() {
             let h = low + (high - low) * i as f64 / steps as f64;

@@ -2,9 +2,9 @@
 //! earlier plunge removed. An exact question about half-infinite cylinders and the turned
 //! blank, answered by intervals along lines of the core.
 
-use super::plan::CoreContact;
+use super::plan::{CONTACT_TOLERANCE, CoreContact};
 use super::slotting::DepthSurface;
-use crate::geometry::{CutterSolid, Point, Vector, frame_about, search};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about, search};
 use crate::part::Blank;
 
 /// A plunge as contact sees it.
@@ -55,28 +55,41 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of `column`'s core with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &Column, earlier: &[Column], blank: &Blank) -> CoreContact {
+    contact_up_to(column, earlier, blank, f64::INFINITY)
+}
+
+/// Whether that contact makes the position interferential: as [`core_contact`], but done at the first line
+/// that says so.
+pub fn core_interferes(column: &Column, earlier: &[Column], blank: &Blank) -> bool {
+    contact_up_to(column, earlier, blank, CONTACT_TOLERANCE).interferes()
+}
+
+/// Contact; the search may end as soon as the depth exceeds `enough`.
+fn contact_up_to(column: &Column, earlier: &[Column], blank: &Blank, enough: f64) -> CoreContact {
     if column.top <= 0.0 {
         return CoreContact::default();
     }
+    let axis = &column.cutter.axis;
     let near = Neighbours::of(column, earlier);
-    let (e1, e2) = frame_about(&column.cutter.axis);
+    let mut stock = StockLines { near: &near, blank, top: column.top, warm: None };
+    let (e1, e2) = frame_about(axis);
     let line = |rho: f64, phi: f64| column.cutter.tip + (e1 * phi.cos() + e2 * phi.sin()) * rho;
     let mut depth = 0.0f64;
     let mut area = 0.0;
     // (value, angle) of the rim lines: entry into what is already removed, negative below the bottom.
-    let mut rim = [(0.0f64, 0.0f64); 48];
+    let mut rim = [(0.0f64, 0.0f64); RINGS[0].1];
     for (ring, &(share, count)) in RINGS.iter().enumerate() {
         let rho = share * column.core_radius;
         let mut hits = 0usize;
         for i in 0..count {
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let origin = line(rho, phi);
-            let entry = near.first_entry(&origin, &column.cutter.axis);
-            let found = near.stock_on_line(&origin, &column.cutter.axis, column.top, blank);
-            depth = depth.max(found);
-            if entry > AREA_HEIGHT
-                && blank.highest_inside(&origin, &column.cutter.axis, 0.0, AREA_HEIGHT).is_some()
-            {
+            let (entry, highest) = stock.on_line(&origin, axis);
+            depth = depth.max(highest);
+            if depth > enough {
+                return CoreContact { depth, area_share: area };
+            }
+            if entry > AREA_HEIGHT && stock.is_blank(&(origin + axis * (0.5 * AREA_HEIGHT))) {
                 hits += 1;
             }
             if ring == 0 {
@@ -86,24 +99,20 @@ pub fn core_contact(column: &Column, earlier: &[Column], blank: &Blank) -> CoreC
         area += hits as f64 / count as f64 * ring_weight(ring);
     }
     // Between the lines of the rim the first entry may rise higher: follow it to its top.
-    let step = std::f64::consts::TAU / 48.0;
-    for i in 0..48 {
-        let (before, here, after) = (rim[(i + 47) % 48].0, rim[i].0, rim[(i + 1) % 48].0);
+    let count = rim.len();
+    let step = std::f64::consts::TAU / count as f64;
+    for i in 0..count {
+        let (before, here, after) = (rim[(i + count - 1) % count].0, rim[i].0, rim[(i + 1) % count].0);
         if here < before || here < after || here < -0.2 || !here.is_finite() {
             continue;
         }
         let (phi, _) = search::minimum(
-            |phi| -near.first_entry(&line(column.core_radius, phi), &column.cutter.axis),
+            |phi| -near.first_entry(&line(column.core_radius, phi), axis),
             rim[i].1 - step,
             rim[i].1 + step,
-            1e-5,
+            1e-4,
         );
-        depth = depth.max(near.stock_on_line(
-            &line(column.core_radius, phi),
-            &column.cutter.axis,
-            column.top,
-            blank,
-        ));
+        depth = depth.max(stock.on_line(&line(column.core_radius, phi), axis).1);
     }
     CoreContact { depth, area_share: area }
 }
@@ -154,13 +163,36 @@ impl Neighbours {
         }
         first
     }
+}
 
-    /// Highest stock on the line from the bottom upwards, mm above it; 0 when there is none.
-    fn stock_on_line(&self, origin: &Point, direction: &Vector, top: f64, blank: &Blank) -> f64 {
-        let mut open = [(0.0f64, top); STRETCHES];
+/// Looks for stock on lines of one core.
+struct StockLines<'a> {
+    near: &'a Neighbours,
+    blank: &'a Blank,
+    top: f64,
+    /// Where on hub and shroud the last look was.
+    warm: Option<(f64, f64)>,
+}
+
+impl StockLines<'_> {
+    fn is_blank(&mut self, point: &Point) -> bool {
+        self.blank.depth_near(Meridional::of(point), &mut self.warm) > 0.0
+    }
+
+    /// (height from which on something is already removed, highest stock) on the line from the bottom
+    /// upwards, mm above it; infinite and 0 where there is none.
+    fn on_line(&mut self, origin: &Point, direction: &Vector) -> (f64, f64) {
+        let mut open = [(0.0f64, self.top); STRETCHES];
         let mut count = 1;
-        for cutter in &self.columns {
+        let mut first = f64::INFINITY;
+        for cutter in &self.near.columns {
             let Some((low, high)) = removed_interval(cutter, origin, direction) else { continue };
+            if high > 0.0 {
+                first = first.min(low);
+            }
+            if count == 0 {
+                continue;
+            }
             let mut kept = [(0.0, 0.0); STRETCHES];
             let mut n = 0;
             for &(a, b) in &open[..count] {
@@ -172,15 +204,17 @@ impl Neighbours {
                 }
             }
             (open, count) = (kept, n);
-            if count == 0 {
-                return 0.0;
+        }
+        let mut highest = 0.0f64;
+        for &(a, b) in open[..count].iter().filter(|(a, b)| b - a > 1e-9 && *b > 0.0) {
+            if b <= highest {
+                continue;
+            }
+            if let Some(h) = self.blank.highest_inside(origin, direction, a, b, &mut self.warm) {
+                highest = highest.max(h);
             }
         }
-        open[..count]
-            .iter()
-            .filter(|(a, b)| b - a > 1e-9)
-            .filter_map(|&(a, b)| blank.highest_inside(origin, direction, a, b))
-            .fold(0.0, f64::max)
+        (first, highest)
     }
 }
 

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::clearance::FinishedPart;
-use super::contact::{BlankTop, Column, core_contact};
+use super::contact::{BlankTop, Column, core_contact, core_interferes};
 use super::lane::Lane;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
 use super::retract::{RetractSurface, bottom_clearance};
@@ -20,6 +20,8 @@ use crate::part::{Blank, Channel, Impeller, Passage, Setup, Tool};
 const MAX_ROUNDS: usize = 12;
 /// Least leans of the first position that are tried for `monotone`, in degrees, after the unchanged one.
 const START_LEANS_DEG: [f64; 9] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0];
+/// How far a start is moved out of the stock, one after the other, in cutter radii.
+const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
 /// Air between the core and the rim at the start of a row, mm.
 const START_MARGIN: f64 = 0.05;
 
@@ -68,17 +70,47 @@ impl Row {
     }
 }
 
+/// The attempts at one row: what they have in common.
+struct Attempts<'r> {
+    maker: &'r RowMaker<'r>,
+    /// Last s in the order of cutting.
+    end: f64,
+    earlier: &'r [Column],
+    top: &'r BlankTop<'r>,
+    /// Conventional stations of the last start.
+    conventional: Option<(f64, Vec<Station>)>,
+}
+
+impl Attempts<'_> {
+    /// Conventional stations from `start` on, kept for the next attempt with the same start.
+    fn conventional(&mut self, start: f64) -> Result<Vec<Station>, f64> {
+        match &self.conventional {
+            Some((known, stations)) if *known == start => Ok(stations.clone()),
+            _ => {
+                let stations = self.maker.conventional(start, self.end)?;
+                self.conventional = Some((start, stations.clone()));
+                Ok(stations)
+            }
+        }
+    }
+}
+
+/// Whether two stations have the same axis to a ten-thousandth of a millimetre.
+fn same_axis(a: &Station, b: &Station) -> bool {
+    (a.tip - b.tip).norm() < 1e-4 && (a.axis - b.axis).norm() < 1e-6
+}
+
 /// What was cut before the next position of a row: earlier sections and the row so far.
 struct Known<'e> {
     earlier: &'e [Column],
     columns: Vec<Column>,
     blank: &'e Blank,
-    top: BlankTop<'e>,
+    top: &'e BlankTop<'e>,
 }
 
 impl<'e> Known<'e> {
-    fn new(earlier: &'e [Column], blank: &'e Blank) -> Self {
-        Self { earlier, columns: earlier.to_vec(), blank, top: BlankTop::new(blank) }
+    fn new(earlier: &'e [Column], blank: &'e Blank, top: &'e BlankTop<'e>) -> Self {
+        Self { earlier, columns: earlier.to_vec(), blank, top }
     }
 
     /// Forgets the row.
@@ -89,10 +121,10 @@ impl<'e> Known<'e> {
     /// Whether the last of `stations` interferes; remembers it as cut.
     fn interferes(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         let Some(last) = stations.last() else { return false };
-        let column = Column::new(maker.cutter(last), maker.tool.core_radius(), &self.top);
-        let contact = core_contact(&column, &self.columns, self.blank);
+        let column = Column::new(maker.cutter(last), maker.tool.core_radius(), self.top);
+        let interferes = core_interferes(&column, &self.columns, self.blank);
         self.columns.push(column);
-        contact.interferes()
+        interferes
     }
 }
 
@@ -381,23 +413,33 @@ impl<'a> Planner<'a> {
         earlier: &[Column],
         monitor: &Monitor,
     ) -> Result<Row, PlanError> {
-        let plain = |lean: Option<f64>, contacts_allowed: bool| {
-            self.settled_row(maker, ends, policy, lean, contacts_allowed, earlier, monitor)
-        };
+        let top = BlankTop::new(&self.blank);
+        let mut attempts = Attempts { maker, end: ends.1, earlier, top: &top, conventional: None };
         if policy == AxisPolicy::Conventional {
-            return Ok(plain(None, true)?.unwrap_or_else(|| Row::empty(maker.lambda)));
+            let start = self.free_start(&attempts, ends.0, None);
+            let row = self.settled_row(&mut attempts, policy, (start, None), true, monitor)?;
+            return Ok(row.unwrap_or_else(|| Row::empty(maker.lambda)));
         }
         let starts = || std::iter::once(None).chain(START_LEANS_DEG.iter().map(|d| Some(d.to_radians())));
+        let mut tried: Vec<((f64, Option<f64>), Station)> = Vec::new();
         for lean in starts() {
-            if let Some(row) = plain(lean, false)? {
+            monitor.check()?;
+            let start = self.free_start(&attempts, ends.0, lean);
+            // Angles below the jump of α from rear to front contact all start the row alike.
+            let Some(first) = self.first_station(maker, start, lean) else { continue };
+            if tried.iter().any(|(_, t)| same_axis(t, &first)) {
+                continue;
+            }
+            tried.push(((start, lean), first));
+            if let Some(row) = self.settled_row(&mut attempts, policy, (start, lean), false, monitor)? {
                 return Ok(row);
             }
         }
         // Nothing frees the row: the start with the fewest contacts.
         let mut best: Option<(usize, Row)> = None;
-        for lean in starts() {
-            if let Some(row) = plain(lean, true)? {
-                let contacts = self.contacts(maker, &row.stations, earlier);
+        for (start, _) in tried {
+            if let Some(row) = self.settled_row(&mut attempts, policy, start, true, monitor)? {
+                let contacts = self.contacts(&attempts, &row.stations);
                 if best.as_ref().is_none_or(|b| contacts < b.0) {
                     best = Some((contacts, row));
                 }
@@ -406,23 +448,28 @@ impl<'a> Planner<'a> {
         Ok(best.map_or_else(|| Row::empty(maker.lambda), |b| b.1))
     }
 
+    /// The first station of a row that starts at s = `start` with at least `lean`.
+    fn first_station(&self, maker: &RowMaker, start: f64, lean: Option<f64>) -> Option<Station> {
+        let station = maker.isoparametric(start)?;
+        let leaning = maker.monotone(&[station], lean, self.setup.plunge.max_tilt, &mut |_| true);
+        Some(leaning.and_then(|row| row.first().copied()).unwrap_or(station))
+    }
+
     /// Stages 1 to 4 until no position is added any more; `None` when a contact turns up and none is allowed.
-    #[allow(clippy::too_many_arguments)]
     fn settled_row(
         &self,
-        maker: &RowMaker,
-        (start, end): (f64, f64),
+        attempts: &mut Attempts,
         policy: AxisPolicy,
-        lean: Option<f64>,
+        (start, lean): (f64, Option<f64>),
         contacts_allowed: bool,
-        earlier: &[Column],
         monitor: &Monitor,
     ) -> Result<Option<Row>, PlanError> {
+        monitor.check()?;
         let max_tilt = self.setup.plunge.max_tilt;
-        let start = self.free_start(maker, start, lean, earlier);
-        let mut conventional = maker.conventional(start, end).map_err(|s| self.misfit(maker.tool, s))?;
+        let maker = attempts.maker;
+        let mut conventional = attempts.conventional(start).map_err(|s| self.misfit(maker.tool, s))?;
         let mut row = Row { settled: false, ..Row::empty(maker.lambda) };
-        let mut known = Known::new(earlier, &self.blank);
+        let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
         while row.rounds < MAX_ROUNDS && !row.settled {
             row.rounds += 1;
             known.forget();
@@ -443,16 +490,14 @@ impl<'a> Planner<'a> {
 
     /// Moves the start of a row out of the stock until its first core column is free up to the top
     /// of the blank; where nothing frees it within a diameter, leaves it where it was.
-    fn free_start(&self, maker: &RowMaker, start: f64, lean: Option<f64>, earlier: &[Column]) -> f64 {
-        let stride = 0.1 * maker.tool.radius() / self.part.hub.length();
-        for i in 0..=20 {
-            let s = start + maker.inward * stride * f64::from(i);
-            let Some(station) = maker.isoparametric(s) else { return start };
-            let first = maker.monotone(&[station], lean, self.setup.plunge.max_tilt, &mut |_| true);
-            let first = first.and_then(|row| row.first().copied()).unwrap_or(station);
-            let column =
-                Column::new(maker.cutter(&first), maker.tool.core_radius(), &BlankTop::new(&self.blank));
-            if !core_contact(&column, earlier, &self.blank).interferes() {
+    fn free_start(&self, attempts: &Attempts, start: f64, lean: Option<f64>) -> f64 {
+        let maker = attempts.maker;
+        let radius_s = maker.tool.radius() / self.part.hub.length();
+        for radii in START_RETREATS {
+            let s = start + maker.inward * radii * radius_s;
+            let Some(first) = self.first_station(maker, s, lean) else { break };
+            let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
+            if !core_interferes(&column, attempts.earlier, &self.blank) {
                 return s;
             }
         }
@@ -460,9 +505,9 @@ impl<'a> Planner<'a> {
     }
 
     /// Number of interferential stations of a row that comes after `earlier`.
-    fn contacts(&self, maker: &RowMaker, stations: &[Station], earlier: &[Column]) -> usize {
-        let mut known = Known::new(earlier, &self.blank);
-        (1..=stations.len()).filter(|&k| known.interferes(maker, &stations[..k])).count()
+    fn contacts(&self, attempts: &Attempts, stations: &[Station]) -> usize {
+        let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
+        (1..=stations.len()).filter(|&k| known.interferes(attempts.maker, &stations[..k])).count()
     }
 
     /// Contact, clearances and retract of every position.
