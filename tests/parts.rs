@@ -36,33 +36,35 @@ fn impeller532_is_paper_a_s() {
     let part = sample("impeller532.toml");
     assert_eq!(part.blade_count, 17);
     assert!((2.0 * part.rim_radius() - 532.0).abs() < 0.01, "diameter {}", 2.0 * part.rim_radius());
-    let (_, te) = edges(&part);
     let height = part.shroud.point(1.0).distance(part.hub.point(1.0));
-    println!("te {te} height {height} narrowest {}", narrowest(&part));
-    for i in 0..=10 {
-        let s = f64::from(i) / 10.0;
-        let c = Channel::of(&part);
-        let a = c.full.wall_angles(&part, s, 0.0).unwrap();
-        let b = c.full.wall_angles(&part, s, 1.0).unwrap();
-        let h = part.hub.point(s);
-        let w = part.shroud.point(s);
-        let m0 = h.at_angle(a[0]);
-        let w0 = w.at_angle(b[0]);
-        let d = (w0 - m0).normalize();
-        let n = part.hub.normal(s).direction_at_angle(a[0]);
-        println!(
-            "s {s:.1} hub {:.1} {:.1} th {:.2} {:.2} width {:.1}  tip th {:.2} {:.2}  rul-normal {:.1} dist {:.1}",
-            h.r,
-            h.z,
-            a[0].to_degrees(),
-            a[1].to_degrees(),
-            h.r * (a[1] - a[0]).abs(),
-            b[0].to_degrees(),
-            b[1].to_degrees(),
-            d.angle(&n).to_degrees(),
-            (w0 - m0).norm()
-        );
-    }
     assert!((height - 32.0).abs() < 0.01, "outlet height {height}");
     assert!((narrowest(&part) - 12.5).abs() < 0.1, "narrowest width {}", narrowest(&part));
+}
+
+#[test]
+fn impeller9x9_is_paper_b_s() {
+    let part = sample("impeller9x9.toml");
+    assert_eq!((part.blade_count, part.splitters.len()), (9, 1));
+    let (le, te) = edges(&part);
+    println!("LE {le} TE {te}");
+    assert!((le - 27.042).abs() < 0.1, "leading edge {le}");
+    assert!((te - 6.62).abs() < 0.05, "trailing edge {te}");
+}
+
+#[test]
+fn pump6_is_strongly_wrapped() {
+    let part = sample("pump6.toml");
+    assert_eq!(part.blade_count, 6);
+    let angle = |u: f64| {
+        let p = part.main.suction.point(u, 0.0);
+        p.y.atan2(p.x)
+    };
+    let wrap: f64 = (0..100)
+        .map(|i| {
+            let d = angle(f64::from(i + 1) / 100.0) - angle(f64::from(i) / 100.0);
+            if d < -3.0 { d + std::f64::consts::TAU } else { d }
+        })
+        .sum();
+    println!("wrap {}", wrap.to_degrees());
+    assert!(wrap.to_degrees() > 110.0, "wrap {}°", wrap.to_degrees());
 }

@@ -68,6 +68,26 @@ impl<const D: usize> Cubic<D> {
         Self { knots, segments, buckets, buckets_per_unit: count as f64 / (end - start) }
     }
 
+    /// The same curve from parameter `start` on; before it, straight along its direction there.
+    pub fn starting_at(&self, start: f64) -> Self {
+        let (_, end) = self.domain();
+        if start <= self.knots[0] || start >= end {
+            return self.clone();
+        }
+        let first = self.segment(start);
+        let (p, d1, d2) = self.derivatives(start);
+        let mut segments = self.segments[first..].to_vec();
+        let mut knots = self.knots[first..].to_vec();
+        for k in 0..D {
+            let cubic = segments[0][3][k];
+            for (order, value) in [p[k], d1[k], d2[k] / 2.0, cubic].into_iter().enumerate() {
+                segments[0][order][k] = value;
+            }
+        }
+        knots[0] = start;
+        Self::from_segments(knots, segments)
+    }
+
     /// First and last parameter.
     pub fn domain(&self) -> (f64, f64) {
         (self.knots[0], self.knots[self.knots.len() - 1])

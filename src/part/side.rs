@@ -156,11 +156,8 @@ impl BladeSide {
             .map(|i| SETTLED_U * f64::from(i) / f64::from(steps))
             .find(|&u| [0.0, 0.5, 1.0].iter().any(|&v| bent(u, v)));
         let Some(start) = start else { return self.clone() };
-        let mut u = vec![start];
-        u.extend(self.u_knots().iter().copied().filter(|&k| k > start + 1e-6));
-        let sections: Vec<Vec<Point>> =
-            self.stations.iter().map(|&v| u.iter().map(|&u| self.point(u, v)).collect()).collect();
-        Self::loft(&u, &self.stations, &sections)
+        let cut = |curves: &[Cubic<6>]| curves.iter().map(|c| c.starting_at(start)).collect();
+        Self { stations: self.stations.clone(), spans: cut(&self.spans), slopes: cut(&self.slopes) }
     }
 }
 

@@ -50,6 +50,9 @@ impl<'a> BlankTop<'a> {
 const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
 /// Uncovered stretches of one line that are kept apart.
 const STRETCHES: usize = 12;
+/// Contact a plan may have, mm: well below the tolerance of the verdict, so that rounding in a CL file or
+/// another checker's samples do not tip it.
+const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
 /// Height above the bottom, mm, at which stock counts for the contact area.
 const AREA_HEIGHT: f64 = 0.02;
 
@@ -58,10 +61,10 @@ pub fn core_contact(column: &Column, earlier: &[Column], blank: &Blank) -> CoreC
     contact_up_to(column, earlier, blank, f64::INFINITY)
 }
 
-/// Whether that contact makes the position interferential: as [`core_contact`], but done at the first line
+/// Whether the contact is deeper than a planner may leave it: as [`core_contact`], but done at the first line
 /// that says so.
 pub fn core_interferes(column: &Column, earlier: &[Column], blank: &Blank) -> bool {
-    contact_up_to(column, earlier, blank, CONTACT_TOLERANCE).interferes()
+    contact_up_to(column, earlier, blank, PLANNED_CONTACT).depth > PLANNED_CONTACT
 }
 
 /// Contact; the search may end as soon as the depth exceeds `enough`.

@@ -229,30 +229,36 @@ impl<'a> Lane<'a> {
             let ends = self.wall_axis(wall, s_hub, s_hub - shift, warm)?;
             Some([ends.theta_hub, ends.theta_shroud])
         };
-        match self.tables[wall].at(s_hub, s_hub - s_shroud, &fit) {
-            Some([theta_hub, theta_shroud]) => Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud }),
-            None => self.wall_axis(wall, s_hub, s_shroud, None),
-        }
+        let [theta_hub, theta_shroud] = self.tables[wall].at(s_hub, s_hub - s_shroud, &fit)?;
+        Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud })
     }
 
     /// Axis of the row at `lambda` between the walls, from the tables of fits: for searches.
-    /// `None` where no axis clears both walls.
+    /// `None` where no axis clears both walls, or one next to it in the tables does not.
     pub fn row_axis(&self, lambda: f64, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+        self.between(lambda, |wall| self.table_axis(wall, s_hub, s_shroud))
+    }
+
+    /// As [`Self::row_axis`], fitted anew: where the tables end.
+    pub fn row_axis_fitted(&self, lambda: f64, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+        self.between(lambda, |wall| self.wall_axis(wall, s_hub, s_shroud, None))
+    }
+
+    /// The axis at `lambda` between the axes of both walls.
+    fn between(&self, lambda: f64, axis: impl Fn(usize) -> Option<AxisEnds>) -> Option<AxisEnds> {
         if lambda == 0.0 || lambda == 1.0 {
-            return self.table_axis(lambda as usize, s_hub, s_shroud);
+            return axis(lambda as usize);
         }
-        let low = self.table_axis(0, s_hub, s_shroud)?;
-        let high = self.table_axis(1, s_hub, s_shroud)?;
+        let (low, high) = (axis(0)?, axis(1)?);
         let half = 0.5 * self.part.pitch();
         let across = |a: f64, b: f64| wrap_angle(b - a - half) + half;
         let (hub, shroud) =
             (across(low.theta_hub, high.theta_hub), across(low.theta_shroud, high.theta_shroud));
         let sign = self.part.pitch().signum();
         (hub * sign >= 0.0 && shroud * sign >= 0.0).then_some(AxisEnds {
-            s_hub,
-            s_shroud,
             theta_hub: low.theta_hub + lambda * hub,
             theta_shroud: low.theta_shroud + lambda * shroud,
+            ..low
         })
     }
 

@@ -48,7 +48,10 @@ impl RowMaker<'_> {
     /// The station whose axis runs from `s_hub` to `s_shroud`, fitted between the walls and lowered
     /// onto the hub. `None` where no axis clears the walls.
     pub fn station(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
-        let ends = self.lane.row_axis(self.lambda, s_hub, s_shroud)?;
+        let ends = self
+            .lane
+            .row_axis(self.lambda, s_hub, s_shroud)
+            .or_else(|| self.lane.row_axis_fitted(self.lambda, s_hub, s_shroud))?;
         self.exact(&self.lowered(ends))
     }
 

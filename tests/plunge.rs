@@ -1,0 +1,217 @@
+//! The stages of the planner against brute force, on real parts.
+
+use std::path::Path;
+
+use vanecut::formats::part_file::read_part;
+use vanecut::geometry::{Meridional, frame_about};
+use vanecut::monitor::Monitor;
+use vanecut::part::setup::{Feed, SectionSetup};
+use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
+use vanecut::plunge::contact::{BlankTop, Column, core_contact};
+use vanecut::plunge::lane::Lane;
+use vanecut::plunge::row::RowMaker;
+use vanecut::plunge::sections::resolve;
+use vanecut::plunge::slotting::DepthSurface;
+use vanecut::plunge::{Planner, PlungePlan};
+
+fn sample(name: &str) -> Impeller {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
+    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
+}
+
+fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, PlungePlan) {
+    let channel = Channel::of(part);
+    let setup = resolve(setup, part, &channel).expect("the setup fits");
+    let plan = Planner::new(part, &channel, &setup).plan(policy, &Monitor::default()).expect("a plan");
+    (setup, plan)
+}
+
+/// Paper A walks the row's shroud curve in steps of 1e-5 of its length until α has grown; the planner
+/// solves for the same place.
+#[test]
+fn monotone_finds_the_place_the_walk_finds() {
+    let part = sample("impeller532.toml");
+    let channel = Channel::of(&part);
+    let setup = resolve(&Setup::default(), &part, &channel).expect("fits");
+    let tool = &setup.tools[0];
+    let hub = DepthSurface::new(part.hub.curve(), 0.5);
+    let lane = Lane::new(&part, &channel.full, tool, 0.5, 0.5);
+    for lambda in [0.0, 0.5, 1.0] {
+        let maker =
+            RowMaker { part: &part, lane: &lane, hub: &hub, tool, lambda, inward: 1.0, step_limit: 7.8 };
+        let conventional = maker.conventional(1.0, 0.7).expect("stations");
+        let row = maker
+            .monotone(&conventional, Some(10f64.to_radians()), 1.0, &mut |_| true)
+            .expect("nothing refuses it");
+        for k in [1, 4, 8] {
+            let (before, here) = (&row[k - 1], &row[k]);
+            assert!(here.blocked.is_none() && here.alpha > before.alpha, "position {k} grows");
+            let moved = here.s_shroud_conventional - here.ends.s_shroud;
+            let mut steps = 0;
+            loop {
+                let amount = 1e-5 * f64::from(steps);
+                let s_shroud = here.s_shroud_conventional - amount;
+                let walked = maker.station(here.ends.s_hub, s_shroud).expect("clear of the walls");
+                if walked.alpha > before.alpha {
+                    assert!(
+                        (amount - moved).abs() <= 1.1e-5,
+                        "row {lambda}, position {k}: solved {moved}, walked {amount}"
+                    );
+                    break;
+                }
+                steps += if amount + 2e-4 < moved { 10 } else { 1 };
+                assert!(steps < 30_000, "the walk ends");
+            }
+        }
+    }
+}
+
+/// Height of stock in a core by looking at many points, one by one.
+fn contact_by_points(column: &Column, earlier: &[Column], blank: &Blank) -> f64 {
+    let (e1, e2) = frame_about(&column.cutter.axis);
+    let mut highest = 0.0f64;
+    for ring in 0..=16 {
+        for turn in 0..120 {
+            let (rho, phi) = (
+                column.core_radius * f64::from(ring) / 16.0,
+                std::f64::consts::TAU * f64::from(turn) / 120.0,
+            );
+            let foot = column.cutter.tip + (e1 * phi.cos() + e2 * phi.sin()) * rho;
+            let mut h = 0.0025;
+            while h < column.top.min(120.0) {
+                let p = foot + column.cutter.axis * h;
+                let stock = blank.depth(Meridional::of(&p)) > 0.0
+                    && !earlier.iter().any(|e| e.cutter.distance(&p) < 0.0);
+                if stock {
+                    highest = highest.max(h);
+                }
+                h += if h < 4.0 { 0.05 } else { 0.6 };
+            }
+        }
+    }
+    highest
+}
+
+#[test]
+fn contact_agrees_with_many_points() {
+    let part = sample("impeller532.toml");
+    let blank = Blank::of(&part, 0.0);
+    let top = BlankTop::new(&blank);
+    for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
+        let (_, plan) = planned(&part, &Setup::default(), policy);
+        let columns: Vec<Column> = plan
+            .positions
+            .iter()
+            .map(|p| {
+                let tool = &plan.sections[p.section].tool;
+                let cutter = vanecut::geometry::CutterSolid {
+                    tip: p.tip,
+                    axis: p.axis,
+                    radius: tool.radius(),
+                    corner_radius: tool.corner_radius,
+                };
+                Column::new(cutter, tool.core_radius(), &top)
+            })
+            .collect();
+        for k in (3..plan.positions.len()).step_by(57) {
+            let exact = core_contact(&columns[k], &columns[..k], &blank);
+            assert_eq!(exact, plan.positions[k].contact, "the plan tells the truth of position {k}");
+            // Only neighbours can matter; the rest of the brute force would take minutes.
+            let near: Vec<Column> = columns[..k]
+                .iter()
+                .filter(|c| (c.cutter.tip - columns[k].cutter.tip).norm() < 60.0)
+                .copied()
+                .collect();
+            let seen = contact_by_points(&columns[k], &near, &blank);
+            let tolerance = if seen < 4.0 { 0.08 } else { 0.7 };
+            assert!(
+                seen <= exact.depth + 1e-6 && exact.depth - seen < tolerance,
+                "{policy:?} position {k}: exact {}, by points {seen}",
+                exact.depth
+            );
+        }
+    }
+}
+
+#[test]
+fn plans_hold_their_allowances_on_all_samples() {
+    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+        let part = sample(name);
+        for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
+            let (setup, plan) = planned(&part, &Setup::default(), policy);
+            assert!(plan.settled && !plan.positions.is_empty(), "{name} settles");
+            for (k, p) in plan.positions.iter().enumerate() {
+                let stock = &setup.stock;
+                assert!(p.hub_clearance >= stock.hub_allowance - 1e-3, "{name} {k}: hub {}", p.hub_clearance);
+                assert!(
+                    p.blade_clearance >= stock.blade_allowance - 1e-3,
+                    "{name} {k}: blade {}",
+                    p.blade_clearance
+                );
+                assert!(
+                    p.retract_clearance >= stock.safety_distance - 1e-3,
+                    "{name} {k}: retract {}",
+                    p.retract_clearance
+                );
+            }
+            let outlet = plan.positions.iter().filter(|p| p.section == 0 && p.contact.interferes()).count();
+            if policy == AxisPolicy::Conventional {
+                assert!(outlet > 0, "{name}: the conventional plan interferes at the outlet");
+            } else {
+                assert_eq!(outlet, 0, "{name}: monotone repairs the outlet");
+            }
+        }
+    }
+}
+
+#[test]
+fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
+    let part = sample("impeller532.toml");
+    let count = |plan: &PlungePlan, section: usize| {
+        plan.positions.iter().filter(|p| p.section == section && p.contact.interferes()).count()
+    };
+    let (setup, before) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
+    let (_, after) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
+    assert_eq!(setup.plunge.sections.len(), 3, "three tools");
+    for section in 0..3 {
+        assert!(count(&before, section) > 0, "section {section} interferes before");
+        assert_eq!(count(&after, section), 0, "section {section} is free after");
+    }
+}
+
+#[test]
+fn rows_may_be_cut_outwards_and_corners_rounded() {
+    let part = sample("impeller532.toml");
+    let channel = Channel::of(&part);
+    let mut setup = resolve(&Setup::default(), &part, &channel).expect("fits");
+    for tool in &mut setup.tools {
+        tool.corner_radius = 0.8;
+    }
+    setup.plunge.sections = vec![SectionSetup { tool: 3, from: 0.4, to: 0.0, feed: Some(Feed::Outward) }];
+    let (_, plan) = planned(&part, &setup, AxisPolicy::Monotone);
+    let first_row: Vec<_> = plan.positions.iter().filter(|p| p.row == 0).collect();
+    assert!(first_row.windows(2).all(|w| w[1].s > w[0].s), "rows run from inlet to outlet");
+    assert!(first_row[0].s < 0.0, "the row starts outside the leading edge");
+    for p in &plan.positions {
+        assert!(p.hub_clearance >= 0.5 - 1e-3 && p.blade_clearance >= 0.5 - 1e-3, "clear: {p:?}");
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_same_plan() {
+    let part = sample("pump6.toml");
+    let (_, a) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
+    let (_, b) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
+    assert!(a == b, "planning is deterministic");
+}
+
+#[test]
+fn a_cancelled_plan_says_so() {
+    let part = sample("pump6.toml");
+    let channel = Channel::of(&part);
+    let setup = resolve(&Setup::default(), &part, &channel).expect("fits");
+    let monitor = Monitor::default();
+    monitor.cancel();
+    let result = Planner::new(&part, &channel, &setup).plan(AxisPolicy::Monotone, &monitor);
+    assert!(result.is_err_and(|e| e.to_string() == "cancelled"), "no plan after a cancel");
+}
