@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::Failure;
+use super::{Failure, say};
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
 use crate::job::{PlanRequest, run as run_job};
@@ -24,11 +24,11 @@ pub fn run() -> Result<(), Failure> {
     let channel = Channel::of(&part);
     let setup = Setup::default();
     let request = PlanRequest { part: part.clone(), setup, policy: AxisPolicy::Monotone, field_cells: 512 };
-    println!("{:<58} {:>10}", "what", "median");
+    say(&format!("{:<58} {:>10}\n", "what", "median"))?;
     let plan_seconds = median(|| {
         let _ = run_job(&request, &Monitor::default());
     });
-    line("plan of one channel: two policies, contact, both fields 512²", plan_seconds);
+    line("plan of one channel: two policies, contact, both fields 512²", plan_seconds)?;
     let outcome = run_job(&request, &Monitor::default()).map_err(|e| Failure::Work(e.to_string()))?;
 
     let plan = &outcome.after.plan;
@@ -42,7 +42,7 @@ pub fn run() -> Result<(), Failure> {
                 std::hint::black_box(hub.touch(&p.tip, &p.axis, radius));
             }
         }),
-    );
+    )?;
     let blank = Blank::of(&part, 0.0);
     let grid = FloorGrid::new(&part, &channel, &blank, 0.5, 1024);
     let cutters: Vec<_> = cutters_of(plan).into_iter().cycle().take(1000).collect();
@@ -51,9 +51,9 @@ pub fn run() -> Result<(), Failure> {
         median(|| {
             std::hint::black_box(residual_field(&grid, &cutters));
         }),
-    );
+    )?;
     match Gpu::headless() {
-        Err(error) => println!("GPU: {error}"),
+        Err(error) => say(&format!("GPU: {error}\n"))?,
         Ok(gpu) => {
             let kernel = ResidualKernel::new(&gpu)?;
             let mut failed = None;
@@ -65,7 +65,7 @@ pub fn run() -> Result<(), Failure> {
             if let Some(error) = failed {
                 return Err(error.into());
             }
-            line(&format!("residual field 1024² × 1000 positions, {}", gpu.info.name), seconds);
+            line(&format!("residual field 1024² × 1000 positions, {}", gpu.info.name), seconds)?;
         }
     }
     Ok(())
@@ -84,6 +84,6 @@ fn median(mut work: impl FnMut()) -> f64 {
     seconds[RUNS / 2]
 }
 
-fn line(what: &str, seconds: f64) {
-    println!("{what:<58} {:>7.1} ms", 1e3 * seconds);
+fn line(what: &str, seconds: f64) -> Result<(), Failure> {
+    say(&format!("{what:<58} {:>7.1} ms\n", 1e3 * seconds))
 }

@@ -9,6 +9,7 @@ mod render;
 mod report;
 mod verify;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -25,9 +26,53 @@ pub(crate) enum Failure {
     Input(String),
 }
 
+impl Failure {
+    /// Bad input at a line of a file (0: no line).
+    pub fn at(file: &str, line: usize, what: &str) -> Self {
+        let line = if line > 0 { format!(":{line}") } else { String::new() };
+        Self::Input(format!("{file}{line}: {what}"))
+    }
+}
+
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
         Self::Input(error.to_string())
+    }
+}
+
+/// Prints to standard output. A reader that has had enough is no fault.
+pub(crate) fn say(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Work(format!("standard output: cannot be written ({error}); send it elsewhere")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// One line on stderr, whatever `what` quotes.
+fn complain(what: &str) {
+    let line: String = what.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    // Nobody is left to be told when stderr is gone.
+    let _ = writeln!(std::io::stderr(), "vanecut: {line}");
+}
+
+/// What clap found wrong, in one line: the fault, then its tip.
+fn usage_fault(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let said: Vec<&str> = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:"))
+        .filter(|l| !l.is_empty())
+        .collect();
+    let (tips, fault): (Vec<&str>, Vec<&str>) = said.into_iter().partition(|line| line.starts_with("tip: "));
+    let fault = fault.join(" ");
+    let fault = fault.trim_start_matches("error: ");
+    match tips.first() {
+        Some(tip) => format!("{fault}; {}", tip.trim_start_matches("tip: ")),
+        None => format!("{fault}; see `vanecut --help`"),
     }
 }
 
@@ -36,24 +81,23 @@ pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) if error.use_stderr() => {
-            let text = error.to_string();
-            let first = text.lines().next().unwrap_or_default();
-            eprintln!("vanecut: {}; see `vanecut --help`", first.trim_start_matches("error: "));
+            complain(&usage_fault(&error));
             return ExitCode::from(2);
         }
-        Err(help) => {
-            print!("{help}");
-            return ExitCode::SUCCESS;
-        }
+        Err(help) => return end(say(&help.to_string())),
     };
-    match run(arguments) {
+    end(run(arguments))
+}
+
+fn end(result: Result<(), Failure>) -> ExitCode {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Work(what)) => {
-            eprintln!("vanecut: {what}");
+            complain(&what);
             ExitCode::from(1)
         }
         Err(Failure::Input(what)) => {
-            eprintln!("vanecut: {what}");
+            complain(&what);
             ExitCode::from(2)
         }
     }
@@ -61,6 +105,10 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
+        None if arguments.file.as_ref().is_some_and(|file| !file.exists()) => {
+            let name = arguments.file.unwrap_or_default();
+            Err(Failure::Input(format!("{}: no such file or command; see `vanecut --help`", name.display())))
+        }
         None => crate::app::run(arguments.file).map_err(|e| Failure::Work(e.to_string())),
         Some(Command::Plan(a)) => plan::run(&a),
         Some(Command::Verify(a)) => verify::run(&a),

@@ -5,38 +5,63 @@ use std::path::Path;
 
 use super::Failure;
 use crate::formats::part_file::read_part;
-use crate::formats::setup_file::{read_setup, read_setup_bytes};
+use crate::formats::setup_file::{line_of, read_setup_bytes};
+use crate::formats::source::{MAX_BYTES, name_of, read_bytes};
 use crate::part::{Impeller, PartDescription, Setup};
+use crate::plunge::sections::SetupFault;
 
-/// Most bytes taken from standard input.
-const MAX_INPUT: u64 = 64 * 1024 * 1024;
+/// How messages name standard input.
+const STANDARD_INPUT: &str = "standard input";
 
 /// Reads, trims and checks a part.
 pub fn part(path: &Path) -> Result<(PartDescription, Impeller), Failure> {
     let description = read_part(path)?;
-    let part = Impeller::build(&description).map_err(|e| {
-        let line = if e.line > 0 { format!(":{}", e.line) } else { String::new() };
-        Failure::Input(format!("{}{line}: {}; {}", path.display(), e.what, e.cure))
-    })?;
+    let part = Impeller::build(&description)
+        .map_err(|e| Failure::at(&path.display().to_string(), e.line, &e.to_string()))?;
     Ok((description, part))
 }
 
-/// Reads a setup; none given means the defaults.
-pub fn setup(path: Option<&Path>) -> Result<Setup, Failure> {
-    match path {
-        None => Ok(Setup::default()),
-        Some(path) if path == Path::new("-") => Ok(read_setup_bytes("standard input", &standard_input()?)?),
-        Some(path) => Ok(read_setup(path)?),
+/// A setup and where it came from.
+pub struct OpenSetup {
+    /// The setup.
+    pub setup: Setup,
+    /// Name for messages: the part's where there is no setup file.
+    name: String,
+    bytes: Vec<u8>,
+}
+
+impl OpenSetup {
+    /// The failure for a fault that came up while planning, with the line of the setup file.
+    pub fn failure(&self, fault: &SetupFault) -> Failure {
+        Failure::at(&self.name, line_of(&self.bytes, &fault.place), &fault.to_string())
     }
 }
 
-/// All of standard input.
-pub fn standard_input() -> Result<Vec<u8>, Failure> {
+/// Reads the setup for `part`; none given means the defaults, `-` standard input.
+pub fn setup(path: Option<&Path>, part: &Path) -> Result<OpenSetup, Failure> {
+    let Some(path) = path else {
+        return Ok(OpenSetup {
+            setup: Setup::default(),
+            name: part.display().to_string(),
+            bytes: Vec::new(),
+        });
+    };
+    let (name, bytes) = named_bytes(path)?;
+    let setup = read_setup_bytes(&name, &bytes)?;
+    Ok(OpenSetup { setup, name, bytes })
+}
+
+/// Name for messages and bytes of a file, or of standard input for `-`.
+pub fn named_bytes(path: &Path) -> Result<(String, Vec<u8>), Failure> {
+    if path != Path::new("-") {
+        return Ok((name_of(path), read_bytes(path)?));
+    }
     let mut bytes = Vec::new();
+    // One byte more than a reader takes, so that it can say what is too large.
     std::io::stdin()
         .lock()
-        .take(MAX_INPUT)
+        .take(MAX_BYTES as u64 + 1)
         .read_to_end(&mut bytes)
-        .map_err(|e| Failure::Input(format!("standard input cannot be read ({e}); give a file")))?;
-    Ok(bytes)
+        .map_err(|e| Failure::Input(format!("{STANDARD_INPUT}: cannot be read ({e}); give a file")))?;
+    Ok((STANDARD_INPUT.to_owned(), bytes))
 }

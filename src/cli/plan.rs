@@ -9,15 +9,16 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::args::PlanArgs;
-use super::{Failure, open, render, report};
+use super::open::OpenSetup;
+use super::{Failure, open, render, report, say};
 use crate::formats::apt::{ClProgram, write_apt};
 use crate::formats::plan_file::write_plan;
 use crate::formats::setup_file::axis_policy;
-use crate::formats::write::write_whole;
+use crate::formats::write::write_together;
 use crate::geometry::{rotate_vector_z, rotate_z};
 use crate::job::{self, JobError, PlanOutcome, PlanRequest};
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Impeller, Setup};
+use crate::part::{AxisPolicy, Impeller};
 
 /// Cells of the residual field along s and λ.
 pub const FIELD_CELLS: usize = 512;
@@ -25,41 +26,39 @@ pub const FIELD_CELLS: usize = 512;
 /// Plans, writes the files, prints the figures.
 pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part)?;
-    let setup = open::setup(args.setup.as_deref())?;
+    let setup = open::setup(args.setup.as_deref(), &args.part)?;
     let policy = match &args.axis {
-        None => setup.plunge.axis,
+        None => setup.setup.plunge.axis,
         Some(name) => {
             axis_policy(name).map_err(|(what, cure)| Failure::Input(format!("--axis: {what}; {cure}")))?
         }
     };
     let channels = channel_count(&args.channels, &part)?;
-    let outcome = outcome(part, setup, policy, args.setup.as_deref())?;
+    check_folder(&args.output)?;
+    let outcome = outcome(part, &setup, policy)?;
     let after = &outcome.after;
     let text = write_plan(&description, &outcome.setup, &after.plan, channels);
     let program = repeated(&ClProgram::of_plan(&outcome.part.name, &after.plan), &outcome.part, channels);
     make_folder(&args.output)?;
-    let write = |name: &str, bytes: &[u8]| write_whole(&args.output.join(name), bytes);
-    write("plan.json", text.as_bytes())?;
-    write("plunge.apt", write_apt(&program).as_bytes())?;
+    write_together(&[
+        (args.output.join("plan.json"), text.as_bytes()),
+        (args.output.join("plunge.apt"), write_apt(&program).as_bytes()),
+    ])?;
     if args.report {
         render::write_report(&args.output, &outcome)?;
     }
     if args.json {
-        println!("{}", Value::Object(object(&outcome, channels)));
+        say(&format!("{}\n", Value::Object(object(&outcome, channels))))?;
     } else {
-        print_tables(&outcome, channels, args);
+        say(&tables(&outcome, channels, args))?;
     }
     judge(&outcome)
 }
 
 /// The shared job, with progress on a terminal.
-pub fn outcome(
-    part: Impeller,
-    setup: Setup,
-    policy: AxisPolicy,
-    setup_file: Option<&Path>,
-) -> Result<PlanOutcome, Failure> {
-    let request = PlanRequest { part: Arc::new(part), setup, policy, field_cells: FIELD_CELLS };
+pub fn outcome(part: Impeller, setup: &OpenSetup, policy: AxisPolicy) -> Result<PlanOutcome, Failure> {
+    let request =
+        PlanRequest { part: Arc::new(part), setup: setup.setup.clone(), policy, field_cells: FIELD_CELLS };
     let monitor = Monitor::default();
     let done = AtomicBool::new(false);
     let result = std::thread::scope(|scope| {
@@ -76,10 +75,9 @@ pub fn outcome(
         done.store(true, Ordering::Relaxed);
         result
     });
-    result.map_err(|error| match (error, setup_file) {
-        (JobError::Cancelled, _) => Failure::Work("cancelled".to_owned()),
-        (error, Some(file)) => Failure::Input(format!("{}: {error}", file.display())),
-        (error, None) => Failure::Input(error.to_string()),
+    result.map_err(|error| match error {
+        JobError::Cancelled => Failure::Work("cancelled".to_owned()),
+        JobError::Setup(fault) => setup.failure(&fault),
     })
 }
 
@@ -111,6 +109,15 @@ fn repeated(one: &ClProgram, part: &Impeller, channels: usize) -> ClProgram {
     program
 }
 
+/// Tells before the work what [`make_folder`] could only tell after it.
+fn check_folder(folder: &Path) -> Result<(), Failure> {
+    if folder.exists() && !folder.is_dir() {
+        let what = "is no folder; give one that can be written";
+        return Err(Failure::at(&folder.display().to_string(), 0, what));
+    }
+    Ok(())
+}
+
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| {
         Failure::Input(format!(
@@ -140,10 +147,10 @@ fn object(outcome: &PlanOutcome, channels: usize) -> serde_json::Map<String, Val
     map
 }
 
-fn print_tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) {
+fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
     let part = &outcome.part;
-    println!(
-        "{}: {} blades{}, D {:.1}; {channels} of {} channels planned",
+    let mut text = format!(
+        "{}: {} blades{}, D {:.1}; {channels} of {} channels planned\n",
         part.name,
         part.blade_count,
         if part.splitters.is_empty() { "" } else { " and as many splitters" },
@@ -154,14 +161,15 @@ fn print_tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) {
     if outcome.after.plan.policy != AxisPolicy::Conventional {
         results.push(("monotone", &outcome.after));
     }
-    print!("{}", report::table(&results, &outcome.grid));
-    print!("{}", report::clearances(&outcome.after.plan, &outcome.after.summary));
-    print!("{}", report::blocked(&outcome.after.plan));
-    println!(
-        "wrote {} and {}",
+    text += &report::table(&results, &outcome.grid);
+    text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
+    text += &report::blocked(&outcome.after.plan);
+    text += &format!(
+        "wrote {} and {}\n",
         args.output.join("plan.json").display(),
         args.output.join("plunge.apt").display()
     );
+    text
 }
 
 /// The work has failed when the plan breaks an allowance or did not come to rest.

@@ -7,14 +7,14 @@ use glam::UVec2;
 use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
 use super::{Failure, open, plan, report};
-use crate::formats::plan_file::read_plan_bytes;
+use crate::formats::plan_file::read_plan;
 use crate::formats::write::write_whole;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View,
     encode_png, floor,
 };
 use crate::job::PlanOutcome;
-use crate::part::{Blank, Channel, Impeller, Setup};
+use crate::part::{Blank, Channel, Impeller};
 use crate::plunge::PlungePlan;
 use crate::residual::{FloorGrid, ResidualField, cutters_of, residual_field};
 
@@ -55,10 +55,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         };
     }
     let (part, stored) = if is_plan {
-        let name = args.source.display().to_string();
-        let bytes = std::fs::read(&args.source)
-            .map_err(|e| Failure::Input(format!("{name}: cannot be read ({e}); check the path")))?;
-        let stored = read_plan_bytes(&name, &bytes)?;
+        let stored = read_plan(&args.source)?;
         (stored.part, Some((stored.setup, stored.plan)))
     } else {
         let (_, part) = open::part(&args.source)?;
@@ -66,9 +63,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         if colours == FloorColours::Plain && args.at.is_none() && args.cutters.is_none() {
             (part, None)
         } else {
-            let setup = Setup::default();
-            let policy = setup.plunge.axis;
-            let outcome = plan::outcome(part, setup, policy, None)?;
+            let setup = open::setup(None, &args.source)?;
+            let outcome = plan::outcome(part, &setup, setup.setup.plunge.axis)?;
             let part = Impeller::clone(&outcome.part);
             (part, Some((outcome.setup, outcome.after.plan)))
         }

@@ -6,10 +6,11 @@ use serde_json::{Value, json};
 
 use super::args::VerifyArgs;
 use super::plan::FIELD_CELLS;
-use super::{Failure, open, report};
-use crate::formats::apt::{read_apt, read_apt_bytes};
+use super::{Failure, open, report, say};
+use crate::formats::apt::read_apt_bytes;
 use crate::job::{PolicyResult, Summary};
 use crate::part::{Blank, Channel};
+use crate::plunge::sections::check_part;
 use crate::residual::{FloorGrid, cutters_of, residual_field};
 use crate::verify::verify;
 
@@ -20,22 +21,19 @@ const MAX_SHOWN: usize = 20;
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
     let (_, part) = open::part(&args.part)?;
-    let setup = open::setup(args.setup.as_deref())?;
-    if let Some(name) = setup.part.as_ref().filter(|name| **name != part.name) {
-        return Err(Failure::Input(format!(
-            "the setup is for part \"{name}\", not for \"{}\"; give the setup of this part",
-            part.name
-        )));
+    if args.program == Path::new("-") && args.setup.as_deref() == Some(Path::new("-")) {
+        return Err(Failure::Input(
+            "standard input cannot be setup and program; give one as a file".to_owned(),
+        ));
     }
-    let program = if args.program == Path::new("-") {
-        read_apt_bytes("standard input", &open::standard_input()?)?
-    } else {
-        read_apt(&args.program)?
-    };
+    let opened = open::setup(args.setup.as_deref(), &args.part)?;
+    check_part(&opened.setup, &part).map_err(|fault| opened.failure(&fault))?;
+    let setup = &opened.setup;
+    let (name, bytes) = open::named_bytes(&args.program)?;
+    let program = read_apt_bytes(&name, &bytes)?;
     let channel = Channel::of(&part);
-    let verdict = verify(&part, &channel, &setup, &program).map_err(|fault| {
-        Failure::Input(format!("{}:{}: {}", args.program.display(), fault.line, fault.what))
-    })?;
+    let verdict = verify(&part, &channel, setup, &program)
+        .map_err(|fault| Failure::at(&name, fault.line, &fault.what))?;
     let blank = Blank::of(&part, setup.stock.inlet_extension);
     let grid = FloorGrid::new(&part, &channel, &blank, setup.stock.blade_allowance, FIELD_CELLS);
     let field = residual_field(&grid, &cutters_of(&verdict.plan));
@@ -52,26 +50,28 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
         let faults = verdict.faults.iter().map(|f| json!({"line": f.line, "what": f.what})).collect();
         map.insert("faults".into(), Value::Array(faults));
-        println!("{}", Value::Object(map));
+        say(&format!("{}\n", Value::Object(map)))?;
     } else {
-        print!("{}", report::table(&[("program", &result)], &grid));
+        let mut text = report::table(&[("program", &result)], &grid);
         let s = &result.summary;
-        println!(
-            "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm",
+        text += &format!(
+            "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm\n",
             s.min_hub_clearance, s.min_blade_clearance, s.min_retract_clearance
         );
         for warning in &program.warnings {
-            println!("{}:{}: {}", args.program.display(), warning.line, warning.what);
+            text += &format!("{name}:{}: {}\n", warning.line, warning.what);
         }
         for fault in verdict.faults.iter().take(MAX_SHOWN) {
-            println!("{}:{}: {}", args.program.display(), fault.line, fault.what);
+            text += &format!("{name}:{}: {}\n", fault.line, fault.what);
         }
         if verdict.faults.len() > MAX_SHOWN {
-            println!("… and {} faults more", verdict.faults.len() - MAX_SHOWN);
+            text += &format!("… and {} faults more\n", verdict.faults.len() - MAX_SHOWN);
         }
+        say(&text)?;
     }
     match verdict.faults.len() {
         0 => Ok(()),
-        n => Err(Failure::Work(format!("{}: {n} faults found", args.program.display()))),
+        1 => Err(Failure::Work(format!("{name}: one fault found; correct the program"))),
+        n => Err(Failure::Work(format!("{name}: {n} faults found; correct the program"))),
     }
 }

@@ -10,7 +10,7 @@ pub mod native;
 pub mod part_file;
 pub mod plan_file;
 pub mod setup_file;
-mod source;
+pub(crate) mod source;
 mod table;
 pub mod turbogrid;
 pub mod write;

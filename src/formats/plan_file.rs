@@ -1,11 +1,14 @@
 //! `plan.json`: a plunge plan with everything needed to show it again, part and setup included.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
 use super::part_file::read_part_bytes;
 use super::setup_file::{read_setup_bytes, write_setup};
+use super::source::{name_of, read_bytes};
 use crate::geometry::{Point, Vector};
 use crate::part::{AxisPolicy, Impeller, PartDescription, Setup};
 use crate::plunge::sections::tool_of;
@@ -105,6 +108,14 @@ pub fn write_plan(
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
     text.push('\n');
     text
+}
+
+/// Reads a plan file.
+///
+/// # Errors
+/// As [`read_plan_bytes`], or when the file cannot be read.
+pub fn read_plan(path: &Path) -> Result<StoredPlan, InputError> {
+    read_plan_bytes(&name_of(path), &read_bytes(path)?)
 }
 
 /// Reads a plan file; `name` stands for it in messages.

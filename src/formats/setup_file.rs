@@ -30,6 +30,7 @@ use super::source::{name_of, read_bytes};
 use super::table::{Document, Range, Section, degrees_text, nearest, quoted};
 use crate::part::setup::{AxisPolicy, Feed, FlankSetup, PlungeSetup, SectionSetup, Setup, Stock};
 use crate::part::tool::Tool;
+use crate::plunge::sections::SetupPlace;
 
 /// Longest length a setup may name, mm.
 const LONGEST: f64 = 10_000.0;
@@ -37,6 +38,13 @@ const LENGTH: Range = Range::Above(0.0, LONGEST);
 const ALLOWANCE: Range = Range::Between(0.0, LONGEST);
 const ANGLE: Range = Range::Above(0.0, 90.0);
 const RATE: Range = Range::Above(0.0, 1e6);
+
+/// Greatest number of a tool.
+const MAX_NUMBER: u32 = 1_000_000;
+/// Most tools of a setup.
+const MAX_TOOLS: usize = 500;
+/// Most sections of a setup.
+const MAX_SECTIONS: usize = 100;
 
 /// Reads a setup file.
 pub fn read_setup(path: &Path) -> Result<Setup, InputError> {
@@ -57,7 +65,9 @@ pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
     if let Some(table) = root.table("stock")? {
         stock(&table, &mut setup.stock)?;
     }
-    for table in root.tables("tool")? {
+    let tables = root.tables("tool")?;
+    check_count(&tables, MAX_TOOLS, "tools")?;
+    for table in tables {
         let tool = tool(&table, &setup.tools)?;
         setup.tools.push(tool);
     }
@@ -68,6 +78,39 @@ pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
         flank(&table, &mut setup.flank)?;
     }
     Ok(setup)
+}
+
+/// Line of a setup file at which a fault stands that came up while planning; 0 where it has none.
+pub fn line_of(bytes: &[u8], place: &SetupPlace) -> usize {
+    let found = || -> Result<Option<usize>, InputError> {
+        let document = Document::new("", bytes)?;
+        let tree = document.parse()?;
+        let root = document.root(&tree);
+        let tool_line = |number: u32| -> Result<Option<usize>, InputError> {
+            for (table, place) in root.tables("tool")?.iter().zip(1..) {
+                if table.whole("number", 1, MAX_NUMBER)?.map_or(place, |n| n.value) == number {
+                    return Ok(Some(table.line()));
+                }
+            }
+            Ok(None)
+        };
+        let plunge = root.table("plunge")?;
+        Ok(match *place {
+            SetupPlace::Whole => None,
+            SetupPlace::Part => root.line_of("part"),
+            SetupPlace::Stock(key) => root.table("stock")?.and_then(|stock| stock.line_of(key)),
+            SetupPlace::Plunge(key) => plunge.and_then(|plunge| plunge.line_of(key)),
+            SetupPlace::Tool(number) => tool_line(number)?,
+            SetupPlace::Section { index, tool } => {
+                let sections = plunge.map_or(Ok(Vec::new()), |plunge| plunge.tables("section"))?;
+                match sections.get(index) {
+                    Some(section) => Some(section.line()),
+                    None => tool_line(tool)?,
+                }
+            }
+        })
+    };
+    found().ok().flatten().unwrap_or(0)
 }
 
 fn stock(table: &Section<'_>, stock: &mut Stock) -> Result<(), InputError> {
@@ -84,7 +127,7 @@ const TOOL_KEYS: [&str; 7] =
 
 fn tool(table: &Section<'_>, before: &[Tool]) -> Result<Tool, InputError> {
     table.check_keys(&TOOL_KEYS)?;
-    let given = table.whole("number", 1, 1_000_000)?;
+    let given = table.whole("number", 1, MAX_NUMBER)?;
     let number = given.map_or(before.len() as u32 + 1, |n| n.value);
     let at = |at: Option<usize>, what: String, cure: &str| match at {
         Some(at) => table.fault_at(at, what, cure),
@@ -142,9 +185,18 @@ fn plunge(table: &Section<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Resu
     if let Some(angle) = table.number("max_tilt", ANGLE)? {
         plunge.max_tilt = angle.value.to_radians();
     }
-    plunge.sections =
-        table.tables("section")?.iter().map(|table| section(table, tools)).collect::<Result<_, _>>()?;
+    let sections = table.tables("section")?;
+    check_count(&sections, MAX_SECTIONS, "sections")?;
+    plunge.sections = sections.iter().map(|table| section(table, tools)).collect::<Result<_, _>>()?;
     Ok(())
+}
+
+/// Refuses the first table too many.
+fn check_count(tables: &[Section<'_>], most: usize, what: &str) -> Result<(), InputError> {
+    match tables.get(most) {
+        Some(table) => Err(table.fault(format!("more than {most} {what}"), format!("give at most {most}"))),
+        None => Ok(()),
+    }
 }
 
 /// The policy a name in a file or on the command line means; otherwise what is wrong and its cure.
@@ -174,7 +226,7 @@ fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputErr
     let needed = |key: &str| {
         table.fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
     };
-    let tool = table.whole("tool", 1, 1_000_000)?.ok_or_else(|| needed("tool"))?;
+    let tool = table.whole("tool", 1, MAX_NUMBER)?.ok_or_else(|| needed("tool"))?;
     if !tools.iter().any(|known| known.number == tool.value) {
         let numbers: Vec<String> = tools.iter().take(20).map(|tool| tool.number.to_string()).collect();
         let cure = match numbers.is_empty() {
@@ -208,7 +260,7 @@ fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputErr
 fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
     table.check_keys(&["tool", "layer_depth", "allowed_error"])?;
     // No look at the list of tools: a setup for plunging may leave the flank tool to a later day.
-    flank.tool = table.whole("tool", 1, 1_000_000)?.map(|tool| tool.value);
+    flank.tool = table.whole("tool", 1, MAX_NUMBER)?.map(|tool| tool.value);
     flank.layer_depth = table.number_or("layer_depth", LENGTH, flank.layer_depth)?;
     flank.allowed_error = table.number_or("allowed_error", LENGTH, flank.allowed_error)?;
     Ok(())

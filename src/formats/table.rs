@@ -167,6 +167,11 @@ impl<'t> Section<'t> {
         if self.name.is_empty() { "the file".to_owned() } else { format!("[{}]", self.name) }
     }
 
+    /// Line of `key`, if it is there.
+    pub fn line_of(&self, key: &str) -> Option<usize> {
+        self.get(key).map(|value| self.doc.line(value.span().start))
+    }
+
     fn get(&self, key: &str) -> Option<&'t Spanned<DeValue<'t>>> {
         self.table.get(key)
     }

@@ -10,36 +10,69 @@ use super::source::name_of;
 /// Writes `bytes` to `path`: first to a file beside it, which then takes its name. On failure the old
 /// file, if there was one, is untouched and nothing else is left behind.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
-    let fault = |what: String, cure: &str| InputError::new(&name_of(path), 0, what, cure);
+    write_together(&[(path.to_owned(), bytes)])
+}
+
+/// Writes several files as [`write_whole`] does; none takes its name before all are on the disk.
+pub fn write_together(files: &[(PathBuf, &[u8])]) -> Result<(), InputError> {
+    let mut waiting = Waiting(Vec::new());
+    for (path, bytes) in files {
+        waiting.0.push(write_beside(path, bytes)?);
+    }
+    for ((path, _), temporary) in files.iter().zip(&waiting.0) {
+        std::fs::rename(temporary, path).map_err(|error| failed(path, &error))?;
+    }
+    Ok(())
+}
+
+/// Files that have not taken their names yet; those that never do are removed.
+struct Waiting(Vec<PathBuf>);
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        for temporary in &self.0 {
+            // A file that took its name is not there any more.
+            let _ = std::fs::remove_file(temporary);
+        }
+    }
+}
+
+fn fault(path: &Path, what: String, cure: &str) -> InputError {
+    InputError::new(&name_of(path), 0, what, cure)
+}
+
+fn failed(path: &Path, error: &Error) -> InputError {
+    let cure = match error.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => "make the folder first, or name another",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "choose a folder that you may write to"
+        }
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space on the disk",
+        _ => "check the disk, or name another folder",
+    };
+    fault(path, format!("cannot be written: {error}"), cure)
+}
+
+/// Writes `bytes` beside `path`, under a name of its own, which is returned.
+fn write_beside(path: &Path, bytes: &[u8]) -> Result<PathBuf, InputError> {
     let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
-        return Err(fault("is a folder, not a file".to_owned(), "name a file in it"));
+        return Err(fault(path, "is a folder, not a file".to_owned(), "name a file in it"));
     };
     if path.exists() && !path.is_file() {
-        return Err(fault("is no regular file".to_owned(), "name a file to write"));
+        return Err(fault(path, "is no regular file".to_owned(), "name a file to write"));
     }
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let failed = |error: Error| {
-        let cure = match error.kind() {
-            ErrorKind::NotFound | ErrorKind::NotADirectory => "make the folder first, or name another",
-            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-                "choose a folder that you may write to"
-            }
-            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space on the disk",
-            _ => "check the disk, or name another folder",
-        };
-        fault(format!("cannot be written: {error}"), cure)
-    };
-    let (file, temporary) = create_beside(folder, &name.to_string_lossy()).map_err(failed)?;
-    let written = write_synced(file, bytes).and_then(|()| std::fs::rename(&temporary, path));
-    if let Err(error) = written {
+    let (file, temporary) =
+        create_beside(folder, &name.to_string_lossy()).map_err(|error| failed(path, &error))?;
+    if let Err(error) = write_synced(file, bytes) {
         // The fault worth telling is the first one.
         let _ = std::fs::remove_file(&temporary);
-        return Err(failed(error));
+        return Err(failed(path, &error));
     }
-    Ok(())
+    Ok(temporary)
 }
 
 /// A new file in `folder` whose name no other writer uses.

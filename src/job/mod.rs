@@ -62,19 +62,8 @@ pub enum JobError {
     #[error("cancelled")]
     Cancelled,
     /// The part and the setup do not go together: what, and what to do.
-    #[error("{what}; {cure}")]
-    Setup {
-        /// What is wrong.
-        what: String,
-        /// What to do about it.
-        cure: String,
-    },
-}
-
-impl From<SetupFault> for JobError {
-    fn from(fault: SetupFault) -> Self {
-        Self::Setup { what: fault.what, cure: fault.cure }
-    }
+    #[error(transparent)]
+    Setup(#[from] SetupFault),
 }
 
 impl From<PlanError> for JobError {

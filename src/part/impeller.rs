@@ -100,6 +100,10 @@ pub struct Impeller {
     pitch: f64,
 }
 
+/// Most sections (or spans) of a blade.
+const MAX_SECTIONS: usize = 200;
+/// Most points of a section.
+const MAX_SECTION_POINTS: usize = 20_000;
 /// Fewest and most main blades a wheel may have.
 const BLADE_COUNTS: std::ops::RangeInclusive<usize> = 2..=200;
 
@@ -325,7 +329,7 @@ fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescription) -> Resu
             format!(
                 "no radial outlet: the hub leaves at r = {:.1} mm, {:.0}° from the axis",
                 rim.point.r,
-                rim.tangent.r.atan2(rim.tangent.z.abs()).to_degrees()
+                rim.tangent.r.atan2(rim.tangent.z.abs()).to_degrees().round() + 0.0
             ),
             "open a centrifugal impeller; axial rotors are not planned".to_string(),
         ));
@@ -397,6 +401,9 @@ fn check_spans(spans: &[CamberSpan], line: usize) -> Result<(), PartError> {
     if spans.len() < 2 {
         return fault("a blade needs two spans or more", "give one at the hub and one at the shroud");
     }
+    if spans.len() > MAX_SECTIONS {
+        return fault("a blade with more than 200 spans", "give fewer, hub to shroud");
+    }
     if spans.windows(2).any(|w| w[1].span <= w[0].span) {
         return fault("the spans of a blade do not increase", "order them hub to shroud, 0 to 1");
     }
@@ -430,6 +437,14 @@ fn trimmed(
     line: usize,
     name: &str,
 ) -> Result<BladeSide, PartError> {
+    let longest = sections.iter().map(Vec::len).max().unwrap_or(0);
+    if sections.len() > MAX_SECTIONS || longest > MAX_SECTION_POINTS {
+        return Err(PartError::new(
+            line,
+            format!("the {name} side has {} sections of up to {longest} points", sections.len()),
+            format!("give at most {MAX_SECTIONS} sections of {MAX_SECTION_POINTS} points"),
+        ));
+    }
     if sections.len() < 2 {
         return Err(PartError::new(
             line,

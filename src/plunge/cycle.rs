@@ -9,7 +9,7 @@ use super::lane::Lane;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
 use super::retract::{RetractSurface, bottom_clearance};
 use super::row::{RowFault, RowMaker, Station};
-use super::sections::{SetupFault, tool_of};
+use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, row_spacing, step_limit, too_many, tool_of};
 use super::slotting::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
@@ -167,7 +167,16 @@ impl<'a> Planner<'a> {
             monitor.report(0.8 * index as f64 / sections.len() as f64);
             let tool = tool_of(self.setup, section.tool)?;
             let before = index.checked_sub(1).map(|i| &sections[i]);
-            let rows = self.section_rows(section, before, tool, policy, &columns, monitor)?;
+            let place = SetupPlace::Section { index, tool: tool.number };
+            let rows =
+                self.section_rows(section, before, tool, policy, &columns, monitor).map_err(|error| {
+                    match error {
+                        PlanError::Setup(fault) if fault.place == SetupPlace::Whole => fault.at(place).into(),
+                        other => other,
+                    }
+                })?;
+            let planned: usize = rows.iter().map(|row| row.stations.len()).sum();
+            self.check_count(plan.positions.len() + planned, tool, place)?;
             plan.sections.push(SectionPlan {
                 tool: tool.clone(),
                 from: section.from,
@@ -288,7 +297,7 @@ impl<'a> Planner<'a> {
                         tool,
                         lambda,
                         inward,
-                        step_limit: self.step_limit(tool, wall_row),
+                        step_limit: step_limit(&self.setup.plunge, tool, wall_row),
                         monitor,
                     };
                     let (start, end) = self.row_ends(section, &stretch, before, tool, inward);
@@ -304,23 +313,10 @@ impl<'a> Planner<'a> {
         Ok(rows)
     }
 
-    /// Stage 2's limit: the insert width, what the setup asks for, and at walls the scallop
-    /// S ≤ 2·√(2Rh − h²).
-    fn step_limit(&self, tool: &Tool, wall_row: bool) -> f64 {
-        let radius = tool.radius();
-        let mut limit = tool.insert_width.min(radius);
-        limit = limit.min(self.setup.plunge.step.unwrap_or(0.8 * tool.insert_width));
-        if wall_row {
-            let h = self.setup.plunge.wall_scallop.min(radius);
-            limit = limit.min(2.0 * (2.0 * radius * h - h * h).sqrt());
-        }
-        limit
-    }
-
     /// λ of the rows of a stretch: both walls, and between them no further apart than the row
     /// spacing on the hub, nor so far at the shroud that a ridge is left standing.
     fn row_places(&self, lane: &Lane, stretch: &Stretch, tool: &Tool) -> Result<Vec<f64>, PlanError> {
-        let spacing = self.setup.plunge.row_spacing.unwrap_or(4.0 / 3.0 * tool.radius());
+        let spacing = row_spacing(&self.setup.plunge, tool);
         let mut gaps = 0.0f64;
         let mut widest = 0.0f64;
         for i in 0..=8 {
@@ -390,6 +386,13 @@ impl<'a> Planner<'a> {
             }
         }
         (start, end)
+    }
+
+    fn check_count(&self, positions: usize, tool: &Tool, place: SetupPlace) -> Result<(), PlanError> {
+        if positions <= MAX_POSITIONS {
+            return Ok(());
+        }
+        Err(too_many(positions as f64, &self.setup.plunge, tool, place).into())
     }
 
     fn misfit(&self, tool: &Tool, s: f64) -> PlanError {
@@ -488,6 +491,7 @@ impl<'a> Planner<'a> {
             let Some(stations) = optimised else { return Ok(None) };
             row.stations = stations;
             row.settled = maker.inspect_steps(&row.stations, &mut conventional) == 0;
+            self.check_count(conventional.len(), maker.tool, SetupPlace::Whole)?;
         }
         Ok(Some(row))
     }

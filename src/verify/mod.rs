@@ -56,7 +56,7 @@ pub fn verify(
     if cuts.is_empty() {
         return Err(Fault {
             line: 0,
-            what: "the program cuts nothing: it has no move under feed".to_owned(),
+            what: "the program cuts nothing: it has no move under feed; give a program with FEDRAT before its cuts".to_owned(),
         });
     }
     let blank = Blank::of(part, setup.stock.inlet_extension);

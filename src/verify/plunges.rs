@@ -55,6 +55,15 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
             continue;
         };
         let tool = &tools[number];
+        if tool.diameter <= 0.0 {
+            return Err(Fault {
+                line: step.line,
+                what: format!(
+                    "tool {} has the diameter {}; give CUTTER/ its diameter",
+                    tool.number, tool.diameter
+                ),
+            });
+        }
         let at = |p: Point, axis| CutterSolid {
             tip: p,
             axis,

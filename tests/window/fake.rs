@@ -11,6 +11,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::channel::{Channel, Passage};
 use vanecut::part::setup::{Feed, SectionSetup};
 use vanecut::part::{AxisPolicy, Impeller, Tool};
+use vanecut::plunge::sections::SetupFault;
 use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan};
 use vanecut::residual::{FloorGrid, ResidualField};
 
@@ -38,7 +39,7 @@ pub fn engine() -> (Engine, Slow) {
 fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     if request.setup.stock.hub_allowance > 10.0 {
         let what = "the hub allowance of 12 mm leaves no channel at s 0.31".to_owned();
-        return Err(JobError::Setup { what, cure: "make it smaller".to_owned() });
+        return Err(SetupFault::new(what, "make it smaller").into());
     }
     let part = &request.part;
     let passage = Channel::of(part).full;

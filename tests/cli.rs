@@ -1,0 +1,229 @@
+//! The command line as data: every folder of `tests/cli` is a case.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `args` | the arguments, one a line |
+//! | `stdin` | what the program reads; `@PATH` alone: the bytes of that file |
+//! | `code` | the exit codes that will do, 0 when absent |
+//! | `stderr` | all of standard error, empty when absent; not looked at when it is `*` |
+//! | `stdout` | all of standard output |
+//! | `contains` | lines, each of them somewhere in standard output |
+//! | `json` | checks of the object on standard output, see [`json_fault`] |
+//! | `same` | pairs of files that must be equal byte for byte |
+//! | `needs` | a path; the case is skipped where it does not exist |
+//!
+//! A case of several runs numbers them: `args`, `args.2`, `stdout.2` and so on. In all of them `{parts}` is
+//! the folder of the sample parts, `{shared}` that of the samples which are not ours, `{out}` an
+//! empty folder. Runs start in the case's folder. One that exits with 2 may write nothing.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// No bad input may keep the program busy longer than this.
+const REFUSAL_TIME: Duration = Duration::from_secs(5);
+
+/// A case's folder and what the placeholders in it stand for.
+struct Case {
+    folder: PathBuf,
+    words: [(&'static str, String); 3],
+}
+
+impl Case {
+    fn path(&self, name: &str, run: usize) -> PathBuf {
+        self.folder.join(if run == 1 { name.to_owned() } else { format!("{name}.{run}") })
+    }
+
+    fn filled(&self, text: &str) -> String {
+        self.words.iter().fold(text.to_owned(), |text, (word, value)| text.replace(word, value))
+    }
+
+    /// A file of the case with its placeholders filled in.
+    fn text(&self, name: &str, run: usize) -> Option<String> {
+        fs::read_to_string(self.path(name, run)).ok().map(|text| self.filled(&text))
+    }
+
+    fn stdin(&self, run: usize) -> Vec<u8> {
+        let Ok(bytes) = fs::read(self.path("stdin", run)) else { return Vec::new() };
+        match std::str::from_utf8(&bytes).ok().and_then(|text| text.trim().strip_prefix('@')) {
+            Some(path) => fs::read(self.filled(path)).unwrap_or_default(),
+            None => bytes,
+        }
+    }
+
+    fn run(&self, arguments: &str, run: usize) -> Output {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_vanecut"))
+            .args(arguments.lines())
+            .current_dir(&self.folder)
+            .env_remove("RUST_BACKTRACE")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        // The program may end without reading what it is given.
+        let _ = child.stdin.take().map(|mut pipe| pipe.write_all(&self.stdin(run)));
+        child.wait_with_output().expect("the program ends")
+    }
+
+    /// Everything that is not as the case wants it; `None` when it was skipped.
+    fn faults(&self) -> Option<Vec<String>> {
+        if let Some(needed) = self.text("needs", 1)
+            && !Path::new(needed.trim()).exists()
+        {
+            return None;
+        }
+        let mut faults = Vec::new();
+        let mut objects = Vec::new();
+        for run in 1.. {
+            let Some(arguments) = self.text("args", run) else { break };
+            let before = self.all_files();
+            let started = Instant::now();
+            let output = self.run(&arguments, run);
+            let (out, err) =
+                (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+            let mut fault = |what: String| faults.push(format!("run {run}: {what}"));
+            let codes = self.text("code", run).unwrap_or("0".to_owned());
+            let code = output.status.code().map_or("a signal".to_owned(), |code| code.to_string());
+            if !codes.split_whitespace().any(|wanted| wanted == code) {
+                fault(format!("exit {code}, not {codes}"));
+            }
+            let wanted = self.text("stderr", run).unwrap_or_default();
+            if wanted.trim() != "*" && err != wanted {
+                fault(format!("stderr is\n{err}instead of\n{wanted}"));
+            }
+            if code == "2" {
+                let one_line = err.lines().count() == 1 && err.starts_with("vanecut: ") && err.contains("; ");
+                if !one_line || !out.is_empty() {
+                    fault("bad input must give one line of what and cure, and nothing else".to_owned());
+                }
+                if self.all_files() != before {
+                    fault(format!("left files behind: {:?}", self.all_files()));
+                }
+                if started.elapsed() > REFUSAL_TIME {
+                    fault(format!("took {:?}", started.elapsed()));
+                }
+            }
+            if let Some(wanted) = self.text("stdout", run).filter(|wanted| *wanted != out) {
+                fault(format!("stdout is\n{out}instead of\n{wanted}"));
+            }
+            for line in self.text("contains", run).unwrap_or_default().lines() {
+                if !out.contains(line) {
+                    fault(format!("stdout lacks `{line}`:\n{out}"));
+                }
+            }
+            objects.push(serde_json::from_str(&out).unwrap_or(Value::Null));
+            for line in self.text("json", run).unwrap_or_default().lines() {
+                if let Some(what) = json_fault(line, &objects) {
+                    fault(format!("`{line}` does not hold: {what}"));
+                }
+            }
+        }
+        for pair in self.text("same", 1).unwrap_or_default().lines() {
+            let files: Vec<Vec<u8>> =
+                pair.split(' ').map(|path| fs::read(path).unwrap_or_default()).collect();
+            if files[0].is_empty() || files.iter().any(|bytes| *bytes != files[0]) {
+                faults.push(format!("{pair} are not the same"));
+            }
+        }
+        Some(faults)
+    }
+
+    /// Names of all files in the case's folder and in `{out}`.
+    fn all_files(&self) -> BTreeSet<PathBuf> {
+        let mut found = BTreeSet::new();
+        let mut folders = vec![self.folder.clone(), PathBuf::from(self.filled("{out}"))];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+                let path = entry.path();
+                if path.is_dir() {
+                    folders.push(path.clone());
+                }
+                found.insert(path);
+            }
+        }
+        found
+    }
+}
+
+/// What is wrong with a check such as `before.interferential > 0`, if anything.
+///
+/// `PATH exists`, or `PATH OP VALUE` with OP one of `=` `>` `>=` `<` `<=` `~` (equal to 2e-6); VALUE is JSON, or
+/// `$1.PATH`, a value of the first run's object.
+fn json_fault(line: &str, objects: &[Value]) -> Option<String> {
+    let mut words = line.splitn(3, ' ');
+    let (path, operator, value) = (words.next()?, words.next()?, words.next().unwrap_or_default());
+    let Some(found) = at(objects.last()?, path) else { return Some("there is no such value".to_owned()) };
+    let wanted = match value.strip_prefix("$1.") {
+        Some(path) => at(objects.first()?, path).cloned().unwrap_or(Value::Null),
+        None => serde_json::from_str(value).unwrap_or(Value::Null),
+    };
+    let (a, b) = (found.as_f64().unwrap_or(f64::NAN), wanted.as_f64().unwrap_or(f64::NAN));
+    let holds = match operator {
+        "exists" => true,
+        "=" => *found == wanted,
+        ">" => a > b,
+        ">=" => a >= b,
+        "<" => a < b,
+        "<=" => a <= b,
+        "~" => (a - b).abs() <= 2e-6,
+        other => return Some(format!("unknown operator {other}")),
+    };
+    (!holds).then(|| format!("{found} against {wanted}"))
+}
+
+/// Value at a path of keys and indices.
+fn at<'v>(object: &'v Value, path: &str) -> Option<&'v Value> {
+    path.split('.').try_fold(object, |value, key| match key.parse::<usize>() {
+        Ok(index) => value.get(index),
+        Err(_) => value.get(key),
+    })
+}
+
+#[test]
+fn command_line() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders: Vec<PathBuf> =
+        fs::read_dir(root.join("tests/cli")).expect("cases").map(|entry| entry.unwrap().path()).collect();
+    folders.sort();
+    assert!(folders.len() > 40, "only {} cases found", folders.len());
+    let mut report = String::new();
+    for folder in folders {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let out = tempfile::tempdir().expect("a temporary folder");
+        let words = [
+            ("{parts}", root.join("assets/parts").display().to_string()),
+            ("{shared}", root.join("../shared").display().to_string()),
+            ("{out}", out.path().display().to_string()),
+        ];
+        match (Case { folder, words }).faults() {
+            None => println!("skipped {name}: its input is not here"),
+            Some(faults) => {
+                for fault in faults {
+                    report += &format!("{name}: {fault}\n");
+                }
+            }
+        }
+    }
+    assert!(report.is_empty(), "\n{report}");
+}
+
+/// What is left unread does not matter: no panic, no message.
+#[test]
+fn a_reader_that_leaves_early() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_vanecut"))
+        .arg("--help")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("the program ends");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "", "a closed pipe is no fault");
+    assert_eq!(output.status.code(), Some(0));
+}
