@@ -228,12 +228,12 @@ impl<'a> Planner<'a> {
         let stock = &self.setup.stock;
         let mut cutter = cutter(station, tool);
         let mut hub_clearance = self.finished.hub_clearance(&cutter);
-        for _ in 0..4 {
+        for _ in 0..12 {
             let deep = stock.hub_allowance - hub_clearance;
             if deep <= 0.0 {
                 break;
             }
-            cutter.tip += cutter.axis * (1.2 * deep + 1e-9);
+            cutter.tip += cutter.axis * (1.5 * deep + 1e-9);
             hub_clearance = self.finished.hub_clearance(&cutter);
         }
         let blade_clearance = self.finished.blade_clearance(&cutter);

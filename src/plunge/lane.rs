@@ -35,6 +35,51 @@ pub struct AxisEnds {
     pub theta_shroud: f64,
 }
 
+/// How the clearance from one third of a wall stands, and answers to turning the ends of the axis.
+#[derive(Clone, Copy, Debug)]
+struct Answer {
+    /// mm per rad of M.
+    by_hub: f64,
+    /// mm per rad of W.
+    by_shroud: f64,
+    /// Clearance beyond the allowance, mm.
+    excess: f64,
+}
+
+/// A fit in progress: root, middle and tip third of the wall.
+#[derive(Clone, Copy, Debug)]
+struct FitState {
+    answers: [Answer; 3],
+    /// Distance from M to W, mm.
+    height: f64,
+}
+
+impl FitState {
+    fn nearest(&self) -> Answer {
+        let [low, middle, high] = self.answers;
+        [low, middle, high].into_iter().min_by(|a, b| a.excess.total_cmp(&b.excess)).unwrap_or(low)
+    }
+
+    /// How far from what a fit shall be, mm.
+    fn merit(&self) -> f64 {
+        let [low, _, high] = self.answers;
+        self.nearest().excess.abs().max((low.excess - high.excess).abs())
+    }
+
+    /// Newton step of M's and W's angles towards root and tip equally far off and the nearest place at the
+    /// allowance.
+    fn step(&self) -> Option<(f64, f64)> {
+        let [low, _, high] = self.answers;
+        let nearest = self.nearest();
+        let (a11, a12) = (low.by_hub - high.by_hub, low.by_shroud - high.by_shroud);
+        let (a21, a22) = (nearest.by_hub, nearest.by_shroud);
+        let (b1, b2) = (high.excess - low.excess, -nearest.excess);
+        let determinant = a11 * a22 - a12 * a21;
+        let step = ((b1 * a22 - b2 * a12) / determinant, (a11 * b2 - a21 * b1) / determinant);
+        (step.0.is_finite() && step.1.is_finite()).then_some(step)
+    }
+}
+
 /// How far the side lean of a fitted axis may leave the plain offset of the ruling.
 const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 /// Clearance is met to this, mm, always on the safe side.
@@ -109,58 +154,87 @@ impl<'a> Lane<'a> {
             Some(w) => AxisEnds { s_hub, s_shroud, theta_shroud: w.theta_shroud, theta_hub: w.theta_hub },
             None => plain,
         };
-        let probe = &self.probes[wall];
         // Where each third of the wall was nearest: found once, then followed.
-        let mut places: [Option<f64>; 3] = [None; 3];
-        for _ in 0..10 {
-            let cutter = self.cutter(&ends);
-            let (m, w) = (self.hub_point(&ends), self.shroud_point(&ends));
-            let height = (w - m).norm();
-            // One row per third of the wall: how its clearance answers to turning M and W.
-            let mut row = |third: usize, v_from: f64, v_to: f64| {
-                let near = match places[third] {
-                    Some(u) => probe.nearest_from(&cutter, u, v_from, v_to),
-                    None => probe.nearest(&cutter, v_from, v_to),
-                };
-                places[third] = Some(near.u);
-                let d = near.point - m;
-                let along = d.dot(&cutter.axis);
-                let away = -(d - cutter.axis * along);
-                let away = if away.norm() > 1e-9 { away.normalize() } else { away };
-                let share = (along / height).clamp(-0.2, 1.2);
-                let by_m = (1.0 - share) * away.dot(&Vector::new(-m.y, m.x, 0.0));
-                let by_w = share * away.dot(&Vector::new(-w.y, w.x, 0.0));
-                (by_m, by_w, near.distance - self.blade_allowance)
-            };
-            let (low, middle, high) = (row(0, 0.0, 0.33), row(1, 0.33, 0.67), row(2, 0.67, 1.0));
-            let nearest = [low, middle, high].into_iter().min_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or(low);
-            if nearest.2.abs().max((low.2 - high.2).abs()) < FIT_TOLERANCE {
+        let mut places = [None; 3];
+        let mut state = self.fit_state(wall, &ends, &mut places);
+        for _ in 0..12 {
+            if state.merit() < FIT_TOLERANCE {
                 break;
             }
-            // Root and tip equally far off, the nearest place at the allowance.
-            let (a11, a12, b1) = (low.0 - high.0, low.1 - high.1, high.2 - low.2);
-            let (a21, a22, b2) = (nearest.0, nearest.1, -nearest.2);
-            let determinant = a11 * a22 - a12 * a21;
-            let limit = 0.5 * self.radius / m.x.hypot(m.y).max(1e-6);
-            let dm = ((b1 * a22 - b2 * a12) / determinant).clamp(-limit, limit);
-            let dw = ((a11 * b2 - a21 * b1) / determinant).clamp(-limit, limit);
-            if !(dm.is_finite() && dw.is_finite()) {
-                return None;
-            }
-            ends.theta_hub += dm;
-            ends.theta_shroud += dw;
+            let (dm, dw) = state.step()?;
+            let r_hub = self.part.hub.point(s_hub).r.max(1e-6);
+            let r_shroud = self.part.shroud.point(s_shroud).r.max(1e-6);
             // Several fits may exist on a twisted wall: stay on the branch of the ruling.
-            let lean_limit = LEAN_LIMIT_RAD.tan() * height / w.x.hypot(w.y).max(1e-6);
-            let lean = ends.theta_shroud - ends.theta_hub;
-            ends.theta_shroud = ends.theta_hub + lean.clamp(plain_lean - lean_limit, plain_lean + lean_limit);
+            let lean_limit = LEAN_LIMIT_RAD.tan() * state.height / r_shroud;
+            let limit = 0.25 * self.radius / r_hub;
+            // A step that makes things worse has left the stretch where slopes tell the truth: halve it.
+            let mut scale = 1.0;
+            let mut improved = false;
+            for _ in 0..5 {
+                let mut next = ends;
+                next.theta_hub += (scale * dm).clamp(-limit, limit);
+                next.theta_shroud += (scale * dw).clamp(-limit, limit);
+                let lean = next.theta_shroud - next.theta_hub;
+                next.theta_shroud =
+                    next.theta_hub + lean.clamp(plain_lean - lean_limit, plain_lean + lean_limit);
+                let mut there = places;
+                let next_state = self.fit_state(wall, &next, &mut there);
+                if next_state.merit() < state.merit() {
+                    (ends, state, places, improved) = (next, next_state, there, true);
+                    break;
+                }
+                scale *= 0.4;
+            }
+            if !improved {
+                break;
+            }
         }
         self.push_clear(wall, ends, 0.0)
+    }
+
+    /// Clearances of an axis from the thirds of a wall, and how they answer to turning M and W.
+    fn fit_state(&self, wall: usize, ends: &AxisEnds, places: &mut [Option<f64>; 3]) -> FitState {
+        let cutter = self.cutter(ends);
+        let (m, w) = (self.hub_point(ends), self.shroud_point(ends));
+        let height = (w - m).norm();
+        let thirds = [(0.0, 0.33), (0.33, 0.67), (0.67, 1.0)];
+        let mut third = 0;
+        let answers = thirds.map(|(v_from, v_to)| {
+            let near = match places[third] {
+                Some(u) => self.probes[wall].nearest_from(&cutter, u, v_from, v_to),
+                None => self.probes[wall].nearest(&cutter, v_from, v_to),
+            };
+            places[third] = Some(near.u);
+            third += 1;
+            let along = (near.point - m).dot(&cutter.axis);
+            let (away, clearance) = self.away(wall, &cutter, &near.point, near.distance);
+            let share = (along / height).clamp(-0.2, 1.2);
+            Answer {
+                by_hub: (1.0 - share) * away.dot(&Vector::new(-m.y, m.x, 0.0)),
+                by_shroud: share * away.dot(&Vector::new(-w.y, w.x, 0.0)),
+                excess: clearance - self.blade_allowance,
+            }
+        });
+        FitState { answers, height }
+    }
+
+    /// Direction in which the cutter leaves `point` of a wall, and its clearance there: negative without end
+    /// when the axis itself is beyond the wall.
+    fn away(&self, wall: usize, cutter: &CutterSolid, point: &Point, distance: f64) -> (Vector, f64) {
+        let d = point - cutter.tip;
+        let flat = -(d - cutter.axis * d.dot(&cutter.axis));
+        let length = flat.norm();
+        if length < 1e-9 {
+            return (flat, -self.radius);
+        }
+        let away = flat / length;
+        let into_passage = Vector::new(-point.y, point.x, 0.0) * self.inward(wall);
+        if away.dot(&into_passage) >= 0.0 { (away, distance) } else { (-away, -length - self.radius) }
     }
 
     /// Turns both ends away from `wall` until the cutter, its bottom `lift` mm above M, keeps the
     /// allowance everywhere. `None` when turning does not help.
     fn push_clear(&self, wall: usize, mut ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
-        let inward = self.inward(wall);
         let mut place: Option<f64> = None;
         for _ in 0..20 {
             let mut cutter = self.cutter(&ends);
@@ -170,15 +244,14 @@ impl<'a> Lane<'a> {
                 Some(u) => self.probes[wall].nearest_from(&cutter, u, 0.0, 1.0),
                 None => self.probes[wall].nearest(&cutter, 0.0, 1.0),
             };
-            let short = self.blade_allowance - near.distance;
+            let (away, clearance) = self.away(wall, &cutter, &near.point, near.distance);
+            let short = self.blade_allowance - clearance;
             if short <= 0.0 {
                 return Some(ends);
             }
-            let d = near.point - cutter.tip;
-            let away = -(d - cutter.axis * d.dot(&cutter.axis));
             let turn = Vector::new(-near.point.y, near.point.x, 0.0);
-            let gain = away.normalize().dot(&turn).abs().max(0.2 * turn.norm());
-            let step = (short + FIT_TOLERANCE) / gain * inward;
+            let gain = away.dot(&turn).abs().max(0.2 * turn.norm());
+            let step = (short + FIT_TOLERANCE) / gain * self.inward(wall);
             if !step.is_finite() || step.abs() > 0.5 {
                 return None;
             }
