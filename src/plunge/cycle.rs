@@ -19,7 +19,8 @@ use crate::part::{Blank, Channel, Impeller, Passage, Setup, Tool};
 /// Rounds after which a row that still changes is given up as not settled.
 const MAX_ROUNDS: usize = 12;
 /// Least leans of the first position that are tried for `monotone`, in degrees, after the unchanged one.
-const START_LEANS_DEG: [f64; 9] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0];
+const START_LEANS_DEG: [f64; 17] =
+    [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 16.0, 18.0, 20.0];
 /// How far a start is moved out of the stock, one after the other, in cutter radii.
 const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
 /// Air between the core and the rim at the start of a row, mm.
@@ -228,12 +229,13 @@ impl<'a> Planner<'a> {
         let stock = &self.setup.stock;
         let mut cutter = cutter(station, tool);
         let mut hub_clearance = self.finished.hub_clearance(&cutter);
-        for _ in 0..12 {
+        for doubling in 0..12 {
             let deep = stock.hub_allowance - hub_clearance;
             if deep <= 0.0 {
                 break;
             }
-            cutter.tip += cutter.axis * (1.5 * deep + 1e-9);
+            // On steep axes a lift gains only part of itself.
+            cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
             hub_clearance = self.finished.hub_clearance(&cutter);
         }
         let blade_clearance = self.finished.blade_clearance(&cutter);
