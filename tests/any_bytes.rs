@@ -314,8 +314,9 @@ fn soon(work: impl FnOnce()) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-fn cases(cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, failure_persistence: None, max_shrink_iters: 200, ..ProptestConfig::default() }
+/// As many cases as `PROPTEST_CASES` says, else 256.
+fn cases() -> ProptestConfig {
+    ProptestConfig { failure_persistence: None, max_shrink_iters: 200, ..ProptestConfig::default() }
 }
 
 #[test]
@@ -346,7 +347,7 @@ fn read_turbogrid(files: &[String; 4], which: usize, bytes: &[u8]) -> Option<Par
 }
 
 proptest! {
-    #![proptest_config(cases(200))]
+    #![proptest_config(cases())]
 
     #[test]
     fn random_bytes(bytes in vec(any::<u8>(), 0..400)) {

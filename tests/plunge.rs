@@ -37,8 +37,16 @@ fn monotone_finds_the_place_the_walk_finds() {
     let hub = DepthSurface::new(part.hub.curve(), 0.5);
     let lane = Lane::new(&part, &channel.full, tool, 0.5, 0.5);
     for lambda in [0.0, 0.5, 1.0] {
-        let maker =
-            RowMaker { part: &part, lane: &lane, hub: &hub, tool, lambda, inward: 1.0, step_limit: 7.8 };
+        let maker = RowMaker {
+            part: &part,
+            lane: &lane,
+            hub: &hub,
+            tool,
+            lambda,
+            inward: 1.0,
+            step_limit: 7.8,
+            monitor: &Monitor::default(),
+        };
         let conventional = maker.conventional(1.0, 0.7).expect("stations");
         let row = maker
             .monotone(&conventional, Some(10f64.to_radians()), 1.0, &mut |_| true)

@@ -16,6 +16,7 @@ pub struct Blank {
     end_signs: [f64; 2],
     r_max: f64,
     z_range: (f64, f64),
+    above_shroud: CoarseHeights,
 }
 
 impl Blank {
@@ -40,7 +41,9 @@ impl Blank {
         let inside = hub.point(0.5 * hub.length()).lerp(shroud.point(0.5 * shroud.length()), 0.5);
         let end_signs =
             ends.map(|(a, b)| ((inside.r - a.r) * (b.z - a.z) - (inside.z - a.z) * (b.r - a.r)).signum());
-        Self { hub, shroud, ends, end_signs, r_max: r_max + 0.1, z_range: (z_range.0 - 0.1, z_range.1 + 0.1) }
+        let (r_max, z_range) = (r_max + 0.1, (z_range.0 - 0.1, z_range.1 + 0.1));
+        let above_shroud = CoarseHeights::new(&shroud, r_max, z_range);
+        Self { hub, shroud, ends, end_signs, r_max, z_range, above_shroud }
     }
 
     /// Points along the leading-edge line and the rim line: circles a cutter above the blank meets.
@@ -104,19 +107,36 @@ impl Blank {
         if hub.min(-shroud).min(self.ends_depth(point)) > 0.0 { -distance } else { distance }
     }
 
-    /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is in the blank. Arc lengths are
-    /// carried from call to call as in [`Self::depth_near`].
+    /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub
+    /// body. `warm` carries the arc length on the shroud from call to call.
+    pub fn is_solid(&self, point: Meridional, warm: &mut Option<f64>) -> bool {
+        if self.ends_depth(point) < 0.0 {
+            return false;
+        }
+        if let Some(above) = self.above_shroud.surely_above(point) {
+            return !above;
+        }
+        let (t, height) = match *warm {
+            Some(t) => self.shroud.project_near(point, t, 0.2 * self.shroud.length()),
+            None => self.shroud.project(point),
+        };
+        *warm = Some(t);
+        height < 0.0
+    }
+
+    /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is solid. `warm` as in
+    /// [`Self::is_solid`].
     pub fn highest_inside(
         &self,
         origin: &Point,
         direction: &Vector,
         low: f64,
         high: f64,
-        warm: &mut Option<(f64, f64)>,
+        warm: &mut Option<f64>,
     ) -> Option<f64> {
         let (low, high) = self.clip(origin, direction, low, high)?;
         let steps = (((high - low) / 1.0).ceil() as usize).clamp(6, 300);
-        let mut inside = |h: f64| self.depth_near(Meridional::of(&(origin + direction * h)), warm) > 0.0;
+        let mut inside = |h: f64| self.is_solid(Meridional::of(&(origin + direction * h)), warm);
         let mut above = None;
         for i in (0..=steps).rev() {
             let h = low + (high - low) * i as f64 / steps as f64;
@@ -163,5 +183,45 @@ impl Blank {
             return None;
         }
         (low < high).then_some((low, high))
+    }
+}
+
+/// Heights above a curve at the nodes of a coarse grid of the meridional plane. A height changes by no more than
+/// the way between two points, so that one look decides most questions of above or below.
+#[derive(Clone, Debug)]
+struct CoarseHeights {
+    heights: Vec<f64>,
+    z_from: f64,
+    spacing: (f64, f64),
+}
+
+impl CoarseHeights {
+    const NODES: usize = 65;
+
+    fn new(curve: &MeridionalCurve, r_max: f64, z_range: (f64, f64)) -> Self {
+        let cells = (Self::NODES - 1) as f64;
+        let spacing = (r_max / cells, (z_range.1 - z_range.0) / cells);
+        let mut heights = Vec::with_capacity(Self::NODES * Self::NODES);
+        for i in 0..Self::NODES {
+            for j in 0..Self::NODES {
+                let node = Meridional { r: spacing.0 * i as f64, z: z_range.0 + spacing.1 * j as f64 };
+                heights.push(curve.project(node).1);
+            }
+        }
+        Self { heights, z_from: z_range.0, spacing }
+    }
+
+    /// Above or below the curve; `None` near it and outside the grid.
+    #[inline]
+    fn surely_above(&self, point: Meridional) -> Option<bool> {
+        let (x, y) = (point.r / self.spacing.0, (point.z - self.z_from) / self.spacing.1);
+        let limit = (Self::NODES - 1) as f64;
+        if !((0.0..=limit).contains(&x) && (0.0..=limit).contains(&y)) {
+            return None;
+        }
+        let (i, j) = (x.round(), y.round());
+        let way = norm2((x - i) * self.spacing.0, (y - j) * self.spacing.1);
+        let height = self.heights[i as usize * Self::NODES + j as usize];
+        (height.abs() > way).then_some(height > 0.0)
     }
 }

@@ -28,7 +28,9 @@ pub struct Nearest {
     pub point: Point,
 }
 
-const V_LINES: usize = 9;
+/// Lines of v in the grid of a side that is not ruled; a ruled one bends only by its twist.
+const MAX_V_LINES: usize = 9;
+const RULED_V_LINES: usize = 5;
 /// Argument tolerance of the searches in u. The distance is stationary there, so that it is
 /// met to far better than 1 µm on any machinable size.
 const U_TOLERANCE: f64 = 2e-5;
@@ -46,14 +48,15 @@ impl SideProbe {
             u.extend([0.003, 0.007, 0.012, 0.018]);
             u.sort_by(f64::total_cmp);
         }
-        let v: Vec<f64> = (0..V_LINES).map(|j| j as f64 / (V_LINES - 1) as f64).collect();
+        let lines = if side.is_ruled() { RULED_V_LINES } else { MAX_V_LINES };
+        let v: Vec<f64> = (0..lines).map(|j| j as f64 / (lines - 1) as f64).collect();
         let points: Vec<Point> = v.iter().flat_map(|&v| u.iter().map(move |&u| side.point(u, v))).collect();
         let n = u.len();
         let mut grid_reach = 0.0f64;
-        for j in 0..V_LINES {
+        for j in 0..lines {
             for i in 0..n {
                 let here = points[j * n + i];
-                if i + 1 < n && j + 1 < V_LINES {
+                if i + 1 < n && j + 1 < lines {
                     grid_reach = grid_reach.max((points[(j + 1) * n + i + 1] - here).norm());
                     grid_reach = grid_reach.max((points[(j + 1) * n + i] - points[j * n + i + 1]).norm());
                 }
@@ -139,8 +142,8 @@ impl SideProbe {
     fn nearest_within(&self, query: &impl Query, v_from: f64, v_to: f64, cutoff: f64) -> Option<Nearest> {
         // Best grid value per line of v, then the lines that can hold the minimum are refined.
         let n = self.u.len();
-        let mut lines = [(f64::INFINITY, 0usize); V_LINES];
-        for (j, line) in lines.iter_mut().enumerate() {
+        let mut lines = [(f64::INFINITY, 0usize); MAX_V_LINES];
+        for (j, line) in lines.iter_mut().enumerate().take(self.v.len()) {
             if self.v[j] < v_from - 1e-9 || self.v[j] > v_to + 1e-9 {
                 continue;
             }
@@ -156,8 +159,8 @@ impl SideProbe {
             return None;
         }
         let bracket = |i: usize| (self.u[i.saturating_sub(1)], self.u[(i + 1).min(n - 1)]);
-        let mut refined = [(0.0, f64::INFINITY); V_LINES];
-        for j in 0..V_LINES {
+        let mut refined = [(0.0, f64::INFINITY); MAX_V_LINES];
+        for j in 0..self.v.len() {
             if lines[j].0.is_finite() {
                 let (low, high) = bracket(lines[j].1);
                 refined[j] = self.on_line(query, self.v[j], self.u[lines[j].1], low, high);
@@ -171,16 +174,16 @@ impl SideProbe {
             }
             d
         };
-        for j in 0..V_LINES {
+        for j in 0..self.v.len() {
             let (u, value) = refined[j];
             let lower = |k: usize| refined[k].1 < value;
-            let has_lower_neighbour = (j > 0 && lower(j - 1)) || (j + 1 < V_LINES && lower(j + 1));
+            let has_lower_neighbour = (j > 0 && lower(j - 1)) || (j + 1 < self.v.len() && lower(j + 1));
             if !value.is_finite() || value > best + 0.5 || has_lower_neighbour {
                 continue;
             }
             let searched = |k: usize| refined[k].1.is_finite();
             let low = if j > 0 && searched(j - 1) { self.v[j - 1] } else { v_from };
-            let high = if j + 1 < V_LINES && searched(j + 1) { self.v[j + 1] } else { v_to };
+            let high = if j + 1 < self.v.len() && searched(j + 1) { self.v[j + 1] } else { v_to };
             let (u_low, u_high) = bracket(lines[j].1);
             let drift = u_high - u_low;
             let mut guess = u;

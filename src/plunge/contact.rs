@@ -92,7 +92,7 @@ fn contact_up_to(column: &Column, earlier: &[Column], blank: &Blank, enough: f64
             if depth > enough {
                 return CoreContact { depth, area_share: area };
             }
-            if entry > AREA_HEIGHT && stock.is_blank(&(origin + axis * (0.5 * AREA_HEIGHT))) {
+            if entry > AREA_HEIGHT && stock.is_stock(&(origin + axis * (0.5 * AREA_HEIGHT))) {
                 hits += 1;
             }
             if ring == 0 {
@@ -173,13 +173,13 @@ struct StockLines<'a> {
     near: &'a Neighbours,
     blank: &'a Blank,
     top: f64,
-    /// Where on hub and shroud the last look was.
-    warm: Option<(f64, f64)>,
+    /// Where on the shroud the last look was.
+    warm: Option<f64>,
 }
 
 impl StockLines<'_> {
-    fn is_blank(&mut self, point: &Point) -> bool {
-        self.blank.depth_near(Meridional::of(point), &mut self.warm) > 0.0
+    fn is_stock(&mut self, point: &Point) -> bool {
+        self.blank.is_solid(Meridional::of(point), &mut self.warm)
     }
 
     /// (height from which on something is already removed, highest stock) on the line from the bottom

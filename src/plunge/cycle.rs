@@ -8,7 +8,7 @@ use super::contact::{BlankTop, Column, core_contact, core_interferes};
 use super::lane::Lane;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
 use super::retract::{RetractSurface, bottom_clearance};
-use super::row::{RowMaker, Station};
+use super::row::{RowFault, RowMaker, Station};
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, row_spacing, step_limit, too_many, tool_of};
 use super::slotting::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector};
@@ -83,7 +83,7 @@ struct Attempts<'r> {
 
 impl Attempts<'_> {
     /// Conventional stations from `start` on, kept for the next attempt with the same start.
-    fn conventional(&mut self, start: f64) -> Result<Vec<Station>, f64> {
+    fn conventional(&mut self, start: f64) -> Result<Vec<Station>, RowFault> {
         match &self.conventional {
             Some((known, stations)) if *known == start => Ok(stations.clone()),
             _ => {
@@ -200,7 +200,7 @@ impl<'a> Planner<'a> {
         }
         monitor.report(0.85);
         self.measure(&mut plan, &columns, monitor)?;
-        self.raise_links(&mut plan);
+        self.raise_links(&mut plan, monitor)?;
         monitor.report(1.0);
         Ok(plan)
     }
@@ -298,6 +298,7 @@ impl<'a> Planner<'a> {
                         lambda,
                         inward,
                         step_limit: step_limit(&self.setup.plunge, tool, wall_row),
+                        monitor,
                     };
                     let (start, end) = self.row_ends(section, &stretch, before, tool, inward);
                     let mut row = self.row(&maker, (start, end), policy, earlier, monitor)?;
@@ -470,7 +471,10 @@ impl<'a> Planner<'a> {
         monitor.check()?;
         let max_tilt = self.setup.plunge.max_tilt;
         let maker = attempts.maker;
-        let mut conventional = attempts.conventional(start).map_err(|s| self.misfit(maker.tool, s))?;
+        let mut conventional = attempts.conventional(start).map_err(|fault| match fault {
+            RowFault::Misfit(s) => self.misfit(maker.tool, s),
+            RowFault::Cancelled => Cancelled.into(),
+        })?;
         let mut row = Row { settled: false, ..Row::empty(maker.lambda) };
         let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
         while row.rounds < MAX_ROUNDS && !row.settled {
@@ -498,6 +502,9 @@ impl<'a> Planner<'a> {
         let maker = attempts.maker;
         let radius_s = maker.tool.radius() / self.part.hub.length();
         for radii in START_RETREATS {
+            if maker.monitor.is_cancelled() {
+                break;
+            }
             let s = start + maker.inward * radii * radius_s;
             let Some(first) = self.first_station(maker, s, lean) else { break };
             let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
@@ -551,7 +558,7 @@ impl<'a> Planner<'a> {
 
     /// Pulls retract points further back until the straight links between them stay above the blank by the
     /// safety distance, and measures what they keep.
-    fn raise_links(&self, plan: &mut PlungePlan) {
+    fn raise_links(&self, plan: &mut PlungePlan, monitor: &Monitor) -> Result<(), PlanError> {
         let safety = self.setup.stock.safety_distance;
         let tool = |plan: &PlungePlan, k: usize| plan.sections[plan.positions[k].section].tool.clone();
         let clearance = |plan: &PlungePlan, k: usize, share: f64| {
@@ -566,6 +573,7 @@ impl<'a> Planner<'a> {
             bottom_clearance(&cutter, &self.blank)
         };
         for k in 0..plan.positions.len().saturating_sub(1) {
+            monitor.check()?;
             // A tool change happens at home, far from the part.
             if tool(plan, k).number != tool(plan, k + 1).number {
                 continue;
@@ -604,6 +612,7 @@ impl<'a> Planner<'a> {
                 p.retract += p.axis * (1.5 * (safety - p.retract_clearance) + 1e-3);
             }
         });
+        Ok(())
     }
 }
 

@@ -161,10 +161,15 @@ impl<'a> Lane<'a> {
     /// allowance everywhere. `None` when turning does not help.
     fn push_clear(&self, wall: usize, mut ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
         let inward = self.inward(wall);
+        let mut place: Option<f64> = None;
         for _ in 0..20 {
             let mut cutter = self.cutter(&ends);
             cutter.tip += cutter.axis * lift;
-            let near = self.probes[wall].nearest(&cutter, 0.0, 1.0);
+            // Turned by micrometres, the cutter stays nearest to the same place.
+            let near = match place {
+                Some(u) => self.probes[wall].nearest_from(&cutter, u, 0.0, 1.0),
+                None => self.probes[wall].nearest(&cutter, 0.0, 1.0),
+            };
             let short = self.blade_allowance - near.distance;
             if short <= 0.0 {
                 return Some(ends);
@@ -177,6 +182,7 @@ impl<'a> Lane<'a> {
             if !step.is_finite() || step.abs() > 0.5 {
                 return None;
             }
+            place = (short < 0.01).then_some(near.u);
             ends.theta_hub += step;
             ends.theta_shroud += step;
         }

@@ -12,7 +12,7 @@ use crate::geometry::search;
 /// How much α must grow at least, rad: it makes "greater" well defined in floating point.
 pub const LEAST_GROWTH_RAD: f64 = 1e-9;
 /// W is placed on the shroud curve to this fraction of its length.
-const PLACE_TOLERANCE: f64 = 2e-7;
+const PLACE_TOLERANCE: f64 = 1e-6;
 /// How far W may run upstream or downstream of the shroud curve's trimmed ends, in s.
 const SHROUD_OVERRUN: f64 = 0.5;
 

@@ -4,6 +4,7 @@ use super::lane::{AxisEnds, Lane};
 use super::plan::Blocked;
 use super::slotting::DepthSurface;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
+use crate::monitor::Monitor;
 use crate::part::{Impeller, Tool};
 
 /// One position while it is being planned.
@@ -42,6 +43,17 @@ pub struct RowMaker<'a> {
     pub inward: f64,
     /// Upper limit of the step, mm.
     pub step_limit: f64,
+    /// Asked between stations whether to go on.
+    pub monitor: &'a Monitor,
+}
+
+/// Why a row cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RowFault {
+    /// The cutter does not fit at this s.
+    Misfit(f64),
+    /// Somebody asked to stop.
+    Cancelled,
 }
 
 impl RowMaker<'_> {
@@ -128,8 +140,15 @@ impl RowMaker<'_> {
     }
 
     /// Stage 1: isoparametric stations from s = `start` to s = `end`, evenly, no further apart than
-    /// the step limit at hub and shroud. `Err` carries the s at which the cutter does not fit.
-    pub fn conventional(&self, start: f64, end: f64) -> Result<Vec<Station>, f64> {
+    /// the step limit at hub and shroud.
+    ///
+    /// # Errors
+    /// [`RowFault`] where the cutter does not fit, or when the work is cancelled.
+    pub fn conventional(&self, start: f64, end: f64) -> Result<Vec<Station>, RowFault> {
+        let station = |s: f64| {
+            self.monitor.check().map_err(|_| RowFault::Cancelled)?;
+            self.isoparametric(s).ok_or(RowFault::Misfit(s))
+        };
         let run = (end - start).abs();
         let longest = run * self.part.hub.length().max(self.part.shroud.length());
         let coarse = ((longest / self.step_limit / 3.0).ceil() as usize).clamp(1, 4000);
@@ -137,7 +156,7 @@ impl RowMaker<'_> {
         let mut sparse = Vec::with_capacity(coarse + 1);
         for i in 0..=coarse {
             let s = at(i, coarse);
-            sparse.push(self.isoparametric(s).ok_or(s)?);
+            sparse.push(station(s)?);
         }
         // Rows run oblique to the meridian: measure how long they really are.
         let stretch = sparse.windows(2).map(|w| self.spacing(&w[0], &w[1])).fold(0.0, f64::max);
@@ -153,7 +172,7 @@ impl RowMaker<'_> {
                 continue;
             }
             let s = at(i, n);
-            stations.push(self.isoparametric(s).ok_or(s)?);
+            stations.push(station(s)?);
         }
         Ok(stations)
     }
