@@ -72,7 +72,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(160))]
     #[test]
     fn the_disc_rests_exactly_at_its_offset(
-        s in 0.02..1.02f64, turn in -3.0..3.0f64, tilt in 0.0..0.6f64, heading in 0.0..6.28f64,
+        s in 0.02..1.02f64, turn in -3.0..3.0f64, tilt in 0.0..0.6f64, heading in 0.0..std::f64::consts::TAU,
         size in 0.0..1.0f64, offset in 0.05..2.0f64, which in 0usize..3,
     ) {
         let name = ["impeller532.toml", "impeller532.toml", "impeller532.toml"][which];

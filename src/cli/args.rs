@@ -90,6 +90,9 @@ pub struct RenderArgs {
     /// Cutters: all, faulty or none; absent: what suits --show
     #[arg(long)]
     pub cutters: Option<String>,
+    /// Ends of the colour scale of --show residual, mm, as LOW:HIGH; absent: fitted to the plan
+    #[arg(long)]
+    pub range: Option<String>,
     /// Also draw the shroud
     #[arg(long)]
     pub shroud: bool,

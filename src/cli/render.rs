@@ -41,6 +41,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     options.at = args.at;
     options.show_shroud = args.shroud;
     options.theme = if args.dark { Theme::Dark } else { Theme::Light };
+    let range = args.range.as_deref().map(parse_range).transpose()?;
     if let Some(word) = &args.cutters {
         options.show_cutters = match word.as_str() {
             "all" => CutterFilter::All,
@@ -69,7 +70,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         }
     };
     let png = match &stored {
-        None => picture(&part, None, view, options, size)?,
+        None => picture(&part, None, range, view, options, size)?,
         Some((setup, plan)) => {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
             let channel = Channel::of(&part);
@@ -77,7 +78,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             let cells = FIELD_CELLS;
             let grid = FloorGrid::new(&part, &channel, &blank, setup.stock.blade_allowance, cells);
             let field = residual_field(&grid, &cutters_of(plan)[..shown]);
-            picture(&part, Some((plan, &grid, &field)), view, options, size)?
+            picture(&part, Some((plan, &grid, &field)), range, view, options, size)?
         }
     };
     write_whole(&args.output, &png)?;
@@ -89,6 +90,7 @@ type Planned<'a> = Option<(&'a PlungePlan, &'a FloorGrid, &'a ResidualField)>;
 fn picture(
     part: &Impeller,
     planned: Planned,
+    range: Option<(f32, f32)>,
     view: View,
     options: SceneOptions,
     size: UVec2,
@@ -98,7 +100,7 @@ fn picture(
     let mut scene = Scene::new(&gpu, part);
     let mut options = options;
     if let Some((plan, grid, field)) = planned {
-        options.range_mm = floor::fitting_range(grid, &field.heights);
+        options.range_mm = range.unwrap_or_else(|| floor::fitting_range(grid, &field.heights));
         scene.set_plan(Some(plan));
         scene.set_floor(&gpu, Some((grid, &field.heights)), Some(plan));
     }
@@ -123,6 +125,15 @@ fn parse_size(word: &str) -> Result<UVec2, Failure> {
     let side = |s: &str| s.parse::<u32>().ok().filter(|n| (1..=MAX_SIDE).contains(n));
     word.split_once(['x', 'X']).and_then(|(w, h)| Some(UVec2::new(side(w)?, side(h)?))).ok_or_else(|| {
         Failure::Input(format!("--size {word}: no picture size; give WIDTHxHEIGHT up to {MAX_SIDE}"))
+    })
+}
+
+/// Pictures that are to be compared need the same colour scale.
+fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
+    let ends = word.split_once(':').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
+    let usable = |(low, high): &(f32, f32)| low.is_finite() && high.is_finite() && low < high;
+    ends.filter(usable).ok_or_else(|| {
+        Failure::Input(format!("--range {word}: no colour scale; give LOW:HIGH in mm, as 0.5:4"))
     })
 }
 

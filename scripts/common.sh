@@ -1,0 +1,29 @@
+# Sourced by the other scripts, with `here` set to the repository's root.
+# shellcheck shell=sh
+
+# rustup's cargo is there before a new shell has it on its PATH.
+if ! command -v cargo >/dev/null 2>&1; then
+    PATH="$PATH:${CARGO_HOME:-$HOME/.cargo}/bin"
+fi
+if ! command -v cargo >/dev/null 2>&1; then
+    echo "cargo was not found; install Rust with rustup (https://rustup.rs), then run this again" >&2
+    exit 1
+fi
+
+# Mesa complains on stderr when it has no runtime folder.
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+if [ ! -d "${XDG_RUNTIME_DIR:-}" ]; then
+    XDG_RUNTIME_DIR=$scratch
+    export XDG_RUNTIME_DIR
+fi
+
+# Builds the release binary and sets `vanecut` to its path.
+build_release() {
+    "$here/scripts/setup" build
+    (cd "$here" && cargo build --release --locked)
+    target=${CARGO_TARGET_DIR:-$here/target}
+    vanecut=$target/release/vanecut
+}
