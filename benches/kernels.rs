@@ -55,7 +55,6 @@ fn cutters(positions: usize, corner_radius: f32) -> Vec<FieldCutter> {
                 axis: [axis.x as f32, axis.y as f32, axis.z as f32],
                 core_radius: 3.0,
                 corner_radius,
-                pad: [0.0; 3],
             }
         })
         .collect()

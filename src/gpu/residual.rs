@@ -12,6 +12,21 @@ use super::device::{Gpu, GpuError};
 use crate::residual::field::{CONTACT_TOLERANCE, CUT_TOLERANCE};
 use crate::residual::{FieldCutter, FloorGrid, PositionTrace, ResidualField, TileBins};
 
+/// A cutter as the shader's struct lays it out: tip and R, axis and core radius, corner radius and padding.
+type PackedCutter = [f32; 12];
+
+fn packed(c: &FieldCutter) -> PackedCutter {
+    let ([x, y, z], [i, j, k]) = (c.tip, c.axis);
+    [x, y, z, c.radius, i, j, k, c.core_radius, c.corner_radius, 0.0, 0.0, 0.0]
+}
+
+/// A trace as the shader's struct lays it out; the depth is the bit pattern of a float.
+type PackedTrace = [u32; 4];
+
+fn unpacked([depth, contact_cells, swept_cells, cut_cells]: PackedTrace) -> PositionTrace {
+    PositionTrace { contact_depth: f32::from_bits(depth), contact_cells, swept_cells, cut_cells }
+}
+
 /// The kernel of `shaders/residual.wgsl`, compiled for one device.
 #[derive(Debug)]
 pub struct ResidualKernel {
@@ -107,7 +122,8 @@ impl ResidualKernel {
             }
         }
         let heights_bytes = (cells.len() * size_of::<f32>()) as u64;
-        let traces_bytes = (cutters.len() * size_of::<PositionTrace>()) as u64;
+        let packed: Vec<PackedCutter> = cutters.iter().map(packed).collect();
+        let traces_bytes = (cutters.len() * size_of::<PackedTrace>()) as u64;
 
         let readback = gpu.checked(|| {
             let input = |label, contents, usage| {
@@ -139,7 +155,7 @@ impl ResidualKernel {
             let buffers = [
                 input("floor grid", bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM),
                 input("cells", bytemuck::cast_slice(&cells), storage),
-                input("cutters", bytemuck::cast_slice(cutters), storage),
+                input("cutters", bytemuck::cast_slice(&packed), storage),
                 input("tile offsets", bytemuck::cast_slice(&bins.offsets), storage),
                 input("tile cutters", bytemuck::cast_slice(&bins.list), storage),
                 heights,
@@ -174,8 +190,10 @@ impl ResidualKernel {
         let bytes = gpu.read(&readback)?;
         let (heights, traces) = bytes.split_at(heights_bytes as usize);
         let heights = heights.chunks_exact(size_of::<f32>()).map(bytemuck::pod_read_unaligned).collect();
-        let traces =
-            traces.chunks_exact(size_of::<PositionTrace>()).map(bytemuck::pod_read_unaligned).collect();
+        let traces = traces
+            .chunks_exact(size_of::<PackedTrace>())
+            .map(|b| unpacked(bytemuck::pod_read_unaligned(b)))
+            .collect();
         Ok(ResidualField { heights, traces })
     }
 }

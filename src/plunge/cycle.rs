@@ -56,6 +56,13 @@ struct Stretch<'a> {
     to: f64,
 }
 
+/// A cutter in its final place.
+struct Placed {
+    cutter: CutterSolid,
+    hub_clearance: f64,
+    blade_clearance: f64,
+}
+
 /// One row, planned.
 struct Row {
     stations: Vec<Station>,
@@ -187,14 +194,24 @@ impl<'a> Planner<'a> {
             for (row_index, row) in rows.iter().enumerate() {
                 plan.rounds = plan.rounds.max(row.rounds);
                 plan.settled &= row.settled;
-                for station in &row.stations {
-                    let cutter = cutter(station, tool);
-                    if self.finished.blade_clearance(&cutter) < self.setup.stock.blade_allowance - 1e-6 {
+                let placed: Vec<Option<Placed>> = row
+                    .stations
+                    .par_iter()
+                    .map(|station| if monitor.is_cancelled() { None } else { self.placed(station, tool) })
+                    .collect();
+                monitor.check()?;
+                for (station, placed) in row.stations.iter().zip(placed) {
+                    let Some(placed) = placed else {
                         plan.dropped.push(Dropped { section: index, row: row_index, s: station.ends.s_hub });
                         continue;
-                    }
-                    columns.push(Column::new(cutter, tool.core_radius(), &top));
-                    plan.positions.push(Position::unmeasured(station, index, row_index, row.lambda));
+                    };
+                    columns.push(Column::new(placed.cutter, tool.core_radius(), &top));
+                    plan.positions.push(Position {
+                        tip: placed.cutter.tip,
+                        hub_clearance: placed.hub_clearance,
+                        blade_clearance: placed.blade_clearance,
+                        ..Position::unmeasured(station, index, row_index, row.lambda)
+                    });
                 }
             }
         }
@@ -203,6 +220,28 @@ impl<'a> Planner<'a> {
         self.raise_links(&mut plan, monitor)?;
         monitor.report(1.0);
         Ok(plan)
+    }
+
+    /// The cutter of a station with its clearances to the finished part, measured. Where the bottom is a hair
+    /// too deep it is lifted. `None` when a blade is in the way.
+    fn placed(&self, station: &Station, tool: &Tool) -> Option<Placed> {
+        let stock = &self.setup.stock;
+        let mut cutter = cutter(station, tool);
+        let mut hub_clearance = self.finished.hub_clearance(&cutter);
+        for _ in 0..4 {
+            let deep = stock.hub_allowance - hub_clearance;
+            if deep <= 0.0 {
+                break;
+            }
+            cutter.tip += cutter.axis * (1.2 * deep + 1e-9);
+            hub_clearance = self.finished.hub_clearance(&cutter);
+        }
+        let blade_clearance = self.finished.blade_clearance(&cutter);
+        (blade_clearance >= stock.blade_allowance - 1e-6).then_some(Placed {
+            cutter,
+            hub_clearance,
+            blade_clearance,
+        })
     }
 
     /// The passages a section runs through, outlet end first.
@@ -547,8 +586,6 @@ impl<'a> Planner<'a> {
                 let mut position = position.clone();
                 position.retract = retract;
                 position.contact = core_contact(&columns[k], &columns[..k], &self.blank);
-                position.hub_clearance = self.finished.hub_clearance(&cutter);
-                position.blade_clearance = self.finished.blade_clearance(&cutter);
                 Ok(position)
             })
             .collect();

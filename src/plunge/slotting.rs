@@ -35,7 +35,7 @@ pub struct Touch {
 
 /// Samples of the rim before refinement. The height along the rim of a disc on a surface of
 /// revolution has two waves, so that these cannot miss one.
-const RIM_SAMPLES: usize = 20;
+const RIM_SAMPLES: usize = 24;
 
 impl<'a> DepthSurface<'a> {
     /// The whole `curve`, offset by `offset` mm (allowance plus corner radius), ending in circles.
@@ -126,7 +126,7 @@ impl<'a> DepthSurface<'a> {
                 },
                 step * (i as f64 - 1.0),
                 step * (i as f64 + 1.0),
-                1e-4,
+                1e-5,
             );
             consider(top.0, &|| self.touch_at(top.0, &(rim(top.1) + axis * top.0), top.2));
         }

@@ -27,10 +27,8 @@ const CORNER_STEPS: u32 = 8;
 /// Distance from the rounded corner that counts as on it, mm.
 const CORNER_TOLERANCE: f32 = 2e-5;
 
-/// One plunge as the kernels see it: a cylinder from the tip upwards. 48 bytes, matches the WGSL struct.
-#[repr(C)]
+/// One plunge as the kernels see it: a cylinder from the tip upwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct FieldCutter {
     /// Tip M: centre of the bottom, mm.
     pub tip: [f32; 3],
@@ -42,14 +40,10 @@ pub struct FieldCutter {
     pub core_radius: f32,
     /// Corner radius, mm.
     pub corner_radius: f32,
-    /// Padding.
-    pub pad: [f32; 3],
 }
 
 /// What the heightfield saw of one position.
-#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct PositionTrace {
     /// Greatest height of stock in the core above its bottom, mm along the tool axis.
     pub contact_depth: f32,

@@ -44,7 +44,6 @@ pub(crate) fn any_cutter() -> impl Strategy<Value = FieldCutter> {
             axis: axis.map(|x| x as f32),
             core_radius: (radius * core) as f32,
             corner_radius: (radius * corner) as f32,
-            pad: [0.0; 3],
         }
     })
 }
@@ -157,14 +156,7 @@ fn plate() -> FloorGrid {
 }
 
 fn upright(x: f32, y: f32, z: f32) -> FieldCutter {
-    FieldCutter {
-        tip: [x, y, z],
-        radius: 8.0,
-        axis: [0.0, 0.0, 1.0],
-        core_radius: 4.0,
-        corner_radius: 0.0,
-        pad: [0.0; 3],
-    }
+    FieldCutter { tip: [x, y, z], radius: 8.0, axis: [0.0, 0.0, 1.0], core_radius: 4.0, corner_radius: 0.0 }
 }
 
 #[test]

@@ -26,7 +26,6 @@ pub fn cutters_of(plan: &PlungePlan) -> Vec<FieldCutter> {
                 axis: single(p.axis.into()),
                 core_radius: tool.core_radius() as f32,
                 corner_radius: tool.corner_radius as f32,
-                pad: [0.0; 3],
             }
         })
         .collect()
