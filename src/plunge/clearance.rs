@@ -34,13 +34,7 @@ impl<'a> FinishedPart<'a> {
         let at = |rho: f64, phi: f64, up: f64| {
             let p = Meridional::of(&(centre + (e1 * phi.cos() + e2 * phi.sin()) * rho + cutter.axis * up));
             // From far up the nearest place on the hub may be anywhere along it.
-            let (t, d) = if up > reach {
-                curve.project(p)
-            } else {
-                let (t, d) = curve.project_near(p, start, reach);
-                let (t2, d2) = curve.project_near(p, t, 0.2 * reach);
-                if d2.abs() < d.abs() { (t2, d2) } else { (t, d) }
-            };
+            let (t, d) = if up > reach { curve.project(p) } else { curve.project_near(p, start, reach) };
             // Beyond its ends the hub has an edge, not a surface.
             if t <= 0.0 || t >= curve.length() { d.abs() } else { d }
         };

@@ -3,7 +3,7 @@
 use super::lane::{AxisEnds, Lane};
 use super::plan::Blocked;
 use super::slotting::DepthSurface;
-use crate::geometry::{CutterSolid, Meridional, Point, Vector};
+use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::Monitor;
 use crate::part::{Impeller, Tool};
 
@@ -102,13 +102,13 @@ impl RowMaker<'_> {
     pub fn lowered(&self, ends: AxisEnds) -> Station {
         let (m, axis) = self.lane.line(&ends);
         let corner = self.tool.corner_radius;
-        let touch = self.hub.touch(&m, &axis, self.tool.radius() - corner);
+        let arc = self.part.hub.arc_at(ends.s_hub).clamp(0.0, self.part.hub.curve().length());
+        let touch = self.hub.touch_near(&m, &axis, self.tool.radius() - corner, arc);
         let (tip, contact_point, alpha) = match touch {
             Some(t) => {
                 // On the edge of the hub the normal that counts is still the hub's.
-                let (arc, _) = self.part.hub.curve().project(Meridional::of(&t.point));
                 let theta = t.point.y.atan2(t.point.x);
-                let normal = self.part.hub.curve().at(arc).normal.direction_at_angle(theta);
+                let normal = self.part.hub.curve().at(t.arc).normal.direction_at_angle(theta);
                 (m + axis * (t.height - corner), t.point, self.alpha(&m, &axis, &normal, &ends))
             }
             // Beside the hub: the tip stays at M, the angle is that to the hub's normal there.

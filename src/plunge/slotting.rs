@@ -29,13 +29,33 @@ pub struct Touch {
     pub height: f64,
     /// Touch point on the offset surface.
     pub point: Point,
-    /// Outer normal of the surface there.
-    pub normal: Vector,
+    /// Arc length on the curve of the place touched, mm.
+    pub arc: f64,
 }
 
 /// Samples of the rim before refinement. The height along the rim of a disc on a surface of
 /// revolution has two waves, so that these cannot miss one.
 const RIM_SAMPLES: usize = 24;
+
+/// Newton steps below which a ray counts as met, mm: while the rim is scanned, and in the end.
+const SCAN_TOLERANCE: f64 = 1e-3;
+/// See [`SCAN_TOLERANCE`].
+const RAY_TOLERANCE: f64 = 1e-8;
+
+/// (cos, sin) of the rim's samples.
+fn rim_directions() -> &'static [(f64, f64); RIM_SAMPLES] {
+    static DIRECTIONS: std::sync::OnceLock<[(f64, f64); RIM_SAMPLES]> = std::sync::OnceLock::new();
+    DIRECTIONS.get_or_init(|| {
+        std::array::from_fn(|i| {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / RIM_SAMPLES as f64).sin_cos();
+            (cos, sin)
+        })
+    })
+}
+
+fn touch_at(height: f64, point: &Point, arc: f64) -> Touch {
+    Touch { height, point: *point, arc }
+}
 
 impl<'a> DepthSurface<'a> {
     /// The whole `curve`, offset by `offset` mm (allowance plus corner radius), ending in circles.
@@ -72,18 +92,26 @@ impl<'a> DepthSurface<'a> {
     /// Lowest place of a disc of `radius` mm whose centre moves on the line through `on_axis` along
     /// `axis` (unit), coming from above. `None` when the disc misses the surface.
     pub fn touch(&self, on_axis: &Point, axis: &Vector, radius: f64) -> Option<Touch> {
+        let (middle, _) = self.curve.project(Meridional::of(on_axis));
+        self.touch_near(on_axis, axis, radius, middle)
+    }
+
+    /// As [`Self::touch`], for a point on the axis known to be near arc length `middle` of the curve.
+    pub fn touch_near(&self, on_axis: &Point, axis: &Vector, radius: f64, middle: f64) -> Option<Touch> {
         let (e1, e2) = frame_about(axis);
         let rim = |phi: f64| {
             let (sin, cos) = phi.sin_cos();
             on_axis + (e1 * cos + e2 * sin) * radius
         };
-        let (middle, _) = self.curve.project(Meridional::of(on_axis));
-        let start = self.ray(on_axis, axis, middle, 0.0).unwrap_or((middle, 0.0));
+        let start = self.ray(on_axis, axis, (middle, 0.0), SCAN_TOLERANCE).unwrap_or((middle, 0.0));
+        let rim_directions = rim_directions();
         let mut hits = [None; RIM_SAMPLES];
         let mut warm = start;
         let step = std::f64::consts::TAU / RIM_SAMPLES as f64;
         for (i, hit) in hits.iter_mut().enumerate() {
-            *hit = self.rim_hit(&rim(step * i as f64), axis, warm);
+            let (cos, sin) = rim_directions[i];
+            let origin = on_axis + (e1 * cos + e2 * sin) * radius;
+            *hit = self.rim_hit(&origin, axis, warm, SCAN_TOLERANCE);
             if let Some(found) = *hit {
                 warm = found;
             }
@@ -112,9 +140,9 @@ impl<'a> DepthSurface<'a> {
                 continue;
             }
             let mut found = hit;
-            let mut top = (hit.1, step * i as f64, hit.0);
+            let mut top = (f64::NEG_INFINITY, step * i as f64, hit.0);
             search::minimum(
-                |phi| match self.rim_hit(&rim(phi), axis, found) {
+                |phi| match self.rim_hit(&rim(phi), axis, found, RAY_TOLERANCE) {
                     Some(h) => {
                         found = h;
                         if h.1 > top.0 {
@@ -128,7 +156,9 @@ impl<'a> DepthSurface<'a> {
                 step * (i as f64 + 1.0),
                 1e-5,
             );
-            consider(top.0, &|| self.touch_at(top.0, &(rim(top.1) + axis * top.0), top.2));
+            if top.0.is_finite() {
+                consider(top.0, &|| touch_at(top.0, &(rim(top.1) + axis * top.0), top.2));
+            }
         }
         self.bulge_touch(on_axis, axis, radius, middle, &mut consider);
         for edge in &self.edges {
@@ -137,23 +167,19 @@ impl<'a> DepthSurface<'a> {
         best
     }
 
-    fn touch_at(&self, height: f64, point: &Point, t: f64) -> Touch {
-        let normal = self.curve.at(t).normal.direction_at_angle(point.y.atan2(point.x));
-        Touch { height, point: *point, normal }
-    }
-
     /// Ray hit from a warm start, or from scratch when that fails; only hits within the surface count.
-    fn rim_hit(&self, origin: &Point, axis: &Vector, warm: (f64, f64)) -> Option<(f64, f64)> {
-        let hit = self.ray(origin, axis, warm.0, warm.1).or_else(|| {
+    fn rim_hit(&self, origin: &Point, axis: &Vector, warm: (f64, f64), tolerance: f64) -> Option<(f64, f64)> {
+        let hit = self.ray(origin, axis, warm, tolerance).or_else(|| {
             let (t, _) = self.curve.project(Meridional::of(origin));
-            self.ray(origin, axis, t, 0.0)
+            self.ray(origin, axis, (t, 0.0), tolerance)
         })?;
         (self.from..=self.to).contains(&hit.0).then_some(hit)
     }
 
-    /// (arc length, height) at which `origin + height · axis` meets the offset surface: Newton.
-    fn ray(&self, origin: &Point, axis: &Vector, t: f64, height: f64) -> Option<(f64, f64)> {
-        let (mut t, mut h) = (t, height);
+    /// (arc length, height) at which `origin + height · axis` meets the offset surface: Newton from `start`
+    /// until a step is shorter than `tolerance` mm (the error is then of the order of its square).
+    fn ray(&self, origin: &Point, axis: &Vector, start: (f64, f64), tolerance: f64) -> Option<(f64, f64)> {
+        let (mut t, mut h) = start;
         for _ in 0..25 {
             let p = origin + axis * h;
             let r = norm2(p.x, p.y);
@@ -172,7 +198,7 @@ impl<'a> DepthSurface<'a> {
             let dt = (radial * fz - axis.z * fr) / determinant;
             h += dh;
             t += dt;
-            if dh.abs() + dt.abs() < 1e-10 {
+            if dh.abs() + dt.abs() < tolerance {
                 return Some((t, h));
             }
             if !(dh.abs() < 1e6 && dt.abs() < 1e6) {
@@ -222,7 +248,7 @@ impl<'a> DepthSurface<'a> {
                     let d = point - on_axis;
                     let height = d.dot(axis);
                     if (d - axis * height).norm() <= radius {
-                        consider(height, &|| self.touch_at(height, &point, t));
+                        consider(height, &|| touch_at(height, &point, t));
                     }
                 }
             }
@@ -281,9 +307,8 @@ impl<'a> DepthSurface<'a> {
                     let n = flat.norm();
                     if n > radius { plane + flat * (radius / n) } else { plane + flat }
                 };
-                let away = nearest - point;
-                let normal = if away.norm() > 1e-9 { away.normalize() } else { *axis };
-                Touch { height, point: nearest, normal }
+                let (arc, _) = self.curve.project(edge);
+                Touch { height, point: nearest, arc }
             });
         }
     }
