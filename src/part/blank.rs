@@ -16,7 +16,7 @@ pub struct Blank {
     end_signs: [f64; 2],
     r_max: f64,
     z_range: (f64, f64),
-    above_shroud: CoarseHeights,
+    coarse_shroud: CoarseHeights,
 }
 
 impl Blank {
@@ -42,8 +42,8 @@ impl Blank {
         let end_signs =
             ends.map(|(a, b)| ((inside.r - a.r) * (b.z - a.z) - (inside.z - a.z) * (b.r - a.r)).signum());
         let (r_max, z_range) = (r_max + 0.1, (z_range.0 - 0.1, z_range.1 + 0.1));
-        let above_shroud = CoarseHeights::new(&shroud, r_max, z_range);
-        Self { hub, shroud, ends, end_signs, r_max, z_range, above_shroud }
+        let coarse_shroud = CoarseHeights::new(&shroud, r_max, z_range);
+        Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud }
     }
 
     /// Points along the leading-edge line and the rim line: circles a cutter above the blank meets.
@@ -95,16 +95,26 @@ impl Blank {
     }
 
     /// Distance from `point` (outside) to the blank's top: shroud, leading-edge line and rim line.
-    /// Negative inside the blank. Arc lengths are carried from call to call as in [`Self::depth_near`].
-    pub fn clearance(&self, point: Meridional, warm: &mut Option<(f64, f64)>) -> f64 {
+    /// Negative where it is solid. `warm` as in [`Self::is_solid`].
+    pub fn clearance(&self, point: Meridional, warm: &mut Option<f64>) -> f64 {
         let segment = |(a, b): (Meridional, Meridional)| {
             let (dr, dz) = (b.r - a.r, b.z - a.z);
             let share = ((point.r - a.r) * dr + (point.z - a.z) * dz) / (dr * dr + dz * dz);
             point.distance(a.lerp(b, share.clamp(0.0, 1.0)))
         };
-        let (hub, shroud) = self.heights(point, warm);
+        let shroud = self.above_shroud(point, warm);
         let distance = shroud.abs().min(segment(self.ends[0])).min(segment(self.ends[1]));
-        if hub.min(-shroud).min(self.ends_depth(point)) > 0.0 { -distance } else { distance }
+        if shroud < 0.0 && self.ends_depth(point) > 0.0 { -distance } else { distance }
+    }
+
+    /// Signed distance from the shroud, positive outside.
+    fn above_shroud(&self, point: Meridional, warm: &mut Option<f64>) -> f64 {
+        let (t, height) = match *warm {
+            Some(t) => self.shroud.project_near(point, t, 0.2 * self.shroud.length()),
+            None => self.shroud.project(point),
+        };
+        *warm = Some(t);
+        height
     }
 
     /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub
@@ -113,15 +123,10 @@ impl Blank {
         if self.ends_depth(point) < 0.0 {
             return false;
         }
-        if let Some(above) = self.above_shroud.surely_above(point) {
-            return !above;
+        match self.coarse_shroud.surely_above(point) {
+            Some(above) => !above,
+            None => self.above_shroud(point, warm) < 0.0,
         }
-        let (t, height) = match *warm {
-            Some(t) => self.shroud.project_near(point, t, 0.2 * self.shroud.length()),
-            None => self.shroud.project(point),
-        };
-        *warm = Some(t);
-        height < 0.0
     }
 
     /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is solid. `warm` as in

@@ -6,12 +6,13 @@ use rayon::prelude::*;
 use super::clearance::FinishedPart;
 use super::contact::{BlankTop, Column, core_contact, core_interferes};
 use super::lane::Lane;
+use super::links::raise_links;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
-use super::retract::{RetractSurface, bottom_clearance};
+use super::retract::RetractSurface;
 use super::row::{RowFault, RowMaker, Station};
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, row_spacing, step_limit, too_many, tool_of};
 use super::slotting::DepthSurface;
-use crate::geometry::{CutterSolid, Point, Vector};
+use crate::geometry::CutterSolid;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::setup::{AxisPolicy, Feed, SectionSetup};
 use crate::part::{Blank, Channel, Impeller, Passage, Setup, Tool};
@@ -55,6 +56,13 @@ struct Stretch<'a> {
     /// Outlet end and inlet end, s.
     from: f64,
     to: f64,
+}
+
+impl Stretch<'_> {
+    /// s at a share of the way from the outlet end to the inlet end.
+    fn s_at(&self, share: f64) -> f64 {
+        self.from + (self.to - self.from) * share
+    }
 }
 
 /// A cutter in its final place.
@@ -218,7 +226,7 @@ impl<'a> Planner<'a> {
         }
         monitor.report(0.85);
         self.measure(&mut plan, &columns, monitor)?;
-        self.raise_links(&mut plan, monitor)?;
+        raise_links(&mut plan, &self.blank, self.setup.stock.safety_distance, monitor)?;
         monitor.report(1.0);
         Ok(plan)
     }
@@ -358,35 +366,12 @@ impl<'a> Planner<'a> {
     /// spacing on the hub, nor so far at the shroud that a ridge is left standing.
     fn row_places(&self, lane: &Lane, stretch: &Stretch, tool: &Tool) -> Result<Vec<f64>, PlanError> {
         let spacing = row_spacing(&self.setup.plunge, tool);
+        let widths: Vec<Option<(f64, f64)>> =
+            (0..=8).into_par_iter().map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0))).collect();
         let mut gaps = 0.0f64;
         let mut widest = 0.0f64;
-        for i in 0..=8 {
-            let s = stretch.from + (stretch.to - stretch.from) * f64::from(i) / 8.0;
-            let pair = lane.wall_pair(s, s, None).ok_or_else(|| self.misfit(tool, s))?;
-            // Distance of the second axis from the first, at the hub and at the shroud.
-            let across = |p: Point, of: (Point, Vector)| {
-                let d = p - of.0;
-                (d - of.1 * d.dot(&of.1)).norm()
-            };
-            let along = |s: f64| {
-                let step = 1e-3;
-                let a = lane.wall_axis(0, s, s, None)?;
-                let b = lane.wall_axis(0, s - step, s - step, Some(a))?;
-                let d = lane.hub_point(&b) - lane.hub_point(&a);
-                let e = lane.shroud_point(&b) - lane.shroud_point(&a);
-                Some((d.normalize(), e.normalize()))
-            };
-            let first = lane.line(&pair[0]);
-            let (at_hub, at_shroud) = (lane.hub_point(&pair[1]), lane.shroud_point(&pair[1]));
-            let (mut hub, mut shroud) = (across(at_hub, first), across(at_shroud, first));
-            if let Some((flow_hub, flow_shroud)) = along(s) {
-                let square = |p: Point, q: Point, flow: Vector| {
-                    let d = p - q;
-                    (d - flow * d.dot(&flow)).norm()
-                };
-                hub = hub.min(square(at_hub, lane.hub_point(&pair[0]), flow_hub));
-                shroud = shroud.min(square(at_shroud, lane.shroud_point(&pair[0]), flow_shroud));
-            }
+        for (i, width) in widths.into_iter().enumerate() {
+            let (hub, shroud) = width.ok_or_else(|| self.misfit(tool, stretch.s_at(i as f64 / 8.0)))?;
             gaps = gaps.max(hub / spacing).max(shroud / (1.9 * tool.radius()));
             widest = widest.max(hub);
         }
@@ -461,7 +446,7 @@ impl<'a> Planner<'a> {
         let top = BlankTop::new(&self.blank);
         let mut attempts = Attempts { maker, end: ends.1, earlier, top: &top, conventional: None };
         if policy == AxisPolicy::Conventional {
-            let start = self.free_start(&attempts, ends.0, None);
+            let (start, _) = self.free_start(&attempts, ends.0, None);
             let row = self.settled_row(&mut attempts, policy, (start, None), true, monitor)?;
             return Ok(row.unwrap_or_else(|| Row::empty(maker.lambda)));
         }
@@ -469,9 +454,9 @@ impl<'a> Planner<'a> {
         let mut tried: Vec<((f64, Option<f64>), Station)> = Vec::new();
         for lean in starts() {
             monitor.check()?;
-            let start = self.free_start(&attempts, ends.0, lean);
+            let (start, first) = self.free_start(&attempts, ends.0, lean);
+            let Some(first) = first else { continue };
             // Angles below the jump of α from rear to front contact all start the row alike.
-            let Some(first) = self.first_station(maker, start, lean) else { continue };
             if tried.iter().any(|(_, t)| same_axis(t, &first)) {
                 continue;
             }
@@ -538,10 +523,12 @@ impl<'a> Planner<'a> {
     }
 
     /// Moves the start of a row out of the stock until its first core column is free up to the top
-    /// of the blank; where nothing frees it within a diameter, leaves it where it was.
-    fn free_start(&self, attempts: &Attempts, start: f64, lean: Option<f64>) -> f64 {
+    /// of the blank; where nothing frees it within a diameter, leaves it where it was. Returns s and
+    /// the station there.
+    fn free_start(&self, attempts: &Attempts, start: f64, lean: Option<f64>) -> (f64, Option<Station>) {
         let maker = attempts.maker;
         let radius_s = maker.tool.radius() / self.part.hub.length();
+        let mut unmoved = None;
         for radii in START_RETREATS {
             if maker.monitor.is_cancelled() {
                 break;
@@ -550,10 +537,11 @@ impl<'a> Planner<'a> {
             let Some(first) = self.first_station(maker, s, lean) else { break };
             let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
             if !core_interferes(&column, attempts.earlier, &self.blank) {
-                return s;
+                return (s, Some(first));
             }
+            unmoved = unmoved.or(Some(first));
         }
-        start
+        (start, unmoved)
     }
 
     /// Number of interferential stations of a row that comes after `earlier`.
@@ -592,65 +580,6 @@ impl<'a> Planner<'a> {
             })
             .collect();
         plan.positions = measured?;
-        Ok(())
-    }
-
-    /// Pulls retract points further back until the straight links between them stay above the blank by the
-    /// safety distance, and measures what they keep.
-    fn raise_links(&self, plan: &mut PlungePlan, monitor: &Monitor) -> Result<(), PlanError> {
-        let safety = self.setup.stock.safety_distance;
-        let tool = |plan: &PlungePlan, k: usize| plan.sections[plan.positions[k].section].tool.clone();
-        let clearance = |plan: &PlungePlan, k: usize, share: f64| {
-            let (a, b) = (&plan.positions[k], &plan.positions[k + 1]);
-            let tool = tool(plan, k);
-            let cutter = CutterSolid {
-                tip: a.retract + (b.retract - a.retract) * share,
-                axis: (a.axis + (b.axis - a.axis) * share).normalize(),
-                radius: tool.radius(),
-                corner_radius: tool.corner_radius,
-            };
-            bottom_clearance(&cutter, &self.blank)
-        };
-        for k in 0..plan.positions.len().saturating_sub(1) {
-            monitor.check()?;
-            // A tool change happens at home, far from the part.
-            if tool(plan, k).number != tool(plan, k + 1).number {
-                continue;
-            }
-            let gap = (plan.positions[k + 1].retract - plan.positions[k].retract).norm();
-            let cutter_size = tool(plan, k).diameter;
-            let samples = ((gap / (0.2 * cutter_size)).ceil() as usize).clamp(1, 400);
-            for _ in 0..20 {
-                let worst = (1..=samples)
-                    .map(|i| clearance(plan, k, i as f64 / (samples + 1) as f64))
-                    .fold(f64::INFINITY, f64::min);
-                if worst >= safety {
-                    break;
-                }
-                let raise = (safety - worst) + 0.1 * cutter_size.min(10.0);
-                for position in &mut plan.positions[k..=k + 1] {
-                    position.retract += position.axis * raise;
-                }
-            }
-        }
-        let sections = &plan.sections;
-        plan.positions.par_iter_mut().for_each(|p| {
-            let tool = &sections[p.section].tool;
-            for _ in 0..20 {
-                let cutter = CutterSolid {
-                    tip: p.retract,
-                    axis: p.axis,
-                    radius: tool.radius(),
-                    corner_radius: tool.corner_radius,
-                };
-                p.retract_clearance = bottom_clearance(&cutter, &self.blank);
-                if p.retract_clearance >= safety {
-                    break;
-                }
-                // Flat ends of the blank between its circles: go on until it is really clear.
-                p.retract += p.axis * (1.5 * (safety - p.retract_clearance) + 1e-3);
-            }
-        });
         Ok(())
     }
 }

@@ -304,6 +304,26 @@ impl<'a> Lane<'a> {
             .then_some([low, high])
     }
 
+    /// Distance across the flow between the two wall axes at `s`: on the hub and on the shroud, mm. `None` where the
+    /// cutter does not fit.
+    pub fn width(&self, s: f64) -> Option<(f64, f64)> {
+        let pair = self.wall_pair(s, s, None)?;
+        let step = 1e-3;
+        let before = self.wall_axis(0, s - step, s - step, Some(pair[0]));
+        let across = |from: Point, to: Point, along: Vector| {
+            let d = to - from;
+            (d - along * d.dot(&along)).norm()
+        };
+        let (_, axis) = self.line(&pair[0]);
+        let ends = |at: &dyn Fn(&AxisEnds) -> Point| {
+            let (from, to) = (at(&pair[0]), at(&pair[1]));
+            let beside_axis = across(from, to, axis);
+            let flow = before.map(|b| at(&b) - from).filter(|f| f.norm() > 1e-9);
+            flow.map_or(beside_axis, |f| beside_axis.min(across(from, to, f.normalize())))
+        };
+        Some((ends(&|e| self.hub_point(e)), ends(&|e| self.shroud_point(e))))
+    }
+
     /// Axis of `wall` read from its table of fits, a few µm from the exact one.
     fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
         let fit = |s_hub: f64, shift: f64, near: Option<[f64; 2]>| {

@@ -7,7 +7,7 @@
 //! | 1 conventional positions, 2 step inspection | [`row`] |
 //! | 3 axis optimisation | [`monotone`] |
 //! | 4 slotting depth | [`slotting`] |
-//! | 5 safe height | [`retract`] |
+//! | 5 safe height | [`retract`], [`links`] |
 //! | 6 the loop | [`cycle`] |
 //! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
 
@@ -16,6 +16,7 @@ pub mod contact;
 pub mod cycle;
 mod fit_table;
 pub mod lane;
+pub mod links;
 pub mod monotone;
 pub mod plan;
 pub mod retract;

@@ -1,0 +1,110 @@
+//! Stage 5, continued: links between plunges stay above the blank.
+//!
+//! A link runs straight from retract point to retract point while the axis turns evenly. Where it would come
+//! nearer to the blank than the safety distance, both its ends are pulled further back.
+
+use rayon::prelude::*;
+
+use super::plan::PlungePlan;
+use super::retract::bottom_clearance;
+use crate::geometry::CutterSolid;
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::Blank;
+
+/// Places looked at along a link, in cutter diameters, and the most of them.
+const SAMPLE_DIAMETERS: f64 = 0.25;
+/// See [`SAMPLE_DIAMETERS`].
+const MAX_SAMPLES: usize = 400;
+/// Times a link, and the whole plan, is looked at again.
+const MAX_ROUNDS: usize = 20;
+
+/// Pulls retract points back until links and retracts keep `safety` mm from `blank`, and measures what each
+/// retract point keeps.
+///
+/// # Errors
+/// When `monitor` is cancelled.
+pub fn raise_links(
+    plan: &mut PlungePlan,
+    blank: &Blank,
+    safety: f64,
+    monitor: &Monitor,
+) -> Result<(), Cancelled> {
+    let links: Vec<usize> = (0..plan.positions.len().saturating_sub(1))
+        .filter(|&k| {
+            // A tool change happens at home, far from the part.
+            let tool = |k: usize| plan.sections[plan.positions[k].section].tool.number;
+            tool(k) == tool(k + 1)
+        })
+        .collect();
+    for _ in 0..MAX_ROUNDS {
+        monitor.check()?;
+        let low: Vec<usize> =
+            links.par_iter().copied().filter(|&k| link_clearance(plan, k, blank) < safety).collect();
+        if low.is_empty() {
+            break;
+        }
+        for k in low {
+            raise(plan, k, blank, safety, monitor)?;
+        }
+    }
+    let sections = &plan.sections;
+    plan.positions.par_iter_mut().for_each(|p| {
+        let tool = &sections[p.section].tool;
+        for _ in 0..MAX_ROUNDS {
+            let cutter = CutterSolid {
+                tip: p.retract,
+                axis: p.axis,
+                radius: tool.radius(),
+                corner_radius: tool.corner_radius,
+            };
+            p.retract_clearance = bottom_clearance(&cutter, blank);
+            if p.retract_clearance >= safety {
+                break;
+            }
+            // Flat ends of the blank between its circles: go on until it is really clear.
+            p.retract += p.axis * (1.5 * (safety - p.retract_clearance) + 1e-3);
+        }
+    });
+    Ok(())
+}
+
+/// Raises both ends of the link after position `k` until it is clear.
+fn raise(
+    plan: &mut PlungePlan,
+    k: usize,
+    blank: &Blank,
+    safety: f64,
+    monitor: &Monitor,
+) -> Result<(), Cancelled> {
+    for round in 0..MAX_ROUNDS {
+        monitor.check()?;
+        let clearance = link_clearance(plan, k, blank);
+        if clearance >= safety {
+            break;
+        }
+        let lift = (1.0 + 0.3 * round as f64) * (safety - clearance) + 0.5 * safety.max(0.1);
+        for position in &mut plan.positions[k..=k + 1] {
+            position.retract += position.axis * lift;
+        }
+    }
+    Ok(())
+}
+
+/// Least distance of the bottom to the blank along the link after position `k`, mm.
+fn link_clearance(plan: &PlungePlan, k: usize, blank: &Blank) -> f64 {
+    let (a, b) = (&plan.positions[k], &plan.positions[k + 1]);
+    let tool = &plan.sections[a.section].tool;
+    let length = (b.retract - a.retract).norm();
+    let samples = ((length / (SAMPLE_DIAMETERS * tool.diameter)).ceil() as usize).clamp(1, MAX_SAMPLES);
+    let at = |i: usize| {
+        let share = i as f64 / (samples + 1) as f64;
+        let cutter = CutterSolid {
+            tip: a.retract + (b.retract - a.retract) * share,
+            axis: (a.axis + (b.axis - a.axis) * share).normalize(),
+            radius: tool.radius(),
+            corner_radius: tool.corner_radius,
+        };
+        bottom_clearance(&cutter, blank)
+    };
+    (1..samples + 1).into_par_iter().with_min_len(16).map(at).reduce(|| f64::INFINITY, f64::min)
+}
