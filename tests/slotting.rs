@@ -75,9 +75,11 @@ proptest! {
         s in 0.02..1.02f64, turn in -3.0..3.0f64, tilt in 0.0..0.6f64, heading in 0.0..std::f64::consts::TAU,
         size in 0.0..1.0f64, offset in 0.05..2.0f64, which in 0usize..3,
     ) {
-        let name = ["impeller532.toml", "impeller532.toml", "impeller532.toml"][which];
+        let name = ["impeller532.toml", "impeller9x9.toml", "pump6.toml"][which];
         let part = sample(name);
         let radius = part.rim_radius() * (0.005 + 0.05 * size);
+        // Further out a disc has nothing under it to rest on.
+        let s = s.min(1.0 + 0.5 * radius / part.hub.length());
         check(&part, s, turn, tilt, heading, radius, offset);
     }
 }
