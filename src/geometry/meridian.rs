@@ -10,6 +10,7 @@ pub struct MeridionalCurve {
     /// Power-basis coefficients of equally long segments.
     segments: Vec<[[f64; 2]; 4]>,
     step: f64,
+    per_step: f64,
     length: f64,
     /// +1: the normal is the tangent turned by +90° from r towards z; −1: the other one.
     side: f64,
@@ -79,7 +80,8 @@ impl MeridionalCurve {
                 c
             })
             .collect();
-        Self { segments, step: length / count as f64, length, side: 1.0 }
+        let step = length / count as f64;
+        Self { segments, step, per_step: 1.0 / step, length, side: 1.0 }
     }
 
     /// The same curve with its normal pointing to the side of `outside`.
@@ -101,7 +103,7 @@ impl MeridionalCurve {
     #[inline]
     fn raw(&self, t: f64) -> ([f64; 2], [f64; 2], [f64; 2]) {
         let inside = t.clamp(0.0, self.length);
-        let i = ((inside / self.step) as usize).min(self.segments.len() - 1);
+        let i = ((inside * self.per_step) as usize).min(self.segments.len() - 1);
         let x = inside - i as f64 * self.step;
         let c = &self.segments[i];
         let (mut p, mut d1, mut d2) = ([0.0; 2], [0.0; 2], [0.0; 2]);

@@ -38,7 +38,7 @@ impl<'a> FinishedPart<'a> {
             // Beyond its ends the hub has an edge, not a surface.
             if t <= 0.0 || t >= curve.length() { d.abs() } else { d }
         };
-        const AROUND: usize = 48;
+        const AROUND: usize = 36;
         let step = std::f64::consts::TAU / AROUND as f64;
         let mut rim = [0.0; AROUND];
         for (i, d) in rim.iter_mut().enumerate() {
@@ -57,9 +57,9 @@ impl<'a> FinishedPart<'a> {
         }
         // Inside the disc, where the hub bulges; refined by halving steps from the best sample.
         let mut inner = (f64::INFINITY, 0.0, 0.0);
-        for ring in 0..4 {
-            for i in 0..12 {
-                let (rho, phi) = (flat * f64::from(ring) / 4.0, step * 4.0 * f64::from(i));
+        for ring in 0..3 {
+            for i in 0..9 {
+                let (rho, phi) = (flat * f64::from(ring) / 3.0, step * 4.0 * f64::from(i));
                 let d = at(rho, phi, 0.0);
                 if d < inner.0 {
                     inner = (d, rho, phi);
@@ -67,7 +67,7 @@ impl<'a> FinishedPart<'a> {
             }
         }
         if inner.0 < least + 0.1 {
-            let (mut dr, mut dp) = (flat / 8.0, 2.0 * step);
+            let (mut dr, mut dp) = (flat / 6.0, 2.0 * step);
             while dr > 1e-5 {
                 let mut moved = false;
                 for (r, p) in [
@@ -91,8 +91,8 @@ impl<'a> FinishedPart<'a> {
             least = least.min(inner.0);
         }
         // The flank of the column: the hub may curl up beside it.
-        for up in [0.1, 0.3, 0.8, 2.0, 4.0] {
-            for i in 0..12 {
+        for up in [0.2, 1.0, 3.0] {
+            for i in 0..9 {
                 least = least.min(at(flat, step * 4.0 * f64::from(i), up * cutter.radius));
             }
         }
