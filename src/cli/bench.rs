@@ -44,7 +44,7 @@ pub fn run() -> Result<(), Failure> {
                 std::hint::black_box(hub.touch(&p.tip, &p.axis, radius));
             });
         }),
-    );
+    )?;
     let blank = Blank::of(&part, 0.0);
     let grid = FloorGrid::new(&part, &channel, &blank, 0.5, 1024);
     let cutters: Vec<_> = cutters_of(plan).into_iter().cycle().take(1000).collect();
