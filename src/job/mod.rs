@@ -94,11 +94,20 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     };
     let floor =
         || FloorGrid::new(part, &channel, planner.blank(), setup.stock.blade_allowance, request.field_cells);
-    let ((before, grid), after) = rayon::join(|| (conventional(), floor()), asked);
-    let before = with_field(before?, &grid);
-    monitor.check().map_err(|_| JobError::Cancelled)?;
-    let after = match after? {
-        Some(plan) => with_field(plan, &grid),
+    let with_floor = || -> Result<(PlungePlan, FloorGrid), PlanError> {
+        let plan = conventional()?;
+        monitor.check()?;
+        Ok((plan, floor()))
+    };
+    let (before, after) = rayon::join(with_floor, asked);
+    let ((before, grid), after) = (before?, after?);
+    let measured = |plan: PlungePlan| -> Result<PolicyResult, JobError> {
+        monitor.check().map_err(|_| JobError::Cancelled)?;
+        Ok(with_field(plan, &grid))
+    };
+    let before = measured(before)?;
+    let after = match after {
+        Some(plan) => measured(plan)?,
         None => before.clone(),
     };
     monitor.report(1.0);

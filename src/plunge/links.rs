@@ -38,8 +38,12 @@ pub fn raise_links(
         .collect();
     for _ in 0..MAX_ROUNDS {
         monitor.check()?;
-        let low: Vec<usize> =
-            links.par_iter().copied().filter(|&k| link_clearance(plan, k, blank) < safety).collect();
+        let low: Vec<usize> = links
+            .par_iter()
+            .copied()
+            .filter(|&k| !monitor.is_cancelled() && link_clearance(plan, k, blank) < safety)
+            .collect();
+        monitor.check()?;
         if low.is_empty() {
             break;
         }
@@ -51,6 +55,9 @@ pub fn raise_links(
     plan.positions.par_iter_mut().for_each(|p| {
         let tool = &sections[p.section].tool;
         for _ in 0..MAX_ROUNDS {
+            if monitor.is_cancelled() {
+                break;
+            }
             let cutter = CutterSolid {
                 tip: p.retract,
                 axis: p.axis,
@@ -65,7 +72,7 @@ pub fn raise_links(
             p.retract += p.axis * (1.5 * (safety - p.retract_clearance) + 1e-3);
         }
     });
-    Ok(())
+    monitor.check()
 }
 
 /// Raises both ends of the link after position `k` until it is clear.

@@ -193,8 +193,8 @@ impl RowMaker<'_> {
         let mut inserted = 0;
         for i in 0..conventional.len() {
             refined.push(conventional[i]);
-            if i + 1 == conventional.len() {
-                break;
+            if i + 1 == conventional.len() || self.monitor.is_cancelled() {
+                continue;
             }
             let spacing = self.spacing(&optimised[i], &optimised[i + 1]);
             let apart = (conventional[i + 1].ends.s_hub - conventional[i].ends.s_hub).abs();
