@@ -112,13 +112,7 @@ fn contact_agrees_with_many_points() {
             .iter()
             .map(|p| {
                 let tool = &plan.sections[p.section].tool;
-                let cutter = vanecut::geometry::CutterSolid {
-                    tip: p.tip,
-                    axis: p.axis,
-                    radius: tool.radius(),
-                    corner_radius: tool.corner_radius,
-                };
-                Column::new(cutter, tool.core_radius(), &top)
+                Column::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
             })
             .collect();
         for k in (3..plan.positions.len()).step_by(57) {

@@ -1,7 +1,7 @@
 //! Meridional curves by arc length: the generators of hub, shroud and their offsets.
 
 use super::cubic::{Cubic, chord_lengths};
-use super::{Meridional, norm2, search};
+use super::{Meridional, norm2};
 
 /// A C2 curve in the meridional plane, parametrised by its arc length t in mm from its start, with
 /// a side that counts as outside. Straight beyond its ends.
@@ -199,16 +199,6 @@ impl MeridionalCurve {
         let mut piece = Self::from_uniform(&Cubic::interpolate(&knots, &points), length);
         piece.side = self.side;
         piece
-    }
-
-    /// Arc length at which the curve reaches radius `r` last, if it does.
-    pub fn last_at_radius(&self, r: f64) -> Option<f64> {
-        let count = self.segments.len();
-        let node = |i: usize| self.length * i as f64 / count as f64;
-        (0..count).rev().find_map(|i| {
-            let (a, b) = (self.point(node(i)).r - r, self.point(node(i + 1)).r - r);
-            (a * b <= 0.0).then(|| search::root(|t| self.point(t).r - r, node(i), node(i + 1), 1e-12))
-        })
     }
 }
 

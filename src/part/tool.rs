@@ -1,5 +1,7 @@
 //! Cutters.
 
+use crate::geometry::{CutterSolid, Point, Vector};
+
 /// A plunge cutter. All lengths mm.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Tool {
@@ -28,5 +30,10 @@ impl Tool {
     /// Radius of the core, where no edge cuts: R − w, mm.
     pub fn core_radius(&self) -> f64 {
         self.radius() - self.insert_width
+    }
+
+    /// The cutter with the centre of its bottom at `tip` and its unit `axis` towards the holder.
+    pub fn placed(&self, tip: Point, axis: Vector) -> CutterSolid {
+        CutterSolid { tip, axis, radius: self.radius(), corner_radius: self.corner_radius }
     }
 }

@@ -235,7 +235,7 @@ impl<'a> Planner<'a> {
     /// too deep it is lifted. `None` when a blade is in the way.
     fn placed(&self, station: &Station, tool: &Tool) -> Option<Placed> {
         let stock = &self.setup.stock;
-        let mut cutter = cutter(station, tool);
+        let mut cutter = tool.placed(station.tip, station.axis);
         let mut hub_clearance = self.finished.hub_clearance(&cutter);
         for doubling in 0..12 {
             let deep = stock.hub_allowance - hub_clearance;
@@ -291,7 +291,7 @@ impl<'a> Planner<'a> {
         let mut open = from.max(to);
         for i in 1..=steps {
             let s = from + (to - from) * f64::from(i) / f64::from(steps);
-            if s >= from || lane.wall_pair(s, s, None).is_none() {
+            if s >= from || lane.wall_pair(s, s).is_none() {
                 break;
             }
             open = s;
@@ -581,14 +581,5 @@ impl<'a> Planner<'a> {
             .collect();
         plan.positions = measured?;
         Ok(())
-    }
-}
-
-fn cutter(station: &Station, tool: &Tool) -> CutterSolid {
-    CutterSolid {
-        tip: station.tip,
-        axis: station.axis,
-        radius: tool.radius(),
-        corner_radius: tool.corner_radius,
     }
 }

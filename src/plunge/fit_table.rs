@@ -20,8 +20,8 @@ const SHIFT_LIMIT: f64 = 1.0;
 const SHIFT_SPACING: f64 = 0.05;
 const COLUMNS: usize = (2.0 * SHIFT_LIMIT / SHIFT_SPACING) as usize + 1;
 
-/// Makes one fit: (s of M, shift, angles of a fit near by).
-type Fit<'a> = &'a dyn Fn(f64, f64, Option<[f64; 2]>) -> Option<[f64; 2]>;
+/// Makes one fit: (s of M, shift) to angles.
+type Fit<'a> = &'a dyn Fn(f64, f64) -> Option<[f64; 2]>;
 
 impl FitTable {
     /// An empty table with rows `spacing` apart in s.
@@ -71,7 +71,7 @@ impl FitTable {
         *self.nodes[row * COLUMNS + column].get_or_init(|| {
             let s = S_FROM + self.spacing * row as f64;
             let shift = SHIFT_SPACING * column as f64 - SHIFT_LIMIT;
-            fit(s, shift, None)
+            fit(s, shift)
         })
     }
 }

@@ -291,9 +291,9 @@ impl<'a> Lane<'a> {
 
     /// Both wall axes at the same ends; `None` where a wall does not reach or the cutter does not
     /// fit between them.
-    pub fn wall_pair(&self, s_hub: f64, s_shroud: f64, warm: Option<[AxisEnds; 2]>) -> Option<[AxisEnds; 2]> {
-        let low = self.wall_axis(0, s_hub, s_shroud, warm.map(|w| w[0]))?;
-        let mut high = self.wall_axis(1, s_hub, s_shroud, warm.map(|w| w[1]))?;
+    pub fn wall_pair(&self, s_hub: f64, s_shroud: f64) -> Option<[AxisEnds; 2]> {
+        let low = self.wall_axis(0, s_hub, s_shroud, None)?;
+        let mut high = self.wall_axis(1, s_hub, s_shroud, None)?;
         // Bring the second wall's angles next to the first's.
         let half = 0.5 * self.part.pitch();
         let beside = |a: f64, b: f64| a + wrap_angle(b - a - half) + half;
@@ -307,7 +307,7 @@ impl<'a> Lane<'a> {
     /// Distance across the flow between the two wall axes at `s`: on the hub and on the shroud, mm. `None` where the
     /// cutter does not fit.
     pub fn width(&self, s: f64) -> Option<(f64, f64)> {
-        let pair = self.wall_pair(s, s, None)?;
+        let pair = self.wall_pair(s, s)?;
         let step = 1e-3;
         let before = self.wall_axis(0, s - step, s - step, Some(pair[0]));
         let across = |from: Point, to: Point, along: Vector| {
@@ -326,14 +326,8 @@ impl<'a> Lane<'a> {
 
     /// Axis of `wall` read from its table of fits, a few µm from the exact one.
     fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
-        let fit = |s_hub: f64, shift: f64, near: Option<[f64; 2]>| {
-            let warm = near.map(|[theta_hub, theta_shroud]| AxisEnds {
-                s_hub,
-                s_shroud: s_hub - shift,
-                theta_hub,
-                theta_shroud,
-            });
-            let ends = self.wall_axis(wall, s_hub, s_hub - shift, warm)?;
+        let fit = |s_hub: f64, shift: f64| {
+            let ends = self.wall_axis(wall, s_hub, s_hub - shift, None)?;
             Some([ends.theta_hub, ends.theta_shroud])
         };
         let [theta_hub, theta_shroud] = self.tables[wall].at(s_hub, s_hub - s_shroud, &fit)?;

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use super::plan::PlungePlan;
 use super::retract::bottom_clearance;
-use crate::geometry::CutterSolid;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
@@ -58,13 +57,7 @@ pub fn raise_links(
             if monitor.is_cancelled() {
                 break;
             }
-            let cutter = CutterSolid {
-                tip: p.retract,
-                axis: p.axis,
-                radius: tool.radius(),
-                corner_radius: tool.corner_radius,
-            };
-            p.retract_clearance = bottom_clearance(&cutter, blank);
+            p.retract_clearance = bottom_clearance(&tool.placed(p.retract, p.axis), blank);
             if p.retract_clearance >= safety {
                 break;
             }
@@ -105,13 +98,9 @@ fn link_clearance(plan: &PlungePlan, k: usize, blank: &Blank) -> f64 {
     let samples = ((length / (SAMPLE_DIAMETERS * tool.diameter)).ceil() as usize).clamp(1, MAX_SAMPLES);
     let at = |i: usize| {
         let share = i as f64 / (samples + 1) as f64;
-        let cutter = CutterSolid {
-            tip: a.retract + (b.retract - a.retract) * share,
-            axis: (a.axis + (b.axis - a.axis) * share).normalize(),
-            radius: tool.radius(),
-            corner_radius: tool.corner_radius,
-        };
-        bottom_clearance(&cutter, blank)
+        let tip = a.retract + (b.retract - a.retract) * share;
+        let axis = (a.axis + (b.axis - a.axis) * share).normalize();
+        bottom_clearance(&tool.placed(tip, axis), blank)
     };
     (1..samples + 1).into_par_iter().with_min_len(16).map(at).reduce(|| f64::INFINITY, f64::min)
 }

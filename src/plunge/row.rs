@@ -131,12 +131,7 @@ impl RowMaker<'_> {
 
     /// Cutter of a station.
     pub fn cutter(&self, station: &Station) -> CutterSolid {
-        CutterSolid {
-            tip: station.tip,
-            axis: station.axis,
-            radius: self.tool.radius(),
-            corner_radius: self.tool.corner_radius,
-        }
+        self.tool.placed(station.tip, station.axis)
     }
 
     /// Stage 1: isoparametric stations from s = `start` to s = `end`, evenly, no further apart than

@@ -64,12 +64,7 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
                 ),
             });
         }
-        let at = |p: Point, axis| CutterSolid {
-            tip: p,
-            axis,
-            radius: tool.radius(),
-            corner_radius: tool.corner_radius,
-        };
+        let at = |p: Point, axis| tool.placed(p, axis);
         let changed = last_tool.is_some_and(|t| t != number);
         if changed {
             section += 1;
