@@ -35,7 +35,7 @@ pub struct PlanArgs {
     /// Setup file; `-` reads it from standard input
     #[arg(long)]
     pub setup: Option<PathBuf>,
-    /// conventional or monotone
+    /// conventional, monotone, minimal or staircase; absent: what the setup says
     #[arg(long)]
     pub axis: Option<String>,
     /// How many channels the program cuts: a number, or all

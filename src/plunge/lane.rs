@@ -84,6 +84,8 @@ impl FitState {
 const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 /// Clearance is met to this, mm, always on the safe side.
 const FIT_TOLERANCE: f64 = 2e-7;
+/// Two searches for the nearest place of a wall may differ by so much, mm: fits stay clear of it.
+const SEARCH_ERROR: f64 = 4e-6;
 
 impl<'a> Lane<'a> {
     /// `passage` of `part` for `tool`.
@@ -115,7 +117,7 @@ impl<'a> Lane<'a> {
             radius: tool.radius(),
             corner_radius: tool.corner_radius,
             hub_allowance,
-            blade_allowance,
+            blade_allowance: blade_allowance + SEARCH_ERROR,
         }
     }
 
