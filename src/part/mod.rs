@@ -4,6 +4,7 @@ pub mod blank;
 mod camber;
 pub mod channel;
 pub mod description;
+pub mod envelope;
 pub mod impeller;
 pub mod probe;
 pub mod setup;
@@ -15,6 +16,7 @@ pub use channel::{Channel, ChannelPoint, Passage, Wall};
 pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
 };
+pub use envelope::{BladeWall, WallEnvelope};
 pub use impeller::{Blade, Flowpath, Impeller};
 pub use probe::{Nearest, SideProbe};
 pub use setup::{AxisPolicy, Feed, Setup};
