@@ -10,6 +10,7 @@ pub mod probe;
 pub mod setup;
 mod side;
 pub mod tool;
+mod width;
 
 pub use blank::Blank;
 pub use channel::{Channel, ChannelPoint, Passage, Wall};
@@ -22,3 +23,4 @@ pub use probe::{Nearest, SideProbe};
 pub use setup::{AxisPolicy, Feed, Setup};
 pub use side::BladeSide;
 pub use tool::Tool;
+pub use width::PassageWidth;
