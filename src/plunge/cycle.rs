@@ -1,6 +1,9 @@
 //! The loop of paper A, fig. 16: conventional positions → step inspection → axis optimisation →
 //! slotting depth and safe height, again until nothing changes; then everything is measured.
 
+use std::convert::Infallible;
+use std::sync::{Mutex, PoisonError};
+
 use rayon::prelude::*;
 
 use super::clearance::FinishedPart;
@@ -46,9 +49,55 @@ pub struct Planner<'a> {
     setup: &'a Setup,
     blank: Blank,
     finished: FinishedPart<'a>,
+    /// Per section what does not depend on the policy.
+    grounds: Vec<Result<Vec<Ground<'a>>, PlanError>>,
+}
+
+/// A stretch as its cutter sees it, with what was found out about it: shared by all policies.
+#[derive(Debug)]
+struct Ground<'a> {
+    stretch: Stretch<'a>,
+    lane: Lane<'a>,
+    /// Hub, offset by allowance and corner radius.
+    hub: DepthSurface<'a>,
+    rows: Vec<RowGround>,
+}
+
+/// A row's place across its stretch, and what is conventional about it.
+#[derive(Debug)]
+struct RowGround {
+    /// λ within the stretch.
+    lambda: f64,
+    /// First stations that were asked for, by s.
+    firsts: Memory<Option<Station>>,
+    /// Whole rows, by s of their start.
+    conventional: Memory<Vec<Station>>,
+}
+
+/// Answers to questions asked by s, each made once whoever asks.
+#[derive(Debug)]
+struct Memory<T>(Mutex<Vec<(f64, T)>>);
+
+impl<T: Clone> Memory<T> {
+    fn new() -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+
+    /// The answer at `s`, from `make` unless it is known. Who asks at the same time waits: `make` may not
+    /// hand work to other threads.
+    fn get_or_make<E>(&self, s: f64, make: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, answer)) = known.iter().find(|(at, _)| *at == s) {
+            return Ok(answer.clone());
+        }
+        let answer = make()?;
+        known.push((s, answer.clone()));
+        Ok(answer)
+    }
 }
 
 /// A stretch of a passage that one section cuts.
+#[derive(Debug)]
 struct Stretch<'a> {
     passage: &'a Passage,
     /// λ of the passage's walls in the whole channel.
@@ -89,25 +138,24 @@ impl Row {
 /// The attempts at one row: what they have in common.
 struct Attempts<'r> {
     maker: &'r RowMaker<'r>,
+    ground: &'r RowGround,
     /// Last s in the order of cutting.
     end: f64,
     earlier: &'r [Column],
     top: &'r BlankTop<'r>,
-    /// Conventional stations of the last start.
-    conventional: Option<(f64, Vec<Station>)>,
 }
 
 impl Attempts<'_> {
-    /// Conventional stations from `start` on, kept for the next attempt with the same start.
-    fn conventional(&mut self, start: f64) -> Result<Vec<Station>, RowFault> {
-        match &self.conventional {
-            Some((known, stations)) if *known == start => Ok(stations.clone()),
-            _ => {
-                let stations = self.maker.conventional(start, self.end)?;
-                self.conventional = Some((start, stations.clone()));
-                Ok(stations)
-            }
-        }
+    /// Conventional stations from `start` on.
+    fn conventional(&self, start: f64) -> Result<Vec<Station>, RowFault> {
+        self.ground.conventional.get_or_make(start, || self.maker.conventional(start, self.end))
+    }
+
+    /// The conventional station at `s`.
+    fn first(&self, s: f64) -> Option<Station> {
+        let make = || Ok::<_, Infallible>(self.maker.isoparametric(s));
+        let Ok(station) = self.ground.firsts.get_or_make(s, make);
+        station
     }
 }
 
@@ -147,13 +195,16 @@ impl<'e> Known<'e> {
 impl<'a> Planner<'a> {
     /// For `part` with its `channel` and a `setup` that [`super::sections::resolve`] has completed.
     pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
-        Self {
+        let mut planner = Self {
             part,
             channel,
             setup,
             blank: Blank::of(part, setup.stock.inlet_extension),
             finished: FinishedPart::new(part, &channel.sides),
-        }
+            grounds: Vec::new(),
+        };
+        planner.grounds = setup.plunge.sections.par_iter().map(|section| planner.ground(section)).collect();
+        planner
     }
 
     /// The blank the plan starts from.
@@ -184,12 +235,13 @@ impl<'a> Planner<'a> {
             let tool = tool_of(self.setup, section.tool)?;
             let before = index.checked_sub(1).map(|i| &sections[i]);
             let place = SetupPlace::Section { index, tool: tool.number };
-            let rows =
-                self.section_rows(section, before, tool, policy, &columns, monitor).map_err(|error| {
-                    match error {
-                        PlanError::Setup(fault) if fault.place == SetupPlace::Whole => fault.at(place).into(),
-                        other => other,
-                    }
+            let rows = self.grounds[index]
+                .as_ref()
+                .map_err(PlanError::clone)
+                .and_then(|grounds| self.section_rows(section, grounds, before, policy, &columns, monitor))
+                .map_err(|error| match error {
+                    PlanError::Setup(fault) if fault.place == SetupPlace::Whole => fault.at(place).into(),
+                    other => other,
                 })?;
             let planned: usize = rows.iter().map(|row| row.stations.len()).sum();
             self.check_count(plan.positions.len() + planned, tool, place)?;
@@ -255,7 +307,7 @@ impl<'a> Planner<'a> {
     }
 
     /// The passages a section runs through, outlet end first.
-    fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<Stretch<'_>> {
+    fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<Stretch<'a>> {
         let whole =
             |from: f64, to: f64| Stretch { passage: &self.channel.full, lambdas: (0.0, 1.0), from, to };
         let Some([hub, shroud]) = self.channel.splitter_s else {
@@ -318,39 +370,54 @@ impl<'a> Planner<'a> {
         }
     }
 
+    /// What there is to know about a section before its policy.
+    fn ground(&self, section: &SectionSetup) -> Result<Vec<Ground<'a>>, PlanError> {
+        let stock = &self.setup.stock;
+        let tool = tool_of(self.setup, section.tool)?;
+        let grounds = self.stretches(section, tool).into_iter().map(|stretch| {
+            let lane =
+                Lane::new(self.part, stretch.passage, tool, stock.hub_allowance, stock.blade_allowance);
+            let hub = DepthSurface::new(self.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
+            let rows = self.row_places(&lane, &stretch, tool)?.into_iter().map(|lambda| RowGround {
+                lambda,
+                firsts: Memory::new(),
+                conventional: Memory::new(),
+            });
+            Ok(Ground { rows: rows.collect(), stretch, lane, hub })
+        });
+        grounds.collect()
+    }
+
     fn section_rows(
         &self,
         section: &SectionSetup,
+        grounds: &[Ground],
         before: Option<&SectionSetup>,
-        tool: &Tool,
         policy: AxisPolicy,
         earlier: &[Column],
         monitor: &Monitor,
     ) -> Result<Vec<Row>, PlanError> {
-        let stock = &self.setup.stock;
-        let hub = DepthSurface::new(self.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
+        let tool = tool_of(self.setup, section.tool)?;
         let inward = if section.feed == Some(Feed::Outward) { -1.0 } else { 1.0 };
         let mut rows = Vec::new();
-        for stretch in self.stretches(section, tool) {
-            let lane =
-                Lane::new(self.part, stretch.passage, tool, stock.hub_allowance, stock.blade_allowance);
-            let lambdas = self.row_places(&lane, &stretch, tool)?;
-            let made: Vec<Result<Row, PlanError>> = lambdas
+        for Ground { stretch, lane, hub, rows: row_grounds } in grounds {
+            let made: Vec<Result<Row, PlanError>> = row_grounds
                 .par_iter()
-                .map(|&lambda| {
-                    let wall_row = lambda == 0.0 || lambda == 1.0 || lambdas.len() == 1;
+                .map(|ground| {
+                    let lambda = ground.lambda;
+                    let wall_row = lambda == 0.0 || lambda == 1.0 || row_grounds.len() == 1;
                     let maker = RowMaker {
                         part: self.part,
-                        lane: &lane,
-                        hub: &hub,
+                        lane,
+                        hub,
                         tool,
                         lambda,
                         inward,
                         step_limit: step_limit(&self.setup.plunge, tool, wall_row),
                         monitor,
                     };
-                    let (start, end) = self.row_ends(section, &stretch, before, tool, inward);
-                    let mut row = self.row(&maker, (start, end), policy, earlier, monitor)?;
+                    let ends = self.row_ends(section, stretch, before, tool, inward);
+                    let mut row = self.row(&maker, ground, ends, policy, earlier, monitor)?;
                     row.lambda = stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
                     Ok(row)
                 })
@@ -438,16 +505,17 @@ impl<'a> Planner<'a> {
     fn row(
         &self,
         maker: &RowMaker,
+        ground: &RowGround,
         ends: (f64, f64),
         policy: AxisPolicy,
         earlier: &[Column],
         monitor: &Monitor,
     ) -> Result<Row, PlanError> {
         let top = BlankTop::new(&self.blank);
-        let mut attempts = Attempts { maker, end: ends.1, earlier, top: &top, conventional: None };
+        let attempts = Attempts { maker, ground, end: ends.1, earlier, top: &top };
         if policy == AxisPolicy::Conventional {
             let (start, _) = self.free_start(&attempts, ends.0, None);
-            let row = self.settled_row(&mut attempts, policy, (start, None), true, monitor)?;
+            let row = self.settled_row(&attempts, policy, (start, None), true, monitor)?;
             return Ok(row.unwrap_or_else(|| Row::empty(maker.lambda)));
         }
         let starts = || std::iter::once(None).chain(START_LEANS_DEG.iter().map(|d| Some(d.to_radians())));
@@ -461,14 +529,14 @@ impl<'a> Planner<'a> {
                 continue;
             }
             tried.push(((start, lean), first));
-            if let Some(row) = self.settled_row(&mut attempts, policy, (start, lean), false, monitor)? {
+            if let Some(row) = self.settled_row(&attempts, policy, (start, lean), false, monitor)? {
                 return Ok(row);
             }
         }
         // Nothing frees the row: the start with the fewest contacts.
         let mut best: Option<(usize, Row)> = None;
         for (start, _) in tried {
-            if let Some(row) = self.settled_row(&mut attempts, policy, start, true, monitor)? {
+            if let Some(row) = self.settled_row(&attempts, policy, start, true, monitor)? {
                 let contacts = self.contacts(&attempts, &row.stations);
                 if best.as_ref().is_none_or(|b| contacts < b.0) {
                     best = Some((contacts, row));
@@ -479,16 +547,16 @@ impl<'a> Planner<'a> {
     }
 
     /// The first station of a row that starts at s = `start` with at least `lean`.
-    fn first_station(&self, maker: &RowMaker, start: f64, lean: Option<f64>) -> Option<Station> {
-        let station = maker.isoparametric(start)?;
-        let leaning = maker.monotone(&[station], lean, self.setup.plunge.max_tilt, &mut |_| true);
+    fn first_station(&self, attempts: &Attempts, start: f64, lean: Option<f64>) -> Option<Station> {
+        let station = attempts.first(start)?;
+        let leaning = attempts.maker.monotone(&[station], lean, self.setup.plunge.max_tilt, &mut |_| true);
         Some(leaning.and_then(|row| row.first().copied()).unwrap_or(station))
     }
 
     /// Stages 1 to 4 until no position is added any more; `None` when a contact turns up and none is allowed.
     fn settled_row(
         &self,
-        attempts: &mut Attempts,
+        attempts: &Attempts,
         policy: AxisPolicy,
         (start, lean): (f64, Option<f64>),
         contacts_allowed: bool,
@@ -534,7 +602,7 @@ impl<'a> Planner<'a> {
                 break;
             }
             let s = start + maker.inward * radii * radius_s;
-            let Some(first) = self.first_station(maker, s, lean) else { break };
+            let Some(first) = self.first_station(attempts, s, lean) else { break };
             let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
             if !core_interferes(&column, attempts.earlier, &self.blank) {
                 return (s, Some(first));
