@@ -1,6 +1,8 @@
 //! Rows of the policies `conventional` and `monotone`: starts that are free of stock, and the loop of
 //! stages 1 to 4 for one row.
 
+use std::convert::Infallible;
+
 use super::contact::{BlankTop, Column, core_interferes};
 use super::cycle::{PlanError, Planner, Row};
 use super::ground::RowGround;
@@ -35,7 +37,9 @@ impl Attempts<'_> {
 
     /// The conventional station at `s`.
     fn first(&self, s: f64) -> Option<Station> {
-        self.ground.firsts.get_or_make(s, || Ok::<_, RowFault>(self.maker.isoparametric(s))).unwrap_or(None)
+        let make = || Ok::<_, Infallible>(self.maker.isoparametric(s));
+        let Ok(station) = self.ground.firsts.get_or_make(s, make);
+        station
     }
 }
 
