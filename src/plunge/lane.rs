@@ -326,6 +326,19 @@ impl<'a> Lane<'a> {
         Some((ends(&|e| self.hub_point(e)), ends(&|e| self.shroud_point(e))))
     }
 
+    /// By how much the conventional axis along `wall` leans over the channel from the hub normal, across the
+    /// wall, rad; negative where the wall leans away. `None` where there is no axis.
+    pub fn lean_over(&self, wall: usize, s: f64) -> Option<f64> {
+        let ends = self.table_axis(wall, s, s)?;
+        let along = self.hub_point(&self.table_axis(wall, s - 1e-3, s - 1e-3)?) - self.hub_point(&ends);
+        let normal = self.part.hub.normal(s).direction_at_angle(ends.theta_hub);
+        let (m, axis) = self.line(&ends);
+        let across = normal.cross(&along).normalize();
+        let into_passage = Vector::new(-m.y, m.x, 0.0) * self.inward(wall);
+        let lean = axis.dot(&across) * across.dot(&into_passage).signum();
+        Some(lean.atan2(axis.dot(&normal)))
+    }
+
     /// Axis of `wall` read from its table of fits, a few µm from the exact one.
     fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
         let fit = |s_hub: f64, shift: f64| {

@@ -19,6 +19,8 @@ const COST_OF_MISSED: f64 = 30.0;
 const SCALE_RADII: f64 = 0.1;
 /// How far before its start a row may begin, in cutter diameters.
 const RUN_UP_DIAMETERS: f64 = 1.5;
+/// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
+const WEDGE_RADII: f64 = 0.2;
 /// Neighbouring axes may stand this far apart at the shroud before a ridge stays between them, in radii.
 const RIDGE_RADII: f64 = 1.9;
 
@@ -63,8 +65,9 @@ impl Planner<'_> {
         let mut cost = 0.0;
         for Ground { stretch, lane, hub, rows } in grounds {
             let (start, end) = self.row_ends(index, stretch, inward);
-            for (row, ground) in rows.iter().enumerate() {
-                let lambda = ground.lambda;
+            let rows = self.with_rows_beside_walls(lane, stretch, tool, rows);
+            let sideways = self.sideways(lane, stretch, tool, &rows);
+            for (row, &lambda) in rows.iter().enumerate() {
                 let wall_row = lambda == 0.0 || lambda == 1.0 || rows.len() == 1;
                 let maker = RowMaker {
                     part: self.part,
@@ -85,8 +88,8 @@ impl Planner<'_> {
                         blade_allowance: stock.blade_allowance,
                         max_tilt: self.setup.plunge.max_tilt,
                         scale: SCALE_RADII * tool.radius(),
-                        floor: &|s| self.floor_of_row(stretch, lane, rows, row, s),
-                        sideways: self.sideways(lane, stretch, tool, rows.len()),
+                        floor: &|s| self.floor_of_row(stretch, lane, &rows, row, s),
+                        sideways: sideways[row],
                     },
                     blank: &self.blank,
                     max_axis_change: self.setup.plunge.max_axis_change,
@@ -113,17 +116,17 @@ impl Planner<'_> {
         &self,
         stretch: &Stretch,
         lane: &Lane,
-        rows: &[RowGround],
+        rows: &[f64],
         row: usize,
         s: f64,
     ) -> Option<[f64; 2]> {
         let s_shroud =
             s.clamp(0.0, 1.0) + (s - s.clamp(0.0, 1.0)) * self.part.hub.length() / self.part.shroud.length();
         let at = |lambda: f64| Some(lane.row_axis(lambda, s, s_shroud)?.theta_hub);
-        let here = at(rows[row].lambda)?;
+        let here = at(rows[row])?;
         let walls = stretch.passage.wall_angles(self.part, s.clamp(0.0, 1.0), 0.0);
         let margin = self.setup.stock.blade_allowance / self.part.hub.point(s).r * self.part.pitch().signum();
-        let half_way = |other: usize| Some(0.5 * wrap_angle(at(rows[other].lambda)? - here));
+        let half_way = |other: usize| Some(0.5 * wrap_angle(at(rows[other])? - here));
         let foot = |wall: usize| {
             // Beyond the blade's ends the wall is where it ends.
             let walls = walls?;
@@ -135,16 +138,49 @@ impl Planner<'_> {
         Some([from, to])
     }
 
-    /// How far inner rows may lean sideways at the shroud, mm, before a ridge stays beside them.
-    fn sideways(&self, lane: &Lane, stretch: &Stretch, tool: &Tool, rows: usize) -> f64 {
-        if rows < 3 {
-            return 0.0;
+    /// λ of the rows, with one more beside each wall that leans over the channel: half way to the next row the cutter
+    /// can stand more upright, and takes part of the wedge under the lean.
+    fn with_rows_beside_walls(
+        &self,
+        lane: &Lane,
+        stretch: &Stretch,
+        tool: &Tool,
+        rows: &[RowGround],
+    ) -> Vec<f64> {
+        let mut lambdas: Vec<f64> = rows.iter().map(|row| row.lambda).collect();
+        if lambdas.len() < 2 {
+            return lambdas;
         }
-        let gap = (0..=8)
+        let gap = lambdas[1];
+        let wedge = |wall: usize| {
+            (0..=8)
+                .filter_map(|i| lane.lean_over(wall, stretch.s_at(f64::from(i) / 8.0)))
+                .map(|lean| tool.diameter * lean.sin())
+                .fold(0.0, f64::max)
+        };
+        for (wall, side) in [(0usize, 1.0), (1, -1.0)] {
+            if wedge(wall) > WEDGE_RADII * tool.radius() {
+                lambdas.push(wall as f64 + 0.5 * side * gap);
+            }
+        }
+        lambdas.sort_by(f64::total_cmp);
+        lambdas
+    }
+
+    /// How far W of each row may leave its place sideways, mm, before a ridge stays between neighbours at the shroud. Rows far
+    /// from the walls may go further, as their neighbours go with them.
+    fn sideways(&self, lane: &Lane, stretch: &Stretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
+        let widest = (0..=8)
             .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
-            .map(|(_, shroud)| shroud / (rows - 1) as f64)
-            .fold(0.0, f64::max);
-        (0.5 * (RIDGE_RADII * tool.radius() - gap)).max(0.0)
+            .fold(0.0, |widest: f64, (_, shroud)| widest.max(shroud));
+        let slack = |i: usize| (RIDGE_RADII * tool.radius() - widest * (rows[i + 1] - rows[i])).max(0.0);
+        (0..rows.len())
+            .map(|i| {
+                let before: f64 = (0..i).map(slack).sum();
+                let after: f64 = (i..rows.len() - 1).map(slack).sum();
+                before.min(after)
+            })
+            .collect()
     }
 }
 
