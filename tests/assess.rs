@@ -81,7 +81,7 @@ fn passages_of_a_real_compressor() {
     for (place, hub, tip) in [(Place::BesideSuction, 15.48, 27.36), (Place::BesidePressure, 14.57, 25.17)] {
         let beside = found.passage(place).expect("a passage beside the splitter");
         near(range(beside, 0).0, hub, 0.06, "width beside the splitter at the hub");
-        near(range(beside, 2).0, tip, 0.03, "width beside the splitter at the tip");
+        near(range(beside, 2).0, tip, 0.08, "width beside the splitter at the tip");
     }
     let [hub, shroud] = Channel::of(&part).splitter_s.expect("a splitter");
     near(hub, 0.320, 0.003, "splitter on the hub");
@@ -201,12 +201,22 @@ fn reach(part: &Impeller, tool: &Tool) -> ReachMap {
 fn a_slender_cutter_reaches_all_of_an_open_channel_and_a_wide_one_nothing() {
     let part = parallel_walls(24.0);
     let slender = reach(&part, &tool(12.0, 150.0));
-    assert!(slender.share(Sides::any) > 0.98, "{}", slender.share(Sides::any));
+    assert!(slender.share(|s| s.any) > 0.98, "{}", slender.share(|s| s.any));
     // 24 mm less the allowances.
     let fits = reach(&part, &tool(22.8, 150.0));
-    assert!(fits.share(Sides::any) > 0.9, "{}", fits.share(Sides::any));
+    assert!(fits.share(|s| s.any) > 0.9, "{}", fits.share(|s| s.any));
     let wide = reach(&part, &tool(23.2, 150.0));
-    assert_eq!(wide.share(Sides::any), 0.0);
+    assert_eq!(wide.share(|s| s.any), 0.0);
+}
+
+#[test]
+fn a_thin_cutter_reaches_as_much_as_a_thick_one() {
+    // Thinner than the floor is sampled: what lies between two places that can be had can be had too.
+    let part = parallel_walls(24.0);
+    for diameter in [0.4, 2.0] {
+        let share = reach(&part, &tool(diameter, 150.0)).share(|s| s.any);
+        assert!(share > 0.9, "D {diameter}: {share}");
+    }
 }
 
 #[test]
@@ -214,7 +224,7 @@ fn a_short_overhang_leaves_what_the_holder_cannot_follow() {
     let part = sample("pump6.toml");
     let (long, short) = (reach(&part, &tool(12.0, 80.0)), reach(&part, &tool(12.0, 30.0)));
     let all = |map: &ReachMap| {
-        [map.share(Sides::any), map.share(|s| s.outlet), map.share(|s| s.inlet), map.share(Sides::both)]
+        [map.share(|s| s.any), map.share(|s| s.outlet), map.share(|s| s.inlet), map.share(Sides::both)]
     };
     let (long, short) = (all(&long), all(&short));
     assert!(long[0] > 0.95, "{long:?}");
@@ -245,7 +255,7 @@ fn reach_agrees_with_the_largest_cutter() {
                     .iter()
                     .min_by(|a, b| (a.s - cutter.s).abs().total_cmp(&(b.s - cutter.s).abs()))
                     .expect("rows");
-                let share = row.share(Sides::any);
+                let share = row.share(|s| s.any);
                 if largest_near < needed {
                     assert_eq!(share, 0.0, "{name} at {}: largest cutter {largest_near}", cutter.s);
                     blocked += 1;

@@ -43,6 +43,8 @@ struct Clearance {
 
 /// The walls in thirds of their height: in each the nearest place moves steadily with the axis.
 const THIRDS: [(f64, f64); 3] = [(0.0, 0.34), (0.34, 0.67), (0.67, 1.0)];
+/// Where the upper end starts, as s ahead of the foot: between overhanging walls there is more than one best axis.
+const STARTS: [f64; 3] = [0.0, 0.25, -0.25];
 /// How far from that of the foot the s of the upper end may be.
 const MOST_TILT: f64 = 0.4;
 
@@ -62,13 +64,26 @@ impl<'a> WallPair<'a> {
         }
     }
 
-    /// The largest cylinder whose axis stands on the hub at `s`; `hub` and `shroud` are the angles of the walls
-    /// there, between which the search begins. `None` when not even a line fits.
+    /// The largest cylinder whose axis stands on the hub at `s`. `walls_at` gives the angles of the walls at (s, η),
+    /// between which the searches begin: upright, and leaning over towards either end of the channel. `None` when not
+    /// even a line fits.
+    pub fn largest(&self, s: f64, walls_at: impl Fn(f64, f64) -> Option<[f64; 2]>) -> Option<LargestCutter> {
+        let middle = |s: f64, eta: f64| walls_at(s, eta).map(|[low, high]| 0.5 * (low + high));
+        let foot = middle(s, 0.0)?;
+        let starts =
+            STARTS.iter().filter_map(|ahead| Some(Axis::new(foot, middle(s + ahead, 1.0)?, s + ahead)));
+        let (clearance, axis) =
+            starts.map(|start| self.best_from(s, start)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (foot, _, direction) = self.line(s, &axis);
+        (clearance > 0.0).then_some(LargestCutter { s, diameter: 2.0 * clearance, foot, axis: direction })
+    }
+
+    /// Climbs from an axis to one whose least clearance is largest; returns that clearance and the axis.
     ///
-    /// The least of six clearances is to be as large as possible. It has kinks, so a smooth minimum takes its place that
-    /// is sharpened step by step; the result is the true least clearance of the axis found.
-    pub fn largest(&self, s: f64, hub: [f64; 2], shroud: [f64; 2]) -> Option<LargestCutter> {
-        let mut axis = Axis::new(0.5 * (hub[0] + hub[1]), 0.5 * (shroud[0] + shroud[1]), s);
+    /// The least of six clearances has kinks, so a smooth minimum takes its place that is sharpened step by step.
+    /// The clearance returned is the true one.
+    fn best_from(&self, s: f64, start: Axis) -> (f64, Axis) {
+        let mut axis = start;
         let mut here = self.clearances(s, &axis);
         let mut best = (least(&here), axis);
         // Millimetres to the units of the freedoms.
@@ -78,7 +93,7 @@ impl<'a> WallPair<'a> {
             1.0 / self.part.shroud.length(),
         );
         let size = best.0.abs().max(1e-3 * self.part.rim_radius());
-        for sharpness in [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0].map(|x| x / size) {
+        for sharpness in [1.0, 8.0, 64.0, 512.0].map(|x| x / size) {
             let mut damping = 0.1 * sharpness;
             for _ in 0..10 {
                 let Some(step) = ascent(&here, sharpness, damping) else { break };
@@ -104,9 +119,7 @@ impl<'a> WallPair<'a> {
                 }
             }
         }
-        let (clearance, axis) = best;
-        let (foot, _, direction) = self.line(s, &axis);
-        (clearance > 0.0).then_some(LargestCutter { s, diameter: 2.0 * clearance, foot, axis: direction })
+        best
     }
 
     /// Foot, upper end and unit direction of an axis.

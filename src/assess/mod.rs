@@ -5,13 +5,14 @@
 //! |---|---|
 //! | twisting and bending degree | [`shape`] |
 //! | depth, width and largest cutter along s | [`passage`], [`cutter`] |
-//! | reach of the cutters | [`reach`] |
+//! | reach of the cutters | [`reach`], and `stand` for a single place |
 //! | what ruled walls leave on the blades | [`crate::part::envelope`] |
 
 pub mod cutter;
 pub mod passage;
 pub mod reach;
 pub mod shape;
+mod stand;
 
 use crate::part::{Blade, BladeWall, Channel, Impeller, WallEnvelope};
 use passage::{PassageMeasure, Place};

@@ -45,7 +45,7 @@ impl PassageMeasure {
 }
 
 /// Stations for widths and depths.
-const WIDTH_STEPS: usize = 50;
+const WIDTH_STEPS: usize = 100;
 /// Stations for cutters.
 const CUTTER_STEPS: usize = 20;
 
@@ -115,8 +115,7 @@ fn measured(part: &Impeller, bounded: &Bounded<'_>) -> PassageMeasure {
     let pair = WallPair::new(part, bounded.sides[0], bounded.sides[1]);
     let cutter_at = |s: f64| {
         let within = s >= start[0] && s < bounded.end;
-        let angles = |eta: f64| passage.wall_angles(part, s, eta);
-        within.then(|| pair.largest(s, angles(0.0)?, angles(1.0)?)).flatten()
+        within.then(|| pair.largest(s, |s, eta| passage.wall_angles(part, s, eta))).flatten()
     };
     PassageMeasure {
         place: bounded.place,

@@ -17,8 +17,9 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about, wrap_angle};
-use crate::part::{Blank, Channel, Impeller, Passage, SideProbe, Tool};
+use super::stand::Surroundings;
+use crate::geometry::{Meridional, Point, wrap_angle};
+use crate::part::{Channel, Impeller, Passage, Tool};
 
 /// A stretch of the channel and the cutter that is to work in it.
 #[derive(Clone, Debug)]
@@ -49,14 +50,25 @@ pub struct Sides {
     pub outlet: bool,
     /// From the inlet.
     pub inlet: bool,
-    /// With an axis along the hub normal.
-    pub upright: bool,
+    /// From either side, or with an axis along the hub normal.
+    pub any: bool,
 }
 
 impl Sides {
-    /// With whatever axis.
-    pub fn any(self) -> bool {
-        self.outlet || self.inlet || self.upright
+    fn or(self, other: Self) -> Self {
+        Self {
+            outlet: self.outlet || other.outlet,
+            inlet: self.inlet || other.inlet,
+            any: self.any || other.any,
+        }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            outlet: self.outlet && other.outlet,
+            inlet: self.inlet && other.inlet,
+            any: self.any && other.any,
+        }
     }
 
     /// From both sides.
@@ -68,12 +80,23 @@ impl Sides {
 /// A piece of the floor.
 #[derive(Clone, Copy, Debug)]
 pub struct FloorCell {
-    /// Its middle on the hub.
-    pub point: Point,
+    /// λ of its middle, across the full channel.
+    pub lambda: f64,
+    /// Angle of its middle about Z, rad.
+    pub theta: f64,
     /// mm².
     pub area: f64,
     /// From where its middle is reached.
     pub reached: Sides,
+}
+
+impl FloorCell {
+    /// The cell with its λ across the channel between `walls` instead of across its passage.
+    fn across(self, walls: [f64; 2], pitch: f64) -> Self {
+        // Wall angles of different passages may differ by whole turns.
+        let from_wall = wrap_angle(self.theta - walls[0] - 0.5 * pitch) + 0.5 * pitch;
+        Self { lambda: from_wall / (walls[1] - walls[0]), ..self }
+    }
 }
 
 /// Cells of the floor at one s, ordered by angle.
@@ -93,53 +116,69 @@ pub struct ReachMap {
 }
 
 /// Rows along s.
-const ROWS: usize = 48;
+const ROWS: usize = 40;
 /// Cells across a passage.
 const COLUMNS: usize = 24;
 /// Places across a passage that are tried as centres, its middle among them; the borders between them are found
 /// by bisection.
 const CENTRES: usize = 15;
-/// Bisections of a border: a hundredth of the passage.
-const BORDER_STEPS: usize = 4;
+/// Bisections of a border: to 1/500 of the passage.
+const BORDER_STEPS: usize = 5;
 /// Least lean of an axis that comes from one side, and step of the tilts tried, rad.
 pub const LEAN: f64 = 7.5 * std::f64::consts::PI / 180.0;
-/// Pushes of an axis between the walls before it counts as blocked.
-const PUSHES: usize = 5;
 
 impl ReachMap {
     /// Map of the floor of `channel`.
     pub fn new(part: &Impeller, channel: &Channel, stretches: &[Stretch<'_>], limits: &ReachLimits) -> Self {
-        let search = Search {
-            part,
-            sides: channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect(),
-            blank: Blank::of(part, 0.0),
-            limits: *limits,
-        };
-        let s_of = |row: usize| (row as f64 + 0.5) / ROWS as f64;
-        let centres: Vec<Centre> = (0..ROWS)
+        let surroundings = Surroundings::new(part, channel, limits);
+        let rows_of = |row: usize| (row as f64 + 0.5) / ROWS as f64;
+        let strips: Vec<Vec<Strip>> = (0..ROWS)
             .into_par_iter()
-            .flat_map_iter(|row| {
-                let s = s_of(row);
-                let stretch = stretches.iter().find(|x| (x.to..=x.from).contains(&s));
-                stretch.map(|x| search.centres(channel, s, x.tool)).unwrap_or_default()
+            .map(|row| {
+                let s = rows_of(row);
+                let tool = stretches.iter().find(|x| (x.to..=x.from).contains(&s)).map(|x| x.tool);
+                let passages = passages_at(channel, s).iter();
+                passages.filter_map(|passage| Strip::new(part, passage, s, tool, &surroundings)).collect()
             })
             .collect();
+        let mut centres = Vec::new();
+        for (row, here) in strips.iter().enumerate() {
+            // Where the splitter begins, passages of one row have no successors in the next.
+            let next = strips.get(row + 1).filter(|next| next.len() == here.len());
+            for (k, strip) in here.iter().enumerate() {
+                centres.extend(strip.centres(next.map(|next| &next[k])));
+            }
+        }
         let rows = (0..ROWS)
             .into_par_iter()
-            .map(|row| FloorRow { s: s_of(row), cells: search.cells(channel, s_of(row), &centres) })
+            .map(|row| {
+                let s = rows_of(row);
+                let Some(walls) = channel.full.wall_angles(part, s, 0.0) else {
+                    return FloorRow { s, cells: Vec::new() };
+                };
+                let cells = strips[row].iter().flat_map(|strip| strip.cells(&centres, &surroundings, limits));
+                let cells = cells.map(|cell| cell.across(walls, part.pitch())).collect();
+                FloorRow { s, cells }
+            })
             .collect();
         Self { rows }
     }
 
     /// Share of the floor, by area, whose sides are as `wanted`; NaN without floor.
     pub fn share(&self, wanted: impl Fn(Sides) -> bool) -> f64 {
-        share(self.rows.iter().flat_map(|row| &row.cells), wanted)
+        self.share_between(f64::INFINITY, f64::NEG_INFINITY, wanted)
     }
 
-    /// The cell nearest to a point of the floor.
-    pub fn nearest(&self, s: f64, theta: f64) -> Option<&FloorCell> {
+    /// As [`Self::share`], of the floor between s = `from` (at the outlet end) and s = `to`.
+    pub fn share_between(&self, from: f64, to: f64, wanted: impl Fn(Sides) -> bool) -> f64 {
+        let rows = self.rows.iter().filter(|row| (to..=from).contains(&row.s));
+        share(rows.flat_map(|row| &row.cells), wanted)
+    }
+
+    /// The cell of the row at `s` nearest to `lambda` across the full channel.
+    pub fn nearest(&self, s: f64, lambda: f64) -> Option<&FloorCell> {
         let row = self.rows.get(((s * ROWS as f64).max(0.0) as usize).min(ROWS - 1))?;
-        let off = |cell: &FloorCell| wrap_angle(cell.point.y.atan2(cell.point.x) - theta).abs();
+        let off = |cell: &FloorCell| (cell.lambda - lambda).abs();
         row.cells.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
     }
 }
@@ -162,223 +201,147 @@ fn share<'c>(cells: impl Iterator<Item = &'c FloorCell>, wanted: impl Fn(Sides) 
     had / all
 }
 
-/// A place on which a cutter can stand.
-#[derive(Clone, Copy, Debug)]
-struct Centre {
-    point: Point,
+/// A line on the hub on which a cutter can stand everywhere; its ends may be the same point.
+struct Centres {
+    ends: [Point; 2],
     radius: f64,
     sides: Sides,
 }
 
-/// An axis in the meridional plane, to be laid between the walls: where it aims, and the walls' angles there.
-struct Aim {
-    /// Point on the axis about as high as the shroud.
-    top: Meridional,
-    /// Angles of the walls at that point.
+impl Centres {
+    /// Whether the bottom of a cutter on the line covers `point`.
+    fn cover(&self, point: &Point) -> bool {
+        let (along, to) = (self.ends[1] - self.ends[0], point - self.ends[0]);
+        let share = (to.dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+        (to - along * share).norm_squared() <= self.radius * self.radius
+    }
+}
+
+/// The floor of one passage at one s.
+struct Strip {
+    hub: Meridional,
+    /// Angles of the walls.
     walls: [f64; 2],
+    /// Area of a cell, mm².
+    cell_area: f64,
+    /// Radius of the cutter there, mm.
+    radius: f64,
+    /// Places that were tried, by λ across the passage, with the sides from which a cutter can stand there. In between
+    /// the sides that both neighbours share hold.
+    places: Vec<(f64, Sides)>,
 }
 
-/// The aims of one place in s; those towards one side least tilted first.
-struct Aims {
-    upright: Option<Aim>,
-    outlet: Vec<Aim>,
-    inlet: Vec<Aim>,
+/// The passages that are there at `s` on the hub.
+fn passages_at(channel: &Channel, s: f64) -> &[Passage] {
+    match channel.splitter_s {
+        Some([hub, _]) if s >= hub => &channel.beside_splitter,
+        _ => std::slice::from_ref(&channel.full),
+    }
 }
 
-struct Search<'a> {
-    part: &'a Impeller,
-    sides: Vec<SideProbe>,
-    blank: Blank,
-    limits: ReachLimits,
-}
-
-impl Search<'_> {
-    /// The passages that are there at `s` on the hub.
-    fn passages<'c>(&self, channel: &'c Channel, s: f64) -> &'c [Passage] {
-        match channel.splitter_s {
-            Some([hub, _]) if s >= hub => &channel.beside_splitter,
-            _ => std::slice::from_ref(&channel.full),
-        }
+impl Strip {
+    /// Tries `tool` across `passage` at `s`; without a tool nothing stands there. `None` where a wall does not reach.
+    fn new(
+        part: &Impeller,
+        passage: &Passage,
+        s: f64,
+        tool: Option<&Tool>,
+        surroundings: &Surroundings<'_>,
+    ) -> Option<Self> {
+        let hub = part.hub.point(s);
+        let walls = passage.wall_angles(part, s, 0.0)?;
+        let across = (walls[1] - walls[0]).abs() * hub.r;
+        let cell_area = across / COLUMNS as f64 * part.hub.length() / ROWS as f64;
+        let places = tool.map_or_else(Vec::new, |tool| {
+            let aims = surroundings.aims(passage, s);
+            tried(|lambda| surroundings.sides_at(&aims, s, walls, lambda, tool))
+        });
+        Some(Self { hub, walls, cell_area, radius: tool.map_or(0.0, Tool::radius), places })
     }
 
-    /// Places across the channel at `s` on which `tool` can stand, the ends of each run of them included.
-    fn centres(&self, channel: &Channel, s: f64, tool: &Tool) -> Vec<Centre> {
-        let mut found = Vec::new();
-        for passage in self.passages(channel, s) {
-            let Some(walls) = passage.wall_angles(self.part, s, 0.0) else { continue };
-            let aims = self.aims(passage, s);
-            let sides_at = |lambda: f64| self.sides_at(&aims, s, walls, lambda, tool);
-            let mut add = |lambda: f64, sides: Sides| {
-                if sides.any() {
-                    found.push(Centre { point: self.foot(s, walls, lambda), radius: tool.radius(), sides });
-                }
-            };
-            // Nothing stands on the walls themselves.
-            let mut last = (0.0, Sides::default());
-            for k in 1..=CENTRES + 1 {
-                let lambda = k as f64 / (CENTRES + 1) as f64;
-                let here = (lambda, if k <= CENTRES { sides_at(lambda) } else { Sides::default() });
-                if here.1 != last.1 {
-                    let (mut low, mut high) = (last, here);
-                    for _ in 0..BORDER_STEPS {
-                        let middle = 0.5 * (low.0 + high.0);
-                        let sides = sides_at(middle);
-                        if sides == low.1 { low = (middle, sides) } else { high = (middle, sides) }
-                    }
-                    add(low.0, low.1);
-                    add(high.0, high.1);
-                }
-                add(here.0, here.1);
-                last = here;
-            }
-        }
-        found
+    fn theta(&self, lambda: f64) -> f64 {
+        self.walls[0] + lambda * (self.walls[1] - self.walls[0])
     }
 
-    /// A point of the hub allowance surface.
-    fn foot(&self, s: f64, walls: [f64; 2], lambda: f64) -> Point {
-        let hub = self.part.hub.at(s);
-        let raised = |p: f64, n: f64| p + self.limits.hub_allowance * n;
-        Meridional { r: raised(hub.point.r, hub.normal.r), z: raised(hub.point.z, hub.normal.z) }
-            .at_angle(walls[0] + lambda * (walls[1] - walls[0]))
+    fn point(&self, lambda: f64) -> Point {
+        self.hub.at_angle(self.theta(lambda))
     }
 
-    /// What to aim at from `s`, both ways.
-    fn aims(&self, passage: &Passage, s: f64) -> Aims {
-        let hub = self.part.hub.at(s);
-        let depth = hub.point.distance(self.part.shroud.point(s));
-        let aim = |alpha: f64| {
-            let height = depth / alpha.cos().max(0.3);
-            let (sin, cos) = alpha.sin_cos();
-            let along = |n: f64, t: f64| height * (cos * n - sin * t);
-            let top = Meridional {
-                r: hub.point.r + along(hub.normal.r, hub.tangent.r),
-                z: hub.point.z + along(hub.normal.z, hub.tangent.z),
-            };
-            let s_top = self.part.shroud.s_at(self.part.shroud.curve().project(top).0);
-            Some(Aim { top, walls: passage.wall_angles(self.part, s_top, 1.0)? })
+    /// Places of this strip on which a cutter can stand, each with the line to its neighbour on the `next` strip of the
+    /// passage: beside a wall that runs oblique to the rows, cutters between the rows cover what those on them do not.
+    fn centres(&self, next: Option<&Self>) -> Vec<Centres> {
+        let free = |strip: &Self| -> Vec<(f64, Sides)> {
+            strip.places.iter().filter(|(_, sides)| sides.any).copied().collect()
         };
-        let steps = (self.limits.max_tilt / LEAN + 1e-9).floor() as usize;
-        let towards = |sign: f64| (1..=steps).filter_map(|k| aim(sign * LEAN * k as f64)).collect();
-        Aims { upright: aim(0.0), outlet: towards(-1.0), inlet: towards(1.0) }
-    }
-
-    fn sides_at(&self, aims: &Aims, s: f64, walls: [f64; 2], lambda: f64, tool: &Tool) -> Sides {
-        let foot = self.foot(s, walls, lambda);
-        // Across the hub a wall is never further off than along the circumference.
-        let around = lambda.min(1.0 - lambda) * (walls[1] - walls[0]).abs() * foot.x.hypot(foot.y);
-        if around < tool.radius() + self.limits.blade_allowance {
-            return Sides::default();
-        }
-        let stands = |aim: &Aim| self.stands(&foot, aim, lambda, tool);
-        Sides {
-            outlet: aims.outlet.iter().any(stands),
-            inlet: aims.inlet.iter().any(stands),
-            upright: aims.upright.as_ref().is_some_and(stands),
-        }
-    }
-
-    /// Whether a cutter stands at `foot` with an axis that leans as `aim` along the flow.
-    fn stands(&self, foot: &Point, aim: &Aim, lambda: f64, tool: &Tool) -> bool {
-        let mut theta = aim.walls[0] + lambda * (aim.walls[1] - aim.walls[0]);
-        for _ in 0..PUSHES {
-            let top = aim.top.at_angle(theta);
-            let Some(axis) = (top - foot).try_normalize(1e-9) else { return false };
-            let Some(push) = self.push(&tool.placed(*foot, axis), &top) else {
-                return self.column_clears_hub(foot, &axis, tool) && self.holder_clears(foot, &axis, tool);
-            };
-            if !push.is_finite() || push.abs() > self.part.pitch().abs() {
-                return false;
+        let neighbours = next.map(free).unwrap_or_default();
+        let mut centres = Vec::new();
+        for (lambda, sides) in free(self) {
+            let point = self.point(lambda);
+            centres.push(Centres { ends: [point; 2], radius: self.radius, sides });
+            let off = |place: &&(f64, Sides)| (place.0 - lambda).abs();
+            let nearest = neighbours.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            if let (Some(next), Some(place)) = (next, nearest.filter(|p| off(p) < 1.0 / CENTRES as f64)) {
+                let ends = [point, next.point(place.0)];
+                centres.push(Centres {
+                    ends,
+                    radius: self.radius.min(next.radius),
+                    sides: sides.and(place.1),
+                });
             }
-            theta += push;
         }
-        false
+        centres
     }
 
-    /// By what angle the upper end `top` of an axis must turn about Z to clear the blade side that is too near
-    /// by most; `None` where all are clear, NaN where turning does not help.
-    fn push(&self, cutter: &CutterSolid, top: &Point) -> Option<f64> {
-        const MARGIN: f64 = 1e-3;
-        let wanted = self.limits.blade_allowance;
-        let near = self
-            .sides
-            .iter()
-            .filter_map(|side| side.nearest_below(cutter, wanted))
-            .filter(|near| near.distance < wanted)
-            .min_by(|a, b| a.distance.total_cmp(&b.distance))?;
-        let up = (near.point - cutter.tip).dot(&cutter.axis);
-        let away = cutter.tip + cutter.axis * up - near.point;
-        let share = up / (top - cutter.tip).norm();
-        let gain = share * away.normalize().dot(&Vector::new(-top.y, top.x, 0.0));
-        Some(if share > 0.02 { (wanted - near.distance + MARGIN) / gain } else { f64::NAN })
+    /// From where a cutter can stand at `lambda`, by the places tried.
+    fn sides(&self, lambda: f64) -> Sides {
+        let above = self.places.partition_point(|(at, _)| *at < lambda);
+        match (above.checked_sub(1).and_then(|below| self.places.get(below)), self.places.get(above)) {
+            (Some((_, below)), Some((_, above))) => below.and(*above),
+            _ => Sides::default(),
+        }
     }
 
-    /// Whether the cutter stays out of the hub above its bottom: a leaning column may meet the hub again.
-    fn column_clears_hub(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
-        let curve = self.part.hub.curve();
-        let radius = tool.radius();
-        let (from, steps) = (2.0 * radius, 8);
-        (0..=steps).all(|i| {
-            let up = from + (tool.overhang - from).max(0.0) * f64::from(i) / f64::from(steps);
-            let (t, distance) = curve.project(Meridional::of(&(foot + axis * up)));
-            // Beyond its ends the hub has an edge, not a surface.
-            distance.abs() >= radius && (distance > 0.0 || t <= 0.0 || t >= curve.length())
-        })
-    }
-
-    /// Whether the holder clears blades, hub and the turned blank.
-    fn holder_clears(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
-        let radius = 0.5 * tool.holder_diameter();
-        let holder =
-            CutterSolid { tip: foot + axis * tool.overhang, axis: *axis, radius, corner_radius: 0.0 };
-        let (e1, e2) = frame_about(axis);
-        let around = 12;
-        let rim = |k: i32, up: f64| {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(around)).sin_cos();
-            Meridional::of(&(holder.tip + axis * up + (e1 * cos + e2 * sin) * radius))
+    /// The cells outside the blade allowance, with what the cutters on `centres` reach of them.
+    fn cells(
+        &self,
+        centres: &[Centres],
+        surroundings: &Surroundings<'_>,
+        limits: &ReachLimits,
+    ) -> Vec<FloorCell> {
+        let across = (self.walls[1] - self.walls[0]).abs() * self.hub.r;
+        let cell = |j: usize| {
+            let lambda = (j as f64 + 0.5) / COLUMNS as f64;
+            let point = self.point(lambda);
+            // Only beside a wall is there anything to measure.
+            let beside = lambda.min(1.0 - lambda) * across < 4.0 * limits.blade_allowance;
+            if beside && surroundings.blade_distance(&point) < limits.blade_allowance {
+                return None;
+            }
+            let covering = centres.iter().filter(|c| c.cover(&point));
+            let reached = covering.fold(self.sides(lambda), |sides, centre| sides.or(centre.sides));
+            Some(FloorCell { lambda, theta: self.theta(lambda), area: self.cell_area, reached })
         };
-        let mut warm = None;
-        let outside = |p: Meridional, warm: &mut Option<f64>| self.blank.clearance(p, warm) >= 0.0;
-        let mut bottom_clear = true;
-        for up in [0.0, 2.0 * radius] {
-            for k in 0..around {
-                bottom_clear &= outside(rim(k, up), &mut warm);
-            }
-        }
-        bottom_clear
-            && self
-                .sides
-                .iter()
-                .all(|side| side.nearest_below(&holder, 0.0).is_none_or(|n| n.distance >= 0.0))
+        (0..COLUMNS).filter_map(cell).collect()
     }
+}
 
-    /// The floor at `s` outside the blade allowance, with what the cutters on `centres` reach of it.
-    fn cells(&self, channel: &Channel, s: f64, centres: &[Centre]) -> Vec<FloorCell> {
-        let hub = self.part.hub.at(s);
-        let mut cells = Vec::new();
-        for passage in self.passages(channel, s) {
-            let Some(walls) = passage.wall_angles(self.part, s, 0.0) else { continue };
-            let across = (walls[1] - walls[0]).abs() * hub.point.r;
-            let area = across / COLUMNS as f64 * self.part.hub.length() / ROWS as f64;
-            for j in 0..COLUMNS {
-                let lambda = (j as f64 + 0.5) / COLUMNS as f64;
-                let point = hub.point.at_angle(walls[0] + lambda * (walls[1] - walls[0]));
-                let allowance = self.limits.blade_allowance;
-                let near_wall = |side: &SideProbe| side.nearest_to_point(&point).distance < allowance;
-                // Only beside a wall is there anything to measure.
-                let beside = lambda.min(1.0 - lambda) * across < 4.0 * allowance;
-                if beside && self.sides.iter().any(near_wall) {
-                    continue;
-                }
-                let mut reached = Sides::default();
-                for centre in centres.iter().filter(|c| (c.point - point).norm() <= c.radius) {
-                    reached.outlet |= centre.sides.outlet;
-                    reached.inlet |= centre.sides.inlet;
-                    reached.upright |= centre.sides.upright;
-                }
-                cells.push(FloorCell { point, area, reached });
+/// Places across a passage with what `sides_at` says of them: evenly spaced, and both sides of every border between them.
+fn tried(sides_at: impl Fn(f64) -> Sides) -> Vec<(f64, Sides)> {
+    // Nothing stands on the walls themselves.
+    let mut places = vec![(0.0, Sides::default())];
+    for k in 1..=CENTRES + 1 {
+        let lambda = k as f64 / (CENTRES + 1) as f64;
+        let here = (lambda, if k <= CENTRES { sides_at(lambda) } else { Sides::default() });
+        let (mut low, mut high) = (places[places.len() - 1], here);
+        if low.1 != high.1 {
+            for _ in 0..BORDER_STEPS {
+                let middle = 0.5 * (low.0 + high.0);
+                let sides = sides_at(middle);
+                if sides == low.1 { low = (middle, sides) } else { high = (middle, sides) }
             }
+            places.extend([low, high]);
         }
-        cells
+        places.push(here);
     }
+    places
 }

@@ -90,8 +90,8 @@ fn from_axis(d: Vector) -> f64 {
     d.x.hypot(d.y).atan2(d.z.abs())
 }
 
-/// Twist of the camber line at `v`. `line` is a buffer.
-fn twist(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> Twist {
+/// Points of the camber line at `v`, LE → TE, each with the length up to it; into `line`. Returns the whole length.
+fn camber_line(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> f64 {
     line.clear();
     let mut length = 0.0;
     for i in 0..=STEPS {
@@ -99,6 +99,23 @@ fn twist(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> Twist {
         length += line.last().map_or(0.0, |(_, last)| (p - last).norm());
         line.push((length, p));
     }
+    length
+}
+
+/// Angle of the tangent along the camber line at `v`: (fraction of the length from the LE, rad from the axis), ends
+/// trimmed as for the largest tangent.
+pub fn tangents(blade: &Blade, v: f64) -> Vec<(f64, f64)> {
+    let mut line = Vec::with_capacity(STEPS + 1);
+    let length = camber_line(blade, v, &mut line);
+    line.windows(3)
+        .map(|w| (w[1].0 / length, from_axis(w[2].1 - w[0].1)))
+        .filter(|(at, _)| (TRIM..=1.0 - TRIM).contains(at))
+        .collect()
+}
+
+/// Twist of the camber line at `v`. `line` is a buffer.
+fn twist(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> Twist {
+    let length = camber_line(blade, v, line);
     let step = |i: usize, j: usize| line[j].1 - line[i].1;
     let mut twist = Twist {
         v,
