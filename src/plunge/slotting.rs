@@ -166,8 +166,15 @@ impl<'a> DepthSurface<'a> {
                 best = Some(at());
             }
         };
-        let highest = hits.iter().flatten().map(|h| h.height).fold(f64::NEG_INFINITY, f64::max);
-        for i in 0..RIM_SAMPLES {
+        // From the highest sample on, so that most others need not be looked at.
+        let (mut first, mut highest) = (0, f64::NEG_INFINITY);
+        for (i, hit) in hits.iter().enumerate() {
+            if let Some(hit) = hit.filter(|h| h.height > highest) {
+                (first, highest) = (if hit.height_slope > 0.0 { i } else { i + RIM_SAMPLES - 1 }, hit.height);
+            }
+        }
+        for k in 0..RIM_SAMPLES {
+            let i = (first + k) % RIM_SAMPLES;
             let from = RIM_STEP * i as f64;
             let top = match (hits[i], hits[(i + 1) % RIM_SAMPLES]) {
                 (Some(a), Some(b)) => self.top_between(&rim, from, (&a, &b), highest),
@@ -175,6 +182,7 @@ impl<'a> DepthSurface<'a> {
                 (a, b) => self.top_beside_edge(&rim, from, a.or(b)),
             };
             if let Some((phi, hit)) = top {
+                highest = highest.max(hit.height);
                 let (origin, _) = rim.at(phi.sin_cos());
                 consider(hit.height, &|| touch_at(hit.height, &(origin + axis * hit.height), hit.arc));
             }
@@ -358,21 +366,26 @@ impl<'a> DepthSurface<'a> {
         consider: &mut dyn FnMut(f64, &dyn Fn() -> Touch),
     ) {
         let limit = radius + self.offset;
-        // (distance from the axis, height along it) of the circle's point at theta.
-        let at = |theta: f64| {
-            let d = edge.at_angle(theta) - on_axis;
+        // (distance from the axis, height along it) of a point.
+        let seen = |point: &Point| {
+            let d = point - on_axis;
             let height = d.dot(axis);
             ((d.norm_squared() - height * height).max(0.0).sqrt(), height)
         };
+        let at = |theta: f64| seen(&edge.at_angle(theta));
         // The circle's point nearest to the axis, by going back and forth twice.
-        let mut theta = on_axis.y.atan2(on_axis.x);
+        let beside = |p: &Point| {
+            let scale = edge.r / norm2(p.x, p.y).max(1e-9);
+            Point::new(p.x * scale, p.y * scale, edge.z)
+        };
+        let mut near = beside(on_axis);
         for _ in 0..3 {
-            let foot = on_axis + axis * at(theta).1;
-            theta = foot.y.atan2(foot.x);
+            near = beside(&(on_axis + axis * seen(&near).1));
         }
-        if at(theta).0 > 1.5 * limit + 1.0 {
+        if seen(&near).0 > 1.5 * limit + 1.0 {
             return;
         }
+        let theta = near.y.atan2(near.x);
         let lift = |theta: f64| {
             let (distance, height) = at(theta);
             let beside = (distance - radius).max(0.0);
