@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`geometry`] | curves, surfaces of revolution, blade sides, root finding, distances |
 //! | [`part`] | impeller, channel, blank, tools, setup |
+//! | [`assess`] | machinability before any plan: twist, bend, depth, width, reach |
 //! | [`plunge`] | the plunge planner, one file per stage of paper A, and contact of the core |
 //! | [`residual`] | the heightfield of stock left on the hub, and its CPU kernel |
 //! | [`verify`] | checks any cutter-location program against a part |
@@ -21,6 +22,7 @@
 
 #[cfg(feature = "window")]
 pub mod app;
+pub mod assess;
 #[cfg(feature = "window")]
 pub mod cli;
 pub mod formats;

@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in order, each with the rooms it may look into besides itself.
-const ROOMS: [(&str, &[&str]); 11] = [
+const ROOMS: [(&str, &[&str]); 12] = [
     ("monitor", &[]),
     ("geometry", &[]),
     ("part", &["geometry"]),
+    ("assess", &["geometry", "part"]),
     ("plunge", &["geometry", "part", "monitor"]),
     ("residual", &["geometry", "part", "plunge", "monitor"]),
     ("formats", &["geometry", "part", "plunge"]),
@@ -15,10 +16,17 @@ const ROOMS: [(&str, &[&str]); 11] = [
     ("job", &["geometry", "part", "plunge", "residual", "formats", "verify", "monitor"]),
     ("gpu", &["geometry", "part", "plunge", "residual", "formats", "verify", "job", "monitor"]),
     ("app", &["geometry", "part", "plunge", "residual", "formats", "verify", "job", "monitor", "gpu"]),
-    ("cli", &["geometry", "part", "plunge", "residual", "formats", "verify", "job", "monitor", "gpu", "app"]),
+    (
+        "cli",
+        &[
+            "geometry", "part", "assess", "plunge", "residual", "formats", "verify", "job", "monitor", "gpu",
+            "app",
+        ],
+    ),
 ];
 /// Rooms of the core.
-const CORE: [&str; 8] = ["monitor", "geometry", "part", "plunge", "residual", "formats", "verify", "job"];
+const CORE: [&str; 9] =
+    ["monitor", "geometry", "part", "assess", "plunge", "residual", "formats", "verify", "job"];
 /// What the core may not know.
 const OUTSIDE: [&str; 9] = ["egui", "eframe", "wgpu", "winit", "glam", "rfd", "bytemuck", "pollster", "naga"];
 

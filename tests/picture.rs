@@ -42,6 +42,7 @@ fn plan(part: &Impeller) -> PlungePlan {
             alpha: 0.0,
             contact_point: foot,
             contact: CoreContact { depth, area_share: 0.2 },
+            lift: 0.0,
             blocked: None,
             hub_clearance: 0.5,
             blade_clearance: 5.0,

@@ -19,6 +19,8 @@ pub struct Arguments {
 pub enum Command {
     /// Plunge plan of a part: plan.json and plunge.apt
     Plan(PlanArgs),
+    /// Machinability of a part: twist, bend, depth, width, largest cutter, reach
+    Assess(AssessArgs),
     /// Check any APT program against a part
     Verify(VerifyArgs),
     /// Picture of a part or of a plan.json, without a window
@@ -35,7 +37,7 @@ pub struct PlanArgs {
     /// Setup file; `-` reads it from standard input
     #[arg(long)]
     pub setup: Option<PathBuf>,
-    /// conventional or monotone
+    /// conventional, monotone, minimal or staircase; absent: what the setup says
     #[arg(long)]
     pub axis: Option<String>,
     /// How many channels the program cuts: a number, or all
@@ -50,6 +52,22 @@ pub struct PlanArgs {
     /// Write report.html with pictures as well
     #[arg(long)]
     pub report: bool,
+}
+
+/// `vanecut assess`.
+#[derive(Debug, Args)]
+pub struct AssessArgs {
+    /// Part: .toml, .geomTurbo or TurboGrid .inf
+    pub part: PathBuf,
+    /// Setup file with the tools whose reach is asked for; `-` reads it from standard input
+    #[arg(long)]
+    pub setup: Option<PathBuf>,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for pictures and curves; absent: none are drawn
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
 }
 
 /// `vanecut verify`.

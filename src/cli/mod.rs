@@ -2,9 +2,12 @@
 //! on stderr. Exit 0 done, 1 the work itself failed, 2 bad input or arguments.
 
 mod args;
+mod assess;
+mod assess_pictures;
 mod bench;
 mod open;
 mod plan;
+mod plot;
 mod render;
 mod report;
 mod verify;
@@ -111,6 +114,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         }
         None => crate::app::run(arguments.file).map_err(|e| Failure::Work(e.to_string())),
         Some(Command::Plan(a)) => plan::run(&a),
+        Some(Command::Assess(a)) => assess::run(&a),
         Some(Command::Verify(a)) => verify::run(&a),
         Some(Command::Render(a)) => render::run(&a),
         Some(Command::Bench) => bench::run(),

@@ -110,7 +110,7 @@ fn repeated(one: &ClProgram, part: &Impeller, channels: usize) -> ClProgram {
 }
 
 /// Tells before the work what [`make_folder`] could only tell after it.
-fn check_folder(folder: &Path) -> Result<(), Failure> {
+pub fn check_folder(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         let what = "is no folder; give one that can be written";
         return Err(Failure::at(&folder.display().to_string(), 0, what));
@@ -118,7 +118,8 @@ fn check_folder(folder: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-fn make_folder(folder: &Path) -> Result<(), Failure> {
+/// Makes the folder that output goes to.
+pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| {
         Failure::Input(format!(
             "{}: the folder cannot be made ({e}); give one that can be written",

@@ -6,6 +6,7 @@ use glam::UVec2;
 
 use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
+use super::plot::escaped;
 use super::{Failure, open, plan, report};
 use crate::formats::plan_file::read_plan;
 use crate::formats::write::write_whole;
@@ -107,7 +108,8 @@ fn picture(
     draw(&gpu, &mut renderer, &scene, view, &options, size)
 }
 
-fn draw(
+/// One picture of a scene as a PNG file in memory.
+pub fn draw(
     gpu: &Gpu,
     renderer: &mut Renderer,
     scene: &Scene,
@@ -168,17 +170,13 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
          <style>body{{font-family:sans-serif;margin:2em;max-width:1000px}}figure{{display:inline-block;margin:4px}}</style>\n\
          <h1>{name}: plunge plan</h1>\n<pre>{table}\n{clear}{blocked}</pre>\n\
          <p>Colours of stock on the hub: {low:.2} mm (dark) to {high:.2} mm (bright).</p>\n{figures}</html>\n",
-        name = escape(&outcome.part.name),
-        table = escape(&table),
-        clear = escape(&report::clearances(&outcome.after.plan, &outcome.after.summary)),
-        blocked = escape(&report::blocked(&outcome.after.plan)),
+        name = escaped(&outcome.part.name),
+        table = escaped(&table),
+        clear = escaped(&report::clearances(&outcome.after.plan, &outcome.after.summary)),
+        blocked = escaped(&report::blocked(&outcome.after.plan)),
         low = range.0,
         high = range.1,
     );
     write_whole(&folder.join("report.html"), html.as_bytes())?;
     Ok(())
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

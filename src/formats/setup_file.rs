@@ -204,16 +204,14 @@ pub fn axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
     match name {
         "conventional" => Ok(AxisPolicy::Conventional),
         "monotone" => Ok(AxisPolicy::Monotone),
-        "minimal" | "staircase" => Err((
-            format!("the axis policy `{name}` is not available yet"),
-            "use \"monotone\" or \"conventional\"".to_owned(),
-        )),
+        "minimal" => Ok(AxisPolicy::Minimal),
+        "staircase" => Ok(AxisPolicy::Staircase),
         other => {
             let near = nearest(other, &["conventional", "monotone", "minimal", "staircase"]);
             Err((
                 format!("{} is no axis policy", super::source::shown(other)),
                 format!(
-                    "use \"monotone\" or \"conventional\" (the nearest name is `{}`)",
+                    "use \"conventional\", \"monotone\", \"minimal\" or \"staircase\" (the nearest name is `{}`)",
                     near.unwrap_or("")
                 ),
             ))
@@ -299,6 +297,8 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     let axis = match plunge.axis {
         AxisPolicy::Conventional => "conventional",
         AxisPolicy::Monotone => "monotone",
+        AxisPolicy::Minimal => "minimal",
+        AxisPolicy::Staircase => "staircase",
     };
     writeln!(out, "\n[plunge]\naxis = \"{axis}\"")?;
     if let Some(step) = plunge.step {
@@ -417,7 +417,6 @@ tool = 4
             ("insert_width = 10.0", "insert_width = 15.1", 7, "at most 15"),
             ("corner_radius = 0.8", "corner_radius = 8.5", 11, "at most 8"),
             ("overhang = 120", "overhang = 1e300", 8, "larger than"),
-            ("\"conventional\"", "\"minimal\"", 13, "not available yet"),
             ("\"conventional\"", "\"monotnoe\"", 13, "`monotone`"),
             ("step = 8.0", "step = 0", 14, "greater than 0"),
             ("max_axis_change = 4.3", "max_axis_change = 91", 15, "at most 90"),

@@ -2,6 +2,7 @@
 
 pub mod cubic;
 pub mod cutter;
+pub mod envelope;
 pub mod meridian;
 pub mod search;
 

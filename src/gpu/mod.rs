@@ -14,6 +14,7 @@ pub mod residual;
 pub mod scene;
 mod uniform;
 pub mod view;
+pub mod walls;
 
 pub use camera::{Camera, Projection};
 pub use cutters::CutterFilter;

@@ -238,7 +238,7 @@ impl Renderer {
             Layer::Shroud => false,
         });
         let floor = scene.floor.as_ref().and_then(|f| match options.show_floor_colours {
-            FloorColours::Residual => Some(&f.residual),
+            FloorColours::Residual | FloorColours::Values => Some(&f.residual),
             FloorColours::Interference => f.contact.as_ref(),
             FloorColours::Plain => None,
         });

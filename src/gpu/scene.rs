@@ -26,6 +26,8 @@ pub enum FloorColours {
     Residual,
     /// Depth of contact of the cores that end there.
     Interference,
+    /// Values of another kind, on floor or walls, set by [`Scene::set_values`].
+    Values,
     /// Nothing.
     Plain,
 }
@@ -112,7 +114,7 @@ impl SceneOptions {
     pub fn showing(colours: FloorColours) -> Self {
         let show_cutters = match colours {
             FloorColours::Interference => CutterFilter::All,
-            FloorColours::Residual | FloorColours::Plain => CutterFilter::Hidden,
+            FloorColours::Residual | FloorColours::Values | FloorColours::Plain => CutterFilter::Hidden,
         };
         Self { show_floor_colours: colours, show_cutters, ..Self::default() }
     }
@@ -278,6 +280,11 @@ impl Scene {
             let contact = plan.map(|plan| MeshBuffers::new(gpu, &floor::contact_mesh(grid, plan)));
             Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), contact, mesh })
         });
+    }
+
+    /// Shows surfaces with a value per corner in place of the floor's: see [`FloorColours::Values`].
+    pub fn set_values(&mut self, gpu: &Gpu, mesh: Mesh) {
+        self.floor = Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), contact: None, mesh });
     }
 
     /// Replaces the heights on the floor, e.g. while scrubbing; the grid is the one of

@@ -36,6 +36,7 @@ impl FrameUniform {
         let (right, up, back) = camera.basis();
         let size = size.as_vec2();
         let contact = options.show_floor_colours == FloorColours::Interference;
+        let heights = options.show_floor_colours == FloorColours::Residual;
         let map = if contact { palette::ColourMap::Contact } else { options.map };
         let on = |yes: bool| f32::from(u8::from(yes));
         let mut lines = [[0.0; 4]; 8];
@@ -59,8 +60,8 @@ impl FrameUniform {
             up: vec(up),
             back: vec(back),
             viewport: [size.x, size.y, options.pixel_scale, framing.wheel.radius * 8e-4],
-            range: [options.range_mm.0, options.range_mm.1, 1.0, on(options.relief && !contact)],
-            look: [on(options.cut_away), on(!contact), 0.0, 0.0],
+            range: [options.range_mm.0, options.range_mm.1, 1.0, on(options.relief && heights)],
+            look: [on(options.cut_away), on(heights), 0.0, 0.0],
             greys: [
                 g.background_top,
                 g.background_bottom,

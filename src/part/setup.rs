@@ -10,6 +10,10 @@ pub enum AxisPolicy {
     Conventional,
     /// Paper A: the angle between hub normal and axis grows from position to position.
     Monotone,
+    /// Ours: the least residual layer that no core contact allows.
+    Minimal,
+    /// Isoparametric axes, each plunge shortened until its core is free.
+    Staircase,
 }
 
 /// Direction in which the rows of a section are cut.

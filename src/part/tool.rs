@@ -32,6 +32,11 @@ impl Tool {
         self.radius() - self.insert_width
     }
 
+    /// Diameter assumed for the holder, mm: twice the cutter's. It begins at the end of the overhang.
+    pub fn holder_diameter(&self) -> f64 {
+        2.0 * self.diameter
+    }
+
     /// The cutter with the centre of its bottom at `tip` and its unit `axis` towards the holder.
     pub fn placed(&self, tip: Point, axis: Vector) -> CutterSolid {
         CutterSolid { tip, axis, radius: self.radius(), corner_radius: self.corner_radius }

@@ -23,6 +23,12 @@ impl<'a> FinishedPart<'a> {
         })
     }
 
+    /// Whether the cutter (bottom and column) keeps `allowance` mm from every blade.
+    pub fn clears(&self, cutter: &CutterSolid, allowance: f64) -> bool {
+        let near = |blade: &SideProbe| blade.nearest_below(cutter, allowance);
+        !self.blades.iter().any(|blade| near(blade).is_some_and(|n| n.distance < allowance))
+    }
+
     /// Least signed distance of the cutter's bottom and flank to the hub, mm.
     pub fn hub_clearance(&self, cutter: &CutterSolid) -> f64 {
         let curve = self.part.hub.curve();

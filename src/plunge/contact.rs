@@ -48,6 +48,8 @@ impl<'a> BlankTop<'a> {
 /// Rings of lines through the core: (share of the core radius, lines). Contact starts at the
 /// rim of the core, so most lines are there.
 const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
+/// The same for searches.
+const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
 /// Uncovered stretches of one line that are kept apart.
 const STRETCHES: usize = 12;
 /// Contact a plan may have, mm: well below the tolerance of the verdict, so that rounding in a CL file or
@@ -58,30 +60,64 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of `column`'s core with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &Column, earlier: &[Column], blank: &Blank) -> CoreContact {
-    contact_up_to(column, earlier, blank, f64::INFINITY)
+    contact_up_to(column, &Neighbours::of(column, earlier), blank, &RINGS, f64::INFINITY)
 }
 
 /// Whether the contact is deeper than a planner may leave it: as [`core_contact`], but done at the first line
 /// that says so.
 pub fn core_interferes(column: &Column, earlier: &[Column], blank: &Blank) -> bool {
-    contact_up_to(column, earlier, blank, PLANNED_CONTACT).depth > PLANNED_CONTACT
+    let near = Neighbours::of(column, earlier);
+    contact_up_to(column, &near, blank, &RINGS, PLANNED_CONTACT).depth > PLANNED_CONTACT
+}
+
+/// By how much a planned plunge must stop short for its core to be free, mm: the depth of [`core_contact`], 0 when it
+/// is no deeper than a plan may leave it.
+pub fn planned_contact(column: &Column, earlier: &[Column], blank: &Blank) -> f64 {
+    let depth = core_contact(column, earlier, blank).depth;
+    if depth > PLANNED_CONTACT { depth } else { 0.0 }
+}
+
+/// How far a search must lift a plunge for its core to be free: fewer lines than [`core_contact`], its
+/// workspace kept from call to call.
+#[derive(Debug, Default)]
+pub struct ContactSearch {
+    near: Neighbours,
+}
+
+impl ContactSearch {
+    /// Contact depth of `column`, mm, 0 when it is no deeper than a plan may leave it.
+    pub fn depth<'c>(
+        &mut self,
+        column: &Column,
+        earlier: impl DoubleEndedIterator<Item = &'c Column>,
+        blank: &Blank,
+    ) -> f64 {
+        self.near.gather(column, earlier);
+        let depth = contact_up_to(column, &self.near, blank, &SEARCH_RINGS, f64::INFINITY).depth;
+        if depth > PLANNED_CONTACT { depth } else { 0.0 }
+    }
 }
 
 /// Contact; the search may end as soon as the depth exceeds `enough`.
-fn contact_up_to(column: &Column, earlier: &[Column], blank: &Blank, enough: f64) -> CoreContact {
+fn contact_up_to(
+    column: &Column,
+    near: &Neighbours,
+    blank: &Blank,
+    rings: &[(f64, usize)],
+    enough: f64,
+) -> CoreContact {
     if column.top <= 0.0 {
         return CoreContact::default();
     }
     let axis = &column.cutter.axis;
-    let near = Neighbours::of(column, earlier);
-    let mut stock = StockLines { near: &near, blank, top: column.top, warm: None };
+    let mut stock = StockLines { near, blank, top: column.top, warm: None };
     let (e1, e2) = frame_about(axis);
     let line = |rho: f64, phi: f64| column.cutter.tip + (e1 * phi.cos() + e2 * phi.sin()) * rho;
     let mut depth = 0.0f64;
     let mut area = 0.0;
     // (value, angle) of the rim lines: entry into what is already removed, negative below the bottom.
     let mut rim = [(0.0f64, 0.0f64); RINGS[0].1];
-    for (ring, &(share, count)) in RINGS.iter().enumerate() {
+    for (ring, &(share, count)) in rings.iter().enumerate() {
         let rho = share * column.core_radius;
         let mut hits = 0usize;
         for i in 0..count {
@@ -99,9 +135,10 @@ fn contact_up_to(column: &Column, earlier: &[Column], blank: &Blank, enough: f64
                 rim[i] = (entry, phi);
             }
         }
-        area += hits as f64 / count as f64 * ring_weight(ring);
+        area += hits as f64 / count as f64 * ring_weight(rings, ring);
     }
     // Between the lines of the rim the first entry may rise higher: follow it to its top.
+    let rim = &rim[..rings[0].1];
     let count = rim.len();
     let step = std::f64::consts::TAU / count as f64;
     for i in 0..count {
@@ -121,37 +158,44 @@ fn contact_up_to(column: &Column, earlier: &[Column], blank: &Blank, enough: f64
 }
 
 /// Share of the core disc each ring stands for: annuli midway between the rings.
-fn ring_weight(ring: usize) -> f64 {
-    let border = |i: usize| 0.5 * (RINGS[i].0 + RINGS[i + 1].0);
+fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
+    let border = |i: usize| 0.5 * (rings[i].0 + rings[i + 1].0);
     let outer = if ring == 0 { 1.0 } else { border(ring - 1) };
-    let inner = if ring + 1 == RINGS.len() { 0.0 } else { border(ring) };
+    let inner = if ring + 1 == rings.len() { 0.0 } else { border(ring) };
     outer * outer - inner * inner
 }
 
 /// The earlier plunges that can touch a core column, latest first.
+#[derive(Debug, Default)]
 struct Neighbours {
     columns: Vec<CutterSolid>,
 }
 
 impl Neighbours {
     fn of(column: &Column, earlier: &[Column]) -> Self {
+        let mut near = Self::default();
+        near.gather(column, earlier.iter());
+        near
+    }
+
+    fn gather<'c>(&mut self, column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) {
         // Above the blank nothing matters; distances between straight axes change evenly.
         let heights = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| share * column.top.min(1e4));
-        let columns = earlier
-            .iter()
-            .rev()
-            .filter(|other| {
-                let slope = column.cutter.axis.cross(&other.cutter.axis).norm();
-                heights.iter().zip(&heights[1..]).any(|(&low, &high)| {
-                    let middle = 0.5 * (low + high);
-                    let d = column.cutter.tip + column.cutter.axis * middle - other.cutter.tip;
-                    let flat = (d - other.cutter.axis * d.dot(&other.cutter.axis)).norm();
-                    flat - slope * 0.5 * (high - low) < other.cutter.radius + column.core_radius
+        self.columns.clear();
+        self.columns.extend(
+            earlier
+                .rev()
+                .filter(|other| {
+                    let slope = column.cutter.axis.cross(&other.cutter.axis).norm();
+                    heights.iter().zip(&heights[1..]).any(|(&low, &high)| {
+                        let middle = 0.5 * (low + high);
+                        let d = column.cutter.tip + column.cutter.axis * middle - other.cutter.tip;
+                        let flat = (d - other.cutter.axis * d.dot(&other.cutter.axis)).norm();
+                        flat - slope * 0.5 * (high - low) < other.cutter.radius + column.core_radius
+                    })
                 })
-            })
-            .map(|c| c.cutter)
-            .collect();
-        Self { columns }
+                .map(|c| c.cutter),
+        );
     }
 
     /// Lowest height on the line from which on something is already removed; infinite if nothing is.

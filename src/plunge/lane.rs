@@ -84,6 +84,8 @@ impl FitState {
 const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 /// Clearance is met to this, mm, always on the safe side.
 const FIT_TOLERANCE: f64 = 2e-7;
+/// Two searches for the nearest place of a wall may differ by so much, mm: fits stay clear of it.
+const SEARCH_ERROR: f64 = 4e-6;
 
 impl<'a> Lane<'a> {
     /// `passage` of `part` for `tool`.
@@ -115,7 +117,7 @@ impl<'a> Lane<'a> {
             radius: tool.radius(),
             corner_radius: tool.corner_radius,
             hub_allowance,
-            blade_allowance,
+            blade_allowance: blade_allowance + SEARCH_ERROR,
         }
     }
 
@@ -322,6 +324,19 @@ impl<'a> Lane<'a> {
             flow.map_or(beside_axis, |f| beside_axis.min(across(from, to, f.normalize())))
         };
         Some((ends(&|e| self.hub_point(e)), ends(&|e| self.shroud_point(e))))
+    }
+
+    /// By how much the conventional axis along `wall` leans over the channel from the hub normal, across the
+    /// wall, rad; negative where the wall leans away. `None` where there is no axis.
+    pub fn lean_over(&self, wall: usize, s: f64) -> Option<f64> {
+        let ends = self.table_axis(wall, s, s)?;
+        let along = self.hub_point(&self.table_axis(wall, s - 1e-3, s - 1e-3)?) - self.hub_point(&ends);
+        let normal = self.part.hub.normal(s).direction_at_angle(ends.theta_hub);
+        let (m, axis) = self.line(&ends);
+        let across = normal.cross(&along).normalize();
+        let into_passage = Vector::new(-m.y, m.x, 0.0) * self.inward(wall);
+        let lean = axis.dot(&across) * across.dot(&into_passage).signum();
+        Some(lean.atan2(axis.dot(&normal)))
     }
 
     /// Axis of `wall` read from its table of fits, a few µm from the exact one.

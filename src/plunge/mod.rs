@@ -11,12 +11,15 @@
 //! | 6 the loop | [`cycle`] |
 //! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
 
+mod attempts;
 pub mod clearance;
 pub mod contact;
 pub mod cycle;
 mod fit_table;
+mod ground;
 pub mod lane;
 pub mod links;
+mod minimal;
 pub mod monotone;
 pub mod plan;
 pub mod retract;

@@ -58,6 +58,8 @@ pub struct Position {
     pub contact_point: Point,
     /// Contact of the core with stock.
     pub contact: CoreContact,
+    /// How far the plunge stops short of the allowance for its core to be free, mm.
+    pub lift: f64,
     /// Why the policy's axis could not be had, if so.
     pub blocked: Option<Blocked>,
     /// Least distance of the cutter to the finished hub, mm.
@@ -82,6 +84,7 @@ impl Position {
             alpha: station.alpha,
             contact_point: station.contact_point,
             contact: CoreContact::default(),
+            lift: 0.0,
             blocked: station.blocked,
             hub_clearance: f64::NAN,
             blade_clearance: f64::NAN,

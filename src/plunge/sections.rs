@@ -1,7 +1,7 @@
 //! Which cutter works where: sections given by the setup, or a sensible choice.
 
 use crate::part::setup::{Feed, PlungeSetup, SectionSetup};
-use crate::part::{Channel, Impeller, Setup, SideProbe, Tool};
+use crate::part::{Channel, Impeller, PassageWidth, Setup, Tool};
 
 /// What of a setup a fault is about, so that whoever has its file can tell the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,26 +62,16 @@ const STATIONS: usize = 50;
 
 /// Nearest distance between the walls of the narrowest passage at evenly spaced s from 0 to 1, mm.
 pub fn passage_widths(part: &Impeller, channel: &Channel) -> Vec<f64> {
-    let width_at = |passage: &crate::part::Passage, probe: &SideProbe, s: f64| {
-        (0..=4)
-            .filter_map(|j| {
-                let eta = f64::from(j) / 4.0;
-                let wall = passage.walls[0].at(part, s, eta)?;
-                Some(probe.nearest_to_point(&part.meridional(s, eta).at_angle(wall.theta)).distance)
-            })
-            .fold(f64::INFINITY, f64::min)
-    };
-    let probe = |p: &crate::part::Passage| SideProbe::new(p.walls[1].side(), 0.0, 1.0);
-    let full = probe(&channel.full);
-    let beside: Vec<_> = channel.beside_splitter.iter().map(|p| (p, probe(p))).collect();
+    let full = PassageWidth::new(part, &channel.full);
+    let beside: Vec<_> = channel.beside_splitter.iter().map(|p| PassageWidth::new(part, p)).collect();
     (0..=STATIONS)
         .map(|i| {
             let s = i as f64 / STATIONS as f64;
             match channel.splitter_s {
                 Some([hub, shroud]) if s >= hub.min(shroud) => {
-                    beside.iter().map(|(p, probe)| width_at(p, probe, s)).fold(f64::INFINITY, f64::min)
+                    beside.iter().map(|p| p.narrowest(s)).fold(f64::INFINITY, f64::min)
                 }
-                _ => width_at(&channel.full, &full, s),
+                _ => full.narrowest(s),
             }
         })
         .collect()

@@ -135,6 +135,7 @@ pub fn verify(
             alpha: f64::NAN,
             contact_point: here.tip,
             contact,
+            lift: 0.0,
             blocked: None,
             hub_clearance: hub,
             blade_clearance: blade,

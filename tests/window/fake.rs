@@ -102,6 +102,7 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
                 alpha: (2.0 + 0.4 * k as f64).to_radians() * if conventional { -1.0 } else { 1.0 },
                 contact_point: tip,
                 contact: CoreContact { depth: if interferes { 2.56 } else { 0.0 }, area_share: 0.2 },
+                lift: 0.0,
                 blocked: (!conventional && row == 1 && k == 1).then_some(Blocked::Walls),
                 hub_clearance: 0.5,
                 blade_clearance: 0.5,

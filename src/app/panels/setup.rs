@@ -11,6 +11,8 @@ pub fn policy_label(policy: AxisPolicy) -> &'static str {
     match policy {
         AxisPolicy::Conventional => "Conventional",
         AxisPolicy::Monotone => "Monotone",
+        AxisPolicy::Minimal => "Minimal",
+        AxisPolicy::Staircase => "Staircase",
     }
 }
 
@@ -18,11 +20,14 @@ fn policy_tip(policy: AxisPolicy) -> &'static str {
     match policy {
         AxisPolicy::Conventional => "Isoparametric axes, left as they are",
         AxisPolicy::Monotone => "The angle between hub normal and axis grows from position to position",
+        AxisPolicy::Minimal => "The least stock on the hub that no core contact allows",
+        AxisPolicy::Staircase => "Isoparametric axes, plunges shortened until the core is free",
     }
 }
 
 /// Policies the planner has.
-const POLICIES: [AxisPolicy; 2] = [AxisPolicy::Monotone, AxisPolicy::Conventional];
+const POLICIES: [AxisPolicy; 4] =
+    [AxisPolicy::Minimal, AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Conventional];
 
 const STEP: Spec = Spec::mm(
     "Step",

@@ -1,0 +1,134 @@
+//! Depth, width and largest cutter along a passage (paper C, section I.C and D).
+
+use rayon::prelude::*;
+
+use super::cutter::{LargestCutter, WallPair};
+use crate::part::{BladeSide, Channel, Impeller, Passage, PassageWidth, SideProbe, Wall};
+
+/// Which passage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Between two main blades.
+    Full,
+    /// Between the suction side of a main blade and the splitter.
+    BesideSuction,
+    /// Between the splitter and the pressure side of the next main blade.
+    BesidePressure,
+}
+
+/// Width at one station, mm: nearest distance between the walls on the hub, half way up and on the shroud.
+/// `None` ahead of the splitter, or where a wall does not reach.
+#[derive(Clone, Copy, Debug)]
+pub struct WidthStation {
+    /// s.
+    pub s: f64,
+    /// At η = 0, ½ and 1.
+    pub width: [Option<f64>; 3],
+}
+
+/// What was measured along one passage.
+#[derive(Clone, Debug)]
+pub struct PassageMeasure {
+    /// Which passage.
+    pub place: Place,
+    /// Widths along s; of the full channel also where a splitter divides it.
+    pub widths: Vec<WidthStation>,
+    /// Largest cutters along s, where a cutter meets just these two walls: of a divided channel ahead of the splitter.
+    pub cutters: Vec<LargestCutter>,
+}
+
+impl PassageMeasure {
+    /// Every width that was measured, mm.
+    pub fn all_widths(&self) -> impl Iterator<Item = f64> + '_ {
+        self.widths.iter().flat_map(|station| station.width).flatten()
+    }
+}
+
+/// Stations for widths and depths.
+const WIDTH_STEPS: usize = 100;
+/// Stations for cutters.
+const CUTTER_STEPS: usize = 20;
+
+fn stations(steps: usize) -> impl IndexedParallelIterator<Item = f64> {
+    (0..steps + 1).into_par_iter().map(move |i| i as f64 / steps as f64)
+}
+
+/// Depth along s, (s, mm): the height of the wall between corresponding points on hub and shroud, of the
+/// higher wall of the channel.
+pub fn depths(part: &Impeller, channel: &Channel) -> Vec<(f64, f64)> {
+    stations(WIDTH_STEPS)
+        .filter_map(|s| {
+            let height = |wall: &Wall| {
+                let u = wall.at(part, s, 0.0)?.u;
+                Some((wall.side().point(u, 1.0) - wall.side().point(u, 0.0)).norm())
+            };
+            let [low, high] = [height(&channel.full.walls[0]), height(&channel.full.walls[1])];
+            low.into_iter().chain(high).reduce(f64::max).map(|depth| (s, depth))
+        })
+        .collect()
+}
+
+/// A passage with what bounds it.
+struct Bounded<'a> {
+    place: Place,
+    passage: &'a Passage,
+    /// Its walls as they are, noses included: a suction side and a pressure side.
+    sides: [&'a BladeSide; 2],
+    /// s at which it begins, on the hub and on the shroud.
+    start: [f64; 2],
+    /// s on the hub at which another blade divides it.
+    end: f64,
+}
+
+/// Measures every passage of the channel.
+pub fn measure(part: &Impeller, channel: &Channel) -> Vec<PassageMeasure> {
+    let next = part.main.rotated(part.pitch());
+    let full = Bounded {
+        place: Place::Full,
+        passage: &channel.full,
+        sides: [&part.main.suction, &next.pressure],
+        start: [0.0; 2],
+        end: channel.splitter_s.map_or(f64::INFINITY, |[hub, _]| hub),
+    };
+    let mut measures = vec![measured(part, &full)];
+    if let ([near, far], Some(blade), Some(start)) =
+        (&channel.beside_splitter[..], part.splitters.first(), channel.splitter_s)
+    {
+        let beside = |place, passage, sides| Bounded { place, passage, sides, start, end: f64::INFINITY };
+        let suction = beside(Place::BesideSuction, near, [&part.main.suction, &blade.pressure]);
+        let pressure = beside(Place::BesidePressure, far, [&blade.suction, &next.pressure]);
+        measures.extend([suction, pressure].iter().map(|bounded| measured(part, bounded)));
+    }
+    measures
+}
+
+fn measured(part: &Impeller, bounded: &Bounded<'_>) -> PassageMeasure {
+    let Bounded { passage, start, .. } = bounded;
+    let widths = PassageWidth::new(part, passage);
+    let width_at = |s: f64| {
+        let width = [0.0, 0.5, 1.0].map(|eta| {
+            let begins = start[0] + eta * (start[1] - start[0]);
+            (s >= begins).then(|| widths.at(s, eta)).flatten()
+        });
+        WidthStation { s, width }
+    };
+    let pair = WallPair::new(part, bounded.sides[0], bounded.sides[1]);
+    let cutter_at = |s: f64| {
+        let within = s >= start[0] && s < bounded.end;
+        within.then(|| pair.largest(s, |s, eta| passage.wall_angles(part, s, eta))).flatten()
+    };
+    PassageMeasure {
+        place: bounded.place,
+        widths: stations(WIDTH_STEPS).map(width_at).collect(),
+        cutters: stations(CUTTER_STEPS).filter_map(cutter_at).collect(),
+    }
+}
+
+/// Distances from the points of `wall` at each `u` and `v` (row by row of u) to the nearest place of the wall
+/// that it faces, mm.
+pub fn wall_widths(wall: &BladeSide, facing: &BladeSide, u: &[f64], v: &[f64]) -> Vec<f64> {
+    let facing = SideProbe::new(facing, 0.0, 1.0);
+    let row = |&u: &f64| v.iter().map(|&v| facing.nearest_to_point(&wall.point(u, v)).distance).collect();
+    let rows: Vec<Vec<f64>> = u.par_iter().map(row).collect();
+    rows.concat()
+}

@@ -1,0 +1,347 @@
+//! Which floor a cutter reaches, and from which side (paper C, section I.D and fig. 6).
+//!
+//! A place of the hub floor is a *centre* when a cutter can stand on it: there is an axis whose cylinder keeps the blade
+//! allowance from every blade side, whose column stays out of the hub further up, and whose holder clears the blades
+//! and the turned blank, in which the neighbouring channels may still be solid. Floor is *reached* where the bottom of
+//! a cutter on some centre covers it.
+//!
+//! An axis comes **from the outlet** when it leans by [`LEAN`] or more from the hub normal of its foot towards the outlet
+//! (α ≤ −[`LEAN`]): cutter and spindle stand on the outlet's side. It comes **from the inlet** when it leans as much
+//! towards the inlet. An axis along the normal reaches a place too, but from neither side. Tilts run to `max_tilt`
+//! both ways; sideways the axis is laid between the walls and pushed off the one it comes too near to.
+//! Rows that are fed from the outlet inwards want axes that lean towards the inlet, and the other way round: where a
+//! place is had from one side only, the map tells which feed can work.
+//!
+//! The lift that a tilted bottom needs over a curved hub is a matter of the stock it leaves, not of reach, and
+//! is not asked for here.
+
+use rayon::prelude::*;
+
+use super::stand::Surroundings;
+use crate::geometry::{Meridional, Point, wrap_angle};
+use crate::part::{Channel, Impeller, Passage, Tool};
+
+/// A stretch of the channel and the cutter that is to work in it.
+#[derive(Clone, Debug)]
+pub struct Stretch<'a> {
+    /// s at the outlet end.
+    pub from: f64,
+    /// s at the inlet end.
+    pub to: f64,
+    /// The cutter.
+    pub tool: &'a Tool,
+}
+
+/// What bounds the axes.
+#[derive(Clone, Copy, Debug)]
+pub struct ReachLimits {
+    /// Stock that stays on the hub, mm.
+    pub hub_allowance: f64,
+    /// Stock that stays on the blades, mm.
+    pub blade_allowance: f64,
+    /// Largest angle between axis and hub normal along the flow, rad.
+    pub max_tilt: f64,
+}
+
+/// From where a place can be had.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sides {
+    /// From the outlet.
+    pub outlet: bool,
+    /// From the inlet.
+    pub inlet: bool,
+    /// From either side, or with an axis along the hub normal.
+    pub any: bool,
+}
+
+impl Sides {
+    fn or(self, other: Self) -> Self {
+        Self {
+            outlet: self.outlet || other.outlet,
+            inlet: self.inlet || other.inlet,
+            any: self.any || other.any,
+        }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            outlet: self.outlet && other.outlet,
+            inlet: self.inlet && other.inlet,
+            any: self.any && other.any,
+        }
+    }
+
+    /// From both sides.
+    pub fn both(self) -> bool {
+        self.outlet && self.inlet
+    }
+}
+
+/// A piece of the floor.
+#[derive(Clone, Copy, Debug)]
+pub struct FloorCell {
+    /// λ of its middle, across the full channel.
+    pub lambda: f64,
+    /// Angle of its middle about Z, rad.
+    pub theta: f64,
+    /// mm².
+    pub area: f64,
+    /// From where its middle is reached.
+    pub reached: Sides,
+}
+
+impl FloorCell {
+    /// The cell with its λ across the channel between `walls` instead of across its passage.
+    fn across(self, walls: [f64; 2], pitch: f64) -> Self {
+        // Wall angles of different passages may differ by whole turns.
+        let from_wall = wrap_angle(self.theta - walls[0] - 0.5 * pitch) + 0.5 * pitch;
+        Self { lambda: from_wall / (walls[1] - walls[0]), ..self }
+    }
+}
+
+/// Cells of the floor at one s, ordered by angle.
+#[derive(Clone, Debug)]
+pub struct FloorRow {
+    /// s.
+    pub s: f64,
+    /// The cells of all passages that are there.
+    pub cells: Vec<FloorCell>,
+}
+
+/// The reachability map.
+#[derive(Clone, Debug)]
+pub struct ReachMap {
+    /// Rows from leading edge to rim.
+    pub rows: Vec<FloorRow>,
+}
+
+/// Rows along s.
+const ROWS: usize = 40;
+/// Cells across a passage.
+const COLUMNS: usize = 24;
+/// Places across a passage that are tried as centres, its middle among them; the borders between them are found
+/// by bisection.
+const CENTRES: usize = 15;
+/// Bisections of a border: to 1/500 of the passage.
+const BORDER_STEPS: usize = 5;
+/// Least lean of an axis that comes from one side, and step of the tilts tried, rad.
+pub const LEAN: f64 = 7.5 * std::f64::consts::PI / 180.0;
+
+impl ReachMap {
+    /// Map of the floor of `channel`.
+    pub fn new(part: &Impeller, channel: &Channel, stretches: &[Stretch<'_>], limits: &ReachLimits) -> Self {
+        let surroundings = Surroundings::new(part, channel, limits);
+        let rows_of = |row: usize| (row as f64 + 0.5) / ROWS as f64;
+        let strips: Vec<Vec<Strip>> = (0..ROWS)
+            .into_par_iter()
+            .map(|row| {
+                let s = rows_of(row);
+                let tool = stretches.iter().find(|x| (x.to..=x.from).contains(&s)).map(|x| x.tool);
+                let passages = passages_at(channel, s).iter();
+                passages.filter_map(|passage| Strip::new(part, passage, s, tool, &surroundings)).collect()
+            })
+            .collect();
+        let mut centres = Vec::new();
+        for (row, here) in strips.iter().enumerate() {
+            // Where the splitter begins, passages of one row have no successors in the next.
+            let next = strips.get(row + 1).filter(|next| next.len() == here.len());
+            for (k, strip) in here.iter().enumerate() {
+                centres.extend(strip.centres(next.map(|next| &next[k])));
+            }
+        }
+        let rows = (0..ROWS)
+            .into_par_iter()
+            .map(|row| {
+                let s = rows_of(row);
+                let Some(walls) = channel.full.wall_angles(part, s, 0.0) else {
+                    return FloorRow { s, cells: Vec::new() };
+                };
+                let cells = strips[row].iter().flat_map(|strip| strip.cells(&centres, &surroundings, limits));
+                let cells = cells.map(|cell| cell.across(walls, part.pitch())).collect();
+                FloorRow { s, cells }
+            })
+            .collect();
+        Self { rows }
+    }
+
+    /// Share of the floor, by area, whose sides are as `wanted`; NaN without floor.
+    pub fn share(&self, wanted: impl Fn(Sides) -> bool) -> f64 {
+        self.share_between(f64::INFINITY, f64::NEG_INFINITY, wanted)
+    }
+
+    /// As [`Self::share`], of the floor between s = `from` (at the outlet end) and s = `to`.
+    pub fn share_between(&self, from: f64, to: f64, wanted: impl Fn(Sides) -> bool) -> f64 {
+        let rows = self.rows.iter().filter(|row| (to..=from).contains(&row.s));
+        share(rows.flat_map(|row| &row.cells), wanted)
+    }
+
+    /// The cell of the row at `s` nearest to `lambda` across the full channel.
+    pub fn nearest(&self, s: f64, lambda: f64) -> Option<&FloorCell> {
+        let row = self.rows.get(((s * ROWS as f64).max(0.0) as usize).min(ROWS - 1))?;
+        let off = |cell: &FloorCell| (cell.lambda - lambda).abs();
+        row.cells.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+}
+
+impl FloorRow {
+    /// Share of the row, by area, whose sides are as `wanted`; NaN without floor.
+    pub fn share(&self, wanted: impl Fn(Sides) -> bool) -> f64 {
+        share(self.cells.iter(), wanted)
+    }
+}
+
+fn share<'c>(cells: impl Iterator<Item = &'c FloorCell>, wanted: impl Fn(Sides) -> bool) -> f64 {
+    let (mut had, mut all) = (0.0, 0.0);
+    for cell in cells {
+        all += cell.area;
+        if wanted(cell.reached) {
+            had += cell.area;
+        }
+    }
+    had / all
+}
+
+/// A line on the hub on which a cutter can stand everywhere; its ends may be the same point.
+struct Centres {
+    ends: [Point; 2],
+    radius: f64,
+    sides: Sides,
+}
+
+impl Centres {
+    /// Whether the bottom of a cutter on the line covers `point`.
+    fn cover(&self, point: &Point) -> bool {
+        let (along, to) = (self.ends[1] - self.ends[0], point - self.ends[0]);
+        let share = (to.dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+        (to - along * share).norm_squared() <= self.radius * self.radius
+    }
+}
+
+/// The floor of one passage at one s.
+struct Strip {
+    hub: Meridional,
+    /// Angles of the walls.
+    walls: [f64; 2],
+    /// Area of a cell, mm².
+    cell_area: f64,
+    /// Radius of the cutter there, mm.
+    radius: f64,
+    /// Places that were tried, by λ across the passage, with the sides from which a cutter can stand there. In between
+    /// the sides that both neighbours share hold.
+    places: Vec<(f64, Sides)>,
+}
+
+/// The passages that are there at `s` on the hub.
+fn passages_at(channel: &Channel, s: f64) -> &[Passage] {
+    match channel.splitter_s {
+        Some([hub, _]) if s >= hub => &channel.beside_splitter,
+        _ => std::slice::from_ref(&channel.full),
+    }
+}
+
+impl Strip {
+    /// Tries `tool` across `passage` at `s`; without a tool nothing stands there. `None` where a wall does not reach.
+    fn new(
+        part: &Impeller,
+        passage: &Passage,
+        s: f64,
+        tool: Option<&Tool>,
+        surroundings: &Surroundings<'_>,
+    ) -> Option<Self> {
+        let hub = part.hub.point(s);
+        let walls = passage.wall_angles(part, s, 0.0)?;
+        let across = (walls[1] - walls[0]).abs() * hub.r;
+        let cell_area = across / COLUMNS as f64 * part.hub.length() / ROWS as f64;
+        let places = tool.map_or_else(Vec::new, |tool| {
+            let aims = surroundings.aims(passage, s);
+            tried(|lambda| surroundings.sides_at(&aims, s, walls, lambda, tool))
+        });
+        Some(Self { hub, walls, cell_area, radius: tool.map_or(0.0, Tool::radius), places })
+    }
+
+    fn theta(&self, lambda: f64) -> f64 {
+        self.walls[0] + lambda * (self.walls[1] - self.walls[0])
+    }
+
+    fn point(&self, lambda: f64) -> Point {
+        self.hub.at_angle(self.theta(lambda))
+    }
+
+    /// Places of this strip on which a cutter can stand, each with the line to its neighbour on the `next` strip of the
+    /// passage: beside a wall that runs oblique to the rows, cutters between the rows cover what those on them do not.
+    fn centres(&self, next: Option<&Self>) -> Vec<Centres> {
+        let free = |strip: &Self| -> Vec<(f64, Sides)> {
+            strip.places.iter().filter(|(_, sides)| sides.any).copied().collect()
+        };
+        let neighbours = next.map(free).unwrap_or_default();
+        let mut centres = Vec::new();
+        for (lambda, sides) in free(self) {
+            let point = self.point(lambda);
+            centres.push(Centres { ends: [point; 2], radius: self.radius, sides });
+            let off = |place: &&(f64, Sides)| (place.0 - lambda).abs();
+            let nearest = neighbours.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            if let (Some(next), Some(place)) = (next, nearest.filter(|p| off(p) < 1.0 / CENTRES as f64)) {
+                let ends = [point, next.point(place.0)];
+                centres.push(Centres {
+                    ends,
+                    radius: self.radius.min(next.radius),
+                    sides: sides.and(place.1),
+                });
+            }
+        }
+        centres
+    }
+
+    /// From where a cutter can stand at `lambda`, by the places tried.
+    fn sides(&self, lambda: f64) -> Sides {
+        let above = self.places.partition_point(|(at, _)| *at < lambda);
+        match (above.checked_sub(1).and_then(|below| self.places.get(below)), self.places.get(above)) {
+            (Some((_, below)), Some((_, above))) => below.and(*above),
+            _ => Sides::default(),
+        }
+    }
+
+    /// The cells outside the blade allowance, with what the cutters on `centres` reach of them.
+    fn cells(
+        &self,
+        centres: &[Centres],
+        surroundings: &Surroundings<'_>,
+        limits: &ReachLimits,
+    ) -> Vec<FloorCell> {
+        let across = (self.walls[1] - self.walls[0]).abs() * self.hub.r;
+        let cell = |j: usize| {
+            let lambda = (j as f64 + 0.5) / COLUMNS as f64;
+            let point = self.point(lambda);
+            // Only beside a wall is there anything to measure.
+            let beside = lambda.min(1.0 - lambda) * across < 4.0 * limits.blade_allowance;
+            if beside && surroundings.blade_distance(&point) < limits.blade_allowance {
+                return None;
+            }
+            let covering = centres.iter().filter(|c| c.cover(&point));
+            let reached = covering.fold(self.sides(lambda), |sides, centre| sides.or(centre.sides));
+            Some(FloorCell { lambda, theta: self.theta(lambda), area: self.cell_area, reached })
+        };
+        (0..COLUMNS).filter_map(cell).collect()
+    }
+}
+
+/// Places across a passage with what `sides_at` says of them: evenly spaced, and both sides of every border between them.
+fn tried(sides_at: impl Fn(f64) -> Sides) -> Vec<(f64, Sides)> {
+    // Nothing stands on the walls themselves.
+    let mut places = vec![(0.0, Sides::default())];
+    for k in 1..=CENTRES + 1 {
+        let lambda = k as f64 / (CENTRES + 1) as f64;
+        let here = (lambda, if k <= CENTRES { sides_at(lambda) } else { Sides::default() });
+        let (mut low, mut high) = (places[places.len() - 1], here);
+        if low.1 != high.1 {
+            for _ in 0..BORDER_STEPS {
+                let middle = 0.5 * (low.0 + high.0);
+                let sides = sides_at(middle);
+                if sides == low.1 { low = (middle, sides) } else { high = (middle, sides) }
+            }
+            places.extend([low, high]);
+        }
+        places.push(here);
+    }
+    places
+}

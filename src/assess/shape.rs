@@ -1,0 +1,232 @@
+//! Twisting and bending degree of a blade (paper C, section I.B, fig. 1 and 2).
+//!
+//! Both are taken on the camber surface, the mean of suction and pressure side at equal (u, v): on the
+//! sides themselves the nose would win.
+
+use crate::geometry::{Point, Vector};
+use crate::part::Blade;
+
+/// Shape of one blade.
+#[derive(Clone, Debug)]
+pub struct BladeShape {
+    /// Twist of the camber lines, evenly spaced from hub to tip.
+    pub twists: Vec<Twist>,
+    /// Bend at the place of the greatest offset.
+    pub bend: Bend,
+    /// Bend at the place of the greatest angle between the chords.
+    pub sharpest_bend: Bend,
+}
+
+/// Twist of one camber line LE → TE. Angles count from the rotation axis, 0 along it to π/2 across it, rad.
+#[derive(Clone, Copy, Debug)]
+pub struct Twist {
+    /// v of the line, hub 0 to tip 1.
+    pub v: f64,
+    /// Larger angle of the two chords.
+    pub degree: f64,
+    /// Angles of the chords, LE → split and split → TE.
+    pub chords: [f64; 2],
+    /// Where the line is split, at its largest curvature: fraction of its length from the LE.
+    pub split: f64,
+    /// Largest angle of the tangent. It does not jump where two places are equally curved.
+    pub largest_tangent: f64,
+    /// Where that is, fraction of the length.
+    pub largest_tangent_at: f64,
+}
+
+/// Bend of one curve hub → tip at mid span.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Bend {
+    /// u of the curve.
+    pub u: f64,
+    /// Distance of the mid section from the straight line between hub and tip, mm.
+    pub offset: f64,
+    /// Angle between the chords hub → mid and mid → tip, rad.
+    pub angle: f64,
+}
+
+/// Share of a camber line left out at both ends when looking for curvature and tangents: noses and blunt edges are
+/// more curved than any blade.
+const TRIM: f64 = 0.05;
+/// Lines hub → tip. The split jumps from line to line where two places are equally curved, and the degree
+/// with it by some degrees: the maximum needs lines on both sides of the jump.
+const LINES: usize = 20;
+/// Points along a line.
+const STEPS: usize = 400;
+/// Curvature is the turn over so many steps before and after a place, 1 % of the blade: the noise of digitised
+/// points does not decide.
+const WINDOW: usize = 4;
+/// Curves hub → tip.
+const CURVES: usize = 40;
+
+impl BladeShape {
+    /// Measures a blade.
+    pub fn of(blade: &Blade) -> Self {
+        let mut line = Vec::with_capacity(STEPS + 1);
+        let twists = (0..=LINES).map(|k| twist(blade, k as f64 / LINES as f64, &mut line)).collect();
+        let bends =
+            || (0..=CURVES).map(|i| bend(blade, TRIM + (1.0 - 2.0 * TRIM) * i as f64 / CURVES as f64));
+        let most = |of: fn(&Bend) -> f64| bends().max_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or_default();
+        Self { twists, bend: most(|b| b.offset), sharpest_bend: most(|b| b.angle) }
+    }
+
+    /// The most twisted line: its degree is that of the blade.
+    pub fn most_twisted(&self) -> Option<&Twist> {
+        self.twists.iter().max_by(|a, b| a.degree.total_cmp(&b.degree))
+    }
+
+    /// The lines at hub, mid span and tip.
+    pub fn hub_mid_tip(&self) -> [Twist; 3] {
+        [0, LINES / 2, LINES].map(|k| self.twists[k])
+    }
+}
+
+fn camber(blade: &Blade, u: f64, v: f64) -> Point {
+    nalgebra::center(&blade.suction.point(u, v), &blade.pressure.point(u, v))
+}
+
+/// Angle between a direction and the rotation axis, 0 to π/2.
+fn from_axis(d: Vector) -> f64 {
+    d.x.hypot(d.y).atan2(d.z.abs())
+}
+
+/// Points of the camber line at `v`, LE → TE, each with the length up to it; into `line`. Returns the whole length.
+fn camber_line(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> f64 {
+    line.clear();
+    let mut length = 0.0;
+    for i in 0..=STEPS {
+        let p = camber(blade, i as f64 / STEPS as f64, v);
+        length += line.last().map_or(0.0, |(_, last)| (p - last).norm());
+        line.push((length, p));
+    }
+    length
+}
+
+/// Angle of the tangent along the camber line at `v`: (fraction of the length from the LE, rad from the axis), ends
+/// trimmed as for the largest tangent.
+pub fn tangents(blade: &Blade, v: f64) -> Vec<(f64, f64)> {
+    let mut line = Vec::with_capacity(STEPS + 1);
+    let length = camber_line(blade, v, &mut line);
+    line.windows(3)
+        .map(|w| (w[1].0 / length, from_axis(w[2].1 - w[0].1)))
+        .filter(|(at, _)| (TRIM..=1.0 - TRIM).contains(at))
+        .collect()
+}
+
+/// Twist of the camber line at `v`. `line` is a buffer.
+fn twist(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> Twist {
+    let length = camber_line(blade, v, line);
+    let step = |i: usize, j: usize| line[j].1 - line[i].1;
+    let mut twist = Twist {
+        v,
+        degree: 0.0,
+        chords: [0.0; 2],
+        split: 0.5,
+        largest_tangent: 0.0,
+        largest_tangent_at: TRIM,
+    };
+    let (mut largest_curvature, mut split) = (f64::NEG_INFINITY, STEPS / 2);
+    for i in WINDOW..=STEPS - WINDOW {
+        let at = line[i].0 / length;
+        if !(TRIM..=1.0 - TRIM).contains(&at) {
+            continue;
+        }
+        let (before, after) = (step(i - WINDOW, i), step(i, i + WINDOW));
+        let curvature = before.angle(&after) / (0.5 * (before.norm() + after.norm()));
+        if curvature > largest_curvature {
+            (largest_curvature, split) = (curvature, i);
+            twist.split = at;
+        }
+        let tangent = from_axis(step(i - 1, i + 1));
+        if tangent > twist.largest_tangent {
+            (twist.largest_tangent, twist.largest_tangent_at) = (tangent, at);
+        }
+    }
+    // The chords run from end to end of the blade, as in the paper; only the search was trimmed.
+    twist.chords = [from_axis(step(0, split)), from_axis(step(split, STEPS))];
+    twist.degree = twist.chords[0].max(twist.chords[1]);
+    twist
+}
+
+fn bend(blade: &Blade, u: f64) -> Bend {
+    let [hub, middle, tip] = [0.0, 0.5, 1.0].map(|v| camber(blade, u, v));
+    let (lower, upper) = (middle - hub, tip - middle);
+    let Some(straight) = (tip - hub).try_normalize(1e-12) else { return Bend { u, ..Bend::default() } };
+    Bend { u, offset: (lower - straight * lower.dot(&straight)).norm(), angle: lower.angle(&upper) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::part::BladeSide;
+
+    /// A blade whose camber surface is `point(u, v)`, 2 mm thick along y.
+    fn blade(sections: usize, point: impl Fn(f64, f64) -> Point) -> Blade {
+        let u: Vec<f64> = (0..=200).map(|i| f64::from(i) / 200.0).collect();
+        let v: Vec<f64> = (0..sections).map(|k| k as f64 / (sections - 1) as f64).collect();
+        let side = |y: f64| {
+            let sections: Vec<Vec<Point>> = v
+                .iter()
+                .map(|&v| u.iter().map(|&u| point(u, v) + Vector::new(0.0, y, 0.0)).collect())
+                .collect();
+            BladeSide::loft(&u, &v, &sections)
+        };
+        Blade { suction: side(1.0), pressure: side(-1.0) }
+    }
+
+    #[test]
+    fn a_flat_radial_blade_has_the_twist_of_its_stagger_and_no_bend() {
+        for stagger in [0.0, 25f64.to_radians(), 60f64.to_radians()] {
+            let shape = BladeShape::of(&blade(2, |u, v| {
+                Point::new(30.0 + 40.0 * v, 50.0 * u * stagger.sin(), -50.0 * u * stagger.cos())
+            }));
+            for t in &shape.twists {
+                assert!((t.degree - stagger).abs() < 1e-9, "degree {} at {}", t.degree, t.v);
+                assert!(
+                    (t.largest_tangent - stagger).abs() < 1e-9,
+                    "tangent {} at {}",
+                    t.largest_tangent,
+                    t.v
+                );
+            }
+            assert!(shape.bend.offset < 1e-9 && shape.sharpest_bend.angle < 1e-6, "{:?}", shape.bend);
+        }
+    }
+
+    #[test]
+    fn a_blade_of_two_flat_pieces_is_split_at_its_knee() {
+        // 20° and 70° from the axis, joined by a short arc at 60 % of the length.
+        let (knee, from, to) = (0.6, 20f64.to_radians(), 70f64.to_radians());
+        let direction = |t: f64| from + (to - from) * ((t - knee) / 0.04 + 0.5).clamp(0.0, 1.0);
+        let path = |u: f64| {
+            let steps = 2000;
+            let h = u / f64::from(steps);
+            let sum = (0..steps).fold((0.0, 0.0), |(y, z), k| {
+                let a = direction((f64::from(k) + 0.5) * h);
+                (y + h * a.sin(), z + h * a.cos())
+            });
+            (100.0 * sum.0, 100.0 * sum.1)
+        };
+        let shape = BladeShape::of(&blade(2, |u, v| {
+            let (y, z) = path(u);
+            Point::new(40.0 + 20.0 * v, y, z)
+        }));
+        let most = shape.most_twisted().expect("lines");
+        assert!((most.split - knee).abs() < 0.02, "split at {}", most.split);
+        let chords = most.chords.map(f64::to_degrees);
+        assert!((chords[0] - 20.0).abs() < 1.5 && (chords[1] - 70.0).abs() < 1.5, "{chords:?}");
+        assert_eq!(most.degree, most.chords[1]);
+        assert!((most.largest_tangent - to).abs() < 5e-3, "{}", most.largest_tangent.to_degrees());
+    }
+
+    #[test]
+    fn a_bow_is_its_offset_and_the_angle_of_its_chords() {
+        // 1.5 mm at mid span of a blade 40 mm high, most at the trailing edge.
+        let bow = |u: f64, v: f64| 1.5 * u * 4.0 * v * (1.0 - v);
+        let shape = BladeShape::of(&blade(5, |u, v| Point::new(30.0 + 40.0 * v, bow(u, v), 60.0 * u)));
+        let expected = 1.5 * (1.0 - TRIM);
+        assert!((shape.bend.offset - expected).abs() < 1e-9, "{:?}", shape.bend);
+        assert!((shape.sharpest_bend.angle - 2.0 * (expected / 20.0).atan()).abs() < 1e-9, "{shape:?}");
+        assert!((shape.bend.u - (1.0 - TRIM)).abs() < 1e-12, "{:?}", shape.bend);
+    }
+}

@@ -1,0 +1,166 @@
+//! Whether a cutter can stand on a place of the floor: an axis at a given tilt along the flow, laid between the walls
+//! and pushed off the one it comes too near to, with its column clear of the hub and its holder of everything.
+
+use super::reach::{LEAN, ReachLimits, Sides};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about};
+use crate::part::{Blank, Channel, Impeller, Passage, SideProbe, Tool};
+
+/// Pushes of an axis between the walls before it counts as blocked.
+const PUSHES: usize = 5;
+
+/// An axis in the meridional plane, to be laid between the walls: where it aims, and the walls' angles there.
+struct Aim {
+    /// Point on the axis about as high as the shroud.
+    top: Meridional,
+    /// Angles of the walls at that point.
+    walls: [f64; 2],
+}
+
+/// The aims of one place in s; those towards one side least tilted first.
+pub struct Aims {
+    upright: Option<Aim>,
+    outlet: Vec<Aim>,
+    inlet: Vec<Aim>,
+}
+
+/// Everything a cutter can run into.
+pub struct Surroundings<'a> {
+    part: &'a Impeller,
+    sides: Vec<SideProbe>,
+    blank: Blank,
+    limits: ReachLimits,
+}
+
+impl<'a> Surroundings<'a> {
+    /// Of a cutter in `channel`.
+    pub fn new(part: &'a Impeller, channel: &Channel, limits: &ReachLimits) -> Self {
+        Self {
+            part,
+            sides: channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect(),
+            blank: Blank::of(part, 0.0),
+            limits: *limits,
+        }
+    }
+
+    /// Distance from `point` to the nearest blade side, mm.
+    pub fn blade_distance(&self, point: &Point) -> f64 {
+        self.sides.iter().map(|side| side.nearest_to_point(point).distance).fold(f64::INFINITY, f64::min)
+    }
+
+    /// A point of the hub allowance surface.
+    fn foot(&self, s: f64, walls: [f64; 2], lambda: f64) -> Point {
+        let hub = self.part.hub.at(s);
+        let raised = |p: f64, n: f64| p + self.limits.hub_allowance * n;
+        Meridional { r: raised(hub.point.r, hub.normal.r), z: raised(hub.point.z, hub.normal.z) }
+            .at_angle(walls[0] + lambda * (walls[1] - walls[0]))
+    }
+
+    /// What to aim at from `s`, both ways.
+    pub fn aims(&self, passage: &Passage, s: f64) -> Aims {
+        let hub = self.part.hub.at(s);
+        let depth = hub.point.distance(self.part.shroud.point(s));
+        let aim = |alpha: f64| {
+            let height = depth / alpha.cos().max(0.3);
+            let (sin, cos) = alpha.sin_cos();
+            let along = |n: f64, t: f64| height * (cos * n - sin * t);
+            let top = Meridional {
+                r: hub.point.r + along(hub.normal.r, hub.tangent.r),
+                z: hub.point.z + along(hub.normal.z, hub.tangent.z),
+            };
+            let s_top = self.part.shroud.s_at(self.part.shroud.curve().project(top).0);
+            Some(Aim { top, walls: passage.wall_angles(self.part, s_top, 1.0)? })
+        };
+        let steps = (self.limits.max_tilt / LEAN + 1e-9).floor() as usize;
+        let towards = |sign: f64| (1..=steps).filter_map(|k| aim(sign * LEAN * k as f64)).collect();
+        Aims { upright: aim(0.0), outlet: towards(-1.0), inlet: towards(1.0) }
+    }
+
+    /// From where `tool` can stand at `lambda` between `walls`, the angles of the walls on the hub at `s`.
+    pub fn sides_at(&self, aims: &Aims, s: f64, walls: [f64; 2], lambda: f64, tool: &Tool) -> Sides {
+        let foot = self.foot(s, walls, lambda);
+        // Across the hub a wall is never further off than along the circumference.
+        let around = lambda.min(1.0 - lambda) * (walls[1] - walls[0]).abs() * foot.x.hypot(foot.y);
+        if around < tool.radius() + self.limits.blade_allowance {
+            return Sides::default();
+        }
+        let stands = |aim: &Aim| self.stands(&foot, aim, lambda, tool);
+        let (outlet, inlet) = (aims.outlet.iter().any(stands), aims.inlet.iter().any(stands));
+        Sides { outlet, inlet, any: outlet || inlet || aims.upright.as_ref().is_some_and(stands) }
+    }
+
+    /// Whether a cutter stands at `foot` with an axis that leans as `aim` along the flow.
+    fn stands(&self, foot: &Point, aim: &Aim, lambda: f64, tool: &Tool) -> bool {
+        let mut theta = aim.walls[0] + lambda * (aim.walls[1] - aim.walls[0]);
+        let mut last = 0.0;
+        for _ in 0..PUSHES {
+            let top = aim.top.at_angle(theta);
+            let Some(axis) = (top - foot).try_normalize(1e-9) else { return false };
+            let Some(push) = self.push(&tool.placed(*foot, axis), &top) else {
+                return self.column_clears_hub(foot, &axis, tool) && self.holder_clears(foot, &axis, tool);
+            };
+            // Pushed just clear of one wall and too near to the other: there is no room between them.
+            if !push.is_finite() || push.abs() > self.part.pitch().abs() || push * last < 0.0 {
+                return false;
+            }
+            theta += push;
+            last = push;
+        }
+        false
+    }
+
+    /// By what angle the upper end `top` of an axis must turn about Z to clear a blade side that is too near; `None`
+    /// where all are clear, NaN where turning does not help.
+    fn push(&self, cutter: &CutterSolid, top: &Point) -> Option<f64> {
+        const MARGIN: f64 = 1e-3;
+        let wanted = self.limits.blade_allowance;
+        let near = self
+            .sides
+            .iter()
+            .filter_map(|side| side.nearest_below(cutter, wanted))
+            .find(|near| near.distance < wanted)?;
+        let up = (near.point - cutter.tip).dot(&cutter.axis);
+        let away = cutter.tip + cutter.axis * up - near.point;
+        let share = up / (top - cutter.tip).norm();
+        let gain = share * away.normalize().dot(&Vector::new(-top.y, top.x, 0.0));
+        Some(if share > 0.02 { (wanted - near.distance + MARGIN) / gain } else { f64::NAN })
+    }
+
+    /// Whether the cutter stays out of the hub above its bottom: a leaning column may meet the hub again.
+    fn column_clears_hub(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
+        let curve = self.part.hub.curve();
+        let radius = tool.radius();
+        let (from, steps) = (2.0 * radius, 8);
+        (0..=steps).all(|i| {
+            let up = from + (tool.overhang - from).max(0.0) * f64::from(i) / f64::from(steps);
+            let (t, distance) = curve.project(Meridional::of(&(foot + axis * up)));
+            // Beyond its ends the hub has an edge, not a surface.
+            distance.abs() >= radius && (distance > 0.0 || t <= 0.0 || t >= curve.length())
+        })
+    }
+
+    /// Whether the holder clears blades, hub and the turned blank.
+    fn holder_clears(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
+        let radius = 0.5 * tool.holder_diameter();
+        let holder =
+            CutterSolid { tip: foot + axis * tool.overhang, axis: *axis, radius, corner_radius: 0.0 };
+        let (e1, e2) = frame_about(axis);
+        let around = 12;
+        let rim = |k: i32, up: f64| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(around)).sin_cos();
+            Meridional::of(&(holder.tip + axis * up + (e1 * cos + e2 * sin) * radius))
+        };
+        let mut warm = None;
+        let outside = |p: Meridional, warm: &mut Option<f64>| self.blank.clearance(p, warm) >= 0.0;
+        let mut bottom_clear = true;
+        for up in [0.0, 2.0 * radius] {
+            for k in 0..around {
+                bottom_clear &= outside(rim(k, up), &mut warm);
+            }
+        }
+        bottom_clear
+            && self
+                .sides
+                .iter()
+                .all(|side| side.nearest_below(&holder, 0.0).is_none_or(|n| n.distance >= 0.0))
+    }
+}

@@ -1,0 +1,292 @@
+//! `vanecut assess`.
+
+use serde_json::{Map, Value, json};
+
+use super::args::AssessArgs;
+use super::report::number;
+use super::{Failure, assess_pictures, open, plan, say};
+use crate::assess::passage::{PassageMeasure, Place};
+use crate::assess::reach::{ReachLimits, ReachMap, Sides, Stretch};
+use crate::assess::shape::Twist;
+use crate::assess::{Assessment, BladeMeasure};
+use crate::part::{Channel, Impeller, Setup};
+use crate::plunge::sections::resolve;
+
+/// A part, assessed, and the setup whose tools were asked for.
+struct Found<'a> {
+    part: &'a Impeller,
+    channel: &'a Channel,
+    setup: &'a Setup,
+    assessment: &'a Assessment,
+}
+
+/// Assesses, draws, prints.
+pub fn run(args: &AssessArgs) -> Result<(), Failure> {
+    let started = std::time::Instant::now();
+    let (_, part) = open::part(&args.part)?;
+    let opened = open::setup(args.setup.as_deref(), &args.part)?;
+    if let Some(folder) = &args.output {
+        plan::check_folder(folder)?;
+    }
+    let channel = Channel::of(&part);
+    let (setup, no_reach) = match resolve(&opened.setup, &part, &channel) {
+        Ok(setup) => (setup, None),
+        // A part for which there is no standard cutter can be measured all the same.
+        Err(fault) if args.setup.is_none() => (opened.setup.clone(), Some(fault)),
+        Err(fault) => return Err(opened.failure(&fault)),
+    };
+    let limits = ReachLimits {
+        hub_allowance: setup.stock.hub_allowance,
+        blade_allowance: setup.stock.blade_allowance,
+        max_tilt: setup.plunge.max_tilt,
+    };
+    let assessment = Assessment::of(&part, &channel, &stretches(&setup), &limits);
+    let found = Found { part: &part, channel: &channel, setup: &setup, assessment: &assessment };
+    let drawn = match &args.output {
+        Some(folder) => assess_pictures::write(folder, &part, &channel, &setup, &assessment)?,
+        None => String::new(),
+    };
+    if args.json {
+        let mut map = object(&found);
+        map.insert("elapsed".into(), number(started.elapsed().as_secs_f64()));
+        say(&format!("{}\n", Value::Object(map)))
+    } else {
+        let reach =
+            no_reach.map_or_else(|| reach_lines(&found), |fault| format!("reach: not asked, {fault}\n"));
+        say(&format!("{}{reach}{drawn}", tables(&found)))
+    }
+}
+
+fn stretches(setup: &Setup) -> Vec<Stretch<'_>> {
+    let tool = |number: u32| setup.tools.iter().find(|t| t.number == number);
+    setup
+        .plunge
+        .sections
+        .iter()
+        .filter_map(|s| Some(Stretch { from: s.from, to: s.to, tool: tool(s.tool)? }))
+        .collect()
+}
+
+/// A way to come to the floor: its key in JSON, and whether a place can be had so.
+type Way = (&'static str, fn(Sides) -> bool);
+
+/// In the order of the tables.
+const WAYS: [Way; 4] = [
+    ("reached", |s| s.any),
+    ("from_outlet", |s| s.outlet),
+    ("from_inlet", |s| s.inlet),
+    ("from_both", Sides::both),
+];
+
+fn object(found: &Found) -> Map<String, Value> {
+    let (part, a) = (found.part, found.assessment);
+    let (narrow, wide) = a.width_range();
+    let share =
+        |wanted: fn(Sides) -> bool| a.reach.as_ref().map_or(Value::Null, |map| number(map.share(wanted)));
+    let mut map = Map::new();
+    let mut put = |key: &str, value: Value| {
+        map.insert(key.to_owned(), value);
+    };
+    put("part", json!(part.name));
+    put("blades", json!(part.blade_count));
+    put("splitters", json!(part.splitters.len() * part.blade_count));
+    put("twisting", number(a.twisting().to_degrees()));
+    put("bending", number(a.bending()));
+    put("passage_depth", number(a.depth()));
+    put("passage_width_min", number(narrow));
+    put("passage_width_max", number(wide));
+    put("largest_cutter", number(a.largest_cutter()));
+    put("reachable_share", share(|s| s.any));
+    for (key, wanted) in &WAYS[1..] {
+        put(&format!("reachable_{key}"), share(*wanted));
+    }
+    put("envelope_gap", number(a.blades.iter().map(BladeMeasure::envelope_gap).fold(0.0, f64::max)));
+    put("splitter_leading_edge", json!(found.channel.splitter_s));
+    put(
+        "by_blade",
+        a.blades.iter().zip(BLADE_NAMES).map(|(blade, name)| blade_object(blade, name)).collect(),
+    );
+    put("depths", a.depths.iter().map(|(s, depth)| json!({"s": s, "depth": depth})).collect());
+    put("passages", a.passages.iter().map(passage_object).collect());
+    put("sections", sections_object(found));
+    put("reach", a.reach.as_ref().map_or(Value::Null, reach_object));
+    map
+}
+
+/// What the blades of an assessment are called, in their order.
+pub const BLADE_NAMES: [&str; 2] = ["main", "splitter"];
+
+fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
+    let twist = |t: &Twist| {
+        json!({
+            "span": t.v,
+            "twisting": t.degree.to_degrees(),
+            "chords": t.chords.map(f64::to_degrees),
+            "split": t.split,
+            "largest_tangent": t.largest_tangent.to_degrees(),
+            "largest_tangent_at": t.largest_tangent_at,
+        })
+    };
+    let [suction, pressure] = &blade.envelopes;
+    json!({
+        "blade": name,
+        "twisting": blade.twisting().to_degrees(),
+        "most_twisted": blade.shape.most_twisted().map(twist),
+        "hub_mid_tip": blade.shape.hub_mid_tip().iter().map(twist).collect::<Vec<_>>(),
+        "bending": blade.shape.bend.offset,
+        "bending_at": blade.shape.bend.u,
+        "bending_angle": blade.shape.sharpest_bend.angle.to_degrees(),
+        "envelope_gap_suction": suction.greatest_gap(),
+        "envelope_gap_pressure": pressure.greatest_gap(),
+    })
+}
+
+/// What a passage is called in JSON.
+fn place_key(place: Place) -> &'static str {
+    match place {
+        Place::Full => "full",
+        Place::BesideSuction => "beside_splitter_suction",
+        Place::BesidePressure => "beside_splitter_pressure",
+    }
+}
+
+fn passage_object(passage: &PassageMeasure) -> Value {
+    let widths: Vec<Value> = passage
+        .widths
+        .iter()
+        .filter(|w| w.width.iter().any(Option::is_some))
+        .map(|w| json!({"s": w.s, "hub": w.width[0], "middle": w.width[1], "tip": w.width[2]}))
+        .collect();
+    let cutters: Vec<Value> = passage
+        .cutters
+        .iter()
+        .map(|c| {
+            let (foot, axis): ([f64; 3], [f64; 3]) = (c.foot.into(), c.axis.into());
+            json!({"s": c.s, "diameter": c.diameter, "foot": foot, "axis": axis})
+        })
+        .collect();
+    json!({"passage": place_key(passage.place), "widths": widths, "cutters": cutters})
+}
+
+fn sections_object(found: &Found) -> Value {
+    stretches(found.setup)
+        .iter()
+        .map(|stretch| {
+            let mut map = Map::new();
+            map.insert("tool".into(), json!(stretch.tool.number));
+            map.insert("diameter".into(), json!(stretch.tool.diameter));
+            map.insert("holder_diameter".into(), json!(stretch.tool.holder_diameter()));
+            map.insert("overhang".into(), json!(stretch.tool.overhang));
+            map.insert("from".into(), json!(stretch.from));
+            map.insert("to".into(), json!(stretch.to));
+            for (key, wanted) in WAYS {
+                let share = found.assessment.reach.as_ref();
+                let share = share.map(|map| map.share_between(stretch.from, stretch.to, wanted));
+                map.insert(key.into(), share.map_or(Value::Null, number));
+            }
+            Value::Object(map)
+        })
+        .collect()
+}
+
+fn reach_object(map: &ReachMap) -> Value {
+    map.rows
+        .iter()
+        .map(|row| {
+            let mut object = Map::new();
+            object.insert("s".into(), json!(row.s));
+            for (key, wanted) in WAYS {
+                object.insert(key.into(), number(row.share(wanted)));
+            }
+            Value::Object(object)
+        })
+        .collect()
+}
+
+fn place_words(place: Place) -> &'static str {
+    match place {
+        Place::Full => "main to main blade",
+        Place::BesideSuction => "beside the splitter, at the suction side",
+        Place::BesidePressure => "beside the splitter, at the pressure side",
+    }
+}
+
+fn tables(found: &Found) -> String {
+    let (part, a) = (found.part, found.assessment);
+    let mut text = format!(
+        "{}: {} blades{}, D {:.1}\n\n",
+        part.name,
+        part.blade_count,
+        if part.splitters.is_empty() { "" } else { " and as many splitters" },
+        2.0 * part.rim_radius()
+    );
+    text += "blade     twisting °  at span  split at  tangent ° hub / mid / tip  bending mm  bending °  envelope gap mm\n";
+    for (blade, name) in a.blades.iter().zip(BLADE_NAMES) {
+        let shape = &blade.shape;
+        let (v, split) = shape.most_twisted().map_or((f64::NAN, f64::NAN), |t| (t.v, t.split));
+        let [hub, mid, tip] = shape.hub_mid_tip().map(|t| t.largest_tangent.to_degrees());
+        text += &format!(
+            "{name:<9} {:>10.1}  {v:>7.2}  {split:>8.2}  {:>26}  {:>10.3}  {:>9.2}  {:>15.3}\n",
+            blade.twisting().to_degrees(),
+            format!("{hub:.1} / {mid:.1} / {tip:.1}"),
+            shape.bend.offset,
+            shape.sharpest_bend.angle.to_degrees(),
+            blade.envelope_gap(),
+        );
+    }
+    for passage in &a.passages {
+        text += &format!("\n{}\n{}", place_words(passage.place), passage_table(passage, &a.depths));
+    }
+    let (narrow, wide) = a.width_range();
+    text += &format!(
+        "\ndepth up to {:.2} mm, width {narrow:.2} to {wide:.2} mm, largest cutter along the whole channel D {:.2}\n",
+        a.depth(),
+        a.largest_cutter()
+    );
+    text
+}
+
+/// Depth, widths and largest cutter of a passage at every tenth of s, and at the station of the smallest cutter.
+fn passage_table(passage: &PassageMeasure, depths: &[(f64, f64)]) -> String {
+    let mut text = String::from("   s  depth mm  width mm hub / middle / tip  largest cutter mm\n");
+    let smallest = passage.cutters.iter().min_by(|a, b| a.diameter.total_cmp(&b.diameter)).map(|c| c.s);
+    let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    let shown = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.2}"));
+    for station in passage.widths.iter().filter(|w| w.width.iter().any(Option::is_some)) {
+        let tenth = same((10.0 * station.s).round(), 10.0 * station.s);
+        if !tenth && !smallest.is_some_and(|s| same(s, station.s)) {
+            continue;
+        }
+        let depth = depths.iter().find(|d| same(d.0, station.s)).map(|d| d.1);
+        let cutter = passage.cutters.iter().find(|c| same(c.s, station.s)).map(|c| c.diameter);
+        let [hub, middle, tip] = station.width.map(shown);
+        text += &format!(
+            "{:>4.2}  {:>8}  {:>27}  {:>17}\n",
+            station.s,
+            shown(depth),
+            format!("{hub} / {middle} / {tip}"),
+            shown(cutter)
+        );
+    }
+    text
+}
+
+fn reach_lines(found: &Found) -> String {
+    let Some(map) = &found.assessment.reach else { return String::new() };
+    let mut text = String::from(
+        "\nreach          tool    overhang mm  floor reached %  from outlet %  from inlet %  from both %\n",
+    );
+    let mut line = |name: String, tool: String, overhang: String, shares: [f64; 4]| {
+        let [any, outlet, inlet, both] = shares.map(|x| 100.0 * x);
+        text += &format!(
+            "{name:<13}  {tool:<6}  {overhang:>11}  {any:>15.1}  {outlet:>13.1}  {inlet:>12.1}  {both:>11.1}\n"
+        );
+    };
+    for s in stretches(found.setup) {
+        let shares = WAYS.map(|(_, wanted)| map.share_between(s.from, s.to, wanted));
+        let name = format!("{:.2} to {:.2}", s.from, s.to);
+        line(name, format!("D {}", s.tool.diameter), format!("{:.0}", s.tool.overhang), shares);
+    }
+    line("all".to_owned(), String::new(), String::new(), WAYS.map(|(_, wanted)| map.share(wanted)));
+    text
+}

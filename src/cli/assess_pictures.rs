@@ -1,0 +1,248 @@
+//! Pictures and curves of an assessment, and a page that shows them.
+
+use std::path::Path;
+
+use glam::UVec2;
+
+use super::assess::BLADE_NAMES;
+use super::plot::{Chart, Series, escaped};
+use super::{Failure, plan, render};
+use crate::assess::Assessment;
+use crate::assess::passage::{PassageMeasure, Place, wall_widths};
+use crate::assess::reach::{ReachMap, Sides};
+use crate::assess::shape::tangents;
+use crate::formats::write::write_together;
+use crate::gpu::floor::floor_mesh;
+use crate::gpu::mesh::{Mesh, even};
+use crate::gpu::walls::wall_mesh;
+use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
+use crate::part::{Blade, BladeSide, Blank, Channel, Impeller, Setup};
+use crate::residual::FloorGrid;
+
+/// Size of the pictures, pixels.
+const SIZE: UVec2 = UVec2::new(900, 640);
+/// Cells of the floor along s and λ.
+const FLOOR_CELLS: usize = 256;
+/// Lines of a wall along u and v where its width is measured.
+const WALL_LINES: (usize, usize) = (120, 16);
+
+/// A file of the page: its name, its bytes, what it shows.
+struct Shown {
+    name: &'static str,
+    bytes: Vec<u8>,
+    caption: String,
+}
+
+/// Draws everything into `folder`; returns the lines that say so.
+pub fn write(
+    folder: &Path,
+    part: &Impeller,
+    channel: &Channel,
+    setup: &Setup,
+    assessment: &Assessment,
+) -> Result<String, Failure> {
+    let gpu = Gpu::headless()?;
+    let mut renderer = Renderer::new(&gpu);
+    let mut scene = Scene::new(&gpu, part);
+    let mut picture = |mesh: Mesh, range: (f32, f32)| {
+        scene.set_values(&gpu, mesh);
+        let options = SceneOptions { range_mm: range, ..SceneOptions::showing(FloorColours::Values) };
+        render::draw(&gpu, &mut renderer, &scene, View::Channel, &options, SIZE)
+    };
+    let mut files = Vec::new();
+    if let Some(map) = &assessment.reach {
+        files.push(Shown {
+            name: "reach.png",
+            bytes: picture(reach_mesh(part, channel, setup, map), (0.0, 3.0))?,
+            caption: "Floor the cutters reach. Dark blue: not at all; grey: from the inlet only; \
+                      sand: from the outlet only; yellow: from both sides."
+                .to_owned(),
+        });
+    }
+    let (width, least, most) = width_mesh(part);
+    files.push(Shown {
+        name: "width.png",
+        bytes: picture(width, (least, most))?,
+        caption: format!(
+            "Distance to the facing wall, {least:.1} mm (dark) to {most:.1} mm (bright) and more."
+        ),
+    });
+    let (gaps, most) = envelope_mesh(part, assessment);
+    files.push(Shown {
+        name: "envelope.png",
+        bytes: picture(gaps, (0.0, most.max(0.01)))?,
+        caption: format!(
+            "Gap between the walls and their one-sided envelope, 0 (dark) to {most:.3} mm (bright)."
+        ),
+    });
+    files.push(Shown {
+        name: "passage.svg",
+        bytes: passage_chart(assessment).svg().into_bytes(),
+        caption: "Depth, narrowest width and largest cutter along the channel.".to_owned(),
+    });
+    files.push(Shown {
+        name: "twist.svg",
+        bytes: twist_chart(part, assessment).svg().into_bytes(),
+        caption: "Angle between camber line and rotation axis. Dots: where the line is most curved."
+            .to_owned(),
+    });
+    let page = page(part, &files);
+    plan::make_folder(folder)?;
+    let mut written: Vec<_> = files.iter().map(|f| (folder.join(f.name), &f.bytes[..])).collect();
+    written.push((folder.join("assess.html"), page.as_bytes()));
+    write_together(&written)?;
+    Ok(format!("wrote {} and what it shows\n", folder.join("assess.html").display()))
+}
+
+fn page(part: &Impeller, files: &[Shown]) -> String {
+    let name = escaped(&part.name);
+    let figure = |f: &Shown| {
+        let caption = escaped(&f.caption);
+        format!(
+            "<figure><img src=\"{}\" width=\"720\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n",
+            f.name
+        )
+    };
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: machinability</title>\n\
+         <style>body{{font-family:sans-serif;margin:2em;max-width:800px}}figure{{margin:0 0 2em}}</style>\n\
+         <h1>{name}: machinability</h1>\n{}</html>\n",
+        files.iter().map(figure).collect::<String>()
+    )
+}
+
+/// Four classes of floor: 0 not reached, 1 from the inlet, 2 from the outlet, 3 both; upright only lies in the middle.
+fn reach_mesh(part: &Impeller, channel: &Channel, setup: &Setup, map: &ReachMap) -> Mesh {
+    let blank = Blank::of(part, 0.0);
+    let mut grid = FloorGrid::new(part, channel, &blank, setup.stock.blade_allowance, FLOOR_CELLS);
+    let class = |sides: Sides| match (sides.inlet, sides.outlet) {
+        (true, true) => 3.0,
+        (false, true) => 2.0,
+        (true, false) => 1.0,
+        (false, false) => {
+            if sides.any {
+                1.5
+            } else {
+                0.0
+            }
+        }
+    };
+    let value = |cell: usize| {
+        let lambda = ((cell % grid.columns) as f64 + 0.5) / grid.columns as f64;
+        map.nearest(grid.s_of_row(cell / grid.columns), lambda).map_or(0.0, |c| class(c.reached))
+    };
+    let values: Vec<f32> = (0..grid.points.len()).map(value).collect();
+    // These are no heights: no cell is as high as the blank.
+    grid.blank_heights.fill(f32::INFINITY);
+    floor_mesh(&grid, &values).unwrap_or_default()
+}
+
+/// The walls of the channel in work: each with its back and the wall it faces.
+fn walls<'a>(part: &'a Impeller, next: &'a Blade) -> Vec<[&'a BladeSide; 3]> {
+    let (suction, pressure) = (&part.main.suction, &next.pressure);
+    match part.splitters.first() {
+        None => vec![[suction, &part.main.pressure, pressure], [pressure, &next.suction, suction]],
+        Some(splitter) => vec![
+            [suction, &part.main.pressure, &splitter.pressure],
+            [&splitter.pressure, &splitter.suction, suction],
+            [&splitter.suction, &splitter.pressure, pressure],
+            [pressure, &next.suction, &splitter.suction],
+        ],
+    }
+}
+
+/// The walls with their distances to the facing walls, and a range that one end does not ruin.
+fn width_mesh(part: &Impeller) -> (Mesh, f32, f32) {
+    let (u, v) = (even(WALL_LINES.0), even(WALL_LINES.1));
+    let next = part.main.rotated(part.pitch());
+    let mut mesh = Mesh::default();
+    let mut all = Vec::new();
+    for [wall, back, facing] in walls(part, &next) {
+        let widths = wall_widths(wall, facing, &u, &v);
+        mesh.append(&wall_mesh(wall, back, &u, &v, &widths).unwrap_or_default());
+        all.extend(widths);
+    }
+    all.sort_by(f64::total_cmp);
+    let at = |share: usize| all.get((all.len().max(1) - 1) * share / 100).map_or(0.0, |&x| x as f32);
+    (mesh, at(0), at(95).max(at(0) + 1e-3))
+}
+
+/// The walls with the gaps of their envelopes, and the greatest of them.
+fn envelope_mesh(part: &Impeller, assessment: &Assessment) -> (Mesh, f32) {
+    let turned = part.main.rotated(part.pitch());
+    let mut mesh = Mesh::default();
+    let mut most = 0.0f64;
+    let mut add = |wall: &BladeSide, back: &BladeSide, envelope: &crate::part::WallEnvelope| {
+        mesh.append(&wall_mesh(wall, back, &envelope.u, &envelope.v, &envelope.gaps).unwrap_or_default());
+        most = most.max(envelope.greatest_gap());
+    };
+    if let Some(blade) = assessment.blades.first() {
+        add(&part.main.suction, &part.main.pressure, &blade.envelopes[0]);
+        add(&turned.pressure, &turned.suction, &blade.envelopes[1]);
+    }
+    if let (Some(blade), Some(splitter)) = (assessment.blades.get(1), part.splitters.first()) {
+        add(&splitter.suction, &splitter.pressure, &blade.envelopes[0]);
+        add(&splitter.pressure, &splitter.suction, &blade.envelopes[1]);
+    }
+    (mesh, most as f32)
+}
+
+fn passage_chart(assessment: &Assessment) -> Chart {
+    let mut series = vec![Series {
+        name: "depth".to_owned(),
+        points: assessment.depths.clone(),
+        colour: 0,
+        dash: 0,
+        mark: None,
+    }];
+    for (k, passage) in assessment.passages.iter().enumerate() {
+        let place = match passage.place {
+            Place::Full => "main to main",
+            Place::BesideSuction => "beside splitter, suction side",
+            Place::BesidePressure => "beside splitter, pressure side",
+        };
+        let curve = |name: &str, dash: usize, points: Vec<(f64, f64)>| Series {
+            name: format!("{name}, {place}"),
+            points,
+            colour: k + 1,
+            dash,
+            mark: None,
+        };
+        series.push(curve("width", 0, narrowest(passage)));
+        series.push(curve("cutter", 1, passage.cutters.iter().map(|c| (c.s, c.diameter)).collect()));
+    }
+    Chart {
+        title: "Depth, width, largest cutter".to_owned(),
+        x_label: "s, leading edge to rim".to_owned(),
+        y_label: "mm".to_owned(),
+        series,
+    }
+}
+
+/// Narrowest width along s.
+fn narrowest(passage: &PassageMeasure) -> Vec<(f64, f64)> {
+    let least = |width: [Option<f64>; 3]| width.into_iter().flatten().reduce(f64::min);
+    passage.widths.iter().filter_map(|w| Some((w.s, least(w.width)?))).collect()
+}
+
+fn twist_chart(part: &Impeller, assessment: &Assessment) -> Chart {
+    let blades = std::iter::once(&part.main).chain(part.splitters.first());
+    let mut series = Vec::new();
+    for (k, ((blade, measure), name)) in blades.zip(&assessment.blades).zip(BLADE_NAMES).enumerate() {
+        for (dash, (twist, place)) in
+            measure.shape.hub_mid_tip().iter().zip(["hub", "mid span", "tip"]).enumerate()
+        {
+            let points: Vec<(f64, f64)> =
+                tangents(blade, twist.v).into_iter().map(|(at, angle)| (at, angle.to_degrees())).collect();
+            let off = |p: &(f64, f64)| (p.0 - twist.split).abs();
+            let mark = points.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
+            series.push(Series { name: format!("{name}, {place}"), points, colour: k, dash, mark });
+        }
+    }
+    Chart {
+        title: "Twist of the camber lines".to_owned(),
+        x_label: "fraction of the length, leading to trailing edge".to_owned(),
+        y_label: "angle from the rotation axis, °".to_owned(),
+        series,
+    }
+}

@@ -1,0 +1,198 @@
+//! Rows of the policies `conventional` and `monotone`: starts that are free of stock, and the loop of
+//! stages 1 to 4 for one row.
+
+use std::convert::Infallible;
+
+use super::contact::{BlankTop, Column, core_interferes};
+use super::cycle::{PlanError, Planner, Row};
+use super::ground::RowGround;
+use super::row::{RowFault, RowMaker, Station};
+use super::sections::SetupPlace;
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::{AxisPolicy, Blank};
+
+/// Rounds after which a row that still changes is given up as not settled.
+const MAX_ROUNDS: usize = 12;
+/// Least leans of the first position that are tried for `monotone`, in degrees, after the unchanged one.
+const START_LEANS_DEG: [f64; 17] =
+    [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 16.0, 18.0, 20.0];
+/// How far a start is moved out of the stock, one after the other, in cutter radii.
+const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
+
+/// The attempts at one row: what they have in common.
+struct Attempts<'r> {
+    maker: &'r RowMaker<'r>,
+    ground: &'r RowGround,
+    /// Last s in the order of cutting.
+    end: f64,
+    earlier: &'r [Column],
+    top: &'r BlankTop<'r>,
+}
+
+impl Attempts<'_> {
+    /// Conventional stations from `start` on.
+    fn conventional(&self, start: f64) -> Result<Vec<Station>, RowFault> {
+        self.ground.conventional.get_or_make(start, || self.maker.conventional(start, self.end))
+    }
+
+    /// The conventional station at `s`.
+    fn first(&self, s: f64) -> Option<Station> {
+        let make = || Ok::<_, Infallible>(self.maker.isoparametric(s));
+        let Ok(station) = self.ground.firsts.get_or_make(s, make);
+        station
+    }
+}
+
+/// Whether two stations have the same axis to a ten-thousandth of a millimetre.
+fn same_axis(a: &Station, b: &Station) -> bool {
+    (a.tip - b.tip).norm() < 1e-4 && (a.axis - b.axis).norm() < 1e-6
+}
+
+/// What was cut before the next position of a row: earlier sections and the row so far.
+struct Known<'e> {
+    earlier: &'e [Column],
+    columns: Vec<Column>,
+    blank: &'e Blank,
+    top: &'e BlankTop<'e>,
+}
+
+impl<'e> Known<'e> {
+    fn new(earlier: &'e [Column], blank: &'e Blank, top: &'e BlankTop<'e>) -> Self {
+        Self { earlier, columns: earlier.to_vec(), blank, top }
+    }
+
+    /// Forgets the row.
+    fn forget(&mut self) {
+        self.columns.truncate(self.earlier.len());
+    }
+
+    /// Whether the last of `stations` interferes; remembers it as cut.
+    fn interferes(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
+        let Some(last) = stations.last() else { return false };
+        let column = Column::new(maker.cutter(last), maker.tool.core_radius(), self.top);
+        let interferes = core_interferes(&column, &self.columns, self.blank);
+        self.columns.push(column);
+        interferes
+    }
+}
+
+impl Planner<'_> {
+    /// Plans one row by `policy`. For `monotone` the first position is left as it is if the row is
+    /// then free of contact; else its lean is raised to the least of some fixed angles that
+    /// frees the row (or leaves the fewest contacts).
+    pub(super) fn row(
+        &self,
+        maker: &RowMaker,
+        ground: &RowGround,
+        ends: (f64, f64),
+        policy: AxisPolicy,
+        earlier: &[Column],
+        monitor: &Monitor,
+    ) -> Result<Row, PlanError> {
+        let top = BlankTop::new(&self.blank);
+        let attempts = Attempts { maker, ground, end: ends.1, earlier, top: &top };
+        if policy == AxisPolicy::Conventional {
+            let (start, _) = self.free_start(&attempts, ends.0, None);
+            let row = self.settled_row(&attempts, policy, (start, None), true, monitor)?;
+            return Ok(row.unwrap_or_else(|| Row::empty(maker.lambda)));
+        }
+        let starts = || std::iter::once(None).chain(START_LEANS_DEG.iter().map(|d| Some(d.to_radians())));
+        let mut tried: Vec<((f64, Option<f64>), Station)> = Vec::new();
+        for lean in starts() {
+            monitor.check()?;
+            let (start, first) = self.free_start(&attempts, ends.0, lean);
+            let Some(first) = first else { continue };
+            // Angles below the jump of α from rear to front contact all start the row alike.
+            if tried.iter().any(|(_, t)| same_axis(t, &first)) {
+                continue;
+            }
+            tried.push(((start, lean), first));
+            if let Some(row) = self.settled_row(&attempts, policy, (start, lean), false, monitor)? {
+                return Ok(row);
+            }
+        }
+        // Nothing frees the row: the start with the fewest contacts.
+        let mut best: Option<(usize, Row)> = None;
+        for (start, _) in tried {
+            if let Some(row) = self.settled_row(&attempts, policy, start, true, monitor)? {
+                let contacts = self.contacts(&attempts, &row.stations);
+                if best.as_ref().is_none_or(|b| contacts < b.0) {
+                    best = Some((contacts, row));
+                }
+            }
+        }
+        Ok(best.map_or_else(|| Row::empty(maker.lambda), |b| b.1))
+    }
+
+    /// The first station of a row that starts at s = `start` with at least `lean`.
+    fn first_station(&self, attempts: &Attempts, start: f64, lean: Option<f64>) -> Option<Station> {
+        let station = attempts.first(start)?;
+        let leaning = attempts.maker.monotone(&[station], lean, self.setup.plunge.max_tilt, &mut |_| true);
+        Some(leaning.and_then(|row| row.first().copied()).unwrap_or(station))
+    }
+
+    /// Stages 1 to 4 until no position is added any more; `None` when a contact turns up and none is allowed.
+    fn settled_row(
+        &self,
+        attempts: &Attempts,
+        policy: AxisPolicy,
+        (start, lean): (f64, Option<f64>),
+        contacts_allowed: bool,
+        monitor: &Monitor,
+    ) -> Result<Option<Row>, PlanError> {
+        monitor.check()?;
+        let max_tilt = self.setup.plunge.max_tilt;
+        let maker = attempts.maker;
+        let mut conventional = attempts.conventional(start).map_err(|fault| match fault {
+            RowFault::Misfit(s) => self.misfit(maker.tool, s),
+            RowFault::Cancelled => Cancelled.into(),
+        })?;
+        let mut row = Row { settled: false, ..Row::empty(maker.lambda) };
+        let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
+        while row.rounds < MAX_ROUNDS && !row.settled {
+            row.rounds += 1;
+            known.forget();
+            let mut accept = |stations: &[Station]| {
+                !monitor.is_cancelled() && (contacts_allowed || !known.interferes(maker, stations))
+            };
+            let optimised = match policy {
+                AxisPolicy::Monotone => maker.monotone(&conventional, lean, max_tilt, &mut accept),
+                _ => Some(conventional.clone()),
+            };
+            monitor.check()?;
+            let Some(stations) = optimised else { return Ok(None) };
+            row.stations = stations;
+            row.settled = maker.inspect_steps(&row.stations, &mut conventional) == 0;
+            self.check_count(conventional.len(), maker.tool, SetupPlace::Whole)?;
+        }
+        Ok(Some(row))
+    }
+
+    /// Moves the start of a row out of the stock until its first core column is free up to the top
+    /// of the blank; where nothing frees it within a diameter, leaves it where it was. Returns s and
+    /// the station there.
+    fn free_start(&self, attempts: &Attempts, start: f64, lean: Option<f64>) -> (f64, Option<Station>) {
+        let maker = attempts.maker;
+        let radius_s = maker.tool.radius() / self.part.hub.length();
+        let mut unmoved = None;
+        for radii in START_RETREATS {
+            if maker.monitor.is_cancelled() {
+                break;
+            }
+            let s = start + maker.inward * radii * radius_s;
+            let Some(first) = self.first_station(attempts, s, lean) else { break };
+            let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
+            if !core_interferes(&column, attempts.earlier, &self.blank) {
+                return (s, Some(first));
+            }
+            unmoved = unmoved.or(Some(first));
+        }
+        (start, unmoved)
+    }
+
+    /// Number of interferential stations of a row that comes after `earlier`.
+    fn contacts(&self, attempts: &Attempts, stations: &[Station]) -> usize {
+        let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
+        (1..=stations.len()).filter(|&k| known.interferes(attempts.maker, &stations[..k])).count()
+    }
+}

@@ -1,0 +1,222 @@
+//! What a section stands on: its stretches of the passages, the cutter's lanes through them and the
+//! places of its rows. None of it depends on the policy, so that all policies share it.
+
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::cycle::{PlanError, Planner};
+use super::lane::Lane;
+use super::row::Station;
+use super::sections::{SetupFault, row_spacing, tool_of};
+use super::slotting::DepthSurface;
+use crate::part::setup::SectionSetup;
+use crate::part::{Passage, Tool};
+
+/// Air between the core and the rim at the start of a row, mm.
+const START_MARGIN: f64 = 0.05;
+
+/// A stretch as its cutter sees it, with what was found out about it: shared by all policies.
+#[derive(Debug)]
+pub(super) struct Ground<'a> {
+    pub stretch: Stretch<'a>,
+    pub lane: Lane<'a>,
+    /// Hub, offset by allowance and corner radius.
+    pub hub: DepthSurface<'a>,
+    pub rows: Vec<RowGround>,
+}
+
+/// A row's place across its stretch, and what is conventional about it.
+#[derive(Debug)]
+pub(super) struct RowGround {
+    /// λ within the stretch.
+    pub lambda: f64,
+    /// First stations that were asked for, by s.
+    pub firsts: Memory<Option<Station>>,
+    /// Whole rows, by s of their start.
+    pub conventional: Memory<Vec<Station>>,
+}
+
+/// Answers to questions asked by s, each made once whoever asks.
+#[derive(Debug)]
+pub(super) struct Memory<T>(Mutex<Vec<(f64, T)>>);
+
+impl<T: Clone> Memory<T> {
+    fn new() -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+
+    /// The answer at `s`, from `make` unless it is known. Who asks at the same time waits: `make` may not
+    /// hand work to other threads.
+    pub fn get_or_make<E>(&self, s: f64, make: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, answer)) = known.iter().find(|(at, _)| *at == s) {
+            return Ok(answer.clone());
+        }
+        let answer = make()?;
+        known.push((s, answer.clone()));
+        Ok(answer)
+    }
+}
+
+/// A stretch of a passage that one section cuts.
+#[derive(Debug)]
+pub(super) struct Stretch<'a> {
+    pub passage: &'a Passage,
+    /// λ of the passage's walls in the whole channel.
+    pub lambdas: (f64, f64),
+    /// Outlet end and inlet end, s.
+    pub from: f64,
+    pub to: f64,
+}
+
+impl Stretch<'_> {
+    /// s at a share of the way from the outlet end to the inlet end.
+    pub fn s_at(&self, share: f64) -> f64 {
+        self.from + (self.to - self.from) * share
+    }
+}
+
+impl<'a> Planner<'a> {
+    /// The passages a section runs through, outlet end first.
+    fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<Stretch<'a>> {
+        let whole =
+            |from: f64, to: f64| Stretch { passage: &self.channel.full, lambdas: (0.0, 1.0), from, to };
+        let Some([hub, shroud]) = self.channel.splitter_s else {
+            return vec![whole(section.from, section.to)];
+        };
+        // In front of the nose by the cutter's own reach the passages become one.
+        let reach = (tool.radius() + self.setup.stock.blade_allowance) / self.part.hub.length();
+        let nose = (hub.min(shroud) - reach).max(0.0);
+        let mut stretches = Vec::new();
+        let mut joined = nose;
+        if section.from > nose {
+            let share = self.splitter_share(0.5 * (section.from.min(1.0) + section.to).max(hub.max(shroud)));
+            for (passage, lambdas) in
+                self.channel.beside_splitter.iter().zip([(0.0, share.0), (share.1, 1.0)])
+            {
+                // Upstream of the nose the flanks run on and may close in: the rows end where they do.
+                let to = self.open_until(passage, tool, section.to.max(nose), hub.min(shroud));
+                joined = joined.max(to);
+                stretches.push(Stretch { passage, lambdas, from: section.from, to });
+            }
+        }
+        if section.to < joined {
+            stretches.push(whole(section.from.min(joined), section.to));
+        }
+        stretches
+    }
+
+    /// How far inwards of `from` the cutter fits in `passage`, at most to `to`, s.
+    fn open_until(&self, passage: &Passage, tool: &Tool, to: f64, from: f64) -> f64 {
+        let stock = &self.setup.stock;
+        let lane = Lane::new(self.part, passage, tool, stock.hub_allowance, stock.blade_allowance);
+        let steps = 16;
+        let mut open = from.max(to);
+        for i in 1..=steps {
+            let s = from + (to - from) * f64::from(i) / f64::from(steps);
+            if s >= from || lane.wall_pair(s, s).is_none() {
+                break;
+            }
+            open = s;
+        }
+        open
+    }
+
+    /// λ of both sides of the splitter's foot at `s`.
+    fn splitter_share(&self, s: f64) -> (f64, f64) {
+        let angles = |p: &Passage| p.wall_angles(self.part, s, 0.0);
+        match (
+            angles(&self.channel.full),
+            angles(&self.channel.beside_splitter[0]),
+            angles(&self.channel.beside_splitter[1]),
+        ) {
+            (Some(full), Some(near), Some(far)) => {
+                let width = full[1] - full[0];
+                (
+                    ((near[1] - near[0]) / width).clamp(0.0, 1.0),
+                    (1.0 - (far[1] - far[0]) / width).clamp(0.0, 1.0),
+                )
+            }
+            _ => (0.5, 0.5),
+        }
+    }
+
+    /// What there is to know about a section before its policy.
+    pub(super) fn ground(&self, section: &SectionSetup) -> Result<Vec<Ground<'a>>, PlanError> {
+        let stock = &self.setup.stock;
+        let tool = tool_of(self.setup, section.tool)?;
+        let grounds = self.stretches(section, tool).into_iter().map(|stretch| {
+            let lane =
+                Lane::new(self.part, stretch.passage, tool, stock.hub_allowance, stock.blade_allowance);
+            let hub = DepthSurface::new(self.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
+            let rows = self.row_places(&lane, &stretch, tool)?.into_iter().map(|lambda| RowGround {
+                lambda,
+                firsts: Memory::new(),
+                conventional: Memory::new(),
+            });
+            Ok(Ground { rows: rows.collect(), stretch, lane, hub })
+        });
+        grounds.collect()
+    }
+
+    /// λ of the rows of a stretch: both walls, and between them no further apart than the row
+    /// spacing on the hub, nor so far at the shroud that a ridge is left standing.
+    fn row_places(&self, lane: &Lane, stretch: &Stretch, tool: &Tool) -> Result<Vec<f64>, PlanError> {
+        let spacing = row_spacing(&self.setup.plunge, tool);
+        let widths: Vec<Option<(f64, f64)>> =
+            (0..=8).into_par_iter().map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0))).collect();
+        let mut gaps = 0.0f64;
+        let mut widest = 0.0f64;
+        for (i, width) in widths.into_iter().enumerate() {
+            let (hub, shroud) = width.ok_or_else(|| self.misfit(tool, stretch.s_at(i as f64 / 8.0)))?;
+            gaps = gaps.max(hub / spacing).max(shroud / (1.9 * tool.radius()));
+            widest = widest.max(hub);
+        }
+        if widest < 0.1 * tool.radius() {
+            return Ok(vec![0.5]);
+        }
+        let count = (gaps - 1e-9).ceil().clamp(1.0, 400.0) as usize;
+        Ok((0..=count).map(|i| i as f64 / count as f64).collect())
+    }
+
+    /// First and last s of a stretch's rows in the order of cutting, before the start is moved out of
+    /// the stock.
+    pub(super) fn row_ends(&self, index: usize, stretch: &Stretch, inward: f64) -> (f64, f64) {
+        let sections = &self.setup.plunge.sections;
+        let section = &sections[index];
+        let Ok(tool) = tool_of(self.setup, section.tool) else { return (stretch.from, stretch.to) };
+        let before = index.checked_sub(1).map(|i| &sections[i]);
+        let hub = &self.part.hub;
+        let (mut start, end) =
+            if inward > 0.0 { (stretch.from, stretch.to) } else { (stretch.to, stretch.from) };
+        let border = if inward > 0.0 { section.from } else { section.to };
+        if start == border {
+            let open_end = if inward > 0.0 { start >= 1.0 - 1e-9 } else { start <= 1e-9 };
+            if open_end {
+                // The core stays outside the blank at hub and shroud.
+                let out = tool.core_radius().max(0.0) + START_MARGIN;
+                start += inward * out / hub.length();
+            } else if let Some(previous) = before.and_then(|b| tool_of(self.setup, b.tool).ok()) {
+                // Front rims of the larger cutter before and of this one flush.
+                let shift = (previous.radius() - tool.radius()).max(0.0) / hub.length();
+                let shifted = start - inward * shift;
+                if (end - shifted) * inward < 0.0 {
+                    start = shifted;
+                }
+            }
+        }
+        (start, end)
+    }
+
+    pub(super) fn misfit(&self, tool: &Tool, s: f64) -> PlanError {
+        SetupFault::new(
+            format!(
+                "tool {} (D {}) does not fit between the walls at s = {s:.2}",
+                tool.number, tool.diameter
+            ),
+            "use a smaller cutter there, or end its section before it",
+        )
+        .into()
+    }
+}

@@ -1,0 +1,262 @@
+//! What one position of a row may look like: an axis for each feed tilt of a grid, as upright across the row as
+//! walls and neighbouring rows let it be, lowered onto the hub.
+
+use crate::geometry::{Meridional, Point, Vector, wrap_angle};
+use crate::plunge::clearance::FinishedPart;
+use crate::plunge::contact::{BlankTop, Column};
+use crate::plunge::lane::AxisEnds;
+use crate::plunge::row::{RowMaker, Station};
+
+/// Feed tilts looked at: from, to and apart, degrees. Positive leans towards the uncut side.
+pub const TILT_FROM_DEG: f64 = -12.0;
+/// See [`TILT_FROM_DEG`].
+pub const TILT_STEP_DEG: f64 = 2.0;
+/// How many tilts there are.
+pub const TILTS: usize = 20;
+
+/// Drafts beside a wall are a few µm off it; the exact axis is met once a path is chosen.
+const DRAFT_SLACK: f64 = 5e-3;
+/// The search looks at a core so much wider, that between its few lines nothing of the real one is missed.
+const WIDER_CORE: f64 = 1.012;
+/// Strips of the floor, side by side across the row, and points of each along it.
+const STRIPS: usize = 9;
+const ALONG: usize = 7;
+/// Furthest point along the row, in radii.
+const FURTHEST: f64 = 0.9;
+
+/// One possible position.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// Axis and depth.
+    pub station: Station,
+    /// The same as contact sees it.
+    pub column: Column,
+    /// Stock left above the allowance by moving this cutter on along the row, by strips of the row's floor, mm.
+    layer: [f64; STRIPS],
+}
+
+impl Candidate {
+    /// What the candidate costs when it stops `lift` mm short: the mean of e + e²/`scale` of the layer e it
+    /// leaves, mm. The square makes the 95th percentile count beside the mean.
+    pub fn cost(&self, lift: f64, scale: f64) -> f64 {
+        let weigh = |e: f64| e + e * e / scale;
+        self.layer.iter().map(|e| weigh(e + lift)).sum::<f64>() / STRIPS as f64
+    }
+}
+
+/// Makes the candidates of one row.
+pub struct CandidateMaker<'a> {
+    pub maker: &'a RowMaker<'a>,
+    pub finished: &'a FinishedPart<'a>,
+    pub top: &'a BlankTop<'a>,
+    pub hub_allowance: f64,
+    pub blade_allowance: f64,
+    pub max_tilt: f64,
+    /// Layer whose square weighs as much as itself, mm.
+    pub scale: f64,
+    /// What the row has to clear: from half way to the row or wall before it to half way to the next, as angles about Z
+    /// from M. Depends on s.
+    pub floor: &'a (dyn Fn(f64) -> Option<[f64; 2]> + Sync),
+    /// How far W may leave the row's place on the shroud sideways, mm: further, and a ridge would stay.
+    pub sideways: f64,
+}
+
+/// The directions that count at a place of a row.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    /// Hub normal.
+    normal: Vector,
+    /// Along the row, towards what is still uncut.
+    feed: Vector,
+    /// Across it.
+    across: Vector,
+    /// How far M goes and turns about Z per unit of s along the row, mm and rad.
+    path_by_s: (f64, f64),
+}
+
+/// Points of the finished hub, strip by strip, with the normal there.
+type FloorPoints = [[(Point, Vector); ALONG]; STRIPS];
+
+/// How W answers at a place: where the axis stands upright, and what moving W does.
+#[derive(Clone, Copy, Debug)]
+struct Upright {
+    s_shroud: f64,
+    /// Tangent of the feed tilt gained per unit of s of W.
+    tilt_by_s: f64,
+    /// Height of W above M along the normal, mm.
+    height: f64,
+}
+
+/// Step of s for slopes.
+const SLOPE_STEP: f64 = 2e-3;
+
+impl CandidateMaker<'_> {
+    /// Candidates at `s_hub`, one for each tilt; `None` where walls or limits forbid it.
+    pub fn at(&self, s_hub: f64) -> [Option<Candidate>; TILTS] {
+        let mut found = [None; TILTS];
+        let Some(conventional) = self.isoparametric(s_hub) else { return found };
+        let Some(frame) = self.frame(&conventional) else { return found };
+        let Some(upright) = self.upright(&conventional, &frame) else { return found };
+        let (_, reference) = self.maker.lane.line(&conventional);
+        let Some(floor) = self.floor_points(&conventional, &frame) else { return found };
+        for (j, candidate) in found.iter_mut().enumerate() {
+            let tilt = (TILT_FROM_DEG + TILT_STEP_DEG * j as f64).to_radians();
+            let s_shroud = upright.s_shroud + tilt.tan() / upright.tilt_by_s;
+            let axes = self.axes(s_hub, s_shroud, &frame, &upright);
+            let possible = axes.into_iter().flatten().filter_map(|ends| {
+                let candidate = self.lowered(ends, &floor, &reference)?;
+                let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
+                Some(Candidate { station, ..candidate })
+            });
+            let cost = |c: &Candidate| c.cost(0.0, self.scale);
+            *candidate = possible.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        }
+        found
+    }
+
+    /// Ends of the conventional axis at `s_hub`.
+    fn isoparametric(&self, s_hub: f64) -> Option<AxisEnds> {
+        let part = self.maker.part;
+        let inside = s_hub.clamp(0.0, 1.0);
+        let beyond = (s_hub - inside) * part.hub.length() / part.shroud.length();
+        let lane = self.maker.lane;
+        let s_shroud = inside + beyond;
+        lane.row_axis(self.maker.lambda, s_hub, s_shroud)
+            .or_else(|| lane.row_axis_fitted(self.maker.lambda, s_hub, s_shroud))
+    }
+
+    /// Directions at the foot of a conventional axis.
+    fn frame(&self, ends: &AxisEnds) -> Option<Frame> {
+        let normal = self.maker.part.hub.normal(ends.s_hub).direction_at_angle(ends.theta_hub);
+        let (before, after) =
+            (self.isoparametric(ends.s_hub + SLOPE_STEP)?, self.isoparametric(ends.s_hub - SLOPE_STEP)?);
+        let ahead = self.maker.lane.hub_point(&after) - self.maker.lane.hub_point(&before);
+        let turn = wrap_angle(before.theta_hub - after.theta_hub);
+        let flat = (ahead - normal * ahead.dot(&normal)) * self.maker.inward;
+        let length = flat.norm();
+        if length < 1e-9 {
+            return None;
+        }
+        let feed = flat / length;
+        let path_by_s = (length / (2.0 * SLOPE_STEP), turn / (2.0 * SLOPE_STEP));
+        Some(Frame { normal, feed, across: normal.cross(&feed), path_by_s })
+    }
+
+    /// Where the axis stands upright in the plane of feed and hub normal.
+    fn upright(&self, from: &AxisEnds, frame: &Frame) -> Option<Upright> {
+        let lane = self.maker.lane;
+        let m = lane.hub_point(from);
+        // The row's shroud curve in the neighbourhood, its sides left as they are at the start.
+        let to_shroud = |s_shroud: f64| {
+            let ends = lane
+                .row_axis(self.maker.lambda, from.s_hub, s_shroud)
+                .unwrap_or(AxisEnds { s_shroud, ..*from });
+            lane.shroud_point(&ends) - m
+        };
+        let tilt = |w: &Vector| w.dot(&frame.feed) / w.dot(&frame.normal);
+        let mut s_shroud = from.s_shroud;
+        let mut slope = 0.0;
+        for _ in 0..4 {
+            let (before, after) = (to_shroud(s_shroud - SLOPE_STEP), to_shroud(s_shroud + SLOPE_STEP));
+            slope = (tilt(&after) - tilt(&before)) / (2.0 * SLOPE_STEP);
+            let step = 0.5 * (tilt(&before) + tilt(&after)) / slope;
+            if !step.is_finite() {
+                return None;
+            }
+            s_shroud -= step.clamp(-0.3, 0.3);
+            if !(-1.0..2.0).contains(&s_shroud) {
+                return None;
+            }
+        }
+        let height = to_shroud(s_shroud).dot(&frame.normal);
+        (slope * self.maker.inward < 0.0 && height > 0.0).then_some(Upright {
+            s_shroud,
+            tilt_by_s: slope,
+            height,
+        })
+    }
+
+    /// Axes with W at `s_shroud`, best first: the row's own one at a wall; between walls as upright across the row as the
+    /// neighbouring rows allow, half of it, and the row's own.
+    fn axes(&self, s_hub: f64, s_shroud: f64, frame: &Frame, upright: &Upright) -> [Option<AxisEnds>; 3] {
+        let maker = self.maker;
+        let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return [None; 3] };
+        let wall_row = maker.lambda == 0.0 || maker.lambda == 1.0;
+        if wall_row || self.sideways <= 0.0 {
+            return [Some(ends), None, None];
+        }
+        let w = maker.lane.shroud_point(&ends);
+        let lean = (w - maker.lane.hub_point(&ends)).dot(&frame.across);
+        let most = -lean.clamp(-self.sideways, self.sideways);
+        // Turning W about Z tilts the axis along the row as well: s of W makes up for it.
+        let turn = Vector::new(-w.y, w.x, 0.0);
+        let by_s = upright.tilt_by_s * upright.height;
+        let gain = turn.dot(&frame.across);
+        if gain.abs() < 0.2 * turn.norm() {
+            return [Some(ends), None, None];
+        }
+        [1.0, 0.5, 0.0].map(|share| {
+            let angle = share * most / gain;
+            let s_shroud = s_shroud - angle * turn.dot(&frame.feed) / by_s;
+            let ends = maker.lane.row_axis(maker.lambda, s_hub, s_shroud)?;
+            Some(AxisEnds { theta_shroud: ends.theta_shroud + angle, ..ends })
+        })
+    }
+
+    /// Whether the cutter of a station keeps clear of the blades.
+    pub fn allowed(&self, station: &Station) -> bool {
+        let lambda = self.maker.lambda;
+        let slack = if lambda == 0.0 || lambda == 1.0 { DRAFT_SLACK } else { 0.0 };
+        self.finished.clears(&self.maker.cutter(station), self.blade_allowance - slack)
+    }
+
+    fn lowered(&self, ends: AxisEnds, floor: &FloorPoints, reference: &Vector) -> Option<Candidate> {
+        let maker = self.maker;
+        let (_, axis) = maker.lane.line(&ends);
+        if axis.angle(reference) > self.max_tilt {
+            return None;
+        }
+        let mut station = maker.lowered(ends);
+        if !self.allowed(&station) {
+            // Between two branches of fits the table is further off than a draft may be.
+            station = maker.exact(&station)?;
+            if !self.allowed(&station) {
+                return None;
+            }
+        }
+        let core_radius = WIDER_CORE * maker.tool.core_radius() + DRAFT_SLACK;
+        let column = Column::new(maker.cutter(&station), core_radius, self.top);
+        Some(Candidate { station, column, layer: self.layer(&column, floor) })
+    }
+
+    /// The floor that the row has to clear around a place.
+    fn floor_points(&self, ends: &AxisEnds, frame: &Frame) -> Option<FloorPoints> {
+        let hub = &self.maker.part.hub;
+        let [from, to] = (self.floor)(ends.s_hub)?;
+        let reach = FURTHEST * self.maker.tool.radius() / frame.path_by_s.0;
+        let along: [(f64, Meridional, Meridional); ALONG] = std::array::from_fn(|k| {
+            let ds = reach * (2.0 * k as f64 / (ALONG - 1) as f64 - 1.0);
+            let here = hub.at(ends.s_hub + ds);
+            (ends.theta_hub + frame.path_by_s.1 * ds, here.point, here.normal)
+        });
+        Some(std::array::from_fn(|i| {
+            let turn = from + (to - from) * (i as f64 + 0.5) / STRIPS as f64;
+            along.map(|(theta, p, n)| (p.at_angle(theta + turn), n.direction_at_angle(theta + turn)))
+        }))
+    }
+
+    /// Layer left by strips: where the cutter comes nearest to the hub while it moves on.
+    fn layer(&self, column: &Column, floor: &FloorPoints) -> [f64; STRIPS] {
+        let cutter = &column.cutter;
+        // What the cutter never comes over stands as high as the blank.
+        let uncut = if column.top.is_finite() { column.top.max(cutter.radius) } else { 2.0 * cutter.radius };
+        std::array::from_fn(|i| {
+            let lowest = floor[i]
+                .iter()
+                .filter_map(|(p, n)| cutter.column_interval(cutter.radius, p, n))
+                .filter(|(_, high)| *high > 0.0)
+                .fold(uncut, |lowest, (low, _)| lowest.min(low));
+            (lowest - self.hub_allowance).max(0.0)
+        })
+    }
+}

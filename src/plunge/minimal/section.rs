@@ -1,0 +1,248 @@
+//! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
+//! direction that leaves less.
+
+use super::{CandidateMaker, PathSearch};
+use crate::geometry::wrap_angle;
+use crate::monitor::Monitor;
+use crate::part::Tool;
+use crate::part::setup::Feed;
+use crate::plunge::contact::{BlankTop, Column};
+use crate::plunge::cycle::{PlanError, Planner, Row, SectionCut};
+use crate::plunge::ground::{Ground, RowGround, Stretch};
+use crate::plunge::lane::{AxisEnds, Lane};
+use crate::plunge::row::{RowMaker, Station};
+use crate::plunge::sections::{step_limit, tool_of};
+
+/// What a place without any axis costs beside one that leaves a thick layer, mm.
+const COST_OF_MISSED: f64 = 30.0;
+/// Layer whose square weighs as much as itself, in cutter radii.
+const SCALE_RADII: f64 = 0.1;
+/// How far before its start a row may begin, in cutter diameters.
+const RUN_UP_DIAMETERS: f64 = 1.5;
+/// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
+const WEDGE_RADII: f64 = 0.2;
+/// Neighbouring axes may stand this far apart at the shroud before a ridge stays between them, in radii.
+const RIDGE_RADII: f64 = 1.9;
+
+impl Planner<'_> {
+    /// Plans section `index` on its `grounds` after the plunges of `earlier`, in the direction its setup asks for or else
+    /// in the one that leaves less.
+    ///
+    /// # Errors
+    /// As [`Planner::plan`].
+    pub(in crate::plunge) fn minimal_section(
+        &self,
+        index: usize,
+        grounds: &[Ground],
+        earlier: &[Column],
+        monitor: &Monitor,
+    ) -> Result<SectionCut, PlanError> {
+        let fed = |feed: Feed| self.fed(index, grounds, earlier, feed, monitor);
+        match self.setup.plunge.sections[index].feed {
+            Some(feed) => Ok(fed(feed)?.0),
+            None => {
+                let (inward, outward) = rayon::join(|| fed(Feed::Inward), || fed(Feed::Outward));
+                let (inward, outward) = (inward?, outward?);
+                Ok(if outward.1 < inward.1 { outward.0 } else { inward.0 })
+            }
+        }
+    }
+
+    /// The section fed one way, and what it costs.
+    fn fed(
+        &self,
+        index: usize,
+        grounds: &[Ground],
+        earlier: &[Column],
+        feed: Feed,
+        monitor: &Monitor,
+    ) -> Result<(SectionCut, f64), PlanError> {
+        let stock = &self.setup.stock;
+        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
+        let top = BlankTop::new(&self.blank);
+        let inward = if feed == Feed::Inward { 1.0 } else { -1.0 };
+        let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.to_vec() };
+        let mut cost = 0.0;
+        for Ground { stretch, lane, hub, rows } in grounds {
+            let (start, end) = self.row_ends(index, stretch, inward);
+            let rows = self.with_rows_beside_walls(lane, stretch, tool, rows);
+            let sideways = self.sideways(lane, stretch, tool, &rows);
+            for (row, &lambda) in rows.iter().enumerate() {
+                let wall_row = lambda == 0.0 || lambda == 1.0 || rows.len() == 1;
+                let maker = RowMaker {
+                    part: self.part,
+                    lane,
+                    hub,
+                    tool,
+                    lambda,
+                    inward,
+                    step_limit: step_limit(&self.setup.plunge, tool, wall_row),
+                    monitor,
+                };
+                let search = PathSearch {
+                    candidates: CandidateMaker {
+                        maker: &maker,
+                        finished: &self.finished,
+                        top: &top,
+                        hub_allowance: stock.hub_allowance,
+                        blade_allowance: stock.blade_allowance,
+                        max_tilt: self.setup.plunge.max_tilt,
+                        scale: SCALE_RADII * tool.radius(),
+                        floor: &|s| self.floor_of_row(stretch, lane, &rows, row, s),
+                        sideways: sideways[row],
+                    },
+                    blank: &self.blank,
+                    max_axis_change: self.setup.plunge.max_axis_change,
+                };
+                let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
+                let (places, first) = places(&maker, start + run_up, start, end);
+                let path = search.path(&places, first, &cut.columns)?;
+                let missed = places.len().saturating_sub(first).saturating_sub(path.steps.len());
+                cost += path.cost + COST_OF_MISSED * missed as f64;
+                let mut stations: Vec<Station> =
+                    path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
+                fill_steps(&maker, &search.candidates, &mut stations);
+                let lambda = stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
+                let row = Row { stations, lambda, rounds: 1, settled: true };
+                cut.rows.push(self.cut_row(row, tool, true, &mut cut.columns, monitor)?);
+            }
+        }
+        Ok((cut, cost))
+    }
+
+    /// What row `row` has to clear at `s`: from half way to the row before it (or the wall's foot) to half way to the
+    /// next, as angles from its M.
+    fn floor_of_row(
+        &self,
+        stretch: &Stretch,
+        lane: &Lane,
+        rows: &[f64],
+        row: usize,
+        s: f64,
+    ) -> Option<[f64; 2]> {
+        let s_shroud =
+            s.clamp(0.0, 1.0) + (s - s.clamp(0.0, 1.0)) * self.part.hub.length() / self.part.shroud.length();
+        let at = |lambda: f64| Some(lane.row_axis(lambda, s, s_shroud)?.theta_hub);
+        let here = at(rows[row])?;
+        let walls = stretch.passage.wall_angles(self.part, s.clamp(0.0, 1.0), 0.0);
+        let margin = self.setup.stock.blade_allowance / self.part.hub.point(s).r * self.part.pitch().signum();
+        let half_way = |other: usize| Some(0.5 * wrap_angle(at(rows[other])? - here));
+        let foot = |wall: usize| {
+            // Beyond the blade's ends the wall is where it ends.
+            let walls = walls?;
+            let inward = if wall == 0 { margin } else { -margin };
+            Some(wrap_angle(walls[wall] + inward - here))
+        };
+        let from = if row == 0 { foot(0)? } else { half_way(row - 1)? };
+        let to = if row + 1 == rows.len() { foot(1)? } else { half_way(row + 1)? };
+        Some([from, to])
+    }
+
+    /// λ of the rows, with one more beside each wall that leans over the channel: half way to the next row the cutter
+    /// can stand more upright, and takes part of the wedge under the lean.
+    fn with_rows_beside_walls(
+        &self,
+        lane: &Lane,
+        stretch: &Stretch,
+        tool: &Tool,
+        rows: &[RowGround],
+    ) -> Vec<f64> {
+        let mut lambdas: Vec<f64> = rows.iter().map(|row| row.lambda).collect();
+        if lambdas.len() < 2 {
+            return lambdas;
+        }
+        let gap = lambdas[1];
+        let wedge = |wall: usize| {
+            (0..=8)
+                .filter_map(|i| lane.lean_over(wall, stretch.s_at(f64::from(i) / 8.0)))
+                .map(|lean| tool.diameter * lean.sin())
+                .fold(0.0, f64::max)
+        };
+        for (wall, side) in [(0usize, 1.0), (1, -1.0)] {
+            if wedge(wall) > WEDGE_RADII * tool.radius() {
+                lambdas.push(wall as f64 + 0.5 * side * gap);
+            }
+        }
+        lambdas.sort_by(f64::total_cmp);
+        lambdas
+    }
+
+    /// How far W of each row may leave its place sideways, mm, before a ridge stays between neighbours at the shroud. Rows far
+    /// from the walls may go further, as their neighbours go with them.
+    fn sideways(&self, lane: &Lane, stretch: &Stretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
+        let widest = (0..=8)
+            .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
+            .fold(0.0, |widest: f64, (_, shroud)| widest.max(shroud));
+        let slack = |i: usize| (RIDGE_RADII * tool.radius() - widest * (rows[i + 1] - rows[i])).max(0.0);
+        (0..rows.len())
+            .map(|i| {
+                let before: f64 = (0..i).map(slack).sum();
+                let after: f64 = (i..rows.len() - 1).map(slack).sum();
+                before.min(after)
+            })
+            .collect()
+    }
+}
+
+/// Places s of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub and shroud for
+/// upright axes, and how many of them come before `start`.
+fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> (Vec<f64>, usize) {
+    let length = maker.part.hub.length().max(maker.part.shroud.length());
+    let coarse = (((end - start).abs() * length / maker.step_limit / 3.0).ceil() as usize).clamp(1, 4000);
+    let at = |i: usize| start + (end - start) * i as f64 / coarse as f64;
+    let mut widest = (end - start).abs() / coarse as f64 * length;
+    let mut before: Option<Station> = None;
+    for i in 0..=coarse {
+        let station = maker.isoparametric(at(i));
+        if let (Some(a), Some(b)) = (&before, &station) {
+            widest = widest.max(maker.spacing(a, b));
+        }
+        before = station;
+    }
+    let per_gap = (widest / maker.step_limit - 1e-9).ceil().clamp(1.0, 64.0) as usize;
+    let count = coarse * per_gap;
+    let step = (end - start) / count as f64;
+    let first = ((run_up - start).abs() / step.abs()).ceil() as usize;
+    let places = (0..=first + count).map(|i| start + step * (i as f64 - first as f64)).collect();
+    (places, first)
+}
+
+/// Stage 2: puts positions between those that stand further apart than the step limit.
+fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<Station>) {
+    for _ in 0..6 {
+        let mut filled: Vec<Station> = Vec::with_capacity(stations.len());
+        for pair in stations.windows(2) {
+            filled.push(pair[0]);
+            let apart = (pair[1].ends.s_hub - pair[0].ends.s_hub).abs() * maker.part.hub.length();
+            if maker.spacing(&pair[0], &pair[1]) > maker.step_limit * (1.0 + 1e-9)
+                && apart > 0.02 * maker.step_limit
+            {
+                filled.extend(between(maker, candidates, &pair[0].ends, &pair[1].ends));
+            }
+        }
+        filled.extend(stations.last());
+        let done = filled.len() == stations.len();
+        *stations = filled;
+        if done {
+            break;
+        }
+    }
+}
+
+/// The station midway between two.
+fn between(maker: &RowMaker, candidates: &CandidateMaker, a: &AxisEnds, b: &AxisEnds) -> Option<Station> {
+    let middle = |x: f64, y: f64| 0.5 * (x + y);
+    let (s_hub, s_shroud) = (middle(a.s_hub, b.s_hub), middle(a.s_shroud, b.s_shroud));
+    let ends = if maker.lambda == 0.0 || maker.lambda == 1.0 {
+        maker.lane.row_axis(maker.lambda, s_hub, s_shroud)?
+    } else {
+        AxisEnds {
+            s_hub,
+            s_shroud,
+            theta_hub: middle(a.theta_hub, b.theta_hub),
+            theta_shroud: middle(a.theta_shroud, b.theta_shroud),
+        }
+    };
+    let station = maker.exact(&maker.lowered(ends))?;
+    candidates.allowed(&station).then_some(station)
+}
