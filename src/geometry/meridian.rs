@@ -29,6 +29,10 @@ pub struct CurvePoint {
     pub curvature: f64,
 }
 
+/// Newton step in arc length, mm, after which a projection needs no other: the error is of the order of its
+/// square, that of the distance of the order of the error's square.
+const PROJECTION_STEP: f64 = 1e-6;
+
 impl MeridionalCurve {
     /// Takes over a curve of any parametrisation. `segments` of equal arc length are interpolated
     /// through exact points; with some hundreds of them the difference is far below a nanometre.
@@ -180,7 +184,7 @@ impl MeridionalCurve {
             let next = (t + along / bend.max(0.25)).clamp(low, high);
             let moved = (next - t).abs();
             t = next;
-            if moved < 1e-10 {
+            if moved < PROJECTION_STEP {
                 break;
             }
         }

@@ -1,6 +1,6 @@
 //! How near a cutter comes to the finished part: measured, not derived from how it was placed.
 
-use crate::geometry::{CutterSolid, Meridional, frame_about, search};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about, search};
 use crate::part::{Impeller, SideProbe};
 
 /// The finished surfaces around a channel, ready for many measurements.
@@ -37,35 +37,61 @@ impl<'a> FinishedPart<'a> {
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
         let (start, _) = curve.project(Meridional::of(&centre));
         let reach = 3.0 * cutter.radius + 0.05 * curve.length();
-        let at = |rho: f64, phi: f64, up: f64| {
-            let p = Meridional::of(&(centre + (e1 * phi.cos() + e2 * phi.sin()) * rho + cutter.axis * up));
-            // From far up the nearest place on the hub may be anywhere along it.
-            let (t, d) = if up > reach { curve.project(p) } else { curve.project_near(p, start, reach) };
+        let mut warm = start;
+        // Signed distance of a point, and its gradient.
+        let mut distance = |p: &Point| {
+            let m = Meridional::of(p);
+            let (t, d) = curve.project_near(m, warm.clamp(start - reach, start + reach), reach);
+            warm = t;
+            let foot = curve.at(t);
             // Beyond its ends the hub has an edge, not a surface.
-            if t <= 0.0 || t >= curve.length() { d.abs() } else { d }
+            let (d, away) = if t <= 0.0 || t >= curve.length() {
+                let length = d.abs().max(1e-12);
+                let (r, z) = (m.r - foot.point.r, m.z - foot.point.z);
+                (d.abs(), Meridional { r: r / length, z: z / length })
+            } else {
+                (d, foot.normal)
+            };
+            let turn = away.r / m.r.max(1e-12);
+            (d, Vector::new(turn * p.x, turn * p.y, away.z))
         };
-        const AROUND: usize = 36;
+        const AROUND: usize = 18;
         let step = std::f64::consts::TAU / AROUND as f64;
-        let mut rim = [0.0; AROUND];
-        for (i, d) in rim.iter_mut().enumerate() {
-            *d = at(flat, step * i as f64, 0.0);
+        // Distance on the rim of the bottom and how it changes with the angle.
+        let mut on_rim = |phi: f64| {
+            let (sin, cos) = phi.sin_cos();
+            let (d, gradient) = distance(&(centre + (e1 * cos + e2 * sin) * flat));
+            (d, gradient.dot(&(e2 * cos - e1 * sin)) * flat)
+        };
+        let mut rim = [(0.0, 0.0); AROUND];
+        for (i, sample) in rim.iter_mut().enumerate() {
+            *sample = on_rim(step * i as f64);
         }
-        let lowest = rim.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut least = lowest;
+        let mut least = rim.iter().map(|sample| sample.0).fold(f64::INFINITY, f64::min);
+        let lowest = least;
         for i in 0..AROUND {
-            let (before, after) = (rim[(i + AROUND - 1) % AROUND], rim[(i + 1) % AROUND]);
-            if rim[i] > before || rim[i] > after || rim[i] > lowest + 0.2 {
+            let (a, b) = (rim[i], rim[(i + 1) % AROUND]);
+            if a.1 >= 0.0 || b.1 <= 0.0 || a.0.min(b.0) > lowest + 0.2 {
                 continue;
             }
-            let middle = step * i as f64;
-            let (_, d) = search::minimum(|phi| at(flat, phi, 0.0), middle - step, middle + step, 1e-6);
-            least = least.min(d);
+            let from = step * i as f64;
+            let slope_at = |phi: f64| {
+                let (d, slope) = on_rim(phi);
+                least = least.min(d);
+                slope
+            };
+            let guess = from + step * a.1 / (a.1 - b.1);
+            search::root_from(slope_at, (from, a.1), (from + step, b.1), guess, 1e-5);
         }
+        let mut at = |rho: f64, phi: f64, up: f64| {
+            let (sin, cos) = phi.sin_cos();
+            distance(&(centre + (e1 * cos + e2 * sin) * rho + cutter.axis * up)).0
+        };
         // Inside the disc, where the hub bulges; refined by halving steps from the best sample.
-        let mut inner = (f64::INFINITY, 0.0, 0.0);
-        for ring in 0..3 {
+        let mut inner = (at(0.0, 0.0, 0.0), 0.0, 0.0);
+        for ring in 1..3 {
             for i in 0..9 {
-                let (rho, phi) = (flat * f64::from(ring) / 3.0, step * 4.0 * f64::from(i));
+                let (rho, phi) = (flat * f64::from(ring) / 3.0, step * 2.0 * f64::from(i));
                 let d = at(rho, phi, 0.0);
                 if d < inner.0 {
                     inner = (d, rho, phi);
@@ -73,7 +99,7 @@ impl<'a> FinishedPart<'a> {
             }
         }
         if inner.0 < least + 0.1 {
-            let (mut dr, mut dp) = (flat / 6.0, 2.0 * step);
+            let (mut dr, mut dp) = (flat / 6.0, step);
             while dr > 1e-5 {
                 let mut moved = false;
                 for (r, p) in [
@@ -99,7 +125,7 @@ impl<'a> FinishedPart<'a> {
         // The flank of the column: the hub may curl up beside it.
         for up in [0.2, 1.0, 3.0] {
             for i in 0..9 {
-                least = least.min(at(flat, step * 4.0 * f64::from(i), up * cutter.radius));
+                least = least.min(at(flat, step * 2.0 * f64::from(i), up * cutter.radius));
             }
         }
         least - cutter.corner_radius
