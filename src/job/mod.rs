@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 pub use summary::Summary;
 
+use rayon::prelude::*;
+
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, Setup};
 use crate::plunge::sections::{SetupFault, resolve};
@@ -23,6 +25,8 @@ pub struct PlanRequest {
     pub setup: Setup,
     /// Policy of the result ("after"); "before" is always conventional.
     pub policy: AxisPolicy,
+    /// Whether the other policies are planned as well, for comparison.
+    pub compare: bool,
     /// Cells of the residual field along s and λ.
     pub field_cells: usize,
 }
@@ -51,8 +55,18 @@ pub struct PlanOutcome {
     pub before: PolicyResult,
     /// Plan by the policy asked for.
     pub after: PolicyResult,
+    /// Plans by the other policies, when they were asked for.
+    pub others: Vec<PolicyResult>,
     /// Wall time of the work, s.
     pub elapsed: f64,
+}
+
+impl PlanOutcome {
+    /// Every policy that was planned, from what shops do today to ours.
+    pub fn policies(&self) -> Vec<&PolicyResult> {
+        let all = || [&self.before, &self.after].into_iter().chain(&self.others);
+        AxisPolicy::ALL.iter().filter_map(|policy| all().find(|r| r.plan.policy == *policy)).collect()
+    }
 }
 
 /// Why there is no result.
@@ -87,32 +101,35 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     let setup = resolve(&request.setup, part, &channel)?;
     let planner = Planner::new(part, &channel, &setup);
     monitor.report(0.05);
-    let conventional = || planner.plan(AxisPolicy::Conventional, monitor);
-    let asked = || match request.policy {
-        AxisPolicy::Conventional => Ok(None),
-        policy => planner.plan(policy, monitor).map(Some),
-    };
     let floor =
         || FloorGrid::new(part, &channel, planner.blank(), setup.stock.blade_allowance, request.field_cells);
     let with_floor = || -> Result<(PlungePlan, FloorGrid), PlanError> {
-        let plan = conventional()?;
+        let plan = planner.plan(AxisPolicy::Conventional, monitor)?;
         monitor.check()?;
         Ok((plan, floor()))
     };
-    let (before, after) = rayon::join(with_floor, asked);
-    let ((before, grid), after) = (before?, after?);
+    let wanted = |policy: &&AxisPolicy| {
+        **policy != AxisPolicy::Conventional && (request.compare || **policy == request.policy)
+    };
+    let policies: Vec<AxisPolicy> = AxisPolicy::ALL.iter().filter(wanted).copied().collect();
+    let asked = || -> Result<Vec<PlungePlan>, PlanError> {
+        policies.par_iter().map(|&policy| planner.plan(policy, monitor)).collect()
+    };
+    let (before, asked) = rayon::join(with_floor, asked);
+    let ((before, grid), asked) = (before?, asked?);
     let measured = |plan: PlungePlan| -> Result<PolicyResult, JobError> {
         monitor.check().map_err(|_| JobError::Cancelled)?;
         Ok(with_field(plan, &grid))
     };
     let before = measured(before)?;
-    let after = match after {
-        Some(plan) => measured(plan)?,
+    let mut others: Vec<PolicyResult> = asked.into_iter().map(measured).collect::<Result<_, _>>()?;
+    let after = match others.iter().position(|result| result.plan.policy == request.policy) {
+        Some(index) => others.remove(index),
         None => before.clone(),
     };
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    Ok(PlanOutcome { part: part.clone(), grid: Arc::new(grid), before, after, elapsed, setup })
+    Ok(PlanOutcome { part: part.clone(), grid: Arc::new(grid), before, after, others, elapsed, setup })
 }
 
 /// Adds to a plan what it leaves on the hub.
