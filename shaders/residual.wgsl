@@ -1,6 +1,6 @@
-// Residual layer of plunges on the hub floor. Twin of src/residual/field.rs: same operations in the
-// same order, so that both give the same heights. One workgroup per tile of 16 × 16 cells, one
-// invocation per cell. Lengths in mm.
+// Residual layer of plunges on the hub floor. Twin of src/residual/field.rs and meeting.rs: same
+// operations in the same order, so that both give the same heights. One workgroup per tile of 16 × 16
+// cells, one invocation per cell. Lengths in mm.
 
 struct Grid {
     rows: u32,

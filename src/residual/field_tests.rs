@@ -123,6 +123,18 @@ proptest! {
         prop_assert_eq!(&tiled.traces, &plain.traces);
     }
 
+    /// Cells so small that most rows are swept whole, and plunges repeated so that they are passed over.
+    #[test]
+    fn rows_decided_as_a_whole_change_nothing(
+        cutters in proptest::collection::vec(any_cutter(), 1..12),
+        again in proptest::collection::vec(0..12_usize, 12),
+    ) {
+        let grid = saddle(61, 403);
+        let repeated = again.iter().map(|k| cutters[k % cutters.len()]);
+        let cutters: Vec<_> = cutters.iter().copied().chain(repeated).collect();
+        prop_assert_eq!(residual_field(&grid, &cutters), untiled(&grid, &cutters));
+    }
+
     /// Rays that graze a wall jump between missing and hitting, so the f64 heights of a body grown and
     /// shrunk by a hair enclose the f32 heights.
     #[test]

@@ -3,8 +3,10 @@
 
 use crate::plunge::PlungePlan;
 
+mod bounds;
 pub mod field;
 pub mod grid;
+mod meeting;
 pub mod statistics;
 pub mod tiles;
 
