@@ -5,7 +5,7 @@
 //! keep a margin far above what single precision loses, so the cells would have said the same.
 
 use super::field::FieldCutter;
-use super::meeting::{Meeting, Row, dot, larger, mask, smaller};
+use super::meeting::{Meeting, Row, dot, greatest, larger, mask, smaller};
 use super::tiles::{REACH_MARGIN, TILE};
 
 /// The last lane of a row.
@@ -146,21 +146,6 @@ impl RowStock {
 #[inline(always)]
 fn place(lane: usize) -> f32 {
     (2 * lane) as f32 / LAST as f32 - 1.0
-}
-
-/// The greatest value of a row, at least 0.
-#[inline(always)]
-fn greatest(row: Row<f32>) -> f32 {
-    // Halves against each other: a chain of comparisons over the lanes would wait for each.
-    let mut row = row;
-    let mut half = TILE / 2;
-    while half > 0 {
-        for lane in 0..half {
-            row[lane] = larger(row[lane], row[lane + half]);
-        }
-        half /= 2;
-    }
-    larger(row[0], 0.0)
 }
 
 #[inline(always)]

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 
 use super::bounds::{RowBounds, RowStock};
 use super::grid::FloorGrid;
-use super::meeting::{FAR, Meeting, MeetingRow, Row, larger, mask, smaller};
+use super::meeting::{FAR, Meeting, MeetingRow, Row, greatest, larger, mask, smaller};
 use super::tiles::{TILE, TileBins};
+use super::trace::{PositionTrace, TraceSums, VolumeUnit, whole_units_between};
 
 /// Depth above which a cell counts as contact of the core, mm. The kernel gets it as a constant.
 pub const CONTACT_TOLERANCE: f32 = crate::plunge::plan::CONTACT_TOLERANCE as f32;
@@ -31,29 +32,6 @@ pub struct FieldCutter {
     pub corner_radius: f32,
 }
 
-/// What the heightfield saw of one position.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PositionTrace {
-    /// Greatest height of stock in the core above its bottom, mm along the tool axis.
-    pub contact_depth: f32,
-    /// Cells in which the core meets stock.
-    pub contact_cells: u32,
-    /// Cells the cutter sweeps over.
-    pub swept_cells: u32,
-    /// Cells in which it removes stock; the rest of the swept cells is cut in air.
-    pub cut_cells: u32,
-}
-
-impl PositionTrace {
-    /// Joins what two parts of the grid saw of the same position.
-    fn join(&mut self, other: &PositionTrace) {
-        self.contact_depth = self.contact_depth.max(other.contact_depth);
-        self.contact_cells += other.contact_cells;
-        self.swept_cells += other.swept_cells;
-        self.cut_cells += other.cut_cells;
-    }
-}
-
 /// Heights of stock above the finished hub after some positions were cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResidualField {
@@ -69,18 +47,18 @@ pub struct ResidualField {
 pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualField {
     let bins = TileBins::new(grid, cutters);
     let mut heights = vec![0.0; grid.rows * grid.columns];
-    let mut traces = vec![PositionTrace::default(); cutters.len()];
     if heights.is_empty() {
-        return ResidualField { heights, traces };
+        return ResidualField { heights, traces: vec![PositionTrace::default(); cutters.len()] };
     }
+    let unit = VolumeUnit::of(grid);
     // One task per row of tiles, as a row is one contiguous piece of the heights.
-    let seen: Vec<Vec<PositionTrace>> = heights
+    let seen: Vec<Vec<TraceSums>> = heights
         .par_chunks_mut(TILE * grid.columns)
         .enumerate()
         .map(|(down, heights)| {
             let mut seen = Vec::new();
             for across in 0..bins.across {
-                let mut tile = Tile::load(grid, down, across);
+                let mut tile = Tile::load(grid, unit, down, across);
                 seen.extend(bins.cutters_of(down, across).iter().map(|&k| tile.cut(&cutters[k as usize])));
                 tile.store(heights, across, grid.columns);
             }
@@ -88,10 +66,11 @@ pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualFiel
         })
         .collect();
     // Sums and maxima: the result does not depend on how the tasks were shared out.
-    for (&k, trace) in bins.list.iter().zip(seen.iter().flatten()) {
-        traces[k as usize].join(trace);
+    let mut sums = vec![TraceSums::default(); cutters.len()];
+    for (&k, part) in bins.list.iter().zip(seen.iter().flatten()) {
+        sums[k as usize].join(part);
     }
-    ResidualField { heights, traces }
+    ResidualField { heights, traces: sums.iter().map(|sums| sums.trace(unit)).collect() }
 }
 
 /// The cells of one tile, by component, so that a row of them fits vector registers.
@@ -101,6 +80,8 @@ struct Tile {
     blank: [Row<f32>; TILE],
     height: [Row<f32>; TILE],
     floor: [Row<u32>; TILE],
+    /// Units of volume per mm of height; 0 off the floor.
+    units: [Row<f32>; TILE],
     /// Number of floor cells per row.
     floor_cells: Row<u32>,
     stock: RowStock,
@@ -108,9 +89,9 @@ struct Tile {
 }
 
 impl Tile {
-    fn load(grid: &FloorGrid, down: usize, across: usize) -> Tile {
+    fn load(grid: &FloorGrid, unit: VolumeUnit, down: usize, across: usize) -> Tile {
         let zero = [[0.0; TILE]; TILE];
-        let (mut point, mut normal, mut blank) = ([zero; 3], [zero; 3], zero);
+        let (mut point, mut normal, mut blank, mut units) = ([zero; 3], [zero; 3], zero, zero);
         let mut floor = [[0; TILE]; TILE];
         for row in 0..TILE {
             for lane in 0..TILE {
@@ -122,7 +103,9 @@ impl Tile {
                     normal[axis][row][lane] = grid.normals[cell][axis];
                 }
                 blank[row][lane] = grid.blank_heights[cell];
-                floor[row][lane] = u32::from(i < grid.rows && j < grid.columns && grid.floor[cell]);
+                let is_floor = i < grid.rows && j < grid.columns && grid.floor[cell];
+                floor[row][lane] = u32::from(is_floor);
+                units[row][lane] = if is_floor { unit.per_height(grid.areas[cell]) } else { 0.0 };
             }
         }
         Tile {
@@ -134,6 +117,7 @@ impl Tile {
             blank,
             height: blank,
             floor,
+            units,
         }
     }
 
@@ -147,9 +131,8 @@ impl Tile {
     }
 
     /// Removes what `cutter` sweeps.
-    fn cut(&mut self, cutter: &FieldCutter) -> PositionTrace {
-        let mut seen = Seen::default();
-        let mut swept_cells = 0;
+    fn cut(&mut self, cutter: &FieldCutter) -> TraceSums {
+        let mut sums = TraceSums::default();
         let verdicts = self.bounds.verdicts(cutter, &self.stock);
         for row in 0..TILE {
             if verdicts.reached[row] == 0 {
@@ -157,32 +140,26 @@ impl Tile {
             }
             let sweeps_all = verdicts.swept[row] != 0;
             if sweeps_all {
-                swept_cells += self.floor_cells[row];
+                sums.swept_cells += self.floor_cells[row];
             }
             if !(sweeps_all && verdicts.untouched[row] != 0) {
-                self.cut_row(row, cutter, sweeps_all, &mut seen);
+                self.cut_row(row, cutter, sweeps_all, &mut sums);
             }
         }
-        PositionTrace {
-            contact_depth: seen.depth.into_iter().fold(0.0, larger),
-            contact_cells: seen.contact.iter().sum(),
-            swept_cells: swept_cells + seen.swept.iter().sum::<u32>(),
-            cut_cells: seen.cut.iter().sum(),
-        }
+        sums
     }
 
     /// Removes what `cutter` sweeps from one row; counts the cells it sweeps unless it `sweeps_all`.
     ///
-    /// Loops over the lanes hold no branches, and counters are kept per lane until the end, so that the
-    /// compiler turns each loop into vector instructions.
-    fn cut_row(&mut self, row: usize, cutter: &FieldCutter, sweeps_all: bool, seen: &mut Seen) {
+    /// Loops over the lanes hold no branches, so that the compiler turns each into vector instructions.
+    fn cut_row(&mut self, row: usize, cutter: &FieldCutter, sweeps_all: bool, sums: &mut TraceSums) {
         let squared_radius = cutter.radius * cutter.radius;
         let squared_core = cutter.core_radius * cutter.core_radius;
         let mut meetings = MeetingRow::default();
         let mut entries = [FAR; TILE];
         let mut touched = 0;
-        let (blank, floor) = (self.blank[row], self.floor[row]);
-        let mut height = self.height[row];
+        let (blank, floor, units) = (self.blank[row], self.floor[row], self.units[row]);
+        let height = self.height[row];
         for lane in 0..TILE {
             let meeting = Meeting::new(
                 [self.point[0][row][lane], self.point[1][row][lane], self.point[2][row][lane]],
@@ -207,9 +184,7 @@ impl Tile {
             }
         }
         if !sweeps_all {
-            for lane in 0..TILE {
-                seen.swept[lane] += floor[lane] & mask(entries[lane] < blank[lane]);
-            }
+            sums.swept_cells += total(|lane| floor[lane] & mask(entries[lane] < blank[lane]));
         }
         if touched == 0 {
             return;
@@ -219,30 +194,26 @@ impl Tile {
             core |= floor[lane] & mask(meetings.get(lane).may_touch(squared_core, height[lane]));
         }
         if core != 0 {
-            for lane in 0..TILE {
+            let depths: Row<f32> = std::array::from_fn(|lane| {
                 let depth = meetings.get(lane).contact_depth(squared_core, height[lane]);
-                let depth = if floor[lane] != 0 { depth } else { 0.0 };
-                seen.depth[lane] = larger(seen.depth[lane], depth);
-                seen.contact[lane] += floor[lane] & mask(depth > CONTACT_TOLERANCE);
-            }
+                if floor[lane] != 0 { depth } else { 0.0 }
+            });
+            sums.contact_depth = larger(sums.contact_depth, greatest(depths));
+            sums.contact_cells += total(|lane| floor[lane] & mask(depths[lane] > CONTACT_TOLERANCE));
         }
-        for lane in 0..TILE {
-            let left = smaller(height[lane], entries[lane]);
-            seen.cut[lane] += floor[lane] & mask(height[lane] - left > CUT_TOLERANCE);
-            height[lane] = left;
-        }
-        self.height[row] = height;
-        self.stock.set(row, &height);
+        let left: Row<f32> = std::array::from_fn(|lane| smaller(height[lane], entries[lane]));
+        sums.cut_cells += total(|lane| floor[lane] & mask(height[lane] - left[lane] > CUT_TOLERANCE));
+        sums.removed_units +=
+            total(|lane| whole_units_between(height[lane] * units[lane], left[lane] * units[lane]));
+        self.height[row] = left;
+        self.stock.set(row, &left);
     }
 }
 
-/// What each lane saw of one cutter.
-#[derive(Default)]
-struct Seen {
-    depth: Row<f32>,
-    contact: Row<u32>,
-    swept: Row<u32>,
-    cut: Row<u32>,
+/// The sum over the lanes of a row.
+#[inline(always)]
+fn total(value: impl Fn(usize) -> u32) -> u32 {
+    (0..TILE).map(value).sum()
 }
 
 #[cfg(test)]

@@ -187,3 +187,18 @@ pub(super) fn larger(a: f32, b: f32) -> f32 {
 pub(super) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
+
+/// The greatest value of a row, at least 0.
+#[inline(always)]
+pub(super) fn greatest(row: Row<f32>) -> f32 {
+    // Halves against each other: a chain of comparisons over the lanes would wait for each.
+    let mut row = row;
+    let mut half = TILE / 2;
+    while half > 0 {
+        for lane in 0..half {
+            row[lane] = larger(row[lane], row[lane + half]);
+        }
+        half /= 2;
+    }
+    larger(row[0], 0.0)
+}
