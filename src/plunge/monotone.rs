@@ -32,26 +32,37 @@ impl RowMaker<'_> {
         max_tilt: f64,
         accept: &mut dyn FnMut(&[Station]) -> bool,
     ) -> Option<Vec<Station>> {
-        let mut row: Vec<Station> = Vec::with_capacity(conventional.len());
-        for station in conventional {
-            let wanted = match (row.last(), start) {
-                (Some(previous), _) => self.lean(previous) + LEAST_GROWTH_RAD,
-                (None, Some(start)) => start,
-                (None, None) => f64::NEG_INFINITY,
-            };
-            let before = row.last().map_or(0.0, |p| (p.s_shroud_conventional - p.ends.s_shroud).abs());
-            row.push(self.leaning_at_least(station, wanted, before, max_tilt));
+        let Some((first, rest)) = conventional.split_first() else { return Some(Vec::new()) };
+        let first = start.map_or(*first, |lean| self.leaning_at_least(first, lean, 0.0, max_tilt));
+        self.monotone_after(first, rest, max_tilt, accept)
+    }
+
+    /// As [`Self::monotone`] with the first position as it shall be, the others conventional.
+    pub fn monotone_after(
+        &self,
+        first: Station,
+        rest: &[Station],
+        max_tilt: f64,
+        accept: &mut dyn FnMut(&[Station]) -> bool,
+    ) -> Option<Vec<Station>> {
+        let mut row: Vec<Station> = Vec::with_capacity(rest.len() + 1);
+        row.push(first);
+        let mut previous = first;
+        for station in rest {
             if !accept(&row) {
                 return None;
             }
+            let wanted = self.lean(&previous) + LEAST_GROWTH_RAD;
+            previous = self.leaning_at_least(station, wanted, previous.moved(), max_tilt);
+            row.push(previous);
         }
-        Some(row)
+        accept(&row).then_some(row)
     }
 
     /// The station with W moved by the least amount for which its lean is at least `wanted`; the last
     /// one that blades, shroud or tilt limit allow, marked as blocked, where it cannot be had.
     /// `likely` is the amount the neighbour needed, in s.
-    fn leaning_at_least(&self, from: &Station, wanted: f64, likely: f64, max_tilt: f64) -> Station {
+    pub fn leaning_at_least(&self, from: &Station, wanted: f64, likely: f64, max_tilt: f64) -> Station {
         if self.lean(from) >= wanted {
             return *from;
         }

@@ -26,6 +26,13 @@ pub struct Station {
     pub blocked: Option<Blocked>,
 }
 
+impl Station {
+    /// How far W was moved from its conventional place, in s.
+    pub fn moved(&self) -> f64 {
+        (self.s_shroud_conventional - self.ends.s_shroud).abs()
+    }
+}
+
 /// Makes the stations of one row: everything that is the same along it.
 #[derive(Debug)]
 pub struct RowMaker<'a> {
