@@ -11,4 +11,4 @@ mod path;
 mod section;
 
 pub use candidate::CandidateMaker;
-pub use path::{Path, PathSearch};
+pub use path::PathSearch;

@@ -1,7 +1,7 @@
 //! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
 //! direction that leaves less.
 
-use super::{CandidateMaker, Path, PathSearch};
+use super::{CandidateMaker, PathSearch};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
 use crate::part::Tool;
@@ -100,28 +100,15 @@ impl Planner<'_> {
                 let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
                 cost += path.cost + COST_OF_MISSED * ((end - reached) / step).abs();
                 let lambda = stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
-                for mut stations in self.rows_of(&maker, &path) {
-                    fill_steps(&maker, &search.candidates, &mut stations);
-                    let row = Row { stations, lambda, rounds: 1, settled: true };
-                    cut.rows.push(self.cut_row(row, tool, true, &mut cut.columns, monitor)?);
-                }
+                let mut stations: Vec<Station> =
+                    path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
+                fill_steps(&maker, &search.candidates, &mut stations);
+                let row = Row { stations, lambda, rounds: 1, settled: true };
+                let row = self.cut_row(row, tool, true, &mut cut.columns, monitor)?;
+                cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
             }
         }
         Ok((cut, cost))
-    }
-
-    /// The exact stations of a path, as rows: a new one begins where the axis turns more than it may from one
-    /// position to the next.
-    fn rows_of(&self, maker: &RowMaker, path: &Path) -> Vec<Vec<Station>> {
-        let mut rows: Vec<Vec<Station>> = Vec::new();
-        for station in path.steps.iter().filter_map(|(station, _)| maker.exact(station)) {
-            let turn = |row: &Vec<Station>| row.last().map_or(0.0, |last| last.axis.angle(&station.axis));
-            match rows.last_mut() {
-                Some(row) if turn(row) <= self.setup.plunge.max_axis_change => row.push(station),
-                _ => rows.push(vec![station]),
-            }
-        }
-        rows
     }
 
     /// What row `row` has to clear at `s`: from half way to the row before it (or the wall's foot) to half way to the
