@@ -87,27 +87,26 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     let setup = resolve(&request.setup, part, &channel)?;
     let planner = Planner::new(part, &channel, &setup);
     monitor.report(0.05);
-    let conventional = || planner.plan(AxisPolicy::Conventional, monitor);
+    let measured = |plan: PlungePlan, grid: &FloorGrid| -> Result<PolicyResult, PlanError> {
+        monitor.check()?;
+        Ok(with_field(plan, grid))
+    };
+    // The conventional plan is ready long before others: meanwhile it is measured.
+    let conventional = || -> Result<(PolicyResult, FloorGrid), PlanError> {
+        let plan = planner.plan(AxisPolicy::Conventional, monitor)?;
+        monitor.check()?;
+        let allowance = setup.stock.blade_allowance;
+        let grid = FloorGrid::new(part, &channel, planner.blank(), allowance, request.field_cells);
+        Ok((measured(plan, &grid)?, grid))
+    };
     let asked = || match request.policy {
         AxisPolicy::Conventional => Ok(None),
         policy => planner.plan(policy, monitor).map(Some),
     };
-    let floor =
-        || FloorGrid::new(part, &channel, planner.blank(), setup.stock.blade_allowance, request.field_cells);
-    let with_floor = || -> Result<(PlungePlan, FloorGrid), PlanError> {
-        let plan = conventional()?;
-        monitor.check()?;
-        Ok((plan, floor()))
-    };
-    let (before, after) = rayon::join(with_floor, asked);
+    let (before, after) = rayon::join(conventional, asked);
     let ((before, grid), after) = (before?, after?);
-    let measured = |plan: PlungePlan| -> Result<PolicyResult, JobError> {
-        monitor.check().map_err(|_| JobError::Cancelled)?;
-        Ok(with_field(plan, &grid))
-    };
-    let before = measured(before)?;
     let after = match after {
-        Some(plan) => measured(plan)?,
+        Some(plan) => measured(plan, &grid)?,
         None => before.clone(),
     };
     monitor.report(1.0);
