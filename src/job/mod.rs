@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 pub use summary::Summary;
 
+use rayon::prelude::*;
+
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, Setup};
 use crate::plunge::sections::{SetupFault, resolve};
@@ -23,6 +25,8 @@ pub struct PlanRequest {
     pub setup: Setup,
     /// Policy of the result ("after"); "before" is always conventional.
     pub policy: AxisPolicy,
+    /// Whether the other policies are planned as well, for comparison.
+    pub compare: bool,
     /// Cells of the residual field along s and λ.
     pub field_cells: usize,
 }
@@ -51,8 +55,18 @@ pub struct PlanOutcome {
     pub before: PolicyResult,
     /// Plan by the policy asked for.
     pub after: PolicyResult,
+    /// Plans by the other policies, when they were asked for.
+    pub others: Vec<PolicyResult>,
     /// Wall time of the work, s.
     pub elapsed: f64,
+}
+
+impl PlanOutcome {
+    /// Every policy that was planned, from what shops do today to ours.
+    pub fn policies(&self) -> Vec<&PolicyResult> {
+        let all = || [&self.before, &self.after].into_iter().chain(&self.others);
+        AxisPolicy::ALL.iter().filter_map(|policy| all().find(|r| r.plan.policy == *policy)).collect()
+    }
 }
 
 /// Why there is no result.
@@ -99,19 +113,24 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
         let grid = FloorGrid::new(part, &channel, planner.blank(), allowance, request.field_cells);
         Ok((measured(plan, &grid)?, grid))
     };
-    let asked = || match request.policy {
-        AxisPolicy::Conventional => Ok(None),
-        policy => planner.plan(policy, monitor).map(Some),
+    let wanted = |policy: &&AxisPolicy| {
+        **policy != AxisPolicy::Conventional && (request.compare || **policy == request.policy)
     };
-    let (before, after) = rayon::join(conventional, asked);
-    let ((before, grid), after) = (before?, after?);
-    let after = match after {
-        Some(plan) => measured(plan, &grid)?,
+    let policies: Vec<AxisPolicy> = AxisPolicy::ALL.iter().filter(wanted).copied().collect();
+    let asked = || -> Result<Vec<PlungePlan>, PlanError> {
+        policies.par_iter().map(|&policy| planner.plan(policy, monitor)).collect()
+    };
+    let (before, asked) = rayon::join(conventional, asked);
+    let ((before, grid), asked) = (before?, asked?);
+    let mut others =
+        asked.into_iter().map(|plan| measured(plan, &grid)).collect::<Result<Vec<PolicyResult>, _>>()?;
+    let after = match others.iter().position(|result| result.plan.policy == request.policy) {
+        Some(index) => others.remove(index),
         None => before.clone(),
     };
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    Ok(PlanOutcome { part: part.clone(), grid: Arc::new(grid), before, after, elapsed, setup })
+    Ok(PlanOutcome { part: part.clone(), grid: Arc::new(grid), before, after, others, elapsed, setup })
 }
 
 /// Adds to a plan what it leaves on the hub.

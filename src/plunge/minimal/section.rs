@@ -16,7 +16,7 @@ use crate::plunge::sections::{step_limit, tool_of};
 /// What a place without any axis costs beside one that leaves a thick layer, mm.
 const COST_OF_MISSED: f64 = 30.0;
 /// Layer whose square weighs as much as itself, in cutter radii.
-const SCALE_RADII: f64 = 0.1;
+const SCALE_RADII: f64 = 0.5;
 /// How far before its start a row may begin, in cutter diameters.
 const RUN_UP_DIAMETERS: f64 = 1.5;
 /// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
