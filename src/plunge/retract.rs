@@ -24,23 +24,56 @@ impl<'a> RetractSurface<'a> {
     }
 }
 
-/// Least distance of a cutter's bottom to the blank, mm: dense rim and rings, independent of how
-/// the retract height was found. Negative when the bottom is in the blank.
-pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
-    let flat = cutter.radius - cutter.corner_radius;
-    let centre = cutter.tip + cutter.axis * cutter.corner_radius;
-    let mut warm = None;
-    let mut least = blank.clearance(Meridional::of(&centre), &mut warm);
-    let half_way = Circle::new(&centre, &cutter.axis, 0.5 * flat);
-    for i in 0..8 {
-        let (p, _) = half_way.at((std::f64::consts::FRAC_PI_4 * f64::from(i)).sin_cos());
-        least = least.min(blank.clearance(Meridional::of(&p), &mut warm));
+/// Where a cutter's bottom is nearest to the blank.
+#[derive(Clone, Copy, Debug)]
+pub struct NearBottom {
+    /// Least distance of the bottom to the blank, mm. Negative when the bottom is in the blank.
+    pub clearance: f64,
+    /// The place of the bottom (before its corner is rounded) and the one of the blank's outline.
+    point: Point,
+    foot: Meridional,
+}
+
+impl NearBottom {
+    /// Looks for it on a dense rim and rings, independent of how the retract height was found.
+    pub fn of(cutter: &CutterSolid, blank: &Blank) -> Self {
+        let flat = cutter.radius - cutter.corner_radius;
+        let centre = cutter.tip + cutter.axis * cutter.corner_radius;
+        let mut warm = None;
+        let mut nearest = Self { clearance: f64::INFINITY, point: centre, foot: Meridional::default() };
+        let mut distance = |point: Point| {
+            let (clearance, foot) = blank.nearest_top(Meridional::of(&point), &mut warm);
+            if clearance < nearest.clearance {
+                nearest = Self { clearance, point, foot };
+            }
+            (clearance, foot)
+        };
+        distance(centre);
+        let half_way = Circle::new(&centre, &cutter.axis, 0.5 * flat);
+        for i in 0..8 {
+            distance(half_way.at((std::f64::consts::FRAC_PI_4 * f64::from(i)).sin_cos()).0);
+        }
+        let rim = Circle::new(&centre, &cutter.axis, flat);
+        let on_rim = |phi: f64| {
+            let (p, turning) = rim.at(phi.sin_cos());
+            let (d, foot) = distance(p);
+            (d, receding(&p, &turning, foot) * d.signum())
+        };
+        search::least_around::<16>(on_rim, 0.2);
+        Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest }
     }
-    let rim = Circle::new(&centre, &cutter.axis, flat);
-    let on_rim = |phi: f64| {
-        let (p, turning) = rim.at(phi.sin_cos());
-        let (d, foot) = blank.nearest_top(Meridional::of(&p), &mut warm);
-        (d, receding(&p, &turning, foot) * d.signum())
-    };
-    least.min(search::least_around::<16>(on_rim, 0.2)) - cutter.corner_radius
+
+    /// How fast the clearance grows while the tip of the `cutter` it is about moves by `motion` and its axis by
+    /// `turning` (across it), mm per unit of both.
+    pub fn growth(&self, cutter: &CutterSolid, motion: &Vector, turning: &Vector) -> f64 {
+        let turn = cutter.axis.cross(turning);
+        let velocity = motion + turn.cross(&(self.point - cutter.tip));
+        let depth = self.clearance + cutter.corner_radius;
+        receding(&self.point, &velocity, self.foot) * depth.signum()
+    }
+}
+
+/// Least distance of a cutter's bottom to the blank, mm. Negative when the bottom is in the blank.
+pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
+    NearBottom::of(cutter, blank).clearance
 }
