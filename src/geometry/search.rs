@@ -64,6 +64,30 @@ pub fn root_from(
     x
 }
 
+/// Least value over a whole turn of `f`, an angle to (value, slope), by `SAMPLES` of it. Between samples it is
+/// searched where one is no more than `margin` above the lowest.
+pub fn least_around<const SAMPLES: usize>(mut f: impl FnMut(f64) -> (f64, f64), margin: f64) -> f64 {
+    let step = std::f64::consts::TAU / SAMPLES as f64;
+    let samples: [(f64, f64); SAMPLES] = std::array::from_fn(|i| f(step * i as f64));
+    let lowest = samples.iter().map(|s| s.0).fold(f64::INFINITY, f64::min);
+    let mut least = lowest;
+    for i in 0..SAMPLES {
+        let (a, b) = (samples[i], samples[(i + 1) % SAMPLES]);
+        if a.1 >= 0.0 || b.1 <= 0.0 || a.0.min(b.0) > lowest + margin {
+            continue;
+        }
+        let from = step * i as f64;
+        let slope = |x: f64| {
+            let (value, slope) = f(x);
+            least = least.min(value);
+            slope
+        };
+        let guess = from + step * a.1 / (a.1 - b.1);
+        root_from(slope, (from, a.1), (from + step, b.1), guess, 1e-5);
+    }
+    least
+}
+
 /// Minimum of `f` in [`a`, `b`] by Brent's method, to `tolerance` in the argument.
 /// Returns (argument, value). `f` should have one minimum there; else it finds one of them.
 pub fn minimum(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> (f64, f64) {
@@ -156,6 +180,9 @@ mod tests {
             assert!((r - 2f64.cbrt()).abs() < 1e-6 && calls.len() < 12, "from {guess}: {r} by {calls:?}");
             assert_eq!(calls.last(), Some(&r), "the last call is the result");
         }
+        let wave = |x: f64| ((2.0 * x).cos() + 0.1 * x.sin(), 0.1 * x.cos() - 2.0 * (2.0 * x).sin());
+        let least = (0..100_000).map(|i| wave(1e-4 * f64::from(i)).0).fold(f64::INFINITY, f64::min);
+        assert!((least_around::<9>(wave, 0.1) - least).abs() < 1e-7, "two waves");
         let jump =
             root_from(|x| if x < 0.7 { -1.0 - x } else { 2.0 + x }, (0.0, -1.0), (1.0, 3.0), 0.5, 1e-6);
         assert!((jump - 0.7).abs() < 1e-6, "a jump: {jump}");

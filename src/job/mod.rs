@@ -101,12 +101,17 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     let setup = resolve(&request.setup, part, &channel)?;
     let planner = Planner::new(part, &channel, &setup);
     monitor.report(0.05);
-    let floor =
-        || FloorGrid::new(part, &channel, planner.blank(), setup.stock.blade_allowance, request.field_cells);
-    let with_floor = || -> Result<(PlungePlan, FloorGrid), PlanError> {
+    let measured = |plan: PlungePlan, grid: &FloorGrid| -> Result<PolicyResult, PlanError> {
+        monitor.check()?;
+        Ok(with_field(plan, grid))
+    };
+    // The conventional plan is ready long before others: meanwhile it is measured.
+    let conventional = || -> Result<(PolicyResult, FloorGrid), PlanError> {
         let plan = planner.plan(AxisPolicy::Conventional, monitor)?;
         monitor.check()?;
-        Ok((plan, floor()))
+        let allowance = setup.stock.blade_allowance;
+        let grid = FloorGrid::new(part, &channel, planner.blank(), allowance, request.field_cells);
+        Ok((measured(plan, &grid)?, grid))
     };
     let wanted = |policy: &&AxisPolicy| {
         **policy != AxisPolicy::Conventional && (request.compare || **policy == request.policy)
@@ -115,14 +120,10 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     let asked = || -> Result<Vec<PlungePlan>, PlanError> {
         policies.par_iter().map(|&policy| planner.plan(policy, monitor)).collect()
     };
-    let (before, asked) = rayon::join(with_floor, asked);
+    let (before, asked) = rayon::join(conventional, asked);
     let ((before, grid), asked) = (before?, asked?);
-    let measured = |plan: PlungePlan| -> Result<PolicyResult, JobError> {
-        monitor.check().map_err(|_| JobError::Cancelled)?;
-        Ok(with_field(plan, &grid))
-    };
-    let before = measured(before)?;
-    let mut others: Vec<PolicyResult> = asked.into_iter().map(measured).collect::<Result<_, _>>()?;
+    let mut others =
+        asked.into_iter().map(|plan| measured(plan, &grid)).collect::<Result<Vec<PolicyResult>, _>>()?;
     let after = match others.iter().position(|result| result.plan.policy == request.policy) {
         Some(index) => others.remove(index),
         None => before.clone(),

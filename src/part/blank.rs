@@ -97,24 +97,42 @@ impl Blank {
     /// Distance from `point` (outside) to the blank's top: shroud, leading-edge line and rim line.
     /// Negative where it is solid. `warm` as in [`Self::is_solid`].
     pub fn clearance(&self, point: Meridional, warm: &mut Option<f64>) -> f64 {
-        let segment = |(a, b): (Meridional, Meridional)| {
+        self.nearest_top(point, warm).0
+    }
+
+    /// As [`Self::clearance`], with the nearest place of the top.
+    pub fn nearest_top(&self, point: Meridional, warm: &mut Option<f64>) -> (f64, Meridional) {
+        let on_segment = |(a, b): (Meridional, Meridional)| {
             let (dr, dz) = (b.r - a.r, b.z - a.z);
             let share = ((point.r - a.r) * dr + (point.z - a.z) * dz) / (dr * dr + dz * dz);
-            point.distance(a.lerp(b, share.clamp(0.0, 1.0)))
+            let foot = a.lerp(b, share.clamp(0.0, 1.0));
+            (point.distance(foot), foot)
         };
-        let shroud = self.above_shroud(point, warm);
-        let distance = shroud.abs().min(segment(self.ends[0])).min(segment(self.ends[1]));
-        if shroud < 0.0 && self.ends_depth(point) > 0.0 { -distance } else { distance }
+        let (t, shroud) = self.on_shroud(point, *warm);
+        *warm = Some(t);
+        let mut nearest = (shroud.abs(), self.shroud.point(t));
+        for end in self.ends.map(on_segment) {
+            if end.0 < nearest.0 {
+                nearest = end;
+            }
+        }
+        let solid = shroud < 0.0 && self.ends_depth(point) > 0.0;
+        if solid { (-nearest.0, nearest.1) } else { nearest }
     }
 
     /// Signed distance from the shroud, positive outside.
     fn above_shroud(&self, point: Meridional, warm: &mut Option<f64>) -> f64 {
-        let (t, height) = match *warm {
-            Some(t) => self.shroud.project_near(point, t, 0.2 * self.shroud.length()),
-            None => self.shroud.project(point),
-        };
+        let (t, height) = self.on_shroud(point, *warm);
         *warm = Some(t);
         height
+    }
+
+    /// Arc length and signed distance of the place of the shroud nearest to `point`; near arc length `warm` if given.
+    fn on_shroud(&self, point: Meridional, warm: Option<f64>) -> (f64, f64) {
+        match warm {
+            Some(t) => self.shroud.project_near(point, t, 0.2 * self.shroud.length()),
+            None => self.shroud.project(point),
+        }
     }
 
     /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub

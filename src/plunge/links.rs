@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::plan::PlungePlan;
-use super::retract::bottom_clearance;
+use super::retract::{NearBottom, bottom_clearance};
 use crate::geometry::search;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
@@ -99,20 +99,33 @@ fn link_clearance(plan: &PlungePlan, k: usize, blank: &Blank, safety: f64) -> f6
     let length = (b.retract - a.retract).norm();
     let samples = ((length / (SAMPLE_DIAMETERS * tool.diameter)).ceil() as usize).clamp(1, MAX_SAMPLES);
     let spacing = 1.0 / (samples + 1) as f64;
+    let (motion, tilt) = (b.retract - a.retract, b.axis - a.axis);
+    // Clearance at a share of the way, and its slope there.
     let at = |share: f64| {
-        let tip = a.retract + (b.retract - a.retract) * share;
-        let axis = (a.axis + (b.axis - a.axis) * share).normalize();
-        bottom_clearance(&tool.placed(tip, axis), blank)
+        let between = a.axis + tilt * share;
+        let axis = between.normalize();
+        let cutter = tool.placed(a.retract + motion * share, axis);
+        let near = NearBottom::of(&cutter, blank);
+        let turning = (tilt - axis * axis.dot(&tilt)) / between.norm();
+        (near.clearance, near.growth(&cutter, &motion, &turning))
     };
-    let lower = |x: (f64, f64), y: (f64, f64)| if y.1 < x.1 { y } else { x };
-    let (share, lowest) = (1..samples + 1)
-        .into_par_iter()
-        .with_min_len(16)
-        .map(|i| (spacing * i as f64, at(spacing * i as f64)))
-        .reduce(|| (1.0, f64::INFINITY), lower);
-    // Between two samples it may come nearer still, by less than half their distance.
-    if lowest < safety || lowest - 0.5 * spacing * length > safety {
-        return lowest;
+    let looks: Vec<(f64, f64)> =
+        (0..samples + 2).into_par_iter().with_min_len(16).map(|i| at(spacing * i as f64)).collect();
+    let mut least = looks[1..=samples].iter().map(|look| look.0).fold(f64::INFINITY, f64::min);
+    // Where it falls at one and rises at the next it comes nearer still between them.
+    for (i, pair) in looks.windows(2).enumerate() {
+        let (from, to) = (pair[0], pair[1]);
+        if least < safety || from.1 >= 0.0 || to.1 <= 0.0 {
+            continue;
+        }
+        let start = spacing * i as f64;
+        let slope = |share: f64| {
+            let (clearance, slope) = at(share);
+            least = least.min(clearance);
+            slope
+        };
+        let guess = start + spacing * from.1 / (from.1 - to.1);
+        search::root_from(slope, (start, from.1), (start + spacing, to.1), guess, 0.02 * spacing);
     }
-    search::minimum(at, (share - spacing).max(0.0), (share + spacing).min(1.0), 0.02 * spacing).1.min(lowest)
+    least
 }

@@ -6,7 +6,7 @@
 //! bulges under the disc (both principal curvatures bend away) the points whose normal is the axis
 //! count as well, and so do the circles in which the surface ends: together the whole disc.
 
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, frame_about, norm2, search};
+use crate::geometry::{Circle, Meridional, MeridionalCurve, Point, Vector, norm2, search};
 
 /// A surface of revolution that a flat bottom may touch but not enter, offset to its outer side.
 #[derive(Clone, Debug)]
@@ -47,25 +47,10 @@ const SCAN_TOLERANCE: f64 = 1e-3;
 /// See [`SCAN_TOLERANCE`].
 const RAY_TOLERANCE: f64 = 1e-5;
 
-/// Rim of a disc in the plane of a reference point.
+/// Rim of a disc in the plane of a reference point, and the axis along which it moves.
 struct Rim {
-    centre: Point,
+    circle: Circle,
     axis: Vector,
-    /// Radii to angle 0 and to a quarter turn, mm.
-    radii: (Vector, Vector),
-}
-
-impl Rim {
-    fn new(centre: &Point, axis: &Vector, radius: f64) -> Self {
-        let (e1, e2) = frame_about(axis);
-        Self { centre: *centre, axis: *axis, radii: (e1 * radius, e2 * radius) }
-    }
-
-    /// Point at an angle given as (sin, cos), and its derivative by the angle.
-    fn at(&self, (sin, cos): (f64, f64)) -> (Point, Vector) {
-        let (e1, e2) = self.radii;
-        (self.centre + e1 * cos + e2 * sin, e2 * cos - e1 * sin)
-    }
 }
 
 /// Where a ray along the axis from a point of the rim meets the surface.
@@ -150,7 +135,7 @@ impl<'a> DepthSurface<'a> {
 
     /// As [`Self::touch`], for a point on the axis known to be near arc length `middle` of the curve.
     pub fn touch_near(&self, on_axis: &Point, axis: &Vector, radius: f64, middle: f64) -> Option<Touch> {
-        let rim = Rim::new(on_axis, axis, radius);
+        let rim = Rim { circle: Circle::new(on_axis, axis, radius), axis: *axis };
         let mut warm = Hit { arc: middle, ..Hit::default() };
         warm = self.ray(on_axis, &Vector::zeros(), axis, warm, SCAN_TOLERANCE).unwrap_or(warm);
         let mut hits = [None; RIM_SAMPLES];
@@ -183,7 +168,7 @@ impl<'a> DepthSurface<'a> {
             };
             if let Some((phi, hit)) = top {
                 highest = highest.max(hit.height);
-                let (origin, _) = rim.at(phi.sin_cos());
+                let (origin, _) = rim.circle.at(phi.sin_cos());
                 consider(hit.height, &|| touch_at(hit.height, &(origin + axis * hit.height), hit.arc));
             }
         }
@@ -259,7 +244,7 @@ impl<'a> DepthSurface<'a> {
     /// Where the rim at an angle, given as (sin, cos), is above the surface: from a warm start, or from scratch
     /// when that fails.
     fn rim_hit(&self, rim: &Rim, direction: (f64, f64), warm: Hit, tolerance: f64) -> Option<Hit> {
-        let (origin, turning) = rim.at(direction);
+        let (origin, turning) = rim.circle.at(direction);
         self.ray(&origin, &turning, &rim.axis, warm, tolerance).or_else(|| {
             let (arc, _) = self.curve.project(Meridional::of(&origin));
             self.ray(&origin, &turning, &rim.axis, Hit { arc, ..Hit::default() }, tolerance)
