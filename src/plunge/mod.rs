@@ -28,4 +28,4 @@ pub mod sections;
 pub mod slotting;
 
 pub use cycle::{PlanError, Planner};
-pub use plan::{Blocked, CoreContact, Dropped, PlungePlan, Position, SectionPlan};
+pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan};
