@@ -135,13 +135,13 @@ fn object(outcome: &PlanOutcome, channels: usize) -> serde_json::Map<String, Val
         splitters: outcome.part.splitters.len() * outcome.part.blade_count,
         channels,
     };
-    let mut map = report::plan_object(&head, &outcome.after, &outcome.grid);
+    let mut map = report::plan_object(&head, &outcome.after, &outcome.grid, &outcome.reasons);
     map.insert("policy".into(), json!(outcome.after.plan.policy));
-    map.insert("before".into(), report::compared(&outcome.before, &outcome.grid));
+    map.insert("before".into(), report::compared(&outcome.before, &outcome.grid, &outcome.reasons));
     let mut policies = serde_json::Map::new();
     for result in [&outcome.before, &outcome.after] {
         let name = json!(result.plan.policy).as_str().unwrap_or_default().to_owned();
-        policies.insert(name, report::compared(result, &outcome.grid));
+        policies.insert(name, report::compared(result, &outcome.grid, &outcome.reasons));
     }
     map.insert("policies".into(), Value::Object(policies));
     map.insert("elapsed".into(), report::number(outcome.elapsed));
@@ -163,6 +163,7 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
         results.push(("monotone", &outcome.after));
     }
     text += &report::table(&results, &outcome.grid);
+    text += &report::reasons(&outcome.after.plan, &outcome.reasons);
     text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
     text += &report::blocked(&outcome.after.plan);
     text += &format!(
