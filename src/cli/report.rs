@@ -24,8 +24,13 @@ fn decisive(s: &Summary) -> Map<String, Value> {
     map
 }
 
-/// What every plan prints: the keys of CONTRACT that describe one plan.
-pub fn plan_object(head: &Head, result: &PolicyResult, grid: &FloorGrid) -> Map<String, Value> {
+/// What every plan prints: the keys of CONTRACT that describe one plan. `reasons` say why each section was chosen.
+pub fn plan_object(
+    head: &Head,
+    result: &PolicyResult,
+    grid: &FloorGrid,
+    reasons: &[Option<String>],
+) -> Map<String, Value> {
     let (plan, s) = (&result.plan, &result.summary);
     let mut map = Map::new();
     map.insert("part".into(), json!(head.part));
@@ -47,7 +52,7 @@ pub fn plan_object(head: &Head, result: &PolicyResult, grid: &FloorGrid) -> Map<
     map.insert("held".into(), held_object(&held_back(plan, None)));
     map.insert("settled".into(), json!(plan.settled));
     map.insert("rounds".into(), json!(plan.rounds));
-    map.insert("by_section".into(), by_section(result, grid));
+    map.insert("by_section".into(), by_section(result, grid, reasons));
     map
 }
 
@@ -64,15 +69,15 @@ pub struct Head<'a> {
 }
 
 /// Residual and contact keys of a plan, with its sections: for `before` and `policies`.
-pub fn compared(result: &PolicyResult, grid: &FloorGrid) -> Value {
+pub fn compared(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>]) -> Value {
     let mut map = decisive(&result.summary);
     map.insert("positions".into(), json!(result.summary.positions));
     map.insert("blocked".into(), json!(result.summary.blocked));
-    map.insert("by_section".into(), by_section(result, grid));
+    map.insert("by_section".into(), by_section(result, grid, reasons));
     Value::Object(map)
 }
 
-fn by_section(result: &PolicyResult, grid: &FloorGrid) -> Value {
+fn by_section(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>]) -> Value {
     let sections = sections(result, grid)
         .into_iter()
         .zip(&result.plan.sections)
@@ -88,6 +93,7 @@ fn by_section(result: &PolicyResult, grid: &FloorGrid) -> Value {
             map.append(&mut decisive(&s));
             map.insert("blocked".into(), json!(s.blocked));
             map.insert("held".into(), held_object(&held_back(&result.plan, Some(index))));
+            map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
             Value::Object(map)
         })
         .collect();
@@ -171,6 +177,20 @@ pub fn held(plan: &PlungePlan) -> String {
     if lifted > 0 {
         let most = plan.positions.iter().map(|p| p.lift).fold(0.0, f64::max);
         text += &format!("stop short for the core to be free: {lifted} positions, by up to {most:.2} mm\n");
+    }
+    text
+}
+
+/// Why each section was chosen, where the setup did not give it.
+pub fn reasons(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
+    let mut text = String::new();
+    for (section, reason) in plan.sections.iter().zip(reasons) {
+        let Some(reason) = reason else { continue };
+        let tool = &section.tool;
+        text += &format!(
+            "{:.2} to {:.2}, tool {} (D {}): {reason}\n",
+            section.from, section.to, tool.number, tool.diameter
+        );
     }
     text
 }

@@ -69,6 +69,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     setup.tools = vec![tool.clone()];
     setup.plunge.sections = vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, feed: Some(Feed::Inward) }];
     Ok(PlanOutcome {
+        reasons: vec![None],
         part: Arc::clone(part),
         setup,
         grid: Arc::clone(&grid),
