@@ -36,7 +36,7 @@ impl Station {
 }
 
 /// Makes the stations of one row: everything that is the same along it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct RowMaker<'a> {
     /// The part.
     pub part: &'a Impeller,

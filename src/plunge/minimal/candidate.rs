@@ -73,6 +73,7 @@ impl Place {
 }
 
 /// Makes the candidates of one row.
+#[derive(Clone)]
 pub struct CandidateMaker<'a> {
     pub maker: &'a RowMaker<'a>,
     pub finished: &'a FinishedPart<'a>,

@@ -7,8 +7,10 @@
 //! the search leans, waits or goes around as is cheapest.
 
 mod candidate;
+mod crossing;
 mod path;
 mod section;
 
 pub use candidate::CandidateMaker;
+pub use crossing::Crossing;
 pub use path::PathSearch;

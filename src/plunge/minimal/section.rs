@@ -1,7 +1,7 @@
 //! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
 //! direction that leaves less.
 
-use super::{CandidateMaker, PathSearch};
+use super::{CandidateMaker, Crossing, PathSearch};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
 use crate::part::Tool;
@@ -21,6 +21,8 @@ const SCALE_RADII: f64 = 0.5;
 const RUN_UP_DIAMETERS: f64 = 1.5;
 /// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
 const WEDGE_RADII: f64 = 0.2;
+/// Lift of a row's first position from which on the row is entered from the side, in cutter radii.
+const CROSSING_RADII: f64 = 0.2;
 /// Neighbouring axes may stand this far apart at the shroud before a ridge stays between them, in radii.
 const RIDGE_RADII: f64 = 1.9;
 
@@ -96,16 +98,35 @@ impl Planner<'_> {
                 };
                 let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
                 let (places, step) = places(&maker, start + run_up, start, end);
-                let path = search.path(&places, start, &cut.columns)?;
+                let turned = self.setup.plunge.max_axis_change;
+                let mut path = search.path(&places, start, &cut.columns)?;
+                let lambda_of =
+                    |lambda: f64| stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
+                if let Some((first, lift)) = path.steps.first()
+                    && row > 0
+                    && *lift > CROSSING_RADII * tool.radius()
+                {
+                    let crossing = Crossing {
+                        candidates: &search.candidates,
+                        from: rows[row - 1],
+                        s: first.ends.s_hub,
+                        blank: &self.blank,
+                        max_axis_change: turned,
+                    };
+                    let stations = crossing.stations(&cut.columns)?;
+                    let row = Row { stations, lambda: lambda_of(lambda), rounds: 1, settled: true };
+                    let row = self.cut_row(row, tool, true, &mut cut.columns, monitor)?;
+                    cut.rows.extend(row.split_where_axes_turn(turned));
+                    path = search.path(&places, start, &cut.columns)?;
+                }
                 let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
                 cost += path.cost + COST_OF_MISSED * ((end - reached) / step).abs();
-                let lambda = stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
                 let mut stations: Vec<Station> =
                     path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
                 fill_steps(&maker, &search.candidates, &mut stations);
-                let row = Row { stations, lambda, rounds: 1, settled: true };
+                let row = Row { stations, lambda: lambda_of(lambda), rounds: 1, settled: true };
                 let row = self.cut_row(row, tool, true, &mut cut.columns, monitor)?;
-                cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
+                cut.rows.extend(row.split_where_axes_turn(turned));
             }
         }
         Ok((cut, cost))
