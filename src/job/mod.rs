@@ -12,7 +12,9 @@ use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, Setup};
 use crate::plunge::sections::{SetupFault, resolve};
 use crate::plunge::{PlanError, Planner, PlungePlan};
-use crate::residual::{FloorGrid, ResidualField, cutters_of, residual_field};
+use crate::residual::{
+    FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of_setup,
+};
 
 /// What to plan.
 #[derive(Clone, Debug)]
@@ -92,8 +94,12 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
         AxisPolicy::Conventional => Ok(None),
         policy => planner.plan(policy, monitor).map(Some),
     };
-    let floor =
-        || FloorGrid::new(part, &channel, planner.blank(), setup.stock.blade_allowance, request.field_cells);
+    let floor = || {
+        let cutters = stretches_of_setup(&setup);
+        let (blank, stock) = (planner.blank(), &setup.stock);
+        let source = FloorSource { part, channel: &channel, blank, stock, cutters: &cutters };
+        FloorGrid::new(&source, request.field_cells)
+    };
     let with_floor = || -> Result<(PlungePlan, FloorGrid), PlanError> {
         let plan = conventional()?;
         monitor.check()?;
