@@ -21,6 +21,7 @@ fn decisive(s: &Summary) -> Map<String, Value> {
     map.insert("residual_p95".into(), number(s.residual_p95));
     map.insert("residual_max".into(), number(s.residual_max));
     map.insert("uncut_share".into(), number(s.uncut_share));
+    map.insert("unreachable_share".into(), number(s.unreachable_share));
     map
 }
 
@@ -107,7 +108,7 @@ fn feed_word(feed: Feed) -> &'static str {
 /// Table of plans, section by section.
 pub fn table(results: &[(&str, &PolicyResult)], grid: &FloorGrid) -> String {
     let mut text = String::from(
-        "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  uncut %  blocked\n",
+        "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  uncut %  out of reach %  blocked\n",
     );
     for (name, result) in results {
         let whole = [(String::from("all"), String::new(), result.summary.clone())];
@@ -116,13 +117,14 @@ pub fn table(results: &[(&str, &PolicyResult)], grid: &FloorGrid) -> String {
         });
         for (section, tool, s) in parts.chain(whole) {
             text += &format!(
-                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  {:>7.1}  {:>7}\n",
+                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  {:>7.1}  {:>14.1}  {:>7}\n",
                 s.positions,
                 s.interferential,
                 s.max_contact_depth,
                 s.residual_mean,
                 s.residual_p95,
                 100.0 * s.uncut_share,
+                100.0 * s.unreachable_share,
                 s.blocked
             );
         }
