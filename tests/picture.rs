@@ -80,6 +80,7 @@ fn floor(part: &Impeller) -> FloorGrid {
         blank_heights: vec![40.0; rows * columns],
         areas: vec![1.0; rows * columns],
         floor: vec![true; rows * columns],
+        reachable: vec![true; rows * columns],
     };
     for i in 0..rows {
         for j in 0..columns {

@@ -17,7 +17,7 @@ use crate::gpu::mesh::{Mesh, even};
 use crate::gpu::walls::wall_mesh;
 use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
 use crate::part::{Blade, BladeSide, Blank, Channel, Impeller, Setup};
-use crate::residual::FloorGrid;
+use crate::residual::{FloorGrid, FloorSource};
 
 /// Size of the pictures, pixels.
 const SIZE: UVec2 = UVec2::new(900, 640);
@@ -114,7 +114,8 @@ fn page(part: &Impeller, files: &[Shown]) -> String {
 /// Four classes of floor: 0 not reached, 1 from the inlet, 2 from the outlet, 3 both; upright only lies in the middle.
 fn reach_mesh(part: &Impeller, channel: &Channel, setup: &Setup, map: &ReachMap) -> Mesh {
     let blank = Blank::of(part, 0.0);
-    let mut grid = FloorGrid::new(part, channel, &blank, setup.stock.blade_allowance, FLOOR_CELLS);
+    let source = FloorSource { part, channel, blank: &blank, stock: &setup.stock, cutters: &[] };
+    let mut grid = FloorGrid::new(&source, FLOOR_CELLS);
     let class = |sides: Sides| match (sides.inlet, sides.outlet) {
         (true, true) => 3.0,
         (false, true) => 2.0,

@@ -11,7 +11,7 @@ use crate::job::{PlanRequest, run as run_job};
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
 use crate::plunge::slotting::DepthSurface;
-use crate::residual::{FloorGrid, cutters_of, residual_field};
+use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 
 /// Runs of each measurement; the median counts.
 const RUNS: usize = 5;
@@ -52,7 +52,14 @@ pub fn run() -> Result<(), Failure> {
         }),
     )?;
     let blank = Blank::of(&part, 0.0);
-    let grid = FloorGrid::new(&part, &channel, &blank, 0.5, 1024);
+    let source = FloorSource {
+        part: &part,
+        channel: &channel,
+        blank: &blank,
+        stock: &outcome.setup.stock,
+        cutters: &stretches_of(plan),
+    };
+    let grid = FloorGrid::new(&source, 1024);
     let cutters: Vec<_> = cutters_of(plan).into_iter().cycle().take(1000).collect();
     line(
         "residual field 1024² × 1000 positions, CPU",

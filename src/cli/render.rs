@@ -17,7 +17,7 @@ use crate::gpu::{
 use crate::job::PlanOutcome;
 use crate::part::{Blank, Channel, Impeller};
 use crate::plunge::PlungePlan;
-use crate::residual::{FloorGrid, ResidualField, cutters_of, residual_field};
+use crate::residual::{FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of};
 
 /// Largest picture, pixels a side.
 const MAX_SIDE: u32 = 8192;
@@ -76,8 +76,14 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
             let channel = Channel::of(&part);
             let blank = Blank::of(&part, setup.stock.inlet_extension);
-            let cells = FIELD_CELLS;
-            let grid = FloorGrid::new(&part, &channel, &blank, setup.stock.blade_allowance, cells);
+            let source = FloorSource {
+                part: &part,
+                channel: &channel,
+                blank: &blank,
+                stock: &setup.stock,
+                cutters: &stretches_of(plan),
+            };
+            let grid = FloorGrid::new(&source, FIELD_CELLS);
             let field = residual_field(&grid, &cutters_of(plan)[..shown]);
             picture(&part, Some((plan, &grid, &field)), range, view, options, size)?
         }

@@ -21,6 +21,7 @@ fn decisive(s: &Summary) -> Map<String, Value> {
     map.insert("residual_p95".into(), number(s.residual_p95));
     map.insert("residual_max".into(), number(s.residual_max));
     map.insert("uncut_share".into(), number(s.uncut_share));
+    map.insert("unreachable_share".into(), number(s.unreachable_share));
     map
 }
 
@@ -124,7 +125,7 @@ pub fn named_table<'r>(
     grid: &FloorGrid,
 ) -> String {
     let mut text = String::from(
-        "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  uncut %  blocked\n",
+        "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  uncut %  out of reach %  blocked\n",
     );
     for (name, result) in results {
         let whole = [(String::from("all"), String::new(), result.summary.clone())];
@@ -133,13 +134,14 @@ pub fn named_table<'r>(
         });
         for (section, tool, s) in parts.chain(whole) {
             text += &format!(
-                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  {:>7.1}  {:>7}\n",
+                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  {:>7.1}  {:>14.1}  {:>7}\n",
                 s.positions,
                 s.interferential,
                 s.max_contact_depth,
                 s.residual_mean,
                 s.residual_p95,
                 100.0 * s.uncut_share,
+                100.0 * s.unreachable_share,
                 s.blocked
             );
         }

@@ -11,7 +11,7 @@ use crate::formats::apt::read_apt_bytes;
 use crate::job::{PolicyResult, Summary};
 use crate::part::{Blank, Channel};
 use crate::plunge::sections::check_part;
-use crate::residual::{FloorGrid, cutters_of, residual_field};
+use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 use crate::verify::verify;
 
 /// Faults printed one by one before the rest is only counted.
@@ -35,7 +35,14 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let verdict = verify(&part, &channel, setup, &program)
         .map_err(|fault| Failure::at(&name, fault.line, &fault.what))?;
     let blank = Blank::of(&part, setup.stock.inlet_extension);
-    let grid = FloorGrid::new(&part, &channel, &blank, setup.stock.blade_allowance, FIELD_CELLS);
+    let source = FloorSource {
+        part: &part,
+        channel: &channel,
+        blank: &blank,
+        stock: &setup.stock,
+        cutters: &stretches_of(&verdict.plan),
+    };
+    let grid = FloorGrid::new(&source, FIELD_CELLS);
     let field = residual_field(&grid, &cutters_of(&verdict.plan));
     let summary = Summary::of(&verdict.plan, &grid, &field);
     let result = PolicyResult { plan: verdict.plan, field, summary };

@@ -131,6 +131,7 @@ mod tests {
             blank_heights: vec![20.0; count],
             areas: vec![1.0; count],
             floor: vec![true; count],
+            reachable: vec![true; count],
         }
     }
 

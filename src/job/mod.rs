@@ -15,7 +15,9 @@ use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, Setup};
 use crate::plunge::sections::{self, Resolved, SetupFault};
 use crate::plunge::{PlanError, Planner, PlungePlan};
-use crate::residual::{FloorGrid, ResidualField, cutters_of, residual_field};
+use crate::residual::{
+    FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of_setup,
+};
 
 /// What to plan.
 #[derive(Clone, Debug)]
@@ -120,8 +122,10 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     let conventional = || -> Result<(PolicyResult, FloorGrid), PlanError> {
         let plan = planner.plan(AxisPolicy::Conventional, monitor)?;
         monitor.check()?;
-        let allowance = setup.stock.blade_allowance;
-        let grid = FloorGrid::new(part, &channel, planner.blank(), allowance, request.field_cells);
+        let cutters = stretches_of_setup(&setup);
+        let (blank, stock) = (planner.blank(), &setup.stock);
+        let source = FloorSource { part, channel: &channel, blank, stock, cutters: &cutters };
+        let grid = FloorGrid::new(&source, request.field_cells);
         Ok((measured(plan, &grid)?, grid))
     };
     let wanted = |policy: &&AxisPolicy| {

@@ -13,14 +13,16 @@ pub struct Summary {
     pub interferential: usize,
     /// Deepest contact.
     pub max_contact_depth: f64,
-    /// Mean residual layer over the cut floor.
+    /// Mean residual layer over the reachable floor that was cut.
     pub residual_mean: f64,
     /// 95th percentile.
     pub residual_p95: f64,
     /// Greatest.
     pub residual_max: f64,
-    /// Share of the floor no position reaches.
+    /// Share of the reachable floor that no position reaches.
     pub uncut_share: f64,
+    /// Share of the whole floor that is out of reach of every cutter; none of the figures of the layer include it.
+    pub unreachable_share: f64,
     /// Least distance of the cutter to the finished hub.
     pub min_hub_clearance: f64,
     /// Least distance of the cutter to the finished blades.
@@ -56,16 +58,9 @@ impl Summary {
         let least = |f: &dyn Fn(&Position) -> f64| {
             positions.iter().map(|p| f(p)).fold(f64::NAN, |a, b| if a < b { a } else { b })
         };
-        let mask: Vec<bool> = match section.and_then(|s| plan.sections.get(s)) {
-            None => grid.floor.clone(),
-            Some(s) => grid
-                .floor
-                .iter()
-                .enumerate()
-                .map(|(cell, &floor)| floor && (s.to..=s.from).contains(&grid.s_of_row(cell / grid.columns)))
-                .collect(),
-        };
-        let layer = statistics(grid, &field.heights, &mask);
+        let section_plan = section.and_then(|s| plan.sections.get(s));
+        let ours = |row: usize| section_plan.is_none_or(|s| (s.to..=s.from).contains(&grid.s_of_row(row)));
+        let layer = statistics(grid, &field.heights, ours);
         let mut summary = Self {
             positions: positions.len(),
             interferential: positions.iter().filter(|p| p.contact.interferes()).count(),
@@ -74,6 +69,7 @@ impl Summary {
             residual_p95: f64::from(layer.p95),
             residual_max: f64::from(layer.max),
             uncut_share: f64::from(layer.uncut_share),
+            unreachable_share: f64::from(layer.unreachable_share),
             min_hub_clearance: least(&|p| p.hub_clearance),
             min_blade_clearance: least(&|p| p.blade_clearance),
             min_retract_clearance: least(&|p| p.retract_clearance),

@@ -2,7 +2,7 @@
 
 use super::impeller::{Impeller, sides_around_channel};
 use super::side::BladeSide;
-use crate::geometry::{Meridional, Point, Vector, wrap_angle};
+use crate::geometry::{Meridional, Point, Vector, norm2, wrap_angle};
 
 /// One wall of a passage: the flank of a blade side (its nose left out), running on straight beyond
 /// LE, TE, hub and shroud.
@@ -22,6 +22,21 @@ pub struct WallPoint {
     pub theta_s: f64,
     /// See `theta_s`.
     pub theta_eta: f64,
+    /// Where on the blade side.
+    pub u: f64,
+    /// See `u`.
+    pub v: f64,
+}
+
+/// Angle of a wall at a point of the meridional plane, with its slope there.
+#[derive(Clone, Copy, Debug)]
+pub struct WallAngle {
+    /// θ, rad.
+    pub theta: f64,
+    /// ∂θ/∂r and ∂θ/∂z, rad/mm.
+    pub by_r: f64,
+    /// See `by_r`.
+    pub by_z: f64,
     /// Where on the blade side.
     pub u: f64,
     /// See `u`.
@@ -52,7 +67,7 @@ impl Wall {
         let n = self.starts.len() - 1;
         let bracket = self.starts.windows(2).position(|w| w[0] <= s && s <= w[1]);
         let first = self.starts[0];
-        let mut u = match bracket {
+        let u = match bracket {
             Some(i) => {
                 (i as f64 + (s - self.starts[i]) / (self.starts[i + 1] - self.starts[i]).max(1e-12))
                     / n as f64
@@ -60,11 +75,30 @@ impl Wall {
             None if s < first => self.side.u_knots()[0] + (s - first),
             None => 1.0 + (s - self.starts[n]),
         };
-        let mut v = eta;
-        let mut last = None;
+        let on = self.search(wanted, u, eta)?;
+        // Implicit function: (u, v) move so that the meridional image follows (s, η).
+        let (hub, shroud) = (part.hub.at(s), part.shroud.at(s));
+        let (lh, ls) = (part.hub.length(), part.shroud.length());
+        let by_s = (
+            (1.0 - eta) * hub.tangent.r * lh + eta * shroud.tangent.r * ls,
+            (1.0 - eta) * hub.tangent.z * lh + eta * shroud.tangent.z * ls,
+        );
+        let by_eta = (shroud.point.r - hub.point.r, shroud.point.z - hub.point.z);
+        Some(WallPoint {
+            theta: on.theta,
+            theta_s: on.by_r * by_s.0 + on.by_z * by_s.1,
+            theta_eta: on.by_r * by_eta.0 + on.by_z * by_eta.1,
+            u: on.u,
+            v: on.v,
+        })
+    }
+
+    /// The wall at the meridional point `wanted`, searched from (u, v). `None` where it does not reach.
+    pub fn search(&self, wanted: Meridional, u: f64, v: f64) -> Option<WallAngle> {
+        let (mut u, mut v) = (u, v);
         for _ in 0..40 {
             let (p, pu, pv) = self.side.derivatives(u, v);
-            let r = p.x.hypot(p.y);
+            let r = norm2(p.x, p.y);
             if r < 1e-9 {
                 return None;
             }
@@ -76,38 +110,25 @@ impl Wall {
                 return None;
             }
             let (dr, dz) = (wanted.r - r, wanted.z - p.z);
+            if norm2(dr, dz) < 1e-9 {
+                let (tu, tv) = (turn(&pu), turn(&pv));
+                return Some(WallAngle {
+                    theta: p.y.atan2(p.x),
+                    by_r: (tu * pv.z - tv * pu.z) / determinant,
+                    by_z: (tv * ru - tu * rv) / determinant,
+                    u,
+                    v,
+                });
+            }
             let (du, dv) = ((dr * pv.z - rv * dz) / determinant, (ru * dz - pu.z * dr) / determinant);
             let limit = (0.3 / du.abs().max(dv.abs())).min(1.0);
-            if dr.hypot(dz) < 1e-9 {
-                last = Some((u, v, p, turn(&pu), turn(&pv), ru, rv, pu.z, pv.z, determinant));
-                break;
-            }
             u += du * limit;
             v += dv * limit;
             if !(u.abs() < 20.0 && v.abs() < 20.0) {
                 return None;
             }
         }
-        let (u, v, p, tu, tv, ru, rv, zu, zv, determinant) = last?;
-        // Implicit function: (u, v) move so that the meridional image follows (s, η).
-        let (hub, shroud) = (part.hub.at(s), part.shroud.at(s));
-        let (lh, ls) = (part.hub.length(), part.shroud.length());
-        let by_s = (
-            (1.0 - eta) * hub.tangent.r * lh + eta * shroud.tangent.r * ls,
-            (1.0 - eta) * hub.tangent.z * lh + eta * shroud.tangent.z * ls,
-        );
-        let by_eta = (shroud.point.r - hub.point.r, shroud.point.z - hub.point.z);
-        let turn_along = |(dr, dz): (f64, f64)| {
-            let (du, dv) = ((dr * zv - rv * dz) / determinant, (ru * dz - zu * dr) / determinant);
-            tu * du + tv * dv
-        };
-        Some(WallPoint {
-            theta: p.y.atan2(p.x),
-            theta_s: turn_along(by_s),
-            theta_eta: turn_along(by_eta),
-            u,
-            v,
-        })
+        None
     }
 }
 
@@ -135,7 +156,7 @@ impl Passage {
     /// Point at (s, λ, η). λ runs across this passage. `None` where a wall does not reach.
     pub fn point(&self, part: &Impeller, s: f64, lambda: f64, eta: f64) -> Option<ChannelPoint> {
         let [low, high] = [self.walls[0].at(part, s, eta)?, self.walls[1].at(part, s, eta)?];
-        let width = passage_angle(&low, &high, part.pitch());
+        let width = passage_angle(low.theta, high.theta, part.pitch());
         let theta = low.theta + lambda * width;
         let (hub, shroud) = (part.hub.at(s), part.shroud.at(s));
         let (lh, ls) = (part.hub.length(), part.shroud.length());
@@ -165,13 +186,13 @@ impl Passage {
     /// Angles of both walls at (s, η): λ = 0 as it is, λ = 1 following on without a jump.
     pub fn wall_angles(&self, part: &Impeller, s: f64, eta: f64) -> Option<[f64; 2]> {
         let [low, high] = [self.walls[0].at(part, s, eta)?, self.walls[1].at(part, s, eta)?];
-        Some([low.theta, low.theta + passage_angle(&low, &high, part.pitch())])
+        Some([low.theta, low.theta + passage_angle(low.theta, high.theta, part.pitch())])
     }
 }
 
-/// Signed angle across a passage, between 0 and the pitch for any sane part.
-fn passage_angle(low: &WallPoint, high: &WallPoint, pitch: f64) -> f64 {
-    wrap_angle((high.theta - low.theta) - 0.5 * pitch) + 0.5 * pitch
+/// Signed angle from the wall at `low` on to the one at `high` (both θ), between 0 and the pitch for any sane part.
+pub fn passage_angle(low: f64, high: f64, pitch: f64) -> f64 {
+    wrap_angle((high - low) - 0.5 * pitch) + 0.5 * pitch
 }
 
 /// Channel 1 of an impeller.

@@ -13,7 +13,7 @@ pub mod tool;
 mod width;
 
 pub use blank::Blank;
-pub use channel::{Channel, ChannelPoint, Passage, Wall};
+pub use channel::{Channel, ChannelPoint, Passage, Wall, WallAngle, passage_angle};
 pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
 };

@@ -14,6 +14,7 @@ pub(crate) fn saddle(rows: usize, columns: usize) -> FloorGrid {
         blank_heights: Vec::new(),
         areas: Vec::new(),
         floor: Vec::new(),
+        reachable: vec![true; rows * columns],
     };
     for i in 0..rows {
         for j in 0..columns {
@@ -183,6 +184,7 @@ fn plate() -> FloorGrid {
         blank_heights: vec![10.0; cells],
         areas: vec![1.0; cells],
         floor: vec![true; cells],
+        reachable: vec![true; cells],
     }
 }
 

@@ -1,7 +1,27 @@
 //! The grid of cells over a channel's hub floor.
 
+use rayon::prelude::*;
+
+use super::overhang::WallTables;
+use super::reach::{CutterStretch, ReachTables};
 use crate::geometry::{Meridional, search};
+use crate::part::setup::Stock;
 use crate::part::{Blank, Channel, Impeller};
+
+/// What a floor is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct FloorSource<'a> {
+    /// The part.
+    pub part: &'a Impeller,
+    /// Its channel.
+    pub channel: &'a Channel,
+    /// What is there before the first cut.
+    pub blank: &'a Blank,
+    /// What must stay.
+    pub stock: &'a Stock,
+    /// Which cutters work where. Without any, all of the floor counts as reachable.
+    pub cutters: &'a [CutterStretch],
+}
 
 /// Cells over the hub floor of one channel, `rows` along s (row 0 at s = 0, the leading edge;
 /// last row at s = 1, the rim) times `columns` along λ (0 suction wall → 1 pressure wall).
@@ -16,36 +36,50 @@ pub struct FloorGrid {
     pub points: Vec<[f32; 3]>,
     /// Unit normal of the hub at the foot, into the channel.
     pub normals: Vec<[f32; 3]>,
-    /// Height of the blank above the foot along the normal: what is there before any cut.
+    /// Height along the normal at which the ray first leaves the stock before any cut: at the outline of the
+    /// blank, or at the underside of a blade that leans over the cell, less the blade allowance. 0 under a blade.
     pub blank_heights: Vec<f32>,
     /// Area of each cell, mm².
     pub areas: Vec<f32>,
     /// Whether the cell belongs to the floor (not under a splitter, not within the blade allowance).
     pub floor: Vec<bool>,
+    /// Whether a cutter of those that work there could take stock off the cell (see [`super::reach`]); true
+    /// of all cells with the sky free above them.
+    pub reachable: Vec<bool>,
 }
 
 impl FloorGrid {
-    /// The floor of `channel` in `cells` × `cells`; the blank is what is there before the first cut.
-    pub fn new(
-        part: &Impeller,
-        channel: &Channel,
-        blank: &Blank,
-        blade_allowance: f64,
-        cells: usize,
-    ) -> Self {
+    /// The floor of a channel in `cells` × `cells`.
+    pub fn new(source: &FloorSource, cells: usize) -> Self {
+        let cells = cells.max(1);
         let count = cells * cells;
         let mut grid = Self {
             rows: cells,
             columns: cells,
-            points: Vec::with_capacity(count),
-            normals: Vec::with_capacity(count),
-            blank_heights: Vec::with_capacity(count),
-            areas: Vec::with_capacity(count),
-            floor: Vec::with_capacity(count),
+            points: vec![[0.0; 3]; count],
+            normals: vec![[0.0; 3]; count],
+            blank_heights: vec![0.0; count],
+            areas: vec![0.0; count],
+            floor: vec![false; count],
+            reachable: vec![true; count],
         };
-        for i in 0..cells {
-            grid.add_row(part, channel, blank, blade_allowance, (i as f64 + 0.5) / cells as f64);
-        }
+        let walls = WallTables::new(source.part, source.channel, source.stock.blade_allowance);
+        let reach = ReachTables::new(source, &walls);
+        (
+            grid.points.par_chunks_mut(cells),
+            grid.normals.par_chunks_mut(cells),
+            grid.blank_heights.par_chunks_mut(cells),
+            grid.areas.par_chunks_mut(cells),
+            grid.floor.par_chunks_mut(cells),
+            grid.reachable.par_chunks_mut(cells),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(i, (points, normals, blank_heights, areas, floor, reachable))| {
+                let s = (i as f64 + 0.5) / cells as f64;
+                Row { points, normals, blank_heights, areas, floor, reachable }
+                    .fill(source, &walls, &reach, s);
+            });
         grid
     }
 
@@ -53,59 +87,50 @@ impl FloorGrid {
     pub fn s_of_row(&self, row: usize) -> f64 {
         (row as f64 + 0.5) / self.rows as f64
     }
+}
 
-    fn add_row(&mut self, part: &Impeller, channel: &Channel, blank: &Blank, allowance: f64, s: f64) {
+/// One row of the lists of a [`FloorGrid`].
+struct Row<'a> {
+    points: &'a mut [[f32; 3]],
+    normals: &'a mut [[f32; 3]],
+    blank_heights: &'a mut [f32],
+    areas: &'a mut [f32],
+    floor: &'a mut [bool],
+    reachable: &'a mut [bool],
+}
+
+impl Row<'_> {
+    fn fill(self, source: &FloorSource, walls: &WallTables, reach: &ReachTables, s: f64) {
+        let part = source.part;
         let hub = part.hub.at(s);
-        let height = {
+        let columns = self.points.len() as f64;
+        let outline = {
             let (foot, normal) = (hub.point.at_angle(0.0), hub.normal.direction_at_angle(0.0));
-            let reach = 2.0 * part.rim_radius();
-            first_exit(blank, |h| Meridional::of(&(foot + normal * h)), reach)
+            first_exit(source.blank, |h| Meridional::of(&(foot + normal * h)), 2.0 * part.rim_radius())
         };
-        let angles = channel.full.wall_angles(part, s, 0.0);
-        let [low, high] = angles.unwrap_or([0.0, part.pitch()]);
-        // Walls run oblique to the meridian: the allowance takes more of the circumference then.
-        let slope = |theta_s: f64| {
-            let tangent = hub.point.r * theta_s / part.hub.length();
-            (1.0 + tangent * tangent).sqrt() / hub.point.r
-        };
-        let margin =
-            |wall: &crate::part::Wall| wall.at(part, s, 0.0).map_or(0.0, |w| allowance * slope(w.theta_s));
-        let margins = [margin(&channel.full.walls[0]), margin(&channel.full.walls[1])];
-        // What the splitter's foot covers, as angles from the low wall.
+        let over = walls.over(s);
+        let covered = reach.covered(s, &over);
         let sign = part.pitch().signum();
-        let covered = channel.splitter_s.filter(|[at_hub, _]| s >= *at_hub).and_then(|_| {
-            let near = &channel.beside_splitter[0];
-            let far = &channel.beside_splitter[1];
-            let from = near.wall_angles(part, s, 0.0)?;
-            let to = far.wall_angles(part, s, 0.0)?;
-            let a = (from[1] - from[0]) * sign - margin(&near.walls[1]);
-            let b = (high - low) * sign - (to[1] - to[0]) * sign + margin(&far.walls[0]);
-            Some(a..b)
-        });
-        let width = (high - low).abs();
-        let cell = width / self.columns as f64;
-        let area = (cell * hub.point.r * part.hub.length() / self.rows as f64) as f32;
+        let cell = over.width.abs() / columns;
+        let area = (cell * hub.point.r * part.hub.length() / columns) as f32;
         let turn = (cell * sign).sin_cos();
-        let mut direction = (low + 0.5 * cell * sign).sin_cos();
-        for j in 0..self.columns {
-            let across = (j as f64 + 0.5) * cell;
+        let mut direction = (over.from + 0.5 * cell * sign).sin_cos();
+        for j in 0..self.points.len() {
+            let angle = (j as f64 + 0.5) * cell;
             let (sin, cos) = direction;
-            self.points.push([(hub.point.r * cos) as f32, (hub.point.r * sin) as f32, hub.point.z as f32]);
-            self.normals.push([
-                (hub.normal.r * cos) as f32,
-                (hub.normal.r * sin) as f32,
-                hub.normal.z as f32,
-            ]);
-            self.blank_heights.push(height as f32);
-            self.areas.push(area);
-            let inside = across >= margins[0] && across <= width - margins[1];
-            self.floor.push(inside && !covered.as_ref().is_some_and(|c| c.contains(&across)));
+            self.points[j] = [(hub.point.r * cos) as f32, (hub.point.r * sin) as f32, hub.point.z as f32];
+            self.normals[j] = [(hub.normal.r * cos) as f32, (hub.normal.r * sin) as f32, hub.normal.z as f32];
+            self.areas[j] = area;
+            let underside = over.underside(angle);
+            self.blank_heights[j] = outline.min(underside) as f32;
+            self.floor[j] = underside > 0.0;
+            self.reachable[j] = underside >= outline || !covered.contains(angle);
             direction = (sin * turn.1 + cos * turn.0, cos * turn.1 - sin * turn.0);
         }
     }
 }
 
-/// Height along a ray from the hub at which it first leaves the blank.
+/// Height along a ray from the hub at which it first leaves the blank, mm.
 fn first_exit(blank: &Blank, at: impl Fn(f64) -> Meridional, reach: f64) -> f64 {
     let mut warm = None;
     let mut depth = |h: f64| blank.depth_near(at(h), &mut warm);

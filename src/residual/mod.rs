@@ -1,18 +1,25 @@
 //! The residual layer as a heightfield over one channel's hub floor: the fast picture of what a
 //! plan leaves (DESIGN section 5). Single precision, same arithmetic as the WGSL kernel.
 
+use crate::part::setup::SectionSetup;
+use crate::part::{Setup, Tool};
 use crate::plunge::PlungePlan;
+use crate::plunge::plan::SectionPlan;
 
 mod bounds;
 pub mod field;
 pub mod grid;
 mod meeting;
+mod overhang;
+mod profile;
+pub mod reach;
 pub mod statistics;
 pub mod tiles;
 pub(crate) mod trace;
 
 pub use field::{FieldCutter, ResidualField, residual_field};
-pub use grid::FloorGrid;
+pub use grid::{FloorGrid, FloorSource};
+pub use reach::CutterStretch;
 pub use statistics::{ResidualStatistics, statistics};
 pub use tiles::TileBins;
 pub use trace::PositionTrace;
@@ -33,4 +40,17 @@ pub fn cutters_of(plan: &PlungePlan) -> Vec<FieldCutter> {
             }
         })
         .collect()
+}
+
+/// Which cutters a setup lets work where; of a resolved setup, all of them.
+pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
+    let radius = |number: u32| setup.tools.iter().find(|tool| tool.number == number).map(Tool::radius);
+    let stretch = |s: &SectionSetup| Some(CutterStretch { from: s.from, to: s.to, radius: radius(s.tool)? });
+    setup.plunge.sections.iter().filter_map(stretch).collect()
+}
+
+/// Which cutters work where in a plan.
+pub fn stretches_of(plan: &PlungePlan) -> Vec<CutterStretch> {
+    let stretch = |s: &SectionPlan| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
+    plan.sections.iter().map(stretch).collect()
 }

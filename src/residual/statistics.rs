@@ -8,7 +8,8 @@ const UNCUT_SHARE_OF_BLANK: f32 = 0.999;
 /// Figures of the residual layer, weighted by the area of the cells.
 ///
 /// Heights are those of *cut* cells: stock that no plunge reaches stands as high as the channel and would
-/// hide the layer itself. It is what `uncut_share` tells.
+/// hide the layer itself. It is what `uncut_share` tells. Floor out of reach of every cutter says nothing about
+/// a plan; it is told apart from both in `unreachable_share`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ResidualStatistics {
     /// Mean height, mm.
@@ -17,21 +18,34 @@ pub struct ResidualStatistics {
     pub p95: f32,
     /// Greatest height, mm.
     pub max: f32,
-    /// Uncut share of the whole area, 0…1.
+    /// Uncut share of the reachable area, 0…1.
     pub uncut_share: f32,
-    /// Whole area looked at, mm².
+    /// Unreachable share of the floor, 0…1.
+    pub unreachable_share: f32,
+    /// Reachable area looked at, mm².
     pub area: f32,
 }
 
-/// Figures of `heights` over the cells where `mask` is true, e.g. `&grid.floor`.
-///
-/// `heights` and `mask` hold one value per cell of `grid`. All zero for an empty mask.
-pub fn statistics(grid: &FloorGrid, heights: &[f32], mask: &[bool]) -> ResidualStatistics {
-    let (mut volume, mut cut_area, mut area) = (0.0_f64, 0.0_f64, 0.0_f64);
+/// Figures of `heights`, one per cell of `grid`, over the floor in the rows that `in_question` picks. All zero
+/// where there is none.
+pub fn statistics(
+    grid: &FloorGrid,
+    heights: &[f32],
+    in_question: impl Fn(usize) -> bool,
+) -> ResidualStatistics {
+    let (mut volume, mut cut_area, mut area, mut floor_area) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
     let mut max = 0.0_f32;
     let mut cut = Vec::with_capacity(heights.len());
-    for (cell, _) in mask.iter().enumerate().filter(|(_, inside)| **inside) {
+    let rows = (0..grid.rows).filter(|&row| in_question(row));
+    for cell in rows.flat_map(|row| row * grid.columns..(row + 1) * grid.columns) {
+        if !grid.floor[cell] {
+            continue;
+        }
         let (height, blank, weight) = (heights[cell], grid.blank_heights[cell], grid.areas[cell]);
+        floor_area += f64::from(weight);
+        if !grid.reachable[cell] {
+            continue;
+        }
         area += f64::from(weight);
         if blank > 0.0 && height >= UNCUT_SHARE_OF_BLANK * blank {
             continue;
@@ -41,14 +55,13 @@ pub fn statistics(grid: &FloorGrid, heights: &[f32], mask: &[bool]) -> ResidualS
         max = max.max(height);
         cut.push((height, weight));
     }
-    if area == 0.0 {
-        return ResidualStatistics::default();
-    }
+    let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
     ResidualStatistics {
-        mean: if cut_area > 0.0 { (volume / cut_area) as f32 } else { 0.0 },
+        mean: share(volume, cut_area) as f32,
         p95: percentile(&mut cut, 0.95 * cut_area),
         max,
-        uncut_share: ((area - cut_area) / area) as f32,
+        uncut_share: share(area - cut_area, area) as f32,
+        unreachable_share: share(floor_area - area, floor_area) as f32,
         area: area as f32,
     }
 }
@@ -84,6 +97,7 @@ mod tests {
             blank_heights,
             areas,
             floor: vec![true; cells],
+            reachable: vec![true; cells],
         }
     }
 
@@ -92,7 +106,7 @@ mod tests {
         // 1, 2, … 100 in an order that is not sorted.
         let heights: Vec<f32> = (0..100).map(|i| (i * 37 % 100 + 1) as f32).collect();
         let grid = grid(vec![200.0; 100], vec![2.0; 100]);
-        let figures = statistics(&grid, &heights, &grid.floor);
+        let figures = statistics(&grid, &heights, |_| true);
         assert_eq!((figures.mean, figures.p95, figures.max), (50.5, 95.0, 100.0));
         assert_eq!((figures.uncut_share, figures.area), (0.0, 200.0));
     }
@@ -100,23 +114,37 @@ mod tests {
     #[test]
     fn large_cells_weigh_more() {
         let grid = grid(vec![10.0; 3], vec![1.0, 1.0, 98.0]);
-        let figures = statistics(&grid, &[3.0, 5.0, 1.0], &grid.floor);
+        let figures = statistics(&grid, &[3.0, 5.0, 1.0], |_| true);
         assert_eq!(figures.p95, 1.0, "98 % of the area is at 1 mm");
         assert!((figures.mean - 1.06).abs() < 1e-6, "{figures:?}");
     }
 
     #[test]
-    fn uncut_cells_are_told_apart_and_masked_cells_left_out() {
-        let grid = grid(vec![10.0, 10.0, 10.0, 0.0], vec![1.0; 4]);
-        let figures = statistics(&grid, &[9.995, 1.0, 7.0, 0.0], &[true, true, false, true]);
+    fn uncut_cells_are_told_apart_and_what_is_no_floor_left_out() {
+        let mut grid = grid(vec![10.0, 10.0, 10.0, 0.0], vec![1.0; 4]);
+        grid.floor[2] = false;
+        let figures = statistics(&grid, &[9.995, 1.0, 7.0, 0.0], |_| true);
         assert_eq!((figures.max, figures.area), (1.0, 3.0));
         assert!((figures.uncut_share - 1.0 / 3.0).abs() < 1e-6, "no blank, nothing uncut: {figures:?}");
     }
 
     #[test]
+    fn cells_out_of_reach_are_told_apart_whether_cut_or_not() {
+        let mut grid = grid(vec![10.0, 10.0, 10.0, 3.0], vec![1.0, 1.0, 1.0, 2.0]);
+        grid.reachable[3] = false;
+        let figures = statistics(&grid, &[10.0, 1.0, 2.0, 3.0], |_| true);
+        assert_eq!((figures.mean, figures.max, figures.area), (1.5, 2.0, 3.0));
+        assert!((figures.uncut_share - 1.0 / 3.0).abs() < 1e-6, "of the reachable floor: {figures:?}");
+        assert!((figures.unreachable_share - 0.4).abs() < 1e-6, "{figures:?}");
+    }
+
+    #[test]
     fn nothing_to_look_at_gives_zeros() {
-        let grid = grid(vec![10.0], vec![1.0]);
-        assert_eq!(statistics(&grid, &[10.0], &[false]), ResidualStatistics::default());
-        assert_eq!(statistics(&grid, &[10.0], &[true]).uncut_share, 1.0);
+        let mut grid = grid(vec![10.0], vec![1.0]);
+        assert_eq!(statistics(&grid, &[10.0], |_| true).uncut_share, 1.0);
+        assert_eq!(statistics(&grid, &[10.0], |_| false), ResidualStatistics::default());
+        grid.reachable[0] = false;
+        let figures = statistics(&grid, &[10.0], |_| true);
+        assert_eq!((figures.uncut_share, figures.unreachable_share), (0.0, 1.0));
     }
 }

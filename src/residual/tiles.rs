@@ -88,16 +88,21 @@ struct Capsule {
 
 impl Capsule {
     fn around_tile(grid: &FloorGrid, down: usize, across: usize) -> Capsule {
-        let (mut feet, mut tops) = ([[0.0; 3]; TILE * TILE], [[0.0; 3]; TILE * TILE]);
+        // All rays as high as the highest: beside walls that lean over, heights fall to nothing from cell to cell.
+        let rows = down * TILE..((down + 1) * TILE).min(grid.rows);
         let lanes = TILE.min(grid.columns - across * TILE);
-        let mut count = 0;
-        for row in down * TILE..((down + 1) * TILE).min(grid.rows) {
+        let cells_of = |row: usize| {
             let first = row * grid.columns + across * TILE;
-            let cells = first..first + lanes;
-            let rays = grid.points[cells.clone()].iter().zip(&grid.normals[cells.clone()]);
-            for ((&foot, &normal), &blank) in rays.zip(&grid.blank_heights[cells]) {
+            first..first + lanes
+        };
+        let heights = rows.clone().flat_map(|row| &grid.blank_heights[cells_of(row)]);
+        let highest = heights.copied().fold(0.0, larger);
+        let (mut feet, mut tops) = ([[0.0; 3]; TILE * TILE], [[0.0; 3]; TILE * TILE]);
+        let mut count = 0;
+        for row in rows {
+            for (&foot, &normal) in grid.points[cells_of(row)].iter().zip(&grid.normals[cells_of(row)]) {
                 feet[count] = foot;
-                tops[count] = add_scaled(foot, normal, blank.max(0.0));
+                tops[count] = add_scaled(foot, normal, highest);
                 count += 1;
             }
         }

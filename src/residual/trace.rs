@@ -127,6 +127,7 @@ mod tests {
             blank_heights: vec![height; cells * cells],
             areas: vec![area; cells * cells],
             floor: (0..cells * cells).map(|cell| cell % 2 == 0).collect(),
+            reachable: vec![true; cells * cells],
         }
     }
 

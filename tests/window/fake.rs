@@ -133,6 +133,7 @@ fn summary(plan: &PlungePlan, mean: f64) -> Summary {
         residual_p95: 1.6 * mean,
         residual_max: 2.0 * mean,
         uncut_share: 0.012,
+        unreachable_share: 0.0,
         min_hub_clearance: 0.5,
         min_blade_clearance: 0.5,
         min_retract_clearance: 2.0,
@@ -154,6 +155,7 @@ fn grid(part: &Impeller, passage: &Passage) -> FloorGrid {
         blank_heights: vec![40.0; rows * columns],
         areas: vec![12.0; rows * columns],
         floor: vec![true; rows * columns],
+        reachable: vec![true; rows * columns],
     };
     for i in 0..rows {
         for j in 0..columns {

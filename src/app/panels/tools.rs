@@ -27,7 +27,7 @@ const S: Spec = Spec {
 /// Draws the panel; `chosen` is the setup of the latest plan, with everything filled in.
 pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     if setup.tools.is_empty() {
-        ui.label(RichText::new("Chosen from standard sizes for the part").weak());
+        ui.label(RichText::new("Chosen from the tool library for the part").weak());
         let Some(chosen) = chosen else { return };
         summary(ui, chosen);
         let edit = ui.button("Edit cutters and sections").on_hover_text("Takes these over into the setup");

@@ -9,6 +9,9 @@ use super::super::planned::{Planned, Side};
 use super::super::state::State;
 use super::super::theme::{self, Condition};
 
+/// A share below this reads as 0.0 %.
+const LEAST_SHOWN: f64 = 0.0005;
+
 /// Draws the line.
 pub fn show(ui: &mut Ui, state: &State) {
     let Some(planned) = &state.planned else {
@@ -39,7 +42,11 @@ pub fn show(ui: &mut Ui, state: &State) {
     clearance(ui, "Hub clearance", after.min_hub_clearance, stock.hub_allowance);
     clearance(ui, "blade", after.min_blade_clearance, stock.blade_allowance);
     ui.separator();
-    figure(ui, "Uncut", percent(after.uncut_share), "Share of the floor that no position reaches");
+    figure(ui, "Uncut", percent(after.uncut_share), "Share of the reachable floor that no position reaches");
+    if after.unreachable_share >= LEAST_SHOWN {
+        let tip = "Share of the floor under walls that lean over it, out of reach of every axis";
+        figure(ui, "Out of reach", percent(after.unreachable_share), tip);
+    }
     ui.separator();
     figure(
         ui,

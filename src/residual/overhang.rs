@@ -1,0 +1,250 @@
+//! The walls of a channel as the rays of its floor meet them.
+//!
+//! A ray from the hub stays in its meridional plane, and the wheel is symmetric: at height h the rays of all
+//! cells of one s pass the same meridional point, at which a wall has one angle θ(s, h). Walls are tabulated over
+//! (s, h) by Newton and read in between; beside a wall that leans over the channel a ray ends where θ(s, h), less
+//! the angle of the blade allowance, comes over it.
+
+use rayon::prelude::*;
+
+use crate::geometry::{Meridional, Point, wrap_angle};
+use crate::part::{Channel, Impeller, Wall, passage_angle};
+
+/// Rows of the tables, in the middles of equal stretches of s.
+pub(super) const ROWS: usize = 48;
+/// Heights per row, evenly from the foot up.
+pub(super) const LEVELS: usize = 25;
+/// Greatest height in the tables, by the distance from hub to shroud at equal s.
+const REACH: f64 = 1.5;
+
+/// s of row `row` of the tables.
+pub(super) fn s_of_row(row: usize) -> f64 {
+    (row as f64 + 0.5) / ROWS as f64
+}
+
+/// The rows of the tables on either side of `s`, and how far it is from the first to the second.
+pub(super) fn rows_beside(s: f64) -> (usize, usize, f64) {
+    let at = (s * ROWS as f64 - 0.5).clamp(0.0, (ROWS - 1) as f64);
+    let row = at as usize;
+    (row, (row + 1).min(ROWS - 1), at - row as f64)
+}
+
+/// Height between two levels at `s`, mm.
+fn level_height(part: &Impeller, s: f64) -> f64 {
+    REACH * part.hub.point(s).distance(part.shroud.point(s)) / (LEVELS - 1) as f64
+}
+
+/// A wall at one s and h.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    /// Angle from the wall's own foot, in the direction from the first wall of the channel to the second, rad.
+    turn: f64,
+    /// Angle that the blade allowance takes here, rad.
+    margin: f64,
+    /// Place on the blade side: LE 0 … TE 1, hub 0 … tip 1.
+    u: f64,
+    /// See `u`.
+    pub(super) v: f64,
+    /// The point of the wall, mm.
+    pub(super) point: Point,
+}
+
+impl Node {
+    /// Where no wall was found; all comparisons with it fail.
+    const NONE: Self = Self {
+        turn: f64::NAN,
+        margin: f64::NAN,
+        u: f64::NAN,
+        v: f64::NAN,
+        point: Point::new(f64::NAN, f64::NAN, f64::NAN),
+    };
+
+    /// Whether this lies between LE and TE; beyond them the side runs on in thought only.
+    pub(super) fn is_on_blade(&self) -> bool {
+        (0.0..=1.0).contains(&self.u)
+    }
+}
+
+/// One wall, tabulated.
+#[derive(Debug)]
+pub(super) struct Face<'a> {
+    wall: &'a Wall,
+    /// +1 where the channel follows the wall in the direction of [`Node::turn`], −1 where it precedes it.
+    pub(super) opens: f64,
+    /// [`LEVELS`] per row.
+    nodes: Vec<Node>,
+}
+
+impl<'a> Face<'a> {
+    fn new(part: &Impeller, wall: &'a Wall, opens: f64, blade_allowance: f64) -> Self {
+        let mut nodes = vec![Node::NONE; ROWS * LEVELS];
+        nodes.par_chunks_mut(LEVELS).enumerate().for_each(|(row, nodes)| {
+            tabulate(part, wall, s_of_row(row), blade_allowance, nodes);
+        });
+        Self { wall, opens, nodes }
+    }
+
+    /// The levels of table row `row`, foot first.
+    pub(super) fn row(&self, row: usize) -> &[Node] {
+        &self.nodes[row * LEVELS..(row + 1) * LEVELS]
+    }
+
+    /// Angles at which the blade with its allowance begins over the floor at `s`, level by level, where the
+    /// wall's foot is at `foot`. NaN where there is no blade; its foot is there if `at_foot`.
+    fn bounds(&self, s: f64, foot: f64, at_foot: bool) -> [f64; LEVELS] {
+        let (first, second, share) = rows_beside(s);
+        let (first, second) = (self.row(first), self.row(second));
+        std::array::from_fn(|level| {
+            let (a, b) = (&first[level], &second[level]);
+            let between = |a: f64, b: f64| a + (b - a) * share;
+            let there = (0.0..=1.0).contains(&between(a.u, b.u)) || (level == 0 && at_foot);
+            let margin = self.opens * between(a.margin, b.margin);
+            if there { foot + between(a.turn, b.turn) + margin } else { f64::NAN }
+        })
+    }
+}
+
+fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &mut [Node]) {
+    let (hub, step) = (part.hub.at(s), level_height(part, s));
+    let Some(foot) = wall.at(part, s, 0.0) else { return };
+    let (mut theta, mut turn) = (foot.theta, 0.0);
+    let (mut u, mut v) = ([foot.u; 2], [foot.v; 2]);
+    for (level, node) in nodes.iter_mut().enumerate() {
+        let h = step * level as f64;
+        let at = Meridional { r: hub.point.r + h * hub.normal.r, z: hub.point.z + h * hub.normal.z };
+        // Walls are nearly straight: the last two levels foretell the next.
+        let Some(found) = wall.search(at, 2.0 * u[1] - u[0], 2.0 * v[1] - v[0]) else { return };
+        let further = wrap_angle(found.theta - theta) * part.pitch().signum();
+        if further.abs() > 0.5 * part.pitch().abs() {
+            return;
+        }
+        (theta, turn) = (found.theta, turn + further);
+        (u, v) = ([u[1], found.u], [v[1], found.v]);
+        let slope = (1.0 / (at.r * at.r) + found.by_r * found.by_r + found.by_z * found.by_z).sqrt();
+        *node = Node {
+            turn,
+            margin: blade_allowance * slope,
+            u: found.u,
+            v: found.v,
+            point: at.at_angle(found.theta),
+        };
+    }
+}
+
+/// The walls of a channel, tabulated: first and second wall, and with a splitter the side of it that faces the
+/// first wall and the one that faces the second.
+#[derive(Debug)]
+pub(super) struct WallTables<'a> {
+    part: &'a Impeller,
+    /// s from which on the splitter has a foot on the hub.
+    splitter_s: f64,
+    /// The walls.
+    pub(super) faces: Vec<Face<'a>>,
+}
+
+impl<'a> WallTables<'a> {
+    /// Walls of `channel` that keep `blade_allowance` mm.
+    pub(super) fn new(part: &'a Impeller, channel: &'a Channel, blade_allowance: f64) -> Self {
+        let [low, high] = &channel.full.walls;
+        let mut walls = vec![(low, 1.0), (high, -1.0)];
+        if let [near, far] = &channel.beside_splitter[..] {
+            walls.extend([(&near.walls[1], -1.0), (&far.walls[0], 1.0)]);
+        }
+        let face = |(wall, opens)| Face::new(part, wall, opens, blade_allowance);
+        Self {
+            part,
+            splitter_s: channel.splitter_s.map_or(f64::INFINITY, |[at_hub, _]| at_hub),
+            faces: walls.into_iter().map(face).collect(),
+        }
+    }
+
+    /// What stands over the floor at `s`.
+    pub(super) fn over(&self, s: f64) -> Over {
+        let pitch = self.part.pitch();
+        let level_height = level_height(self.part, s);
+        let foot = |face: usize| Some(self.faces.get(face)?.wall.at(self.part, s, 0.0)?.theta);
+        let (Some(from), Some(to)) = (foot(0), foot(1)) else {
+            return Over {
+                from: 0.0,
+                width: pitch.abs(),
+                feet: [f64::NAN; 4],
+                solids: [None; 3],
+                level_height,
+            };
+        };
+        let across = |theta: f64| pitch.signum() * passage_angle(from, theta, pitch);
+        let mut feet = [0.0, across(to), f64::NAN, f64::NAN];
+        let bounds = |face: usize, foot: f64, at_foot: bool| self.faces[face].bounds(s, foot, at_foot);
+        let mut solids = [
+            Some(Solid::new([f64::NEG_INFINITY; LEVELS], bounds(0, 0.0, true))),
+            Some(Solid::new(bounds(1, feet[1], true), [f64::INFINITY; LEVELS])),
+            None,
+        ];
+        if let (Some(near), Some(far)) = (foot(2), foot(3)) {
+            let at_foot = s >= self.splitter_s;
+            (feet[2], feet[3]) = (across(near), across(far));
+            solids[2] = Some(Solid::new(bounds(2, feet[2], at_foot), bounds(3, feet[3], at_foot)));
+        }
+        Over { from, width: feet[1], feet, solids, level_height }
+    }
+}
+
+/// What stands over the floor at one s. Angles count from the foot of the first wall towards the second, rad.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Over {
+    /// θ of the foot of the first wall.
+    pub(super) from: f64,
+    /// Angle of the foot of the second wall.
+    pub(super) width: f64,
+    /// Angles of the feet of all faces; NaN where there is none.
+    pub(super) feet: [f64; 4],
+    /// Blades with their allowance.
+    solids: [Option<Solid>; 3],
+    level_height: f64,
+}
+
+impl Over {
+    /// Height at which the ray at `angle` comes into a blade or its allowance, mm: 0 where its foot is in it, infinite
+    /// where it never does.
+    pub(super) fn underside(&self, angle: f64) -> f64 {
+        let levels = self.solids.iter().flatten().filter_map(|solid| solid.first_level(angle));
+        self.level_height * levels.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// What one blade covers, level by level.
+#[derive(Clone, Copy, Debug)]
+struct Solid {
+    from: [f64; LEVELS],
+    to: [f64; LEVELS],
+    /// Least `from` and greatest `to`: most rays pass by.
+    span: (f64, f64),
+}
+
+impl Solid {
+    fn new(from: [f64; LEVELS], to: [f64; LEVELS]) -> Self {
+        // Both pass over what is NaN.
+        let least = from.into_iter().fold(f64::INFINITY, f64::min);
+        let greatest = to.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        Self { from, to, span: (least, greatest) }
+    }
+
+    /// Level, between two of them, at which the ray at `angle` comes in from below.
+    fn first_level(&self, angle: f64) -> Option<f64> {
+        if angle <= self.span.0 || angle >= self.span.1 {
+            return None;
+        }
+        let level = (0..LEVELS).find(|&k| angle > self.from[k] && angle < self.to[k])?;
+        let Some(below) = level.checked_sub(1) else { return Some(0.0) };
+        let (from, to) = (self.from[below], self.to[below]);
+        let share = if angle <= from {
+            (from - angle) / (from - self.from[level])
+        } else if angle >= to {
+            (angle - to) / (self.to[level] - to)
+        } else {
+            // The blade begins above the level below.
+            1.0
+        };
+        Some(below as f64 + share)
+    }
+}

@@ -1,0 +1,184 @@
+//! A tabulated wall cut by the plane of a cutter's axes, and how near the flank of the cutter comes to it there.
+
+use super::overhang::{Face, LEVELS, ROWS};
+use crate::geometry::{Point, Vector};
+
+/// The flank of a cutter.
+pub(super) struct Flank {
+    /// Unit axis (f, d, z).
+    pub(super) axis: [f64; 3],
+    /// tan φ.
+    pub(super) lean: f64,
+    /// R and the blade allowance, mm.
+    pub(super) reach: f64,
+    /// Height of the near end of the rim above the centre of the bottom, and of every place where the flank touches a
+    /// wall above the place of the axis that stands across from it, mm.
+    pub(super) rise: f64,
+}
+
+/// Where a wall's level crosses the plane of an axis and e, and the wall's slope there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Crossing {
+    /// Across the wall, mm.
+    pub(super) d: f64,
+    /// Height, mm.
+    z: f64,
+    /// Hub 0 … tip 1.
+    v: f64,
+    /// Differences along the level, for the slope along the wall.
+    step: [f64; 3],
+}
+
+/// Frame of a wall's foot: T along the wall, e across it into the channel, n along the hub normal.
+pub(super) struct Frame {
+    /// Origin, mm.
+    pub(super) foot: Point,
+    /// T.
+    pub(super) along: Vector,
+    /// e.
+    pub(super) across: Vector,
+    /// n.
+    pub(super) normal: Vector,
+}
+
+impl Frame {
+    /// Coordinates (f, d, z) of a point, mm.
+    fn local(&self, point: &Point) -> [f64; 3] {
+        let p = point - self.foot;
+        [p.dot(&self.along), p.dot(&self.across), p.dot(&self.normal)]
+    }
+
+    /// Crossing of level `level` of `face` with the plane f = `slope`·z + `at`, looked for from table row `row` on,
+    /// which follows it. `None` where the blade does not reach the plane.
+    pub(super) fn cross(
+        &self,
+        face: &Face,
+        level: usize,
+        [slope, at]: [f64; 2],
+        row: &mut usize,
+    ) -> Option<Crossing> {
+        let side = |row: usize| {
+            let node = &face.row(row)[level];
+            let p = self.local(&node.point);
+            (p[0] - slope * p[2] - at, p, node)
+        };
+        let mut here = side(*row);
+        loop {
+            let next = if here.0 > 0.0 { row.checked_sub(1) } else { Some(*row + 1).filter(|&k| k < ROWS) }?;
+            let there = side(next);
+            if !here.0.is_finite() || !there.0.is_finite() {
+                return None;
+            }
+            if (here.0 > 0.0) != (there.0 > 0.0) {
+                if !(here.2.is_on_blade() && there.2.is_on_blade()) {
+                    return None;
+                }
+                let share = here.0 / (here.0 - there.0);
+                let step = std::array::from_fn(|k| there.1[k] - here.1[k]);
+                return Some(Crossing {
+                    d: here.1[1] + step[1] * share,
+                    z: here.1[2] + step[2] * share,
+                    v: here.2.v + (there.2.v - here.2.v) * share,
+                    step,
+                });
+            }
+            (*row, here) = (next, there);
+        }
+    }
+}
+
+/// A wall in the plane of an axis and e: what of it stands between hub and tip, from below upwards.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Profile {
+    /// Number of points.
+    pub(super) count: usize,
+    /// Their coordinates, mm.
+    z: [f64; LEVELS],
+    d: [f64; LEVELS],
+    /// ∂w/∂f and ∂w/∂z.
+    slopes: [[f64; 2]; LEVELS],
+}
+
+impl Profile {
+    /// `face` in the plane f = `slope`·z of `frame`, whose foot stands at table row `row`.
+    pub(super) fn of(frame: &Frame, face: &Face, slope: f64, mut row: usize) -> Self {
+        let mut crossings = [Crossing::default(); LEVELS];
+        let mut count = 0;
+        for level in 0..LEVELS {
+            let Some(mut here) = frame.cross(face, level, [slope, 0.0], &mut row) else { continue };
+            if count > 0 && here.v > 1.0 {
+                // Up to the tip.
+                let below = crossings[count - 1];
+                let share = ((1.0 - below.v) / (here.v - below.v)).clamp(0.0, 1.0);
+                here.d = below.d + (here.d - below.d) * share;
+                here.z = below.z + (here.z - below.z) * share;
+                here.v = 1.0;
+            }
+            if here.v > 1.0 || (count > 0 && here.z <= crossings[count - 1].z) {
+                break;
+            }
+            crossings[count] = here;
+            count += 1;
+            if here.v >= 1.0 {
+                break;
+            }
+        }
+        let mut profile = Self { count, z: [0.0; LEVELS], d: [0.0; LEVELS], slopes: [[0.0; 2]; LEVELS] };
+        for k in 0..count {
+            let (below, above) = (&crossings[k.saturating_sub(1)], &crossings[(k + 1).min(count - 1)]);
+            let rise = above.z - below.z;
+            let in_plane = if rise > 0.0 { (above.d - below.d) / rise } else { 0.0 };
+            // The level leads out of the plane: what it gains beyond the plane's own slope is the slope along f.
+            let [f, d, z] = crossings[k].step;
+            let out = f - slope * z;
+            let by_f = if out.abs() > 1e-9 { (d - in_plane * z) / out } else { 0.0 };
+            (profile.z[k], profile.d[k]) = (crossings[k].z, crossings[k].d);
+            profile.slopes[k] = [by_f, in_plane - slope * by_f];
+        }
+        profile
+    }
+
+    /// Greatest dw/dz in the plane, seen from the lowest point and locally.
+    pub(super) fn steepest(&self) -> f64 {
+        let slope = |a: usize, b: usize| (self.d[b] - self.d[a]) / (self.z[b] - self.z[a]);
+        (1..self.count).map(|k| slope(k - 1, k).max(slope(0, k))).fold(0.0, f64::max)
+    }
+
+    /// Room in direction d between the wall's point `k` and the axis at equal height, as a flank needs it.
+    fn room(&self, k: usize, flank: &Flank) -> f64 {
+        let ([f, z], axis) = (self.slopes[k], &flank.axis);
+        let through = axis[1] - f * axis[0] - z * axis[2];
+        flank.reach * (1.0 + f * f + z * z - through * through).max(0.0).sqrt()
+    }
+
+    /// Gain in d of the axis upon the wall between the height of the wall's point `k` and that of the place of the axis
+    /// across from it.
+    fn gain(&self, k: usize, flank: &Flank) -> f64 {
+        let [f, z] = self.slopes[k];
+        (flank.lean - z - f * flank.axis[0] / flank.axis[2]) * flank.rise
+    }
+
+    /// Least d of the axis at z = 0 that keeps the flank from the wall at and above z = `from`.
+    pub(super) fn nearest_axis(&self, flank: &Flank, from: f64) -> f64 {
+        let at = |k: usize| self.d[k] + self.room(k, flank) + self.gain(k, flank) - flank.lean * self.z[k];
+        let mut most = f64::NEG_INFINITY;
+        for k in 0..self.count {
+            if self.z[k] >= from {
+                if k > 0 && self.z[k - 1] < from {
+                    let share = (from - self.z[k - 1]) / (self.z[k] - self.z[k - 1]);
+                    most = most.max(at(k - 1) + (at(k) - at(k - 1)) * share);
+                }
+                most = most.max(at(k));
+            }
+        }
+        most
+    }
+
+    /// Greatest d of the axis at z = 0 that keeps the flank from this facing wall at and above z = `from`.
+    pub(super) fn furthest_axis(&self, flank: &Flank, from: f64) -> f64 {
+        (0..self.count)
+            .filter(|&k| self.z[k] >= from)
+            .map(|k| self.d[k] - self.room(k, flank) - self.gain(k, flank) - flank.lean * self.z[k])
+            .fold(f64::INFINITY, f64::min)
+    }
+}

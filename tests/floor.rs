@@ -1,0 +1,320 @@
+//! The floor under leaning walls: where rays end and what is out of reach, against cutters that are really put into the
+//! corner and measured.
+
+use vanecut::formats::part_file::read_part_bytes;
+use vanecut::geometry::{
+    CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z, search, wrap_angle,
+};
+use vanecut::monitor::Monitor;
+use vanecut::part::setup::Stock;
+use vanecut::part::{
+    AxisPolicy, BladeDescription, Blank, Channel, CurveDescription, Impeller, PartDescription, Setup,
+    SideProbe,
+};
+use vanecut::plunge::Planner;
+use vanecut::plunge::clearance::FinishedPart;
+use vanecut::plunge::sections::resolve;
+use vanecut::residual::{
+    CutterStretch, FloorGrid, FloorSource, cutters_of, residual_field, stretches_of_setup,
+};
+
+const CELLS: usize = 400;
+
+fn stock() -> Stock {
+    Setup::default().stock
+}
+
+fn sample(name: &str, text: &[u8]) -> Impeller {
+    Impeller::build(&read_part_bytes(name, text, "toml").expect("readable")).expect("an impeller")
+}
+
+/// A flat disc with straight blades that stand radially and lean by `lean` around the wheel: over the channel at
+/// the first wall, away from it at the second.
+fn disc(lean: f64) -> Impeller {
+    let curve = |from: [f64; 2], to: [f64; 2]| {
+        let point = |k: i32| {
+            let x = f64::from(k) / 20.0;
+            Meridional { r: from[0] + x * (to[0] - from[0]), z: from[1] + x * (to[1] - from[1]) }
+        };
+        CurveDescription::Points((0..=20).map(point).collect())
+    };
+    let side = |y: f64| {
+        let section = |z: f64| {
+            let point = |k: i32| Point::new(60.0 + 4.5 * f64::from(k), y + z * lean.tan(), z);
+            (0..=20).map(point).collect()
+        };
+        vec![section(-5.0), section(60.0)]
+    };
+    let description = PartDescription {
+        name: "disc".to_owned(),
+        hub: curve([40.0, 0.0], [150.0, 0.0]),
+        shroud: curve([62.0, 50.0], [150.0, 30.0]),
+        blade_count: 10,
+        main: BladeDescription::Sections { suction: side(1.5), pressure: side(-1.5), line: 0 },
+        splitters: Vec::new(),
+        hub_line: 0,
+        shroud_line: 0,
+        count_line: 0,
+    };
+    Impeller::build(&description).expect("an impeller")
+}
+
+fn floor(part: &Impeller, channel: &Channel, cutters: &[CutterStretch]) -> FloorGrid {
+    let (blank, stock) = (Blank::of(part, 0.0), stock());
+    FloorGrid::new(&FloorSource { part, channel, blank: &blank, stock: &stock, cutters }, CELLS)
+}
+
+fn everywhere(radius: f64) -> [CutterStretch; 1] {
+    [CutterStretch { from: 1.0, to: 0.0, radius }]
+}
+
+/// A corner of the floor: the cells of a row from one wall on.
+struct Bench<'a> {
+    part: &'a Impeller,
+    channel: &'a Channel,
+    finished: FinishedPart<'a>,
+    sides: Vec<SideProbe>,
+    grid: &'a FloorGrid,
+    radius: f64,
+}
+
+impl<'a> Bench<'a> {
+    fn new(part: &'a Impeller, channel: &'a Channel, grid: &'a FloorGrid, radius: f64) -> Self {
+        let sides = channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect();
+        Self { part, channel, finished: FinishedPart::new(part, &channel.sides), sides, grid, radius }
+    }
+
+    /// Cells of a row, counted from `wall`.
+    fn cell(&self, row: usize, wall: usize, k: usize) -> usize {
+        row * CELLS + if wall == 0 { k } else { CELLS - 1 - k }
+    }
+
+    fn ray(&self, cell: usize) -> (Point, Vector) {
+        let double = |v: [f32; 3]| Vector::from(v.map(f64::from));
+        (Point::from(double(self.grid.points[cell])), double(self.grid.normals[cell]))
+    }
+
+    /// Height at which a ray comes within the allowance of a blade, measured; infinite where it does not below `top`.
+    fn underside(&self, cell: usize, top: f64) -> f64 {
+        let (foot, normal) = self.ray(cell);
+        let room = |h: f64| {
+            let p = foot + normal * h;
+            let near = |side: &SideProbe| side.nearest_to_point(&p).distance;
+            self.sides.iter().map(near).fold(f64::INFINITY, f64::min) - stock().blade_allowance
+        };
+        let steps = 60;
+        let at = |k: i32| top * f64::from(k) / f64::from(steps);
+        match (0..=steps).find(|&k| room(at(k)) < 0.0) {
+            None => f64::INFINITY,
+            Some(0) => 0.0,
+            Some(k) => search::root(room, at(k - 1), at(k), 1e-4),
+        }
+    }
+
+    /// Cells from `wall` on, in fractions of them, up to the first ray whose stock a cutter takes when it is put as
+    /// near to the wall as it clears, with its axis leaning by `lean` across and `slope` along the wall, at `shift`
+    /// along it. `None` where it clears nowhere.
+    fn first_cut(
+        &self,
+        row: usize,
+        wall: usize,
+        heights: &[f64],
+        [slope, lean, shift]: [f64; 3],
+    ) -> Option<f64> {
+        let s = self.grid.s_of_row(row);
+        let at = |s: f64| {
+            let theta = self.channel.full.walls[wall].at(self.part, s, 0.0).expect("a wall").theta;
+            self.part.hub.point(s).at_angle(theta)
+        };
+        let (foot, normal) = (at(s), self.ray(self.cell(row, wall, 0)).1);
+        let along = (at(s + 0.01) - at(s - 0.01)).normalize();
+        let into = self.ray(self.cell(row, wall, 20)).0 - foot;
+        let across = normal.cross(&along).normalize();
+        let across = if across.dot(&into) < 0.0 { -across } else { across };
+        let axis = (along * slope + across * lean + normal).normalize();
+        let put = |d: f64| {
+            let tip = foot + along * shift + across * d;
+            let mut cutter = CutterSolid { tip, axis, radius: self.radius, corner_radius: 0.0 };
+            for _ in 0..12 {
+                cutter.tip += axis * (stock().hub_allowance - self.finished.hub_clearance(&cutter));
+            }
+            cutter
+        };
+        let clears = |d: f64| self.finished.clears(&put(d), stock().blade_allowance);
+        let step = 0.1 * self.radius;
+        let mut free = (3..40).map(|k| step * f64::from(k)).find(|&d| clears(d))?;
+        let mut blocked = free - step;
+        for _ in 0..12 {
+            let middle = 0.5 * (free + blocked);
+            if clears(middle) { free = middle } else { blocked = middle }
+        }
+        let cutter = put(free);
+        let [first, second] = [0, 1].map(|k| self.ray(self.cell(row, wall, k)));
+        let turn = wrap_angle(second.0.y.atan2(second.0.x) - first.0.y.atan2(first.0.x));
+        let cuts = |cells: f64| {
+            let k = (cells as usize).min(heights.len() - 2);
+            let height = heights[k] + (heights[k + 1] - heights[k]) * (cells - k as f64);
+            let foot = rotate_z(&first.0, turn * cells);
+            let entry = cutter.column_interval(self.radius, &foot, &rotate_vector_z(&first.1, turn * cells));
+            entry.is_some_and(|(low, high)| high > 0.0 && low < height)
+        };
+        let first = (1..heights.len()).find(|&k| cuts(k as f64))?;
+        let (mut out, mut cut) = (first as f64 - 1.0, first as f64);
+        for _ in 0..8 {
+            let middle = 0.5 * (out + cut);
+            if cuts(middle) { cut = middle } else { out = middle }
+        }
+        Some(cut)
+    }
+
+    /// Where the first ray lies that any cutter cuts, in cells: a grid of axes and places, the best one refined.
+    fn first_cut_by_any(&self, row: usize, wall: usize, heights: &[f64]) -> f64 {
+        let of = |x: [f64; 3]| self.first_cut(row, wall, heights, x).unwrap_or(heights.len() as f64);
+        let mut best = (heights.len() as f64, [0.0; 3]);
+        for slope in [-0.5, -0.25, 0.0, 0.25, 0.5] {
+            for lean in 0..12 {
+                let x = [slope, 0.08 * f64::from(lean), 0.0];
+                best = std::cmp::min_by(best, (of(x), x), |a, b| a.0.total_cmp(&b.0));
+            }
+        }
+        let mut steps = [0.12, 0.04, 0.5 * self.radius];
+        while steps[1] > 0.001 {
+            let mut improved = false;
+            for k in 0..3 {
+                for sign in [-1.0, 1.0] {
+                    let mut x = best.1;
+                    x[k] += sign * steps[k];
+                    let cells = of(x);
+                    if cells < best.0 {
+                        (best, improved) = ((cells, x), true);
+                    }
+                }
+            }
+            if !improved {
+                steps = steps.map(|step| 0.5 * step);
+            }
+        }
+        best.0
+    }
+
+    /// Checks undersides and reach beside one wall. Returns the widths of what stays beside it, allowance and all,
+    /// by search and by the masks, mm.
+    fn check(&self, row: usize, wall: usize) -> [f64; 2] {
+        let width = (self.ray(row * CELLS + 1).0 - self.ray(row * CELLS).0).norm();
+        let cells = &self.grid.blank_heights[row * CELLS..(row + 1) * CELLS];
+        let outline = f64::from(cells.iter().copied().fold(0.0, f32::max));
+        let count = (0..CELLS / 2)
+            .find(|&k| {
+                let height = self.grid.blank_heights[self.cell(row, wall, k)];
+                f64::from(height) >= outline
+            })
+            .unwrap_or(CELLS / 2);
+        let heights: Vec<f64> =
+            (0..count).map(|k| self.underside(self.cell(row, wall, k), outline).min(outline)).collect();
+        for (k, &height) in heights.iter().enumerate() {
+            let tabulated = f64::from(self.grid.blank_heights[self.cell(row, wall, k)]);
+            // Along a wall that hardly leans the height runs off within a cell.
+            let slack = 0.05 + 0.2 * (height - if k > 0 { heights[k - 1] } else { 0.0 }).abs();
+            assert!(
+                (tabulated - height).abs() < slack,
+                "row {row} wall {wall} cell {k}: {tabulated} {height}"
+            );
+        }
+        let free = |k: usize| {
+            let cell = self.cell(row, wall, k);
+            self.grid.floor[cell] && self.grid.reachable[cell]
+        };
+        let mask = (0..count).find(|&k| free(k)).unwrap_or(count);
+        let found = self.first_cut_by_any(row, wall, &heights);
+        [(found + 0.5) * width, mask as f64 * width]
+    }
+}
+
+#[test]
+fn the_corner_beside_a_flat_wall_is_as_wide_as_geometry_says() {
+    let (lean, radius) = (20f64.to_radians(), 8.0);
+    let part = disc(lean);
+    let channel = Channel::of(&part);
+    let grid = floor(&part, &channel, &everywhere(radius));
+    let Stock { hub_allowance, blade_allowance, .. } = stock();
+    let row = CELLS / 2;
+    // The near end of the rim, on the surface that keeps the allowance.
+    let corner = hub_allowance + 2.0 * radius * lean.sin();
+    let wanted = corner * lean.tan() + blade_allowance / lean.cos();
+    let bench = Bench::new(&part, &channel, &grid, radius);
+    let [found, mask] = bench.check(row, 0);
+    assert!((mask - wanted).abs() < 0.15, "{mask} mm out of reach, {wanted} by geometry, {found} by search");
+    assert!((found - wanted).abs() < 0.25, "{found} by search, {wanted} by geometry");
+    let second: Vec<bool> = (CELLS / 2..CELLS).map(|j| grid.reachable[row * CELLS + j]).collect();
+    assert!(second.iter().all(|&reachable| reachable), "the second wall leans away");
+}
+
+#[test]
+fn upright_walls_leave_all_floor_in_reach() {
+    let part = disc(0.0);
+    let channel = Channel::of(&part);
+    let grid = floor(&part, &channel, &everywhere(8.0));
+    assert!(grid.reachable.iter().all(|&reachable| reachable));
+    for row in 0..CELLS {
+        let cells = row * CELLS..(row + 1) * CELLS;
+        let outline = grid.blank_heights[cells.start + CELLS / 2];
+        assert!(cells.into_iter().all(|k| !grid.floor[k] || grid.blank_heights[k] == outline), "row {row}");
+    }
+}
+
+#[test]
+fn larger_cutters_leave_more_and_none_excuse_nothing() {
+    let part = disc(0.3);
+    let channel = Channel::of(&part);
+    let out = |cutters: &[CutterStretch]| {
+        floor(&part, &channel, cutters).reachable.iter().filter(|&&reachable| !reachable).count()
+    };
+    assert_eq!(out(&[]), 0);
+    assert!(out(&everywhere(4.0)) > 0 && out(&everywhere(8.0)) > out(&everywhere(4.0)));
+    let both = [everywhere(8.0)[0], everywhere(4.0)[0]];
+    assert_eq!(out(&both), out(&everywhere(4.0)), "the smaller of two that work in the same place counts");
+}
+
+#[test]
+fn twisted_walls_agree_with_cutters_put_into_their_corners() {
+    let wheel = sample("impeller9x9.toml", include_bytes!("../assets/parts/impeller9x9.toml"));
+    let pump = sample("pump6.toml", include_bytes!("../assets/parts/pump6.toml"));
+    let large = sample("impeller532.toml", include_bytes!("../assets/parts/impeller532.toml"));
+    for (part, radius, wall, s) in [
+        (&wheel, 6.0, 0, 0.25),
+        (&wheel, 6.0, 0, 0.7),
+        (&wheel, 6.0, 1, 0.25),
+        (&pump, 6.0, 0, 0.5),
+        (&large, 15.0, 0, 0.5),
+        (&large, 15.0, 1, 0.9),
+    ] {
+        let channel = Channel::of(part);
+        let grid = floor(part, &channel, &everywhere(radius));
+        let bench = Bench::new(part, &channel, &grid, radius);
+        let [found, mask] = bench.check((s * CELLS as f64) as usize, wall);
+        // Two cells more at most; less is on the safe side, by what the second order about a foot leaves out.
+        let what =
+            format!("{} s {s} wall {wall}: out of reach {found:.2} mm by search, {mask:.2}", part.name);
+        assert!((found - 0.5..found + 0.3).contains(&mask), "{what}");
+        println!("{what}");
+    }
+}
+
+#[test]
+fn no_plan_cuts_what_is_out_of_reach() {
+    let part = sample("impeller9x9.toml", include_bytes!("../assets/parts/impeller9x9.toml"));
+    let channel = Channel::of(&part);
+    let setup = resolve(&Setup::default(), &part, &channel).expect("a setup");
+    let planner = Planner::new(&part, &channel, &setup);
+    let grid = floor(&part, &channel, &stretches_of_setup(&setup));
+    let out = |k: &usize| grid.floor[*k] && !grid.reachable[*k];
+    assert!((0..CELLS * CELLS).filter(out).count() > CELLS * CELLS / 50);
+    for policy in [AxisPolicy::Conventional, AxisPolicy::Minimal] {
+        let plan = planner.plan(policy, &Monitor::default()).expect("a plan");
+        let heights = residual_field(&grid, &cutters_of(&plan)).heights;
+        let cut = |k: &usize| heights[*k] < grid.blank_heights[*k] - 0.02;
+        let count = (0..CELLS * CELLS).filter(|k| out(k) && cut(k)).count();
+        // Beside the nose, where the wall runs on in thought, the border may be a cell off.
+        assert!(count * 10_000 < CELLS * CELLS, "{count} cells by {policy:?}");
+    }
+}
