@@ -1,6 +1,6 @@
-// Residual layer of plunges on the hub floor. Twin of src/residual/field.rs: same operations in the
-// same order, so that both give the same heights. One workgroup per tile of 16 × 16 cells, one
-// invocation per cell. Lengths in mm.
+// Residual layer of plunges on the hub floor. Twin of src/residual/field.rs and meeting.rs: same
+// operations in the same order, so that both give the same heights. One workgroup per tile of 16 × 16
+// cells, one invocation per cell. Lengths in mm.
 
 struct Grid {
     rows: u32,
@@ -13,8 +13,8 @@ struct Cell {
     foot: vec3<f32>,
     blank: f32,
     normal: vec3<f32>,
-    // 1 if the cell belongs to the floor, else 0.
-    is_floor: u32,
+    // Units of volume per mm of height; below 0 if the cell is not of the floor.
+    units: f32,
 }
 
 struct Cutter {
@@ -34,6 +34,8 @@ struct Trace {
     contact_cells: atomic<u32>,
     swept_cells: atomic<u32>,
     cut_cells: atomic<u32>,
+    // In units of which all stock of the floor is at most 2³¹: sums do not overflow.
+    removed_units: atomic<u32>,
 }
 
 @group(0) @binding(0) var<uniform> grid: Grid;
@@ -57,6 +59,7 @@ const CORNER_TOLERANCE: f32 = 2e-5;
 // Traces of this many cutters are gathered within the workgroup before they go to memory.
 const BATCH: u32 = 64u;
 var<workgroup> batch_depths: array<atomic<u32>, BATCH>;
+var<workgroup> batch_removed: array<atomic<u32>, BATCH>;
 // Swept, cut and contact cells in 10 bits each, as a tile has 256: one atomic instead of three.
 var<workgroup> batch_counts: array<atomic<u32>, BATCH>;
 const CUT_SHIFT: u32 = 10u;
@@ -160,13 +163,14 @@ fn residual_field(
     var point = vec3<f32>(0.0);
     var normal = vec3<f32>(0.0);
     var blank = -1.0;
-    var is_floor = false;
+    var units = -1.0;
     if in_grid {
         point = cells[index].foot;
         normal = cells[index].normal;
         blank = cells[index].blank;
-        is_floor = cells[index].is_floor != 0u;
+        units = cells[index].units;
     }
+    let is_floor = units >= 0.0;
     var height = blank;
 
     let tile_index = tile.y * grid.tiles_across + tile.x;
@@ -177,6 +181,7 @@ fn residual_field(
         if lane < BATCH {
             atomicStore(&batch_depths[lane], 0u);
             atomicStore(&batch_counts[lane], 0u);
+            atomicStore(&batch_removed[lane], 0u);
         }
         workgroupBarrier();
         for (var i = 0u; i < count; i++) {
@@ -197,11 +202,16 @@ fn residual_field(
                     atomicMax(&batch_depths[i], bitcast<u32>(depth));
                 }
                 let swept = u32(entry < blank);
-                let cut = u32(height - min(height, entry) > CUT_TOLERANCE);
+                let left = min(height, entry);
+                let cut = u32(height - left > CUT_TOLERANCE);
+                let removed = u32(round(height * units)) - u32(round(left * units));
                 let contact = u32(depth > CONTACT_TOLERANCE);
                 let counts = swept | (cut << CUT_SHIFT) | (contact << CONTACT_SHIFT);
                 if counts != 0u {
                     atomicAdd(&batch_counts[i], counts);
+                }
+                if removed != 0u {
+                    atomicAdd(&batch_removed[i], removed);
                 }
             }
             height = min(height, entry);
@@ -211,6 +221,7 @@ fn residual_field(
             let k = tile_cutters[start + lane];
             let depth = atomicLoad(&batch_depths[lane]);
             let counts = atomicLoad(&batch_counts[lane]);
+            let removed = atomicLoad(&batch_removed[lane]);
             if depth > 0u {
                 atomicMax(&traces[k].contact_depth, depth);
             }
@@ -218,6 +229,9 @@ fn residual_field(
                 atomicAdd(&traces[k].contact_cells, counts >> CONTACT_SHIFT);
                 atomicAdd(&traces[k].swept_cells, counts & COUNT_MASK);
                 atomicAdd(&traces[k].cut_cells, (counts >> CUT_SHIFT) & COUNT_MASK);
+            }
+            if removed > 0u {
+                atomicAdd(&traces[k].removed_units, removed);
             }
         }
         // The next batch clears what this one just read: same lane, same entry, so no barrier is needed.

@@ -92,6 +92,7 @@ static SAMPLES: LazyLock<Samples> = LazyLock::new(|| {
         part: part.clone().into(),
         setup: setup.clone(),
         policy: AxisPolicy::Conventional,
+        compare: false,
         field_cells: 16,
     };
     let mut plan = run(&request, &Monitor::default()).unwrap().before.plan;
@@ -311,7 +312,7 @@ fn planned(part: &[u8], setup: &[u8]) {
     };
     let Ok(setup) = read_setup_bytes("a", setup) else { return };
     let policy = setup.plunge.axis;
-    let request = PlanRequest { part: part.into(), setup, policy, field_cells: 16 };
+    let request = PlanRequest { part: part.into(), setup, policy, compare: false, field_cells: 16 };
     let _ = run(&request, &Monitor::default());
 }
 

@@ -16,7 +16,7 @@ fn the_planner_obeys_cancel_within_50_ms() {
     let part = Arc::new(Impeller::build(&description).expect("an impeller"));
     let mut setup = Setup::default();
     setup.plunge.step = Some(1.0);
-    let request = PlanRequest { part, setup, policy: AxisPolicy::Monotone, field_cells: 512 };
+    let request = PlanRequest { part, setup, policy: AxisPolicy::Monotone, compare: false, field_cells: 512 };
     let cancel_after = |wait: u64| {
         let monitor = Monitor::default();
         std::thread::scope(|scope| {

@@ -59,7 +59,8 @@ fn monotone_finds_the_place_the_walk_finds() {
             loop {
                 let amount = 1e-5 * f64::from(steps);
                 let s_shroud = here.s_shroud_conventional - amount;
-                let walked = maker.station(here.ends.s_hub, s_shroud).expect("clear of the walls");
+                let draft = maker.draft(here.ends.s_hub, s_shroud).expect("clear of the walls");
+                let walked = maker.exact(&draft).expect("clear of its wall");
                 if walked.alpha > before.alpha {
                     assert!(
                         (amount - moved).abs() <= 1.1e-5,

@@ -60,6 +60,8 @@ impl Default for Engine {
 pub(super) struct PlanTask {
     pub part: Arc<Impeller>,
     pub setup: Setup,
+    /// Whether all policies are planned.
+    pub compare: bool,
 }
 
 /// Cells of the residual field along s and λ: the field of the speed goals, and fine enough that a
@@ -73,6 +75,7 @@ impl Engine {
             part: Arc::clone(&task.part),
             setup: task.setup.clone(),
             policy: task.setup.plunge.axis,
+            compare: task.compare,
             field_cells: FIELD_CELLS,
         };
         let outcome = (self.plan)(&request, monitor)?;

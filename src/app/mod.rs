@@ -173,6 +173,9 @@ impl App {
             let open = |title: &str| egui::CollapsingHeader::new(title.to_owned()).default_open(true);
             open("Plunge").show(ui, |ui| panels::setup::plunge(ui, setup));
             open("Stock").show(ui, |ui| panels::setup::stock(ui, setup));
+            let (compare, planned) = (&mut self.state.compare, self.state.planned.as_deref());
+            open("Policies").show(ui, |ui| panels::policies::show(ui, compare, planned));
+            let setup = &mut self.state.setup;
             let chosen = self.state.planned.as_ref().map(|planned| &planned.outcome.setup);
             open("Cutters").show(ui, |ui| panels::tools::show(ui, setup, chosen));
         });

@@ -100,6 +100,8 @@ pub struct State {
     pub part: Option<OpenPart>,
     /// The setup being edited.
     pub setup: Setup,
+    /// Whether all policies are planned, for comparison.
+    pub compare: bool,
     /// File the setup was read from or written to.
     pub setup_path: Option<PathBuf>,
     /// Latest good plan of the part.

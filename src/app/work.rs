@@ -89,7 +89,11 @@ impl App {
     pub(super) fn plan(&mut self) {
         let Some(part) = &self.state.part else { return };
         self.state.notice = None;
-        let task = PlanTask { part: Arc::clone(&part.impeller), setup: self.state.setup.clone() };
+        let task = PlanTask {
+            part: Arc::clone(&part.impeller),
+            setup: self.state.setup.clone(),
+            compare: self.state.compare,
+        };
         self.work.planner.submit(task);
     }
 

@@ -25,7 +25,13 @@ pub fn run() -> Result<(), Failure> {
     );
     let channel = Channel::of(&part);
     let setup = Setup::default();
-    let request = PlanRequest { part: part.clone(), setup, policy: AxisPolicy::Monotone, field_cells: 512 };
+    let request = PlanRequest {
+        part: part.clone(),
+        setup,
+        policy: AxisPolicy::Monotone,
+        compare: false,
+        field_cells: 512,
+    };
     say(&format!("{:<58} {:>10}\n", "what", "median"))?;
     let plan_seconds = median(|| {
         let _ = run_job(&request, &Monitor::default());

@@ -35,7 +35,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     };
     let channels = channel_count(&args.channels, &part)?;
     check_folder(&args.output)?;
-    let outcome = outcome(part, &setup, policy)?;
+    let outcome = outcome(part, &setup, policy, true)?;
     let after = &outcome.after;
     let text = write_plan(&description, &outcome.setup, &after.plan, channels);
     let program = repeated(&ClProgram::of_plan(&outcome.part.name, &after.plan), &outcome.part, channels);
@@ -56,9 +56,19 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
 }
 
 /// The shared job, with progress on a terminal.
-pub fn outcome(part: Impeller, setup: &OpenSetup, policy: AxisPolicy) -> Result<PlanOutcome, Failure> {
-    let request =
-        PlanRequest { part: Arc::new(part), setup: setup.setup.clone(), policy, field_cells: FIELD_CELLS };
+pub fn outcome(
+    part: Impeller,
+    setup: &OpenSetup,
+    policy: AxisPolicy,
+    compare: bool,
+) -> Result<PlanOutcome, Failure> {
+    let request = PlanRequest {
+        part: Arc::new(part),
+        setup: setup.setup.clone(),
+        policy,
+        compare,
+        field_cells: FIELD_CELLS,
+    };
     let monitor = Monitor::default();
     let done = AtomicBool::new(false);
     let result = std::thread::scope(|scope| {
@@ -139,9 +149,9 @@ fn object(outcome: &PlanOutcome, channels: usize) -> serde_json::Map<String, Val
     map.insert("policy".into(), json!(outcome.after.plan.policy));
     map.insert("before".into(), report::compared(&outcome.before, &outcome.grid, &outcome.reasons));
     let mut policies = serde_json::Map::new();
-    for result in [&outcome.before, &outcome.after] {
-        let name = json!(result.plan.policy).as_str().unwrap_or_default().to_owned();
-        policies.insert(name, report::compared(result, &outcome.grid, &outcome.reasons));
+    for result in outcome.policies() {
+        let compared = report::compared(result, &outcome.grid, &outcome.reasons);
+        policies.insert(result.plan.policy.name().to_owned(), compared);
     }
     map.insert("policies".into(), Value::Object(policies));
     map.insert("elapsed".into(), report::number(outcome.elapsed));
@@ -158,12 +168,9 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
         2.0 * part.rim_radius(),
         part.blade_count
     );
-    let mut results = vec![("conventional", &outcome.before)];
-    if outcome.after.plan.policy != AxisPolicy::Conventional {
-        results.push(("monotone", &outcome.after));
-    }
-    text += &report::table(&results, &outcome.grid);
+    text += &report::table(&outcome.policies(), &outcome.grid);
     text += &report::reasons(&outcome.after.plan, &outcome.reasons);
+    text += &format!("{} as written:\n", outcome.after.plan.policy.name());
     text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
     text += &report::blocked(&outcome.after.plan);
     text += &format!(

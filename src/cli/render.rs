@@ -65,7 +65,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             (part, None)
         } else {
             let setup = open::setup(None, &args.source)?;
-            let outcome = plan::outcome(part, &setup, setup.setup.plunge.axis)?;
+            let outcome = plan::outcome(part, &setup, setup.setup.plunge.axis, false)?;
             let part = Impeller::clone(&outcome.part);
             (part, Some((outcome.setup, outcome.after.plan)))
         }
@@ -162,9 +162,7 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
             );
         }
     }
-    let after_name = format!("{:?}", outcome.after.plan.policy).to_lowercase();
-    let table =
-        report::table(&[("conventional", &outcome.before), (&after_name, &outcome.after)], &outcome.grid);
+    let table = report::table(&outcome.policies(), &outcome.grid);
     let html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: plunge plan</title>\n\
          <style>body{{font-family:sans-serif;margin:2em;max-width:1000px}}figure{{display:inline-block;margin:4px}}</style>\n\

@@ -112,7 +112,15 @@ fn feed_word(feed: Feed) -> &'static str {
 }
 
 /// Table of plans, section by section.
-pub fn table(results: &[(&str, &PolicyResult)], grid: &FloorGrid) -> String {
+pub fn table(results: &[&PolicyResult], grid: &FloorGrid) -> String {
+    named_table(results.iter().map(|result| (result.plan.policy.name(), *result)), grid)
+}
+
+/// Table of plans under names of their own.
+pub fn named_table<'r>(
+    results: impl Iterator<Item = (&'r str, &'r PolicyResult)>,
+    grid: &FloorGrid,
+) -> String {
     let mut text = String::from(
         "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  uncut %  blocked\n",
     );

@@ -52,7 +52,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         map.insert("faults".into(), Value::Array(faults));
         say(&format!("{}\n", Value::Object(map)))?;
     } else {
-        let mut text = report::table(&[("program", &result)], &grid);
+        let mut text = report::named_table([("program", &result)].into_iter(), &grid);
         let s = &result.summary;
         text += &format!(
             "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm\n",

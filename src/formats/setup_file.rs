@@ -217,13 +217,11 @@ fn check_count(tables: &[Section<'_>], most: usize, what: &str) -> Result<(), In
 
 /// The policy a name in a file or on the command line means; otherwise what is wrong and its cure.
 pub fn axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
-    match name {
-        "conventional" => Ok(AxisPolicy::Conventional),
-        "monotone" => Ok(AxisPolicy::Monotone),
-        "minimal" => Ok(AxisPolicy::Minimal),
-        "staircase" => Ok(AxisPolicy::Staircase),
-        other => {
-            let near = nearest(other, &["conventional", "monotone", "minimal", "staircase"]);
+    match AxisPolicy::ALL.into_iter().find(|policy| policy.name() == name) {
+        Some(policy) => Ok(policy),
+        None => {
+            let other = name;
+            let near = nearest(other, &AxisPolicy::ALL.map(AxisPolicy::name));
             Err((
                 format!("{} is no axis policy", super::source::shown(other)),
                 format!(
@@ -310,12 +308,7 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
         writeln!(out, "spindle = {:?}", tool.spindle)?;
     }
     let plunge = &setup.plunge;
-    let axis = match plunge.axis {
-        AxisPolicy::Conventional => "conventional",
-        AxisPolicy::Monotone => "monotone",
-        AxisPolicy::Minimal => "minimal",
-        AxisPolicy::Staircase => "staircase",
-    };
+    let axis = plunge.axis.name();
     writeln!(out, "\n[plunge]\naxis = \"{axis}\"")?;
     if let Some(step) = plunge.step {
         writeln!(out, "step = {step:?}")?;

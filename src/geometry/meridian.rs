@@ -29,6 +29,10 @@ pub struct CurvePoint {
     pub curvature: f64,
 }
 
+/// Newton step in arc length, mm, after which a projection needs no other: the error is of the order of its
+/// square, that of the distance of the order of the error's square.
+const PROJECTION_STEP: f64 = 1e-6;
+
 impl MeridionalCurve {
     /// Takes over a curve of any parametrisation. `segments` of equal arc length are interpolated
     /// through exact points; with some hundreds of them the difference is far below a nanometre.
@@ -100,12 +104,17 @@ impl MeridionalCurve {
         self.length
     }
 
+    /// The segment at an arc length within the curve, and how far along it.
+    #[inline]
+    fn segment(&self, inside: f64) -> (&[[f64; 2]; 4], f64) {
+        let i = ((inside * self.per_step) as usize).min(self.segments.len() - 1);
+        (&self.segments[i], inside - i as f64 * self.step)
+    }
+
     #[inline]
     fn raw(&self, t: f64) -> ([f64; 2], [f64; 2], [f64; 2]) {
         let inside = t.clamp(0.0, self.length);
-        let i = ((inside * self.per_step) as usize).min(self.segments.len() - 1);
-        let x = inside - i as f64 * self.step;
-        let c = &self.segments[i];
+        let (c, x) = self.segment(inside);
         let (mut p, mut d1, mut d2) = ([0.0; 2], [0.0; 2], [0.0; 2]);
         for k in 0..2 {
             p[k] = c[0][k] + x * (c[1][k] + x * (c[2][k] + x * c[3][k]));
@@ -144,10 +153,9 @@ impl MeridionalCurve {
     #[inline]
     pub fn offset_derivative(&self, t: f64, distance: f64) -> (Meridional, Meridional) {
         let (p, d1, d2) = self.raw(t);
-        let speed2 = d1[0] * d1[0] + d1[1] * d1[1];
-        let speed = speed2.sqrt();
-        let (nr, nz) = (-self.side * d1[1] / speed, self.side * d1[0] / speed);
-        let stretch = 1.0 - distance * (d2[0] * nr + d2[1] * nz) / speed2;
+        let per_speed = 1.0 / norm2(d1[0], d1[1]);
+        let (nr, nz) = (-self.side * d1[1] * per_speed, self.side * d1[0] * per_speed);
+        let stretch = 1.0 - distance * (d2[0] * nr + d2[1] * nz) * per_speed * per_speed;
         (
             Meridional { r: p[0] + distance * nr, z: p[1] + distance * nz },
             Meridional { r: d1[0] * stretch, z: d1[1] * stretch },
@@ -160,7 +168,10 @@ impl MeridionalCurve {
         let mut best = (f64::INFINITY, 0.0);
         for i in 0..=count {
             let t = self.length * i as f64 / count as f64;
-            let d = self.point(t).distance(to);
+            let (c, x) = self.segment(t);
+            let along = |k: usize| c[0][k] + x * (c[1][k] + x * (c[2][k] + x * c[3][k]));
+            let (dr, dz) = (along(0) - to.r, along(1) - to.z);
+            let d = dr * dr + dz * dz;
             if d < best.0 {
                 best = (d, t);
             }
@@ -173,21 +184,21 @@ impl MeridionalCurve {
         let (low, high) = ((guess - reach).max(0.0), (guess + reach).min(self.length));
         let mut t = guess.clamp(low, high);
         for _ in 0..12 {
-            let here = self.at(t);
-            let (dr, dz) = (to.r - here.point.r, to.z - here.point.z);
-            let along = dr * here.tangent.r + dz * here.tangent.z;
-            let bend = 1.0 - here.curvature * (dr * here.normal.r + dz * here.normal.z);
-            let next = (t + along / bend.max(0.25)).clamp(low, high);
+            let (p, d1, d2) = self.raw(t);
+            let (dr, dz) = (to.r - p[0], to.z - p[1]);
+            let squared_speed = d1[0] * d1[0] + d1[1] * d1[1];
+            let along = dr * d1[0] + dz * d1[1];
+            let bend = squared_speed - (dr * d2[0] + dz * d2[1]);
+            let next = (t + along / bend.max(0.25 * squared_speed)).clamp(low, high);
             let moved = (next - t).abs();
             t = next;
-            if moved < 1e-10 {
+            if moved < PROJECTION_STEP {
                 break;
             }
         }
-        let here = self.at(t);
-        let (dr, dz) = (to.r - here.point.r, to.z - here.point.z);
-        let distance = norm2(dr, dz);
-        (t, distance.copysign(dr * here.normal.r + dz * here.normal.z))
+        let (p, d1, _) = self.raw(t);
+        let (dr, dz) = (to.r - p[0], to.z - p[1]);
+        (t, norm2(dr, dz).copysign(self.side * (dz * d1[0] - dr * d1[1])))
     }
 
     /// The piece between arc lengths `from` and `to` (mm), facing the same side.

@@ -79,6 +79,38 @@ pub fn frame_about(axis: &Vector) -> (Vector, Vector) {
     (u, axis.cross(&u))
 }
 
+/// A circle in space.
+#[derive(Clone, Copy, Debug)]
+pub struct Circle {
+    centre: Point,
+    /// Radii to angle 0 and to a quarter turn, mm.
+    radii: (Vector, Vector),
+}
+
+impl Circle {
+    /// About `axis` (unit); angles count from the first vector of [`frame_about`].
+    pub fn new(centre: &Point, axis: &Vector, radius: f64) -> Self {
+        let (e1, e2) = frame_about(axis);
+        Self { centre: *centre, radii: (e1 * radius, e2 * radius) }
+    }
+
+    /// Point at an angle given as (sin, cos), and its derivative by the angle.
+    #[inline]
+    pub fn at(&self, (sin, cos): (f64, f64)) -> (Point, Vector) {
+        let (e1, e2) = self.radii;
+        (self.centre + e1 * cos + e2 * sin, e2 * cos - e1 * sin)
+    }
+}
+
+/// How fast the distance of `point` from the circle about the rotation axis through `foot` grows while the point
+/// moves along `direction`, mm per unit of it.
+pub fn receding(point: &Point, direction: &Vector, foot: Meridional) -> f64 {
+    let from = Meridional::of(point);
+    let (dr, dz) = (from.r - foot.r, from.z - foot.z);
+    let radial = (point.x * direction.x + point.y * direction.y) / from.r.max(1e-12);
+    (dr * radial + dz * direction.z) / norm2(dr, dz).max(1e-12)
+}
+
 /// `angle` brought into (−π, π].
 pub fn wrap_angle(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};

@@ -27,6 +27,67 @@ pub fn root(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f6
     b
 }
 
+/// Root of `f` between `a` and `b`, (argument, value) of opposite sign, by secant steps from `guess` on with
+/// bisection as a guard. Stops when the next step would be shorter than `tolerance`; what it returns is the
+/// argument `f` was called with last.
+pub fn root_from(
+    mut f: impl FnMut(f64) -> f64,
+    a: (f64, f64),
+    b: (f64, f64),
+    guess: f64,
+    tolerance: f64,
+) -> f64 {
+    let (mut low, mut high) = if a.1 < b.1 { (a, b) } else { (b, a) };
+    let inside = |x: f64, low: f64, high: f64| (x - low) * (x - high) < 0.0;
+    let mut x = if inside(guess, low.0, high.0) { guess } else { 0.5 * (low.0 + high.0) };
+    let mut last = if (x - low.0).abs() < (x - high.0).abs() { low } else { high };
+    let mut steps = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..60 {
+        let here = (x, f(x));
+        if here.1 < 0.0 {
+            low = here;
+        } else {
+            high = here;
+        }
+        let mut step = -here.1 * (x - last.0) / (here.1 - last.1);
+        if here.1 == 0.0 || step.abs() < tolerance || (high.0 - low.0).abs() < tolerance {
+            break;
+        }
+        // Steps that do not get shorter creep, or run into a jump.
+        if !inside(x + step, low.0, high.0) || step.abs() > 0.5 * steps.0 {
+            step = 0.5 * (low.0 + high.0) - x;
+        }
+        steps = (steps.1, step.abs());
+        last = here;
+        x += step;
+    }
+    x
+}
+
+/// Least value over a whole turn of `f`, an angle to (value, slope), by `SAMPLES` of it. Between samples it is
+/// searched where one is no more than `margin` above the lowest.
+pub fn least_around<const SAMPLES: usize>(mut f: impl FnMut(f64) -> (f64, f64), margin: f64) -> f64 {
+    let step = std::f64::consts::TAU / SAMPLES as f64;
+    let samples: [(f64, f64); SAMPLES] = std::array::from_fn(|i| f(step * i as f64));
+    let lowest = samples.iter().map(|s| s.0).fold(f64::INFINITY, f64::min);
+    let mut least = lowest;
+    for i in 0..SAMPLES {
+        let (a, b) = (samples[i], samples[(i + 1) % SAMPLES]);
+        if a.1 >= 0.0 || b.1 <= 0.0 || a.0.min(b.0) > lowest + margin {
+            continue;
+        }
+        let from = step * i as f64;
+        let slope = |x: f64| {
+            let (value, slope) = f(x);
+            least = least.min(value);
+            slope
+        };
+        let guess = from + step * a.1 / (a.1 - b.1);
+        root_from(slope, (from, a.1), (from + step, b.1), guess, 1e-5);
+    }
+    least
+}
+
 /// Minimum of `f` in [`a`, `b`] by Brent's method, to `tolerance` in the argument.
 /// Returns (argument, value). `f` should have one minimum there; else it finds one of them.
 pub fn minimum(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> (f64, f64) {
@@ -103,6 +164,28 @@ mod tests {
     fn finds_roots_and_minima_of_known_functions() {
         let r = root(|x| x * x * x - 2.0, 0.0, 2.0, 1e-12);
         assert!((r - 2f64.cbrt()).abs() < 1e-10, "cube root of 2: {r}");
+        for guess in [-1.0, 0.1, 1.3, 5.0] {
+            let mut calls = Vec::new();
+            let f = |x: f64| x * x * x - 2.0;
+            let r = root_from(
+                |x| {
+                    calls.push(x);
+                    f(x)
+                },
+                (2.0, f(2.0)),
+                (0.0, f(0.0)),
+                guess,
+                1e-6,
+            );
+            assert!((r - 2f64.cbrt()).abs() < 1e-6 && calls.len() < 12, "from {guess}: {r} by {calls:?}");
+            assert_eq!(calls.last(), Some(&r), "the last call is the result");
+        }
+        let wave = |x: f64| ((2.0 * x).cos() + 0.1 * x.sin(), 0.1 * x.cos() - 2.0 * (2.0 * x).sin());
+        let least = (0..100_000).map(|i| wave(1e-4 * f64::from(i)).0).fold(f64::INFINITY, f64::min);
+        assert!((least_around::<9>(wave, 0.1) - least).abs() < 1e-7, "two waves");
+        let jump =
+            root_from(|x| if x < 0.7 { -1.0 - x } else { 2.0 + x }, (0.0, -1.0), (1.0, 3.0), 0.5, 1e-6);
+        assert!((jump - 0.7).abs() < 1e-6, "a jump: {jump}");
         let (x, fx) = minimum(|x| (x - 0.3).powi(2) + 1.0, -1.0, 2.0, 1e-8);
         assert!((x - 0.3).abs() < 1e-6 && (fx - 1.0).abs() < 1e-12, "parabola: {x} {fx}");
         let (x, _) = minimum(|x| x, 0.0, 1.0, 1e-9);

@@ -10,6 +10,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::device::{Gpu, GpuError};
 use crate::residual::field::{CONTACT_TOLERANCE, CUT_TOLERANCE};
+use crate::residual::trace::{TraceSums, VolumeUnit};
 use crate::residual::{FieldCutter, FloorGrid, PositionTrace, ResidualField, TileBins};
 
 /// A cutter as the shader's struct lays it out: tip and R, axis and core radius, corner radius and padding.
@@ -21,10 +22,10 @@ fn packed(c: &FieldCutter) -> PackedCutter {
 }
 
 /// A trace as the shader's struct lays it out; the depth is the bit pattern of a float.
-type PackedTrace = [u32; 4];
+type PackedTrace = [u32; 5];
 
-fn unpacked([depth, contact_cells, swept_cells, cut_cells]: PackedTrace) -> PositionTrace {
-    PositionTrace { contact_depth: f32::from_bits(depth), contact_cells, swept_cells, cut_cells }
+fn unpacked([depth, contact_cells, swept_cells, cut_cells, removed_units]: PackedTrace) -> TraceSums {
+    TraceSums { contact_depth: f32::from_bits(depth), contact_cells, swept_cells, cut_cells, removed_units }
 }
 
 /// The kernel of `shaders/residual.wgsl`, compiled for one device.
@@ -50,7 +51,7 @@ struct Cell {
     foot: [f32; 3],
     blank: f32,
     normal: [f32; 3],
-    is_floor: u32,
+    units: f32,
 }
 
 impl ResidualKernel {
@@ -92,12 +93,13 @@ impl ResidualKernel {
         grid: &FloorGrid,
         cutters: &[FieldCutter],
     ) -> Result<ResidualField, GpuError> {
+        let unit = VolumeUnit::of(grid);
         let cells: Vec<Cell> = (0..grid.rows * grid.columns)
             .map(|cell| Cell {
                 foot: grid.points[cell],
                 blank: grid.blank_heights[cell],
                 normal: grid.normals[cell],
-                is_floor: u32::from(grid.floor[cell]),
+                units: if grid.floor[cell] { unit.per_height(grid.areas[cell]) } else { -1.0 },
             })
             .collect();
         if cells.is_empty() || cutters.is_empty() {
@@ -192,7 +194,7 @@ impl ResidualKernel {
         let heights = heights.chunks_exact(size_of::<f32>()).map(bytemuck::pod_read_unaligned).collect();
         let traces = traces
             .chunks_exact(size_of::<PackedTrace>())
-            .map(|b| unpacked(bytemuck::pod_read_unaligned(b)))
+            .map(|b| unpacked(bytemuck::pod_read_unaligned(b)).trace(unit))
             .collect();
         Ok(ResidualField { heights, traces })
     }
@@ -248,6 +250,8 @@ mod tests {
         let gpu = Gpu::headless().expect("a Vulkan driver");
         let kernel = ResidualKernel::new(&gpu).expect("the kernel compiles");
         let grid = saddle(101, 83);
+        let greatest = |values: &[f32]| values.iter().copied().fold(0.0, f32::max);
+        let grazing_volume = 8.0 * greatest(&grid.areas) * greatest(&grid.blank_heights);
         let mut runner = TestRunner::deterministic();
         // More cutters than one batch of the shader.
         for count in [1, 20, 300] {
@@ -262,6 +266,9 @@ mod tests {
             assert!(grazing * 500 <= field.heights.len(), "{grazing} cells differ");
             for (a, b) in field.traces.iter().zip(&cpu.traces) {
                 assert!(a.swept_cells.abs_diff(b.swept_cells) <= 8, "{a:?} {b:?}");
+                let swept_area = greatest(&grid.areas) * a.swept_cells as f32;
+                let tolerance = grazing_volume + HEIGHT_TOLERANCE * swept_area;
+                assert!((a.removed_volume - b.removed_volume).abs() <= tolerance, "{a:?} {b:?}");
             }
         }
         assert_eq!(gpu.take_errors(), Vec::<String>::new());

@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 pub use summary::Summary;
 
+use rayon::prelude::*;
+
 use crate::formats::tool_library::plunge_cutters;
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, Setup};
@@ -24,6 +26,8 @@ pub struct PlanRequest {
     pub setup: Setup,
     /// Policy of the result ("after"); "before" is always conventional.
     pub policy: AxisPolicy,
+    /// Whether the other policies are planned as well, for comparison.
+    pub compare: bool,
     /// Cells of the residual field along s and λ.
     pub field_cells: usize,
 }
@@ -54,8 +58,18 @@ pub struct PlanOutcome {
     pub before: PolicyResult,
     /// Plan by the policy asked for.
     pub after: PolicyResult,
+    /// Plans by the other policies, when they were asked for.
+    pub others: Vec<PolicyResult>,
     /// Wall time of the work, s.
     pub elapsed: f64,
+}
+
+impl PlanOutcome {
+    /// Every policy that was planned, from what shops do today to ours.
+    pub fn policies(&self) -> Vec<&PolicyResult> {
+        let all = || [&self.before, &self.after].into_iter().chain(&self.others);
+        AxisPolicy::ALL.iter().filter_map(|policy| all().find(|r| r.plan.policy == *policy)).collect()
+    }
 }
 
 /// Why there is no result.
@@ -98,32 +112,37 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     let Resolved { setup, reasons } = resolve(&request.setup, part, &channel)?;
     let planner = Planner::new(part, &channel, &setup);
     monitor.report(0.05);
-    let conventional = || planner.plan(AxisPolicy::Conventional, monitor);
-    let asked = || match request.policy {
-        AxisPolicy::Conventional => Ok(None),
-        policy => planner.plan(policy, monitor).map(Some),
-    };
-    let floor =
-        || FloorGrid::new(part, &channel, planner.blank(), setup.stock.blade_allowance, request.field_cells);
-    let with_floor = || -> Result<(PlungePlan, FloorGrid), PlanError> {
-        let plan = conventional()?;
+    let measured = |plan: PlungePlan, grid: &FloorGrid| -> Result<PolicyResult, PlanError> {
         monitor.check()?;
-        Ok((plan, floor()))
+        Ok(with_field(plan, grid))
     };
-    let (before, after) = rayon::join(with_floor, asked);
-    let ((before, grid), after) = (before?, after?);
-    let measured = |plan: PlungePlan| -> Result<PolicyResult, JobError> {
-        monitor.check().map_err(|_| JobError::Cancelled)?;
-        Ok(with_field(plan, &grid))
+    // The conventional plan is ready long before others: meanwhile it is measured.
+    let conventional = || -> Result<(PolicyResult, FloorGrid), PlanError> {
+        let plan = planner.plan(AxisPolicy::Conventional, monitor)?;
+        monitor.check()?;
+        let allowance = setup.stock.blade_allowance;
+        let grid = FloorGrid::new(part, &channel, planner.blank(), allowance, request.field_cells);
+        Ok((measured(plan, &grid)?, grid))
     };
-    let before = measured(before)?;
-    let after = match after {
-        Some(plan) => measured(plan)?,
+    let wanted = |policy: &&AxisPolicy| {
+        **policy != AxisPolicy::Conventional && (request.compare || **policy == request.policy)
+    };
+    let policies: Vec<AxisPolicy> = AxisPolicy::ALL.iter().filter(wanted).copied().collect();
+    let asked = || -> Result<Vec<PlungePlan>, PlanError> {
+        policies.par_iter().map(|&policy| planner.plan(policy, monitor)).collect()
+    };
+    let (before, asked) = rayon::join(conventional, asked);
+    let ((before, grid), asked) = (before?, asked?);
+    let mut others =
+        asked.into_iter().map(|plan| measured(plan, &grid)).collect::<Result<Vec<PolicyResult>, _>>()?;
+    let after = match others.iter().position(|result| result.plan.policy == request.policy) {
+        Some(index) => others.remove(index),
         None => before.clone(),
     };
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    Ok(PlanOutcome { part: part.clone(), grid: Arc::new(grid), before, after, elapsed, setup, reasons })
+    let (part, grid) = (part.clone(), Arc::new(grid));
+    Ok(PlanOutcome { part, grid, before, after, others, elapsed, setup, reasons })
 }
 
 /// Adds to a plan what it leaves on the hub.

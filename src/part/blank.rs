@@ -97,36 +97,59 @@ impl Blank {
     /// Distance from `point` (outside) to the blank's top: shroud, leading-edge line and rim line.
     /// Negative where it is solid. `warm` as in [`Self::is_solid`].
     pub fn clearance(&self, point: Meridional, warm: &mut Option<f64>) -> f64 {
-        let segment = |(a, b): (Meridional, Meridional)| {
+        self.nearest_top(point, warm).0
+    }
+
+    /// As [`Self::clearance`], with the nearest place of the top.
+    pub fn nearest_top(&self, point: Meridional, warm: &mut Option<f64>) -> (f64, Meridional) {
+        let on_segment = |(a, b): (Meridional, Meridional)| {
             let (dr, dz) = (b.r - a.r, b.z - a.z);
             let share = ((point.r - a.r) * dr + (point.z - a.z) * dz) / (dr * dr + dz * dz);
-            point.distance(a.lerp(b, share.clamp(0.0, 1.0)))
+            let foot = a.lerp(b, share.clamp(0.0, 1.0));
+            (point.distance(foot), foot)
         };
-        let shroud = self.above_shroud(point, warm);
-        let distance = shroud.abs().min(segment(self.ends[0])).min(segment(self.ends[1]));
-        if shroud < 0.0 && self.ends_depth(point) > 0.0 { -distance } else { distance }
+        let (t, shroud) = self.on_shroud(point, *warm);
+        *warm = Some(t);
+        let mut nearest = (shroud.abs(), self.shroud.point(t));
+        for end in self.ends.map(on_segment) {
+            if end.0 < nearest.0 {
+                nearest = end;
+            }
+        }
+        let solid = shroud < 0.0 && self.ends_depth(point) > 0.0;
+        if solid { (-nearest.0, nearest.1) } else { nearest }
     }
 
     /// Signed distance from the shroud, positive outside.
     fn above_shroud(&self, point: Meridional, warm: &mut Option<f64>) -> f64 {
-        let (t, height) = match *warm {
-            Some(t) => self.shroud.project_near(point, t, 0.2 * self.shroud.length()),
-            None => self.shroud.project(point),
-        };
+        let (t, height) = self.on_shroud(point, *warm);
         *warm = Some(t);
         height
+    }
+
+    /// Arc length and signed distance of the place of the shroud nearest to `point`; near arc length `warm` if given.
+    fn on_shroud(&self, point: Meridional, warm: Option<f64>) -> (f64, f64) {
+        match warm {
+            Some(t) => self.shroud.project_near(point, t, 0.2 * self.shroud.length()),
+            None => self.shroud.project(point),
+        }
     }
 
     /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub
     /// body. `warm` carries the arc length on the shroud from call to call.
     pub fn is_solid(&self, point: Meridional, warm: &mut Option<f64>) -> bool {
-        if self.ends_depth(point) < 0.0 {
-            return false;
+        self.room(point, warm).is_none()
+    }
+
+    /// A radius about `point`, mm, within which surely nothing is solid; `None` if the point is. `warm` as in
+    /// [`Self::is_solid`].
+    fn room(&self, point: Meridional, warm: &mut Option<f64>) -> Option<f64> {
+        let ends = self.ends_depth(point);
+        if ends < 0.0 {
+            return Some(-ends);
         }
-        match self.coarse_shroud.surely_above(point) {
-            Some(above) => !above,
-            None => self.above_shroud(point, warm) < 0.0,
-        }
+        let above = self.coarse_shroud.above(point).unwrap_or_else(|| self.above_shroud(point, warm));
+        (above >= 0.0).then_some(above)
     }
 
     /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is solid. `warm` as in
@@ -140,27 +163,27 @@ impl Blank {
         warm: &mut Option<f64>,
     ) -> Option<f64> {
         let (low, high) = self.clip(origin, direction, low, high)?;
-        let steps = (((high - low) / 1.0).ceil() as usize).clamp(6, 300);
-        let mut inside = |h: f64| self.is_solid(Meridional::of(&(origin + direction * h)), warm);
+        let stride = ((high - low) / 6.0).min(1.0).max((high - low) / 300.0);
+        let mut room = |h: f64| self.room(Meridional::of(&(origin + direction * h)), warm);
         let mut above = None;
-        for i in (0..=steps).rev() {
-            let h = low + (high - low) * i as f64 / steps as f64;
-            if inside(h) {
-                let Some(mut outside) = above else { return Some(h) };
-                let mut in_it = h;
-                for _ in 0..24 {
-                    let middle = 0.5 * (in_it + outside);
-                    if inside(middle) {
-                        in_it = middle;
-                    } else {
-                        outside = middle;
-                    }
-                }
-                return Some(in_it);
+        let mut h = high;
+        while let Some(clear) = room(h) {
+            if h <= low {
+                return None;
             }
             above = Some(h);
+            h = (h - stride.max(clear)).max(low);
         }
-        None
+        let Some(mut outside) = above else { return Some(h) };
+        for _ in 0..24 {
+            let middle = 0.5 * (h + outside);
+            if room(middle).is_none() {
+                h = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        Some(h)
     }
 
     /// The part of a line that can be in the blank at all: within its height and outer cylinder.
@@ -216,9 +239,10 @@ impl CoarseHeights {
         Self { heights, z_from: z_range.0, spacing }
     }
 
-    /// Above or below the curve; `None` near it and outside the grid.
+    /// Height above the curve, negative below, or a smaller one with the same sign; `None` near the curve and
+    /// outside the grid.
     #[inline]
-    fn surely_above(&self, point: Meridional) -> Option<bool> {
+    fn above(&self, point: Meridional) -> Option<f64> {
         let (x, y) = (point.r / self.spacing.0, (point.z - self.z_from) / self.spacing.1);
         let limit = (Self::NODES - 1) as f64;
         if !((0.0..=limit).contains(&x) && (0.0..=limit).contains(&y)) {
@@ -227,6 +251,6 @@ impl CoarseHeights {
         let (i, j) = (x.round(), y.round());
         let way = norm2((x - i) * self.spacing.0, (y - j) * self.spacing.1);
         let height = self.heights[i as usize * Self::NODES + j as usize];
-        (height.abs() > way).then_some(height > 0.0)
+        (height.abs() > way).then(|| height - way.copysign(height))
     }
 }

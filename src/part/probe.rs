@@ -1,7 +1,7 @@
 //! Nearest distances to a blade side: from a cutter, from a point.
 
 use super::side::BladeSide;
-use crate::geometry::{CutterSolid, Point, Vector, search};
+use crate::geometry::{CutterSolid, Point, Vector, norm2, search};
 
 /// A blade side with a coarse grid of its points, made for many distance queries.
 #[derive(Clone, Debug)]
@@ -34,6 +34,8 @@ const RULED_V_LINES: usize = 5;
 /// Argument tolerance of the searches in u. The distance is stationary there, so that it is
 /// met to far better than 1 µm on any machinable size.
 const U_TOLERANCE: f64 = 2e-5;
+/// Newton step in u after which no other is needed: the error is of the order of its square.
+const U_STEP: f64 = 5e-5;
 /// As [`U_TOLERANCE`], in v.
 const V_TOLERANCE: f64 = 1e-4;
 
@@ -87,23 +89,12 @@ impl SideProbe {
         let query = CutterLines { cutter };
         let reach = 1.5 * (self.u[self.u.len() - 1] - self.u[0]) / self.u.len() as f64;
         let mut guess = u;
-        let mut on_line = |v: f64| {
-            let found = self.on_line(&query, v, guess, guess - 2.0 * reach, guess + 2.0 * reach);
-            guess = found.0;
-            found
-        };
-        let mut best = (f64::INFINITY, u, v_from);
-        let mut consider = |v: f64, (u, d): (f64, f64)| {
-            if d < best.0 {
-                best = (d, u, v);
-            }
-            d
-        };
-        search::minimum(|v| consider(v, on_line(v)), v_from, v_to, 10.0 * V_TOLERANCE);
-        for v in [v_from, v_to] {
-            consider(v, on_line(v));
-        }
-        Nearest { distance: best.0, u: best.1, v: best.2, point: self.side.point(best.1, best.2) }
+        let lines = [v_from, 0.5 * (v_from + v_to), v_to].map(|v| {
+            let line = self.on_line(&query, v, guess, guess - 2.0 * reach, guess + 2.0 * reach);
+            guess = line.u;
+            line
+        });
+        self.lowest(&query, &lines, reach)
     }
 
     /// Nearest distance from `point` to the whole side.
@@ -116,8 +107,13 @@ impl SideProbe {
     }
 
     /// Nearest place on the line `v`: Newton along u from `guess`, Brent where that does not do.
-    fn on_line(&self, query: &impl Query, v: f64, guess: f64, low: f64, high: f64) -> (f64, f64) {
+    fn on_line(&self, query: &impl Query, v: f64, guess: f64, low: f64, high: f64) -> Line {
         let (low, high) = (low.max(self.u[0]), high.min(self.u[self.u.len() - 1]));
+        let line = |u: f64| {
+            let (p, _, pv) = self.side.derivatives(u, v);
+            let (distance, gradient) = query.gradient(&p);
+            (p, Line { v, u, distance, slope: gradient.dot(&pv), height: query.height(&p) })
+        };
         let mut u = guess.clamp(low, high);
         for _ in 0..8 {
             let (p, pu, puu) = self.side.along_u(u, v);
@@ -128,88 +124,145 @@ impl SideProbe {
             let next = (u - slope / bend).clamp(low, high);
             let moved = (next - u).abs();
             u = next;
-            if moved < 0.1 * U_TOLERANCE {
-                let p = self.side.point(u, v);
+            if moved < U_STEP {
+                let (p, line) = line(u);
                 if query.smooth_at(&p) {
-                    return (u, query.distance(&p));
+                    return line;
                 }
                 break;
             }
         }
-        search::minimum(|u| query.distance(&self.side.point(u, v)), low, high, U_TOLERANCE)
+        let at = |u: f64| query.distance(&self.side.point(u, v));
+        let inner = search::minimum(at, low, high, U_TOLERANCE);
+        let [inner, low, high] = [inner, (low, at(low)), (high, at(high))];
+        let end = if low.1 < high.1 { low } else { high };
+        line(if end.1 < inner.1 { end.0 } else { inner.0 }).1
     }
 
     fn nearest_within(&self, query: &impl Query, v_from: f64, v_to: f64, cutoff: f64) -> Option<Nearest> {
-        // Best grid value per line of v, then the lines that can hold the minimum are refined.
-        let n = self.u.len();
-        let mut lines = [(f64::INFINITY, 0usize); MAX_V_LINES];
-        for (j, line) in lines.iter_mut().enumerate().take(self.v.len()) {
-            if self.v[j] < v_from - 1e-9 || self.v[j] > v_to + 1e-9 {
-                continue;
+        // Lines of the grid in the range, and its ends; each with the grid line that stands for it.
+        let mut places = [(0.0, 0usize); MAX_V_LINES + 2];
+        let mut count = 0;
+        let mut add = |place: (f64, usize)| {
+            places[count] = place;
+            count += 1;
+        };
+        let spacing = 1.0 / (self.v.len() - 1) as f64;
+        let stand_in = |v: f64| ((v / spacing).round().max(0.0) as usize).min(self.v.len() - 1);
+        add((v_from, stand_in(v_from)));
+        for (j, &v) in self.v.iter().enumerate() {
+            if v > v_from + 1e-9 && v < v_to - 1e-9 {
+                add((v, j));
             }
-            for i in 0..n {
-                let value = query.distance(&self.points[j * n + i]);
-                if value < line.0 {
-                    *line = (value, i);
+        }
+        add((v_to, stand_in(v_to)));
+        let n = self.u.len();
+        let mut least = f64::INFINITY;
+        let mut seeds = [0usize; MAX_V_LINES + 2];
+        for (k, &(_, j)) in places[..count].iter().enumerate() {
+            let mut best = (f64::INFINITY, 0);
+            for (i, p) in self.points[j * n..(j + 1) * n].iter().enumerate() {
+                let value = query.distance(p);
+                if value < best.0 {
+                    best = (value, i);
                 }
             }
+            seeds[k] = best.1;
+            least = least.min(best.0);
         }
-        let nearest_grid = lines.iter().map(|l| l.0).fold(f64::INFINITY, f64::min);
-        if nearest_grid - self.grid_reach > cutoff {
+        if least - self.grid_reach > cutoff {
             return None;
         }
-        let bracket = |i: usize| (self.u[i.saturating_sub(1)], self.u[(i + 1).min(n - 1)]);
-        let mut refined = [(0.0, f64::INFINITY); MAX_V_LINES];
-        for j in 0..self.v.len() {
-            if lines[j].0.is_finite() {
-                let (low, high) = bracket(lines[j].1);
-                refined[j] = self.on_line(query, self.v[j], self.u[lines[j].1], low, high);
+        let mut lines = [Line::default(); MAX_V_LINES + 2];
+        let mut drift = 0.0f64;
+        for (k, &(v, j)) in places[..count].iter().enumerate() {
+            // Another line stands for one between: its nearest point is a cell or two off.
+            let cells = if (v - self.v[j]).abs() < 1e-9 { 1 } else { 3 };
+            let i = seeds[k];
+            let (low, high) = (self.u[i.saturating_sub(cells)], self.u[(i + cells).min(n - 1)]);
+            lines[k] = self.on_line(query, v, self.u[i], low, high);
+            drift = drift.max(high - low);
+        }
+        Some(self.lowest(query, &lines[..count], drift))
+    }
+
+    /// Nearest place, given the nearest ones on neighbouring `lines`, at which u is followed by no more than `drift`
+    /// beyond both lines.
+    fn lowest(&self, query: &impl Query, lines: &[Line], drift: f64) -> Nearest {
+        let mut best = lines[0];
+        for line in &lines[1..] {
+            best = best.lower(line);
+        }
+        for pair in lines.windows(2) {
+            let (a, b) = (pair[0], pair[1]);
+            let reach = (a.u.min(b.u) - drift, a.u.max(b.u) + drift);
+            if a.height * b.height < 0.0 {
+                // On either side of the bottom plane there is one minimum.
+                let share = a.height / (a.height - b.height);
+                let (u, v) = (a.u + share * (b.u - a.u), a.v + share * (b.v - a.v));
+                let plane = self.on_line(query, v, u, reach.0, reach.1);
+                best = best.lower(&plane);
+                self.valley(query, (&a, &plane), reach, &mut best);
+                self.valley(query, (&plane, &b), reach, &mut best);
+            } else {
+                self.valley(query, (&a, &b), reach, &mut best);
             }
         }
-        let best = refined.iter().map(|l| l.1).fold(f64::INFINITY, f64::min);
-        let mut nearest = self.nothing();
-        let mut consider = |v: f64, (u, d): (f64, f64)| {
-            if d < nearest.distance {
-                nearest = Nearest { distance: d, u, v, point: Point::origin() };
-            }
-            d
+        Nearest { distance: best.distance, u: best.u, v: best.v, point: self.side.point(best.u, best.v) }
+    }
+
+    /// Looks between two lines for a place nearer than `best`, u within `reach`.
+    fn valley(&self, query: &impl Query, (a, b): (&Line, &Line), reach: (f64, f64), best: &mut Line) {
+        let known = best.distance;
+        let mut at = a.lower(b);
+        let mut follow = |v: f64| {
+            at = self.on_line(query, v, at.u, reach.0, reach.1);
+            *best = best.lower(&at);
+            at
         };
-        for j in 0..self.v.len() {
-            let (u, value) = refined[j];
-            let lower = |k: usize| refined[k].1 < value;
-            let has_lower_neighbour = (j > 0 && lower(j - 1)) || (j + 1 < self.v.len() && lower(j + 1));
-            if !value.is_finite() || value > best + 0.5 || has_lower_neighbour {
-                continue;
+        let (falls, rises) = (a.slope < 0.0, b.slope > 0.0);
+        let mut searched = !(falls && b.distance > a.distance || rises && a.distance > b.distance);
+        if falls && rises {
+            // Where the tangents of both lines meet bounds a valley; twice as far down, in case it is none.
+            let (lower, width) = (a.distance.min(b.distance), b.v - a.v);
+            let along = (b.distance - a.distance - b.slope * width) / (a.slope - b.slope);
+            let bottom = a.distance + a.slope * along;
+            let valley = (0.0..=width).contains(&along);
+            if valley && lower - 2.0 * (lower - bottom) >= known {
+                return;
             }
-            let searched = |k: usize| refined[k].1.is_finite();
-            let low = if j > 0 && searched(j - 1) { self.v[j - 1] } else { v_from };
-            let high = if j + 1 < self.v.len() && searched(j + 1) { self.v[j + 1] } else { v_to };
-            let (u_low, u_high) = bracket(lines[j].1);
-            let drift = u_high - u_low;
-            let mut guess = u;
-            let mut on_line = |v: f64| {
-                let found = self.on_line(query, v, guess, u_low - drift, u_high + drift);
-                guess = found.0;
-                found
+            let ends = ((a.v, a.slope), (b.v, b.slope));
+            let slope_at = |v: f64| {
+                let line = follow(v);
+                searched = line.distance >= 0.0;
+                line.slope
             };
-            // A kink (known roughly) splits the search: on either side of it there is one minimum.
-            let (at_low, at_high) = (on_line(low), on_line(high));
-            consider(low, at_low);
-            consider(high, at_high);
-            let mut from = low;
-            let above = |v: f64| {
-                let share = (v - low) / (high - low);
-                query.height(&self.side.point(at_low.0 + share * (at_high.0 - at_low.0), v))
-            };
-            if above(low) < 0.0 && above(high) > 0.0 {
-                from = search::root(above, low, high, 1e-6);
-                search::minimum(|v| consider(v, on_line(v)), low, from, V_TOLERANCE);
-            }
-            consider(self.v[j], refined[j]);
-            search::minimum(|v| consider(v, on_line(v)), from, high, V_TOLERANCE);
+            search::root_from(slope_at, ends.0, ends.1, a.v + along, V_TOLERANCE);
         }
-        nearest.point = self.side.point(nearest.u, nearest.v);
-        Some(nearest)
+        // Slopes do not tell everything where it goes down from the lower line and is up again at the other, as two
+        // nearest places change roles between them, nor inside the cutter, where several faces meet.
+        if !searched {
+            search::minimum(|v| follow(v).distance, a.v, b.v, V_TOLERANCE);
+        }
+    }
+}
+
+/// Nearest place on a line of the side.
+#[derive(Clone, Copy, Debug, Default)]
+struct Line {
+    v: f64,
+    u: f64,
+    /// Signed distance, mm, and how it changes by v.
+    distance: f64,
+    slope: f64,
+    /// [`Query::height`] of the place.
+    height: f64,
+}
+
+impl Line {
+    /// The nearer of two, this one when both are as near.
+    fn lower(&self, other: &Self) -> Self {
+        if other.distance < self.distance { *other } else { *self }
     }
 }
 
@@ -217,9 +270,12 @@ impl SideProbe {
 trait Query {
     /// Signed distance of a point of the side, mm.
     fn distance(&self, p: &Point) -> f64;
-    /// Where this changes its sign the distance may have a kink.
+    /// Where this changes its sign the distance may bend sharply.
     fn height(&self, p: &Point) -> f64;
-    /// First and second derivative by u of half the squared distance from the axis (or the point).
+    /// Distance of a point of the side, and its gradient.
+    fn gradient(&self, p: &Point) -> (f64, Vector);
+    /// First and second derivative by u of something that is least where the distance is; `None` where there is
+    /// nothing of that kind.
     fn slope(&self, p: &Point, pu: &Vector, puu: &Vector) -> Option<(f64, f64)>;
     /// Whether the minimum of that is the minimum of the distance.
     fn smooth_at(&self, p: &Point) -> bool;
@@ -229,6 +285,28 @@ struct CutterLines<'a> {
     cutter: &'a CutterSolid,
 }
 
+/// A point as seen from a cutter.
+struct Seen {
+    /// From the axis to the point, mm.
+    flat: Vector,
+    radial: f64,
+    /// Beyond the cylinder and below the plane between which the corner is rounded, mm.
+    beyond: f64,
+    below: f64,
+}
+
+impl CutterLines<'_> {
+    #[inline]
+    fn seen(&self, p: &Point) -> Seen {
+        let c = self.cutter;
+        let d = p - c.tip;
+        let height = d.dot(&c.axis);
+        let flat = d - c.axis * height;
+        let radial = flat.norm();
+        Seen { flat, radial, beyond: radial - (c.radius - c.corner_radius), below: c.corner_radius - height }
+    }
+}
+
 impl Query for CutterLines<'_> {
     #[inline]
     fn distance(&self, p: &Point) -> f64 {
@@ -236,24 +314,48 @@ impl Query for CutterLines<'_> {
     }
 
     fn height(&self, p: &Point) -> f64 {
-        (p - self.cutter.tip).dot(&self.cutter.axis) - self.cutter.corner_radius
+        -self.seen(p).below
     }
 
+    fn gradient(&self, p: &Point) -> (f64, Vector) {
+        let Seen { flat, radial, beyond, below } = self.seen(p);
+        let (away, down) = (flat / radial.max(1e-9), -self.cutter.axis);
+        let (sharp, gradient) = if beyond > 0.0 && below > 0.0 {
+            let length = norm2(beyond, below);
+            (length, (away * beyond + down * below) / length)
+        } else if beyond >= below {
+            (beyond, away)
+        } else {
+            (below, down)
+        };
+        (sharp - self.cutter.corner_radius, gradient)
+    }
+
+    /// Of half the squared distance from the axis, or from the edge of the bottom for points below that.
     #[inline]
     fn slope(&self, p: &Point, pu: &Vector, puu: &Vector) -> Option<(f64, f64)> {
-        let a = &self.cutter.axis;
-        let d = p - self.cutter.tip;
-        let flat = d - a * d.dot(a);
-        let along = pu.dot(a);
-        Some((flat.dot(pu), pu.norm_squared() - along * along + flat.dot(puu)))
+        let Seen { flat, radial, beyond, below } = self.seen(p);
+        let climb = pu.dot(&self.cutter.axis);
+        // Of half the squared distance from the axis: radial · radial', radial'² + radial · radial''.
+        let (half, bend) = (flat.dot(pu), pu.norm_squared() - climb * climb + flat.dot(puu));
+        if below <= 0.0 {
+            return Some((half, bend));
+        }
+        if beyond <= 0.0 {
+            return None;
+        }
+        let leaving = half / radial;
+        let turning = (bend - leaving * leaving) / radial;
+        Some((
+            beyond * leaving - below * climb,
+            leaving * leaving + beyond * turning + climb * climb - below * puu.dot(&self.cutter.axis),
+        ))
     }
 
     fn smooth_at(&self, p: &Point) -> bool {
-        // Beside the column only: under the bottom, and inside, other faces may be nearer.
-        let height = self.height(p);
-        let d = p - self.cutter.tip;
-        let radial = (d - self.cutter.axis * d.dot(&self.cutter.axis)).norm();
-        height >= 0.0 && radial > 0.5 * self.cutter.radius
+        // Under the bottom, and deep inside, other faces may be nearer.
+        let Seen { radial, beyond, below, .. } = self.seen(p);
+        (beyond > 0.0 || below <= beyond) && radial > 0.5 * self.cutter.radius
     }
 }
 
@@ -269,6 +371,12 @@ impl Query for PointLines<'_> {
 
     fn height(&self, _: &Point) -> f64 {
         1.0
+    }
+
+    fn gradient(&self, p: &Point) -> (f64, Vector) {
+        let d = p - self.point;
+        let distance = d.norm();
+        (distance, d / distance.max(1e-9))
     }
 
     fn slope(&self, p: &Point, pu: &Vector, puu: &Vector) -> Option<(f64, f64)> {

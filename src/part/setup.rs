@@ -16,6 +16,21 @@ pub enum AxisPolicy {
     Staircase,
 }
 
+impl AxisPolicy {
+    /// All of them, from what shops do today to ours.
+    pub const ALL: [Self; 4] = [Self::Conventional, Self::Monotone, Self::Staircase, Self::Minimal];
+
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Conventional => "conventional",
+            Self::Monotone => "monotone",
+            Self::Minimal => "minimal",
+            Self::Staircase => "staircase",
+        }
+    }
+}
+
 /// Direction in which the rows of a section are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -109,7 +124,7 @@ impl Default for Setup {
             },
             tools: Vec::new(),
             plunge: PlungeSetup {
-                axis: AxisPolicy::Monotone,
+                axis: AxisPolicy::Minimal,
                 step: None,
                 row_spacing: None,
                 wall_scallop: 0.6,

@@ -43,6 +43,15 @@ impl Attempts<'_> {
     }
 }
 
+/// Where a row starts.
+#[derive(Clone, Copy)]
+struct Start {
+    s: f64,
+    first: Station,
+    /// Whether the first core column is free up to the top of the blank.
+    free: bool,
+}
+
 /// Whether two stations have the same axis to a ten-thousandth of a millimetre.
 fn same_axis(a: &Station, b: &Station) -> bool {
     (a.tip - b.tip).norm() < 1e-4 && (a.axis - b.axis).norm() < 1e-6
@@ -74,6 +83,15 @@ impl<'e> Known<'e> {
         self.columns.push(column);
         interferes
     }
+
+    /// Whether the last of `stations`, the first of which is free, is free as well; remembers it as cut.
+    fn cut_freely(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
+        if let [first] = stations {
+            self.columns.push(Column::new(maker.cutter(first), maker.tool.core_radius(), self.top));
+            return true;
+        }
+        !self.interferes(maker, stations)
+    }
 }
 
 impl Planner<'_> {
@@ -91,29 +109,35 @@ impl Planner<'_> {
     ) -> Result<Row, PlanError> {
         let top = BlankTop::new(&self.blank);
         let attempts = Attempts { maker, ground, end: ends.1, earlier, top: &top };
+        // By retreat: how far the first position was moved for the lean before.
+        let mut moved = [0.0; START_RETREATS.len()];
         if policy == AxisPolicy::Conventional {
-            let (start, _) = self.free_start(&attempts, ends.0, None);
-            let row = self.settled_row(&attempts, policy, (start, None), true, monitor)?;
+            let Some(start) = self.free_start(&attempts, ends.0, None, &mut moved) else {
+                monitor.check()?;
+                return Err(self.misfit(maker.tool, ends.0));
+            };
+            let row = self.settled_row(&attempts, policy, &start, true, monitor)?;
             return Ok(row.unwrap_or_else(|| Row::empty(maker.lambda)));
         }
-        let starts = || std::iter::once(None).chain(START_LEANS_DEG.iter().map(|d| Some(d.to_radians())));
-        let mut tried: Vec<((f64, Option<f64>), Station)> = Vec::new();
-        for lean in starts() {
+        let leans = std::iter::once(None).chain(START_LEANS_DEG.iter().map(|d| Some(d.to_radians())));
+        let mut tried: Vec<Start> = Vec::new();
+        for lean in leans {
             monitor.check()?;
-            let (start, first) = self.free_start(&attempts, ends.0, lean);
-            let Some(first) = first else { continue };
+            let Some(start) = self.free_start(&attempts, ends.0, lean, &mut moved) else { continue };
             // Angles below the jump of α from rear to front contact all start the row alike.
-            if tried.iter().any(|(_, t)| same_axis(t, &first)) {
+            if tried.iter().any(|t| same_axis(&t.first, &start.first)) {
                 continue;
             }
-            tried.push(((start, lean), first));
-            if let Some(row) = self.settled_row(&attempts, policy, (start, lean), false, monitor)? {
+            tried.push(start);
+            if start.free
+                && let Some(row) = self.settled_row(&attempts, policy, &start, false, monitor)?
+            {
                 return Ok(row);
             }
         }
         // Nothing frees the row: the start with the fewest contacts.
         let mut best: Option<(usize, Row)> = None;
-        for (start, _) in tried {
+        for start in &tried {
             if let Some(row) = self.settled_row(&attempts, policy, start, true, monitor)? {
                 let contacts = self.contacts(&attempts, &row.stations);
                 if best.as_ref().is_none_or(|b| contacts < b.0) {
@@ -124,26 +148,20 @@ impl Planner<'_> {
         Ok(best.map_or_else(|| Row::empty(maker.lambda), |b| b.1))
     }
 
-    /// The first station of a row that starts at s = `start` with at least `lean`.
-    fn first_station(&self, attempts: &Attempts, start: f64, lean: Option<f64>) -> Option<Station> {
-        let station = attempts.first(start)?;
-        let leaning = attempts.maker.monotone(&[station], lean, self.setup.plunge.max_tilt, &mut |_| true);
-        Some(leaning.and_then(|row| row.first().copied()).unwrap_or(station))
-    }
-
-    /// Stages 1 to 4 until no position is added any more; `None` when a contact turns up and none is allowed.
+    /// Stages 1 to 4 until no position is added any more; `None` when a contact turns up and none is allowed. The
+    /// first position is known to have none then.
     fn settled_row(
         &self,
         attempts: &Attempts,
         policy: AxisPolicy,
-        (start, lean): (f64, Option<f64>),
+        start: &Start,
         contacts_allowed: bool,
         monitor: &Monitor,
     ) -> Result<Option<Row>, PlanError> {
         monitor.check()?;
         let max_tilt = self.setup.plunge.max_tilt;
         let maker = attempts.maker;
-        let mut conventional = attempts.conventional(start).map_err(|fault| match fault {
+        let mut conventional = attempts.conventional(start.s).map_err(|fault| match fault {
             RowFault::Misfit(s) => self.misfit(maker.tool, s),
             RowFault::Cancelled => Cancelled.into(),
         })?;
@@ -153,10 +171,12 @@ impl Planner<'_> {
             row.rounds += 1;
             known.forget();
             let mut accept = |stations: &[Station]| {
-                !monitor.is_cancelled() && (contacts_allowed || !known.interferes(maker, stations))
+                !monitor.is_cancelled() && (contacts_allowed || known.cut_freely(maker, stations))
             };
             let optimised = match policy {
-                AxisPolicy::Monotone => maker.monotone(&conventional, lean, max_tilt, &mut accept),
+                AxisPolicy::Monotone => {
+                    maker.monotone_after(start.first, &conventional[1..], max_tilt, &mut accept)
+                }
                 _ => Some(conventional.clone()),
             };
             monitor.check()?;
@@ -168,26 +188,36 @@ impl Planner<'_> {
         Ok(Some(row))
     }
 
-    /// Moves the start of a row out of the stock until its first core column is free up to the top
-    /// of the blank; where nothing frees it within a diameter, leaves it where it was. Returns s and
-    /// the station there.
-    fn free_start(&self, attempts: &Attempts, start: f64, lean: Option<f64>) -> (f64, Option<Station>) {
+    /// Moves the start of a row, its first axis leaning by at least `lean`, out of the stock until its first core
+    /// column is free; where nothing frees it within a diameter, leaves it where it was. `None` where there is
+    /// no axis. `moved` are the amounts W was moved by for a smaller lean, in s; they are updated.
+    fn free_start(
+        &self,
+        attempts: &Attempts,
+        start: f64,
+        lean: Option<f64>,
+        moved: &mut [f64; START_RETREATS.len()],
+    ) -> Option<Start> {
         let maker = attempts.maker;
         let radius_s = maker.tool.radius() / self.part.hub.length();
         let mut unmoved = None;
-        for radii in START_RETREATS {
+        for (radii, moved) in START_RETREATS.into_iter().zip(moved) {
             if maker.monitor.is_cancelled() {
                 break;
             }
             let s = start + maker.inward * radii * radius_s;
-            let Some(first) = self.first_station(attempts, s, lean) else { break };
+            let Some(mut first) = attempts.first(s) else { break };
+            if let Some(lean) = lean {
+                first = maker.leaning_at_least(&first, lean, *moved, self.setup.plunge.max_tilt);
+                *moved = first.moved();
+            }
             let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
             if !core_interferes(&column, attempts.earlier, &self.blank) {
-                return (s, Some(first));
+                return Some(Start { s, first, free: true });
             }
-            unmoved = unmoved.or(Some(first));
+            unmoved = unmoved.or(Some(Start { s, first, free: false }));
         }
-        (start, unmoved)
+        unmoved
     }
 
     /// Number of interferential stations of a row that comes after `earlier`.

@@ -85,15 +85,18 @@ pub struct ContactSearch {
 }
 
 impl ContactSearch {
-    /// Contact depth of `column`, mm, 0 when it is no deeper than a plan may leave it.
+    /// Contact depth of `column`, mm, 0 when it is no deeper than a plan may leave it. Any value above `enough`
+    /// when it is deeper than that.
     pub fn depth<'c>(
         &mut self,
         column: &Column,
         earlier: impl DoubleEndedIterator<Item = &'c Column>,
         blank: &Blank,
+        enough: f64,
     ) -> f64 {
         self.near.gather(column, earlier);
-        let depth = contact_up_to(column, &self.near, blank, &SEARCH_RINGS, f64::INFINITY).depth;
+        let enough = enough.max(PLANNED_CONTACT);
+        let depth = contact_up_to(column, &self.near, blank, &SEARCH_RINGS, enough).depth;
         if depth > PLANNED_CONTACT { depth } else { 0.0 }
     }
 }

@@ -6,7 +6,8 @@
 use rayon::prelude::*;
 
 use super::plan::PlungePlan;
-use super::retract::bottom_clearance;
+use super::retract::{NearBottom, bottom_clearance};
+use crate::geometry::search;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
@@ -40,7 +41,7 @@ pub fn raise_links(
         let low: Vec<usize> = links
             .par_iter()
             .copied()
-            .filter(|&k| !monitor.is_cancelled() && link_clearance(plan, k, blank) < safety)
+            .filter(|&k| !monitor.is_cancelled() && link_clearance(plan, k, blank, safety) < safety)
             .collect();
         monitor.check()?;
         if low.is_empty() {
@@ -78,7 +79,7 @@ fn raise(
 ) -> Result<(), Cancelled> {
     for round in 0..MAX_ROUNDS {
         monitor.check()?;
-        let clearance = link_clearance(plan, k, blank);
+        let clearance = link_clearance(plan, k, blank, safety);
         if clearance >= safety {
             break;
         }
@@ -90,17 +91,41 @@ fn raise(
     Ok(())
 }
 
-/// Least distance of the bottom to the blank along the link after position `k`, mm.
-fn link_clearance(plan: &PlungePlan, k: usize, blank: &Blank) -> f64 {
+/// Least distance of the bottom to the blank along the link after position `k`, mm; any of its distances below
+/// `safety` when there is one.
+fn link_clearance(plan: &PlungePlan, k: usize, blank: &Blank, safety: f64) -> f64 {
     let (a, b) = (&plan.positions[k], &plan.positions[k + 1]);
     let tool = &plan.sections[a.section].tool;
     let length = (b.retract - a.retract).norm();
     let samples = ((length / (SAMPLE_DIAMETERS * tool.diameter)).ceil() as usize).clamp(1, MAX_SAMPLES);
-    let at = |i: usize| {
-        let share = i as f64 / (samples + 1) as f64;
-        let tip = a.retract + (b.retract - a.retract) * share;
-        let axis = (a.axis + (b.axis - a.axis) * share).normalize();
-        bottom_clearance(&tool.placed(tip, axis), blank)
+    let spacing = 1.0 / (samples + 1) as f64;
+    let (motion, tilt) = (b.retract - a.retract, b.axis - a.axis);
+    // Clearance at a share of the way, and its slope there.
+    let at = |share: f64| {
+        let between = a.axis + tilt * share;
+        let axis = between.normalize();
+        let cutter = tool.placed(a.retract + motion * share, axis);
+        let near = NearBottom::of(&cutter, blank);
+        let turning = (tilt - axis * axis.dot(&tilt)) / between.norm();
+        (near.clearance, near.growth(&cutter, &motion, &turning))
     };
-    (1..samples + 1).into_par_iter().with_min_len(16).map(at).reduce(|| f64::INFINITY, f64::min)
+    let looks: Vec<(f64, f64)> =
+        (0..samples + 2).into_par_iter().with_min_len(16).map(|i| at(spacing * i as f64)).collect();
+    let mut least = looks[1..=samples].iter().map(|look| look.0).fold(f64::INFINITY, f64::min);
+    // Where it falls at one and rises at the next it comes nearer still between them.
+    for (i, pair) in looks.windows(2).enumerate() {
+        let (from, to) = (pair[0], pair[1]);
+        if least < safety || from.1 >= 0.0 || to.1 <= 0.0 {
+            continue;
+        }
+        let start = spacing * i as f64;
+        let slope = |share: f64| {
+            let (clearance, slope) = at(share);
+            least = least.min(clearance);
+            slope
+        };
+        let guess = start + spacing * from.1 / (from.1 - to.1);
+        search::root_from(slope, (start, from.1), (start + spacing, to.1), guess, 0.02 * spacing);
+    }
+    least
 }

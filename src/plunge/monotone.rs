@@ -32,26 +32,37 @@ impl RowMaker<'_> {
         max_tilt: f64,
         accept: &mut dyn FnMut(&[Station]) -> bool,
     ) -> Option<Vec<Station>> {
-        let mut row: Vec<Station> = Vec::with_capacity(conventional.len());
-        for station in conventional {
-            let wanted = match (row.last(), start) {
-                (Some(previous), _) => self.lean(previous) + LEAST_GROWTH_RAD,
-                (None, Some(start)) => start,
-                (None, None) => f64::NEG_INFINITY,
-            };
-            let before = row.last().map_or(0.0, |p| (p.s_shroud_conventional - p.ends.s_shroud).abs());
-            row.push(self.leaning_at_least(station, wanted, before, max_tilt));
+        let Some((first, rest)) = conventional.split_first() else { return Some(Vec::new()) };
+        let first = start.map_or(*first, |lean| self.leaning_at_least(first, lean, 0.0, max_tilt));
+        self.monotone_after(first, rest, max_tilt, accept)
+    }
+
+    /// As [`Self::monotone`] with the first position as it shall be, the others conventional.
+    pub fn monotone_after(
+        &self,
+        first: Station,
+        rest: &[Station],
+        max_tilt: f64,
+        accept: &mut dyn FnMut(&[Station]) -> bool,
+    ) -> Option<Vec<Station>> {
+        let mut row: Vec<Station> = Vec::with_capacity(rest.len() + 1);
+        row.push(first);
+        let mut previous = first;
+        for station in rest {
             if !accept(&row) {
                 return None;
             }
+            let wanted = self.lean(&previous) + LEAST_GROWTH_RAD;
+            previous = self.leaning_at_least(station, wanted, previous.moved(), max_tilt);
+            row.push(previous);
         }
-        Some(row)
+        accept(&row).then_some(row)
     }
 
     /// The station with W moved by the least amount for which its lean is at least `wanted`; the last
     /// one that blades, shroud or tilt limit allow, marked as blocked, where it cannot be had.
     /// `likely` is the amount the neighbour needed, in s.
-    fn leaning_at_least(&self, from: &Station, wanted: f64, likely: f64, max_tilt: f64) -> Station {
+    pub fn leaning_at_least(&self, from: &Station, wanted: f64, likely: f64, max_tilt: f64) -> Station {
         if self.lean(from) >= wanted {
             return *from;
         }
@@ -66,39 +77,39 @@ impl RowMaker<'_> {
             }
             Ok(Station { s_shroud_conventional: from.s_shroud_conventional, ..station })
         };
-        // The bracket is kept as (amount, lean): drafts are cheap to make again.
-        let lean_at = |amount: f64| moved(amount).map(|s| self.lean(&s));
+        // The bracket is kept as (amount, lean beyond the wanted one): drafts are cheap to make again.
+        let excess = |amount: f64| moved(amount).map(|s| self.lean(&s) - wanted);
         let unit = 1.0 / self.part.shroud.length();
-        let (mut low, mut high) = (0.0, f64::NAN);
+        let mut low = (0.0, self.lean(from) - wanted);
         let mut step = likely.max(0.5 * unit);
         let mut stride = (0.02 * likely).max(0.3 * unit);
-        while high.is_nan() {
-            match lean_at(step) {
-                Ok(lean) if lean >= wanted => high = step,
-                Ok(_) => {
-                    low = step;
+        let high = loop {
+            match excess(step) {
+                Ok(more) if more >= 0.0 => break (step, more),
+                Ok(less) => {
+                    low = (step, less);
                     step += stride;
                     stride *= 1.7;
                 }
-                Err(_) if step - low > 1e-4 => {
-                    step = 0.5 * (low + step);
-                    stride = 0.25 * (step - low);
+                Err(_) if step - low.0 > 1e-4 => {
+                    step = 0.5 * (low.0 + step);
+                    stride = 0.25 * (step - low.0);
                 }
                 Err(why) => {
-                    let last = moved(low).ok().and_then(|s| self.exact(&s));
+                    let last = moved(low.0).ok().and_then(|s| self.exact(&s));
                     return Station { blocked: Some(why), ..last.unwrap_or(*from) };
                 }
             }
+        };
+        if low.0 == 0.0
+            && high.0 > 2.0 * stride
+            && let Some(less) = excess(high.0 - stride).ok().filter(|&less| less < 0.0)
+        {
+            low = (high.0 - stride, less);
         }
-        if low == 0.0 && step > 2.0 * stride && lean_at(step - stride).is_ok_and(|lean| lean < wanted) {
-            low = step - stride;
-        }
-        let root = search::root(
-            |amount| lean_at(amount).unwrap_or(f64::NEG_INFINITY) - wanted,
-            low,
-            high,
-            PLACE_TOLERANCE,
-        );
+        let guess = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
+        let missing = |amount: f64| excess(amount).unwrap_or(f64::NEG_INFINITY);
+        let root = search::root_from(missing, low, high, guess, PLACE_TOLERANCE);
         // The wall is met exactly now, which shifts α a little: go on until it suffices.
         let mut amount = root;
         let mut nudge = PLACE_TOLERANCE;

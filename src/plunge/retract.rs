@@ -1,7 +1,7 @@
 //! Stage 5: how far a cutter must be pulled back along its axis to be clear of the blank.
 
 use super::slotting::DepthSurface;
-use crate::geometry::{CutterSolid, Meridional, Point, Vector};
+use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, receding, search};
 use crate::part::Blank;
 
 /// The top of the blank as something a bottom must clear: the shroud surface, touched on its rim like the hub,
@@ -24,32 +24,56 @@ impl<'a> RetractSurface<'a> {
     }
 }
 
-/// Least distance of a cutter's bottom to the blank, mm: dense rim and rings, independent of how
-/// the retract height was found. Negative when the bottom is in the blank.
-pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
-    let (e1, e2) = crate::geometry::frame_about(&cutter.axis);
-    let flat = cutter.radius - cutter.corner_radius;
-    let centre = cutter.tip + cutter.axis * cutter.corner_radius;
-    let mut warm = None;
-    let mut at = |rho: f64, phi: f64| {
-        let p = centre + (e1 * phi.cos() + e2 * phi.sin()) * rho;
-        blank.clearance(Meridional::of(&p), &mut warm)
-    };
-    let mut least = at(0.0, 0.0);
-    let around = 24;
-    let step = std::f64::consts::TAU / f64::from(around);
-    let mut best = (f64::INFINITY, 0.0);
-    for i in 0..around {
-        let phi = step * f64::from(i);
-        if i % 3 == 0 {
-            least = least.min(at(0.5 * flat, phi));
+/// Where a cutter's bottom is nearest to the blank.
+#[derive(Clone, Copy, Debug)]
+pub struct NearBottom {
+    /// Least distance of the bottom to the blank, mm. Negative when the bottom is in the blank.
+    pub clearance: f64,
+    /// The place of the bottom (before its corner is rounded) and the one of the blank's outline.
+    point: Point,
+    foot: Meridional,
+}
+
+impl NearBottom {
+    /// Looks for it on a dense rim and rings, independent of how the retract height was found.
+    pub fn of(cutter: &CutterSolid, blank: &Blank) -> Self {
+        let flat = cutter.radius - cutter.corner_radius;
+        let centre = cutter.tip + cutter.axis * cutter.corner_radius;
+        let mut warm = None;
+        let mut nearest = Self { clearance: f64::INFINITY, point: centre, foot: Meridional::default() };
+        let mut distance = |point: Point| {
+            let (clearance, foot) = blank.nearest_top(Meridional::of(&point), &mut warm);
+            if clearance < nearest.clearance {
+                nearest = Self { clearance, point, foot };
+            }
+            (clearance, foot)
+        };
+        distance(centre);
+        let half_way = Circle::new(&centre, &cutter.axis, 0.5 * flat);
+        for i in 0..8 {
+            distance(half_way.at((std::f64::consts::FRAC_PI_4 * f64::from(i)).sin_cos()).0);
         }
-        let d = at(flat, phi);
-        if d < best.0 {
-            best = (d, phi);
-        }
+        let rim = Circle::new(&centre, &cutter.axis, flat);
+        let on_rim = |phi: f64| {
+            let (p, turning) = rim.at(phi.sin_cos());
+            let (d, foot) = distance(p);
+            (d, receding(&p, &turning, foot) * d.signum())
+        };
+        search::least_around::<16>(on_rim, 0.2);
+        Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest }
     }
-    let (_, refined) =
-        crate::geometry::search::minimum(|phi| at(flat, phi), best.1 - step, best.1 + step, 1e-5);
-    least.min(best.0).min(refined) - cutter.corner_radius
+
+    /// How fast the clearance grows while the tip of the `cutter` it is about moves by `motion` and its axis by
+    /// `turning` (across it), mm per unit of both.
+    pub fn growth(&self, cutter: &CutterSolid, motion: &Vector, turning: &Vector) -> f64 {
+        let turn = cutter.axis.cross(turning);
+        let velocity = motion + turn.cross(&(self.point - cutter.tip));
+        let depth = self.clearance + cutter.corner_radius;
+        receding(&self.point, &velocity, self.foot) * depth.signum()
+    }
+}
+
+/// Least distance of a cutter's bottom to the blank, mm. Negative when the bottom is in the blank.
+pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
+    NearBottom::of(cutter, blank).clearance
 }

@@ -26,6 +26,13 @@ pub struct Station {
     pub blocked: Option<Blocked>,
 }
 
+impl Station {
+    /// How far W was moved from its conventional place, in s.
+    pub fn moved(&self) -> f64 {
+        (self.s_shroud_conventional - self.ends.s_shroud).abs()
+    }
+}
+
 /// Makes the stations of one row: everything that is the same along it.
 #[derive(Debug)]
 pub struct RowMaker<'a> {
@@ -57,25 +64,12 @@ pub enum RowFault {
 }
 
 impl RowMaker<'_> {
-    /// The station whose axis runs from `s_hub` to `s_shroud`, fitted between the walls and lowered
-    /// onto the hub. `None` where no axis clears the walls.
-    pub fn station(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
-        let ends = self
-            .lane
-            .row_axis(self.lambda, s_hub, s_shroud)
-            .or_else(|| self.lane.row_axis_fitted(self.lambda, s_hub, s_shroud))?;
-        self.exact(&self.lowered(ends))
-    }
-
-    /// The conventional station at `s`: M and W at the same fraction of arc length. Outside the channel both
-    /// go on by the same distance, so that the axis stays as it is at the rim (or the leading edge).
+    /// The conventional station at `s`, lowered onto the hub. `None` where no axis clears the walls.
     pub fn isoparametric(&self, s: f64) -> Option<Station> {
-        let inside = s.clamp(0.0, 1.0);
-        let beyond = (s - inside) * self.part.hub.length() / self.part.shroud.length();
-        self.station(s, inside + beyond)
+        self.exact(&self.lowered(self.lane.isoparametric(self.lambda, s)?))
     }
 
-    /// A station near enough for a search: as [`Self::station`], a few µm off the walls.
+    /// A station near enough for a search: its axis from `s_hub` to `s_shroud` a few µm off the walls.
     pub fn draft(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
         Some(self.lowered(self.lane.row_axis(self.lambda, s_hub, s_shroud)?))
     }

@@ -6,7 +6,7 @@
 //! bulges under the disc (both principal curvatures bend away) the points whose normal is the axis
 //! count as well, and so do the circles in which the surface ends: together the whole disc.
 
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, frame_about, norm2, search};
+use crate::geometry::{Circle, Meridional, MeridionalCurve, Point, Vector, norm2, search};
 
 /// A surface of revolution that a flat bottom may touch but not enter, offset to its outer side.
 #[derive(Clone, Debug)]
@@ -33,24 +33,61 @@ pub struct Touch {
     pub arc: f64,
 }
 
-/// Samples of the rim before refinement. The height along the rim of a disc on a surface of
-/// revolution has two waves, so that these cannot miss one.
-const RIM_SAMPLES: usize = 24;
+/// Samples of the rim before refinement. The height along the rim of a disc on a surface of revolution has two
+/// waves; a highest place between two samples shows in their slopes.
+const RIM_SAMPLES: usize = 12;
+/// Angle between two samples, rad.
+const RIM_STEP: f64 = std::f64::consts::TAU / RIM_SAMPLES as f64;
+/// The highest place of the rim is met to this, rad.
+const RIM_TOLERANCE: f64 = 1e-5;
 
-/// Newton steps below which a ray counts as met, mm: while the rim is scanned, and in the end.
+/// Newton steps below which a ray counts as met, mm: while the rim is scanned, and in the end. The error is then
+/// of the order of the step's square.
 const SCAN_TOLERANCE: f64 = 1e-3;
 /// See [`SCAN_TOLERANCE`].
-const RAY_TOLERANCE: f64 = 1e-8;
+const RAY_TOLERANCE: f64 = 1e-5;
 
-/// (cos, sin) of the rim's samples.
+/// Rim of a disc in the plane of a reference point, and the axis along which it moves.
+struct Rim {
+    circle: Circle,
+    axis: Vector,
+}
+
+/// Where a ray along the axis from a point of the rim meets the surface.
+#[derive(Clone, Copy, Debug, Default)]
+struct Hit {
+    /// Arc length, mm, and its derivative by the angle of the rim.
+    arc: f64,
+    arc_slope: f64,
+    /// Height along the axis, mm, and its derivative by the angle of the rim.
+    height: f64,
+    height_slope: f64,
+}
+
+impl Hit {
+    /// The hit expected `turn` rad further along the rim.
+    fn ahead(&self, turn: f64) -> Self {
+        let (arc, height) = (self.arc + turn * self.arc_slope, self.height + turn * self.height_slope);
+        Self { arc, height, ..*self }
+    }
+}
+
+/// (sin, cos) of the rim's samples.
 fn rim_directions() -> &'static [(f64, f64); RIM_SAMPLES] {
     static DIRECTIONS: std::sync::OnceLock<[(f64, f64); RIM_SAMPLES]> = std::sync::OnceLock::new();
-    DIRECTIONS.get_or_init(|| {
-        std::array::from_fn(|i| {
-            let (sin, cos) = (std::f64::consts::TAU * i as f64 / RIM_SAMPLES as f64).sin_cos();
-            (cos, sin)
-        })
-    })
+    DIRECTIONS.get_or_init(|| std::array::from_fn(|i| (RIM_STEP * i as f64).sin_cos()))
+}
+
+/// Angle beyond `a` at which the cubic with the heights and slopes of the samples `a` and `b` is highest: it rises
+/// at `a` and falls at `b`.
+fn hermite_top(a: &Hit, b: &Hit) -> f64 {
+    // Slope of the cubic: u + v x + w x², x in steps.
+    let (u, end) = (a.height_slope * RIM_STEP, b.height_slope * RIM_STEP);
+    let rise = b.height - a.height;
+    let (v, w) = (6.0 * rise - 4.0 * u - 2.0 * end, 3.0 * (u + end) - 6.0 * rise);
+    let root = (v * v - 4.0 * u * w).max(0.0).sqrt();
+    let share = 2.0 * u / (root - v);
+    RIM_STEP * if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 }
 }
 
 fn touch_at(height: f64, point: &Point, arc: f64) -> Touch {
@@ -98,22 +135,14 @@ impl<'a> DepthSurface<'a> {
 
     /// As [`Self::touch`], for a point on the axis known to be near arc length `middle` of the curve.
     pub fn touch_near(&self, on_axis: &Point, axis: &Vector, radius: f64, middle: f64) -> Option<Touch> {
-        let (e1, e2) = frame_about(axis);
-        let rim = |phi: f64| {
-            let (sin, cos) = phi.sin_cos();
-            on_axis + (e1 * cos + e2 * sin) * radius
-        };
-        let start = self.ray(on_axis, axis, (middle, 0.0), SCAN_TOLERANCE).unwrap_or((middle, 0.0));
-        let rim_directions = rim_directions();
+        let rim = Rim { circle: Circle::new(on_axis, axis, radius), axis: *axis };
+        let mut warm = Hit { arc: middle, ..Hit::default() };
+        warm = self.ray(on_axis, &Vector::zeros(), axis, warm, SCAN_TOLERANCE).unwrap_or(warm);
         let mut hits = [None; RIM_SAMPLES];
-        let mut warm = start;
-        let step = std::f64::consts::TAU / RIM_SAMPLES as f64;
-        for (i, hit) in hits.iter_mut().enumerate() {
-            let (cos, sin) = rim_directions[i];
-            let origin = on_axis + (e1 * cos + e2 * sin) * radius;
-            *hit = self.rim_hit(&origin, axis, warm, SCAN_TOLERANCE);
-            if let Some(found) = *hit {
-                warm = found;
+        for (hit, &direction) in hits.iter_mut().zip(rim_directions()) {
+            if let Some(found) = self.rim_hit(&rim, direction, warm, SCAN_TOLERANCE) {
+                *hit = self.within(found);
+                warm = found.ahead(RIM_STEP);
             }
         }
         let mut best: Option<Touch> = None;
@@ -122,42 +151,25 @@ impl<'a> DepthSurface<'a> {
                 best = Some(at());
             }
         };
-        let height = |i: usize| hits[i % RIM_SAMPLES].map_or(f64::NEG_INFINITY, |h| h.1);
-        let highest = (0..RIM_SAMPLES).map(height).fold(f64::NEG_INFINITY, f64::max);
-        for i in 0..RIM_SAMPLES {
-            let Some(hit) = hits[i] else { continue };
-            let (before, after) = (height(i + RIM_SAMPLES - 1), height(i + 1));
-            if hit.1 < before || hit.1 < after {
-                continue;
+        // From the highest sample on, so that most others need not be looked at.
+        let (mut first, mut highest) = (0, f64::NEG_INFINITY);
+        for (i, hit) in hits.iter().enumerate() {
+            if let Some(hit) = hit.filter(|h| h.height > highest) {
+                (first, highest) = (if hit.height_slope > 0.0 { i } else { i + RIM_SAMPLES - 1 }, hit.height);
             }
-            // What a parabola through the neighbours could still gain decides whether to refine.
-            let gain = if before.is_finite() && after.is_finite() {
-                2.0 * (hit.1 - before).max(hit.1 - after)
-            } else {
-                f64::INFINITY
+        }
+        for k in 0..RIM_SAMPLES {
+            let i = (first + k) % RIM_SAMPLES;
+            let from = RIM_STEP * i as f64;
+            let top = match (hits[i], hits[(i + 1) % RIM_SAMPLES]) {
+                (Some(a), Some(b)) => self.top_between(&rim, from, (&a, &b), highest),
+                (None, None) => None,
+                (a, b) => self.top_beside_edge(&rim, from, a.or(b)),
             };
-            if hit.1 + gain < highest {
-                continue;
-            }
-            let mut found = hit;
-            let mut top = (f64::NEG_INFINITY, step * i as f64, hit.0);
-            search::minimum(
-                |phi| match self.rim_hit(&rim(phi), axis, found, RAY_TOLERANCE) {
-                    Some(h) => {
-                        found = h;
-                        if h.1 > top.0 {
-                            top = (h.1, phi, h.0);
-                        }
-                        -h.1
-                    }
-                    None => -hit.1 + 1e3,
-                },
-                step * (i as f64 - 1.0),
-                step * (i as f64 + 1.0),
-                1e-5,
-            );
-            if top.0.is_finite() {
-                consider(top.0, &|| touch_at(top.0, &(rim(top.1) + axis * top.0), top.2));
+            if let Some((phi, hit)) = top {
+                highest = highest.max(hit.height);
+                let (origin, _) = rim.circle.at(phi.sin_cos());
+                consider(hit.height, &|| touch_at(hit.height, &(origin + axis * hit.height), hit.arc));
             }
         }
         self.bulge_touch(on_axis, axis, radius, middle, &mut consider);
@@ -167,39 +179,113 @@ impl<'a> DepthSurface<'a> {
         best
     }
 
-    /// Ray hit from a warm start, or from scratch when that fails; only hits within the surface count.
-    fn rim_hit(&self, origin: &Point, axis: &Vector, warm: (f64, f64), tolerance: f64) -> Option<(f64, f64)> {
-        let hit = self.ray(origin, axis, warm, tolerance).or_else(|| {
-            let (t, _) = self.curve.project(Meridional::of(origin));
-            self.ray(origin, axis, (t, 0.0), tolerance)
-        })?;
-        (self.from..=self.to).contains(&hit.0).then_some(hit)
+    /// Highest place of the rim between the samples `a` at angle `from` and `b` one step on. `None` where it is
+    /// no higher inside than at its ends, or surely no higher than `known` mm.
+    fn top_between(&self, rim: &Rim, from: f64, (a, b): (&Hit, &Hit), known: f64) -> Option<(f64, Hit)> {
+        if a.height_slope < 0.0 || b.height_slope > 0.0 {
+            return None;
+        }
+        // Where the tangents of both samples meet bounds an arch; twice that, in case it is none.
+        let share = (b.height - a.height - b.height_slope * RIM_STEP) / (a.height_slope - b.height_slope);
+        let ends = a.height.max(b.height);
+        let arch = (0.0..=RIM_STEP).contains(&share);
+        if arch && ends + 2.0 * (a.height + a.height_slope * share - ends) < known {
+            return None;
+        }
+        let guess = hermite_top(a, b);
+        let mut top = if guess < 0.5 * RIM_STEP { (0.0, *a) } else { (RIM_STEP, *b) };
+        let mut lost = false;
+        search::root_from(
+            |turn| {
+                let warm = top.1.ahead(turn - top.0);
+                match self.rim_hit(rim, (from + turn).sin_cos(), warm, RAY_TOLERANCE) {
+                    Some(hit) => top = (turn, hit),
+                    None => lost = true,
+                }
+                if lost { 0.0 } else { top.1.height_slope }
+            },
+            (0.0, a.height_slope),
+            (RIM_STEP, b.height_slope),
+            guess,
+            RIM_TOLERANCE,
+        );
+        let (turn, hit) = top;
+        self.within(hit).filter(|_| !lost).map(|hit| (from + turn, hit))
     }
 
-    /// (arc length, height) at which `origin + height · axis` meets the offset surface: Newton from `start`
-    /// until a step is shorter than `tolerance` mm (the error is then of the order of its square).
-    fn ray(&self, origin: &Point, axis: &Vector, start: (f64, f64), tolerance: f64) -> Option<(f64, f64)> {
-        let (mut t, mut h) = start;
+    /// Highest place of the rim in the step from angle `from` on, within which it leaves the surface: `near` is
+    /// the hit at one end.
+    fn top_beside_edge(&self, rim: &Rim, from: f64, near: Option<Hit>) -> Option<(f64, Hit)> {
+        let mut warm = near?;
+        let floor = warm.height;
+        let mut top: Option<(f64, Hit)> = None;
+        search::minimum(
+            |phi| {
+                let hit = self.rim_hit(rim, phi.sin_cos(), warm, RAY_TOLERANCE).and_then(|h| self.within(h));
+                let Some(hit) = hit else { return 1e3 - floor };
+                warm = hit;
+                if top.is_none_or(|(_, t)| hit.height > t.height) {
+                    top = Some((phi, hit));
+                }
+                -hit.height
+            },
+            from,
+            from + RIM_STEP,
+            RIM_TOLERANCE,
+        );
+        top
+    }
+
+    /// `hit` if it is on the stretch that counts.
+    fn within(&self, hit: Hit) -> Option<Hit> {
+        (self.from..=self.to).contains(&hit.arc).then_some(hit)
+    }
+
+    /// Where the rim at an angle, given as (sin, cos), is above the surface: from a warm start, or from scratch
+    /// when that fails.
+    fn rim_hit(&self, rim: &Rim, direction: (f64, f64), warm: Hit, tolerance: f64) -> Option<Hit> {
+        let (origin, turning) = rim.circle.at(direction);
+        self.ray(&origin, &turning, &rim.axis, warm, tolerance).or_else(|| {
+            let (arc, _) = self.curve.project(Meridional::of(&origin));
+            self.ray(&origin, &turning, &rim.axis, Hit { arc, ..Hit::default() }, tolerance)
+        })
+    }
+
+    /// Where `origin + height · axis` meets the offset surface: Newton from `start` until a step is shorter than
+    /// `tolerance` mm. Slopes are those along `turning`, the derivative of the origin.
+    fn ray(
+        &self,
+        origin: &Point,
+        turning: &Vector,
+        axis: &Vector,
+        start: Hit,
+        tolerance: f64,
+    ) -> Option<Hit> {
+        let Hit { mut arc, mut height, .. } = start;
         for _ in 0..25 {
-            let p = origin + axis * h;
+            let p = origin + axis * height;
             let r = norm2(p.x, p.y);
             if r < 1e-9 {
                 return None;
             }
-            let radial = (p.x * axis.x + p.y * axis.y) / r;
-            let (c, d) = self.curve.offset_derivative(t, self.offset);
-            let (fr, fz) = (c.r - r, c.z - p.z);
+            let inverse = 1.0 / r;
+            let (x, y) = (p.x * inverse, p.y * inverse);
+            let radial = x * axis.x + y * axis.y;
+            let (c, d) = self.curve.offset_derivative(arc, self.offset);
             // [radial, −d.r; axis.z, −d.z] · (dh, dt) = (fr, fz)
             let determinant = -radial * d.z + d.r * axis.z;
             if determinant.abs() < 1e-12 {
                 return None;
             }
-            let dh = (-fr * d.z + d.r * fz) / determinant;
-            let dt = (radial * fz - axis.z * fr) / determinant;
-            h += dh;
-            t += dt;
+            let inverse = 1.0 / determinant;
+            let solve =
+                |fr: f64, fz: f64| ((-fr * d.z + d.r * fz) * inverse, (radial * fz - axis.z * fr) * inverse);
+            let (dh, dt) = solve(c.r - r, c.z - p.z);
+            height += dh;
+            arc += dt;
             if dh.abs() + dt.abs() < tolerance {
-                return Some((t, h));
+                let (height_slope, arc_slope) = solve(-(x * turning.x + y * turning.y), -turning.z);
+                return Some(Hit { arc, arc_slope, height, height_slope });
             }
             if !(dh.abs() < 1e6 && dt.abs() < 1e6) {
                 return None;
@@ -265,21 +351,26 @@ impl<'a> DepthSurface<'a> {
         consider: &mut dyn FnMut(f64, &dyn Fn() -> Touch),
     ) {
         let limit = radius + self.offset;
-        // (distance from the axis, height along it) of the circle's point at theta.
-        let at = |theta: f64| {
-            let d = edge.at_angle(theta) - on_axis;
+        // (distance from the axis, height along it) of a point.
+        let seen = |point: &Point| {
+            let d = point - on_axis;
             let height = d.dot(axis);
             ((d.norm_squared() - height * height).max(0.0).sqrt(), height)
         };
+        let at = |theta: f64| seen(&edge.at_angle(theta));
         // The circle's point nearest to the axis, by going back and forth twice.
-        let mut theta = on_axis.y.atan2(on_axis.x);
+        let beside = |p: &Point| {
+            let scale = edge.r / norm2(p.x, p.y).max(1e-9);
+            Point::new(p.x * scale, p.y * scale, edge.z)
+        };
+        let mut near = beside(on_axis);
         for _ in 0..3 {
-            let foot = on_axis + axis * at(theta).1;
-            theta = foot.y.atan2(foot.x);
+            near = beside(&(on_axis + axis * seen(&near).1));
         }
-        if at(theta).0 > 1.5 * limit + 1.0 {
+        if seen(&near).0 > 1.5 * limit + 1.0 {
             return;
         }
+        let theta = near.y.atan2(near.x);
         let lift = |theta: f64| {
             let (distance, height) = at(theta);
             let beside = (distance - radius).max(0.0);

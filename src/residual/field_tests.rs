@@ -24,7 +24,7 @@ pub(crate) fn saddle(rows: usize, columns: usize) -> FloorGrid {
             grid.points.push([x as f32 + 180.0, y as f32, z as f32 + 40.0]);
             grid.normals.push([normal.x as f32, normal.y as f32, normal.z as f32]);
             grid.blank_heights.push((20.0 + 0.2 * x) as f32);
-            grid.areas.push(1.0);
+            grid.areas.push(0.2 + 0.001 * (i + j) as f32);
             grid.floor.push((i + 2 * j) % 7 != 0);
         }
     }
@@ -51,7 +51,8 @@ pub(crate) fn any_cutter() -> impl Strategy<Value = FieldCutter> {
 /// The definition without tiles, cell by cell.
 fn untiled(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualField {
     let mut heights = grid.blank_heights.clone();
-    let mut traces = vec![PositionTrace::default(); cutters.len()];
+    let mut traces = vec![TraceSums::default(); cutters.len()];
+    let unit = VolumeUnit::of(grid);
     for (trace, cutter) in traces.iter_mut().zip(cutters) {
         let (squared, core) = (cutter.radius * cutter.radius, cutter.core_radius * cutter.core_radius);
         for (cell, height) in heights.iter_mut().enumerate() {
@@ -71,10 +72,12 @@ fn untiled(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualField {
                 trace.contact_cells += u32::from(depth > CONTACT_TOLERANCE);
                 trace.swept_cells += u32::from(entry < grid.blank_heights[cell]);
                 trace.cut_cells += u32::from(before - *height > CUT_TOLERANCE);
+                let units = unit.per_height(grid.areas[cell]);
+                trace.removed_units += whole_units_between(before * units, *height * units);
             }
         }
     }
-    ResidualField { heights, traces }
+    ResidualField { heights, traces: traces.iter().map(|sums| sums.trace(unit)).collect() }
 }
 
 /// Entry height by definition, f64: distance to the grown or shrunk body, first root along the ray by
@@ -121,6 +124,34 @@ proptest! {
         let plain = untiled(&grid, &cutters);
         prop_assert_eq!(&tiled.heights, &plain.heights);
         prop_assert_eq!(&tiled.traces, &plain.traces);
+    }
+
+    /// Cells so small that most rows are swept whole, and plunges repeated so that they are passed over.
+    #[test]
+    fn rows_decided_as_a_whole_change_nothing(
+        cutters in proptest::collection::vec(any_cutter(), 1..12),
+        again in proptest::collection::vec(0..12_usize, 12),
+    ) {
+        let grid = saddle(61, 403);
+        let repeated = again.iter().map(|k| cutters[k % cutters.len()]);
+        let cutters: Vec<_> = cutters.iter().copied().chain(repeated).collect();
+        prop_assert_eq!(residual_field(&grid, &cutters), untiled(&grid, &cutters));
+    }
+
+    /// However the plunges overlap, each bit of stock is removed once.
+    #[test]
+    fn removed_volumes_and_what_is_left_make_up_the_blank(
+        cutters in proptest::collection::vec(any_cutter(), 1..24),
+    ) {
+        let grid = saddle(53, 37);
+        let volume = |heights: &[f32]| -> f64 {
+            let cells = (0..heights.len()).filter(|&cell| grid.floor[cell]);
+            cells.map(|cell| f64::from(heights[cell]) * f64::from(grid.areas[cell])).sum()
+        };
+        let field = residual_field(&grid, &cutters);
+        let removed: f64 = field.traces.iter().map(|trace| f64::from(trace.removed_volume)).sum();
+        let missing = volume(&grid.blank_heights) - volume(&field.heights);
+        prop_assert!((removed - missing).abs() <= 1e-6 * volume(&grid.blank_heights), "{removed} {missing}");
     }
 
     /// Rays that graze a wall jump between missing and hitting, so the f64 heights of a body grown and
@@ -176,6 +207,7 @@ fn an_upright_plunge_leaves_a_flat_hole() {
         contact_cells: count(4.0),
         swept_cells: count(8.0),
         cut_cells: count(8.0),
+        removed_volume: 9.5 * count(8.0) as f32,
     };
     assert_eq!(field.traces, [expected]);
 }
@@ -185,6 +217,7 @@ fn the_same_plunge_twice_is_an_air_cut_without_contact() {
     let field = residual_field(&plate(), &[upright(32.0, 32.0, 0.5), upright(32.0, 32.0, 0.5)]);
     let again = field.traces[1];
     assert_eq!((again.cut_cells, again.contact_cells, again.contact_depth), (0, 0, 0.0));
+    assert_eq!(again.removed_volume, 0.0);
     assert_eq!(again.swept_cells, field.traces[0].swept_cells);
 }
 

@@ -1,6 +1,6 @@
 //! The grid of cells over a channel's hub floor.
 
-use crate::geometry::Meridional;
+use crate::geometry::{Meridional, search};
 use crate::part::{Blank, Channel, Impeller};
 
 /// Cells over the hub floor of one channel, `rows` along s (row 0 at s = 0, the leading edge;
@@ -108,20 +108,18 @@ impl FloorGrid {
 /// Height along a ray from the hub at which it first leaves the blank.
 fn first_exit(blank: &Blank, at: impl Fn(f64) -> Meridional, reach: f64) -> f64 {
     let mut warm = None;
-    let mut inside = |h: f64| blank.depth_near(at(h), &mut warm) > 0.0;
+    let mut depth = |h: f64| blank.depth_near(at(h), &mut warm);
     let stride = reach / 400.0;
+    let mut inside = (0.0, 0.0);
     let mut h = 1e-3;
-    while h < reach && inside(h) {
-        h += stride;
-    }
-    let (mut low, mut high) = ((h - stride).max(0.0), h);
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if inside(middle) {
-            low = middle;
-        } else {
-            high = middle;
+    while h < reach {
+        let here = (h, depth(h));
+        if here.1 <= 0.0 {
+            return if inside.1 > 0.0 { search::root_from(depth, inside, here, h, 1e-6) } else { inside.0 };
         }
+        // The outline is at least as far off as the point is deep.
+        inside = here;
+        h += stride.max(here.1);
     }
-    low
+    reach
 }

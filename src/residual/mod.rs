@@ -3,15 +3,19 @@
 
 use crate::plunge::PlungePlan;
 
+mod bounds;
 pub mod field;
 pub mod grid;
+mod meeting;
 pub mod statistics;
 pub mod tiles;
+pub(crate) mod trace;
 
-pub use field::{FieldCutter, PositionTrace, ResidualField, residual_field};
+pub use field::{FieldCutter, ResidualField, residual_field};
 pub use grid::FloorGrid;
 pub use statistics::{ResidualStatistics, statistics};
 pub use tiles::TileBins;
+pub use trace::PositionTrace;
 
 /// The plunges of a plan, in cutting order, as the kernels take them.
 pub fn cutters_of(plan: &PlungePlan) -> Vec<FieldCutter> {

@@ -10,7 +10,7 @@ pub const TILE: usize = 16;
 /// Tiles along one edge of a block. Blocks sort out most cutters before any tile looks at them.
 const BLOCK: usize = 8;
 /// Added to the reach of every cutter, mm: more than single precision loses within 1 m of the origin.
-const REACH_MARGIN: f32 = 0.01;
+pub(super) const REACH_MARGIN: f32 = 0.01;
 
 /// For every tile the cutters that may reach its rays, in cutting order.
 ///

@@ -75,6 +75,13 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         grid: Arc::clone(&grid),
         before: result(AxisPolicy::Conventional),
         after: result(request.policy),
+        others: if request.compare {
+            let other =
+                |policy: &&AxisPolicy| **policy != AxisPolicy::Conventional && **policy != request.policy;
+            AxisPolicy::ALL.iter().filter(other).map(|&policy| result(policy)).collect()
+        } else {
+            Vec::new()
+        },
         elapsed: 0.084,
     })
 }

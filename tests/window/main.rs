@@ -44,6 +44,19 @@ fn the_repaired_plan_interferes_nowhere_and_both_can_be_seen() {
 }
 
 #[test]
+fn policies_are_compared_when_asked() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    assert!(window.query_by_label("Staircase").is_none(), "only what was planned is listed");
+    window.get_by_label("Compare all policies").click();
+    window.run_steps(2);
+    window.key_press(egui::Key::F5);
+    settle(&mut window);
+    window.get_by_label("Staircase");
+    assert_eq!(window.state().state().planned.as_ref().map(|p| p.outcome.policies().len()), Some(4));
+}
+
+#[test]
 fn an_edited_setup_is_out_of_date_until_planned_again() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);

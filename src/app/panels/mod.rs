@@ -3,6 +3,7 @@
 
 pub mod fields;
 pub mod part;
+pub mod policies;
 pub mod positions;
 pub mod setup;
 pub mod status;

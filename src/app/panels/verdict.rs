@@ -89,12 +89,14 @@ fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64) {
     ui.label(text).on_hover_text(tip);
 }
 
-fn pair(summary: &Summary) -> String {
+/// Mean and 95th percentile of the residual layer.
+pub fn pair(summary: &Summary) -> String {
     let show = |v: f64| if v.is_finite() { format!("{v:.2}") } else { "-".to_owned() };
     format!("{}/{}", show(summary.residual_mean), show(summary.residual_p95))
 }
 
-fn percent(share: f64) -> String {
+/// A share as per cent.
+pub fn percent(share: f64) -> String {
     if share.is_finite() { format!("{:.1} %", 100.0 * share) } else { "-".to_owned() }
 }
 

@@ -1,7 +1,7 @@
 //! What one position of a row may look like: an axis for each feed tilt of a grid, as upright across the row as
 //! walls and neighbouring rows let it be, lowered onto the hub.
 
-use crate::geometry::{Meridional, Point, Vector, wrap_angle};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::contact::{BlankTop, Column};
 use crate::plunge::lane::AxisEnds;
@@ -24,23 +24,51 @@ const ALONG: usize = 7;
 /// Furthest point along the row, in radii.
 const FURTHEST: f64 = 0.9;
 
-/// One possible position.
+/// One possible position, not yet looked at for blades.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// Axis and depth.
     pub station: Station,
-    /// The same as contact sees it.
-    pub column: Column,
     /// Stock left above the allowance by moving this cutter on along the row, by strips of the row's floor, mm.
     layer: [f64; STRIPS],
 }
 
 impl Candidate {
+    /// The greatest lift, mm, for which the candidate costs no more than `budget`; negative when it costs more as it is.
+    pub fn affordable_lift(&self, budget: f64, scale: f64) -> f64 {
+        // cost(l) = cost(0) + l·(1 + 2·mean(e)/scale) + l²/scale.
+        let spare = budget - self.cost(0.0, scale);
+        if spare < 0.0 {
+            return spare;
+        }
+        let half = 0.5 * (scale + 2.0 * self.layer.iter().sum::<f64>() / STRIPS as f64);
+        (half * half + scale * spare).sqrt() - half
+    }
+
     /// What the candidate costs when it stops `lift` mm short: the mean of e + e²/`scale` of the layer e it
     /// leaves, mm. The square makes the 95th percentile count beside the mean.
     pub fn cost(&self, lift: f64, scale: f64) -> f64 {
         let weigh = |e: f64| e + e * e / scale;
         self.layer.iter().map(|e| weigh(e + lift)).sum::<f64>() / STRIPS as f64
+    }
+}
+
+/// Ways to lean sideways at one tilt.
+const LEANS: usize = 3;
+
+/// What one place offers.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// For each tilt candidates, the best first. Those that limits forbid outright are missing.
+    pub tilts: [[Option<Candidate>; LEANS]; TILTS],
+    floor: FloorPoints,
+}
+
+impl Place {
+    /// The least angle between axes of the same tilt here and at `next`, rad; 0 when there are none.
+    pub fn least_turn(&self, next: &Place) -> f64 {
+        let turn = |j: usize| Some(self.tilts[j][0]?.station.axis.angle(&next.tilts[j][0]?.station.axis));
+        (0..TILTS).filter_map(turn).reduce(f64::min).unwrap_or(0.0)
     }
 }
 
@@ -91,38 +119,32 @@ struct Upright {
 const SLOPE_STEP: f64 = 2e-3;
 
 impl CandidateMaker<'_> {
-    /// Candidates at `s_hub`, one for each tilt; `None` where walls or limits forbid it.
-    pub fn at(&self, s_hub: f64) -> [Option<Candidate>; TILTS] {
-        let mut found = [None; TILTS];
-        let Some(conventional) = self.isoparametric(s_hub) else { return found };
-        let Some(frame) = self.frame(&conventional) else { return found };
-        let Some(upright) = self.upright(&conventional, &frame) else { return found };
+    /// What there is at `s_hub`; `None` where the cutter does not fit at all.
+    pub fn at(&self, s_hub: f64) -> Option<Place> {
+        let conventional = self.isoparametric(s_hub)?;
+        let frame = self.frame(&conventional)?;
+        let upright = self.upright(&conventional, &frame)?;
         let (_, reference) = self.maker.lane.line(&conventional);
-        let Some(floor) = self.floor_points(&conventional, &frame) else { return found };
-        for (j, candidate) in found.iter_mut().enumerate() {
+        let mut place =
+            Place { tilts: [[None; LEANS]; TILTS], floor: self.floor_points(&conventional, &frame)? };
+        for (j, candidates) in place.tilts.iter_mut().enumerate() {
             let tilt = (TILT_FROM_DEG + TILT_STEP_DEG * j as f64).to_radians();
             let s_shroud = upright.s_shroud + tilt.tan() / upright.tilt_by_s;
             let axes = self.axes(s_hub, s_shroud, &frame, &upright);
-            let possible = axes.into_iter().flatten().filter_map(|ends| {
-                let candidate = self.lowered(ends, &floor, &reference)?;
+            *candidates = axes.map(|ends| {
+                let candidate = self.lowered(ends?, &place.floor, &reference)?;
                 let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
                 Some(Candidate { station, ..candidate })
             });
-            let cost = |c: &Candidate| c.cost(0.0, self.scale);
-            *candidate = possible.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+            let cost = |c: &Option<Candidate>| c.map_or(f64::INFINITY, |c| c.cost(0.0, self.scale));
+            candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         }
-        found
+        Some(place)
     }
 
     /// Ends of the conventional axis at `s_hub`.
     fn isoparametric(&self, s_hub: f64) -> Option<AxisEnds> {
-        let part = self.maker.part;
-        let inside = s_hub.clamp(0.0, 1.0);
-        let beyond = (s_hub - inside) * part.hub.length() / part.shroud.length();
-        let lane = self.maker.lane;
-        let s_shroud = inside + beyond;
-        lane.row_axis(self.maker.lambda, s_hub, s_shroud)
-            .or_else(|| lane.row_axis_fitted(self.maker.lambda, s_hub, s_shroud))
+        self.maker.lane.isoparametric(self.maker.lambda, s_hub)
     }
 
     /// Directions at the foot of a conventional axis.
@@ -178,9 +200,9 @@ impl CandidateMaker<'_> {
 
     /// Axes with W at `s_shroud`, best first: the row's own one at a wall; between walls as upright across the row as the
     /// neighbouring rows allow, half of it, and the row's own.
-    fn axes(&self, s_hub: f64, s_shroud: f64, frame: &Frame, upright: &Upright) -> [Option<AxisEnds>; 3] {
+    fn axes(&self, s_hub: f64, s_shroud: f64, frame: &Frame, upright: &Upright) -> [Option<AxisEnds>; LEANS] {
         let maker = self.maker;
-        let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return [None; 3] };
+        let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return [None; LEANS] };
         let wall_row = maker.lambda == 0.0 || maker.lambda == 1.0;
         if wall_row || self.sideways <= 0.0 {
             return [Some(ends), None, None];
@@ -211,22 +233,32 @@ impl CandidateMaker<'_> {
     }
 
     fn lowered(&self, ends: AxisEnds, floor: &FloorPoints, reference: &Vector) -> Option<Candidate> {
-        let maker = self.maker;
-        let (_, axis) = maker.lane.line(&ends);
+        let (_, axis) = self.maker.lane.line(&ends);
         if axis.angle(reference) > self.max_tilt {
             return None;
         }
-        let mut station = maker.lowered(ends);
-        if !self.allowed(&station) {
-            // Between two branches of fits the table is further off than a draft may be.
-            station = maker.exact(&station)?;
-            if !self.allowed(&station) {
-                return None;
-            }
+        Some(self.candidate(self.maker.lowered(ends), floor))
+    }
+
+    fn candidate(&self, station: Station, floor: &FloorPoints) -> Candidate {
+        Candidate { station, layer: self.layer(&self.maker.cutter(&station), &station.ends, floor) }
+    }
+
+    /// A candidate of `place`, made to clear the blades; `None` where it cannot.
+    pub fn cleared(&self, candidate: &Candidate, place: &Place) -> Option<Candidate> {
+        if self.allowed(&candidate.station) {
+            return Some(*candidate);
         }
-        let core_radius = WIDER_CORE * maker.tool.core_radius() + DRAFT_SLACK;
-        let column = Column::new(maker.cutter(&station), core_radius, self.top);
-        Some(Candidate { station, column, layer: self.layer(&column, floor) })
+        // Between two branches of fits the table is further off than a draft may be.
+        let station = self.maker.exact(&candidate.station)?;
+        (station.ends != candidate.station.ends && self.allowed(&station))
+            .then(|| self.candidate(station, &place.floor))
+    }
+
+    /// The candidate as contact sees it, its core a little wider than it is.
+    pub fn column(&self, candidate: &Candidate) -> Column {
+        let core_radius = WIDER_CORE * self.maker.tool.core_radius() + DRAFT_SLACK;
+        Column::new(self.maker.cutter(&candidate.station), core_radius, self.top)
     }
 
     /// The floor that the row has to clear around a place.
@@ -246,10 +278,9 @@ impl CandidateMaker<'_> {
     }
 
     /// Layer left by strips: where the cutter comes nearest to the hub while it moves on.
-    fn layer(&self, column: &Column, floor: &FloorPoints) -> [f64; STRIPS] {
-        let cutter = &column.cutter;
-        // What the cutter never comes over stands as high as the blank.
-        let uncut = if column.top.is_finite() { column.top.max(cutter.radius) } else { 2.0 * cutter.radius };
+    fn layer(&self, cutter: &CutterSolid, ends: &AxisEnds, floor: &FloorPoints) -> [f64; STRIPS] {
+        // What the cutter never comes over stands as high as the channel.
+        let uncut = (self.maker.lane.shroud_point(ends) - cutter.tip).norm();
         std::array::from_fn(|i| {
             let lowest = floor[i]
                 .iter()

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, CandidateMaker, TILTS};
+use super::candidate::{Candidate, CandidateMaker, Place, TILTS};
 use crate::geometry::CutterSolid;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
@@ -13,6 +13,14 @@ use crate::plunge::row::Station;
 const LOOK_BACK: usize = 4;
 /// Cost of a position as such, mm: of two paths that leave the same, the shorter.
 const COST_PER_POSITION: f64 = 1e-3;
+/// Times the way between two places is halved for their axes to turn less, and the share of the allowed change that
+/// axes of the same tilt may use up.
+const MAX_HALVINGS: usize = 4;
+const TURN_SHARE: f64 = 0.7;
+/// Cost by which a tilt may be behind the best one of its place and still be followed, mm.
+const BEAM: f64 = 3.0;
+/// Cost of ending a row and beginning another, mm.
+const COST_OF_NEW_ROW: f64 = 5.0;
 /// Lift kept above what the fewer lines of the search saw, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
@@ -25,14 +33,21 @@ pub struct Path {
     pub cost: f64,
 }
 
-/// A candidate reached.
+/// A candidate reached, on the cheapest way to it.
 #[derive(Clone, Copy, Debug)]
 struct State {
+    candidate: Candidate,
+    column: Column,
+    /// Of the way so far.
     cost: f64,
+    /// How far the plunge stops short, mm.
     lift: f64,
     /// Place and tilt of the position before.
     before: Option<(usize, usize)>,
 }
+
+/// States of one place, by tilt.
+type States = [Option<State>; TILTS];
 
 /// Searches one row.
 pub struct PathSearch<'a> {
@@ -44,51 +59,147 @@ pub struct PathSearch<'a> {
     pub max_axis_change: f64,
 }
 
+/// What is the same for all candidates of a place.
+struct Here<'h> {
+    /// States of the places before.
+    states: &'h [States],
+    /// The last place that has any.
+    last: Option<usize>,
+    /// Whether a row may begin here.
+    may_begin: bool,
+    /// Whether the layer left here counts.
+    counts: bool,
+    /// Plunges of earlier rows that may matter here.
+    near: &'h [Column],
+}
+
 impl PathSearch<'_> {
-    /// The cheapest path along the places `s` (in cutting order) after `earlier` plunges. The path may
-    /// begin at any of the first `run_up` + 1 places; a layer left before them costs nothing.
+    /// The cheapest path along the places `s` (in cutting order) after `earlier` plunges. The path may begin anywhere
+    /// up to s = `start`; a layer left before it costs nothing. Places are added where the axes turn too much from
+    /// one to the next.
     ///
     /// # Errors
     /// When the work is cancelled.
-    pub fn path(&self, s: &[f64], run_up: usize, earlier: &[Column]) -> Result<Path, Cancelled> {
+    pub fn path(&self, s: &[f64], start: f64, earlier: &[Column]) -> Result<Path, Cancelled> {
         let monitor = self.candidates.maker.monitor;
-        let places: Vec<[Option<Candidate>; TILTS]> = s
-            .par_iter()
-            .map(|&s| if monitor.is_cancelled() { [None; TILTS] } else { self.candidates.at(s) })
-            .collect();
-        let mut states: Vec<[Option<State>; TILTS]> = vec![[None; TILTS]; s.len()];
+        let inward = self.candidates.maker.inward;
+        let places = self.places(s);
+        let mut states: Vec<States> = Vec::with_capacity(places.len());
         let mut last: Option<usize> = None;
-        for k in 0..s.len() {
+        for (k, (s, place)) in places.iter().enumerate() {
             monitor.check()?;
-            let near = self.near(&places[k], earlier);
-            let (known, rest) = states.split_at_mut(k);
-            let reach = |j: usize| self.reach(&places, known, last, (k, j), run_up, &near);
-            let reached: Vec<Option<State>> = (0..TILTS).into_par_iter().map(reach).collect();
-            rest[0].copy_from_slice(&reached);
-            if rest[0].iter().any(Option::is_some) {
+            // Ahead of the start is where the cut has not come yet.
+            let ahead = (start - s) * inward;
+            let Some(place) = place else {
+                states.push([None; TILTS]);
+                continue;
+            };
+            let near = self.near(place, earlier);
+            let here = Here {
+                states: &states,
+                last,
+                may_begin: ahead <= 1e-9 || last.is_none(),
+                counts: ahead >= -1e-9,
+                near: &near,
+            };
+            let reached = self.reached(place, &here);
+            if reached.iter().any(Option::is_some) {
                 last = Some(k);
             }
+            states.push(reached);
         }
-        Ok(self.traced(&places, &states, last))
+        Ok(traced(&states, last))
+    }
+
+    /// What there is at every s, and between two of them where the axes turn too much on the way.
+    fn places(&self, s: &[f64]) -> Vec<(f64, Option<Place>)> {
+        let monitor = self.candidates.maker.monitor;
+        let at = |s: f64| (s, if monitor.is_cancelled() { None } else { self.candidates.at(s) });
+        let mut places: Vec<(f64, Option<Place>)> = s.par_iter().map(|&s| at(s)).collect();
+        for _ in 0..MAX_HALVINGS {
+            let between: Vec<Option<(f64, Option<Place>)>> = places
+                .par_windows(2)
+                .map(|pair| {
+                    let [Some(a), Some(b)] = [&pair[0].1, &pair[1].1] else { return None };
+                    let too_much = a.least_turn(b) > TURN_SHARE * self.max_axis_change;
+                    too_much.then(|| at(0.5 * (pair[0].0 + pair[1].0)))
+                })
+                .collect();
+            if between.iter().all(Option::is_none) {
+                break;
+            }
+            let mut refined = Vec::with_capacity(2 * places.len());
+            for (place, between) in places.into_iter().zip(between.into_iter().chain([None])) {
+                refined.push(place);
+                refined.extend(between);
+            }
+            places = refined;
+        }
+        places
+    }
+
+    /// States of a place. Tilts that cannot come near the best are left out, unless the best has to stop
+    /// short or is blocked.
+    fn reached(&self, place: &Place, here: &Here) -> States {
+        let bounds: [f64; TILTS] = std::array::from_fn(|j| self.bound(&place.tilts[j], here));
+        let promising = bounds.iter().copied().fold(f64::INFINITY, f64::min) + BEAM;
+        let reach = |j: usize| self.reach(j, place, here);
+        let mut states: States = [None; TILTS];
+        let mut fill = |wanted: &(dyn Fn(f64) -> bool + Sync)| {
+            let reached: Vec<Option<State>> =
+                (0..TILTS).into_par_iter().map(|j| if wanted(bounds[j]) { reach(j) } else { None }).collect();
+            for (state, reached) in states.iter_mut().zip(reached) {
+                *state = state.or(reached);
+            }
+            states.iter().flatten().map(|s| s.cost).fold(f64::INFINITY, f64::min)
+        };
+        if fill(&|bound| bound <= promising) > promising {
+            fill(&|bound| bound > promising && bound.is_finite());
+        }
+        states
+    }
+
+    /// What a candidate costs in `here` when it stops `lift` mm short.
+    fn own(&self, candidate: &Candidate, lift: f64, here: &Here) -> f64 {
+        let layer = if here.counts { candidate.cost(lift, self.candidates.scale) } else { 0.0 };
+        layer + COST_PER_POSITION
+    }
+
+    /// Less than this no way through a tilt costs.
+    fn bound(&self, candidates: &[Option<Candidate>], here: &Here) -> f64 {
+        let Some(Some(cheapest)) = candidates.first() else { return f64::INFINITY };
+        let before = here.states.get(here.last.unwrap_or(0)).into_iter().flatten().flatten();
+        let begin = if here.may_begin { 0.0 } else { f64::INFINITY };
+        before.map(|s| s.cost).fold(begin, f64::min) + self.own(cheapest, 0.0, here)
     }
 
     /// Earlier plunges that any candidate of a place may meet.
-    fn near(&self, place: &[Option<Candidate>; TILTS], earlier: &[Column]) -> Vec<Column> {
-        let columns: Vec<&Column> = place.iter().flatten().map(|c| &c.column).collect();
-        let [Some(&first), Some(&last)] = [columns.first(), columns.last()] else { return Vec::new() };
-        let middle = columns[columns.len() / 2];
+    fn near(&self, place: &Place, earlier: &[Column]) -> Vec<Column> {
+        let maker = self.candidates.maker;
+        let ends: Vec<(CutterSolid, f64)> = place
+            .tilts
+            .iter()
+            .flatten()
+            .flatten()
+            .map(|c| {
+                (maker.cutter(&c.station), (maker.lane.shroud_point(&c.station.ends) - c.station.tip).norm())
+            })
+            .collect();
+        let (Some(first), Some(last)) = (ends.first(), ends.last()) else { return Vec::new() };
         // The candidates fan out from one place on the hub: what none of three of them comes near
         // by the width of half the fan, none does.
-        let top = columns.iter().map(|c| c.top).filter(|t| t.is_finite()).fold(0.0, f64::max);
-        let fan = (first.cutter.axis - last.cutter.axis).norm() * 0.5;
+        let three = [first.0, ends[ends.len() / 2].0, last.0];
+        let fan = ends.iter().map(|e| (e.0.axis - three[1].axis).norm()).fold(0.0, f64::max);
+        let top = 1.5 * ends.iter().map(|e| e.1).fold(0.0, f64::max);
+        let core = maker.tool.core_radius();
         earlier
             .iter()
             .filter(|other| {
-                [first, middle, last].iter().any(|c| {
+                three.iter().any(|c| {
                     (0..=4).any(|i| {
                         let h = top * f64::from(i) / 4.0;
-                        let reach = other.cutter.radius + c.core_radius + fan * h + 0.125 * top;
-                        distance_from_axis(&other.cutter, &c.cutter, h) < reach
+                        let reach = other.cutter.radius + core + 0.5 * fan * h + 0.125 * top;
+                        distance_from_axis(&other.cutter, c, h) < reach
                     })
                 })
             })
@@ -96,87 +207,87 @@ impl PathSearch<'_> {
             .collect()
     }
 
-    /// The cheapest way to candidate `j` of place `k`.
-    fn reach(
-        &self,
-        places: &[[Option<Candidate>; TILTS]],
-        states: &[[Option<State>; TILTS]],
-        last: Option<usize>,
-        (k, j): (usize, usize),
-        run_up: usize,
-        near: &[Column],
-    ) -> Option<State> {
-        let candidate = places[k][j]?;
-        let own = |lift: f64| {
-            let layer = if k < run_up { 0.0 } else { candidate.cost(lift, self.candidates.scale) };
-            layer + COST_PER_POSITION
-        };
+    /// The cheapest way to the first candidate of a tilt that the blades allow.
+    fn reach(&self, tilt: usize, place: &Place, here: &Here) -> Option<State> {
+        let mut candidates = place.tilts[tilt].iter().flatten();
+        let candidate = candidates.find_map(|c| self.candidates.cleared(c, place))?;
+        let column = self.candidates.column(&candidate);
         let mut search = ContactSearch::default();
         let mut best: Option<State> = None;
-        let mut consider = |cost_before: f64, before: Option<(usize, usize)>, search: &mut ContactSearch| {
-            if best.is_some_and(|b| b.cost <= cost_before + own(0.0)) {
+        let mut consider = |cost_before: f64, before: Option<(usize, usize)>| {
+            let affordable = match &best {
+                None => f64::INFINITY,
+                Some(b) if !here.counts => {
+                    if b.lift > 0.0 {
+                        b.lift
+                    } else {
+                        return;
+                    }
+                }
+                Some(b) => {
+                    candidate.affordable_lift(b.cost - cost_before - COST_PER_POSITION, self.candidates.scale)
+                }
+            };
+            if affordable < 0.0 {
                 return;
             }
-            let mut path = [candidate.column; LOOK_BACK];
+            let mut passed = [column; LOOK_BACK];
             let mut count = 0;
             let mut at = before;
             while let Some((k, j)) = at
+                && let Some(state) = &here.states[k][j]
                 && count < LOOK_BACK
             {
-                let (Some(passed), Some(state)) = (places[k][j], states[k][j]) else { break };
-                path[count] = lifted(&passed.column, state.lift);
+                passed[count] = lifted(&state.column, state.lift);
                 count += 1;
                 at = state.before;
             }
-            let earlier = near.iter().chain(path[..count].iter().rev());
-            let depth = search.depth(&candidate.column, earlier, self.blank);
+            let earlier = here.near.iter().chain(passed[..count].iter().rev());
+            let depth = search.depth(&column, earlier, self.blank, affordable);
             let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-            let cost = cost_before + own(lift);
-            if best.is_none_or(|b| cost < b.cost) {
-                best = Some(State { cost, lift, before });
+            let cost = cost_before + self.own(&candidate, lift, here);
+            if best.is_none_or(|b| cost < b.cost || (cost == b.cost && lift < b.lift)) {
+                best = Some(State { candidate, column, cost, lift, before });
             }
         };
-        if let Some(last) = last {
+        if let Some(last) = here.last {
             let mut order: [usize; TILTS] = std::array::from_fn(|i| i);
-            let cost = |i: usize| states[last][i].map_or(f64::INFINITY, |s| s.cost);
+            let cost = |i: usize| here.states[last][i].map_or(f64::INFINITY, |s| s.cost);
             order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+            let mut within_reach = false;
             for i in order {
-                let (Some(passed), Some(state)) = (places[last][i], states[last][i]) else { break };
-                if passed.station.axis.angle(&candidate.station.axis) <= self.max_axis_change {
-                    consider(state.cost, Some((last, i)), &mut search);
+                let Some(passed) = &here.states[last][i] else { break };
+                if passed.candidate.station.axis.angle(&candidate.station.axis) <= self.max_axis_change {
+                    within_reach = true;
+                    consider(passed.cost, Some((last, i)));
                 }
             }
+            // Where no axis can be had from the last ones, another row begins.
+            if !within_reach && here.counts && here.states[last][order[0]].is_some() {
+                consider(cost(order[0]) + COST_OF_NEW_ROW, Some((last, order[0])));
+            }
         }
-        if k <= run_up || last.is_none() {
-            consider(0.0, None, &mut search);
+        if here.may_begin {
+            consider(0.0, None);
         }
         best
     }
+}
 
-    fn traced(
-        &self,
-        places: &[[Option<Candidate>; TILTS]],
-        states: &[[Option<State>; TILTS]],
-        last: Option<usize>,
-    ) -> Path {
-        let cost =
-            |&(_, j): &(usize, usize)| last.and_then(|k| states[k][j]).map_or(f64::INFINITY, |s| s.cost);
-        let end = last.and_then(|k| {
-            (0..TILTS)
-                .filter(|&j| states[k][j].is_some())
-                .map(|j| (k, j))
-                .min_by(|a, b| cost(a).total_cmp(&cost(b)))
-        });
-        let mut path = Path { steps: Vec::new(), cost: end.as_ref().map_or(0.0, cost) };
-        let mut at = end;
-        while let Some((k, j)) = at {
-            let (Some(candidate), Some(state)) = (places[k][j], states[k][j]) else { break };
-            path.steps.push((candidate.station, state.lift));
-            at = state.before;
-        }
-        path.steps.reverse();
-        path
+/// The path that ends in the cheapest state of place `last`.
+fn traced(states: &[States], last: Option<usize>) -> Path {
+    let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
+    let end = last.and_then(|k| (0..TILTS).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
+    let mut path = Path { steps: Vec::new(), cost: end.as_ref().map_or(0.0, cost) };
+    let mut at = end;
+    while let Some((k, j)) = at
+        && let Some(state) = &states[k][j]
+    {
+        path.steps.push((state.candidate.station, state.lift));
+        at = state.before;
     }
+    path.steps.reverse();
+    path
 }
 
 /// The column of a plunge that stops `lift` mm short.

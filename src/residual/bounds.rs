@@ -1,0 +1,154 @@
+//! What can be said of a whole row of cells at once, so that most cutters need no look at its cells.
+//!
+//! Most plunges that reach a tile pass over ground that earlier ones cut deeper: they sweep it, remove
+//! nothing and meet nothing. Where this is plain for a whole row, its cells need not be asked. Answers
+//! keep a margin far above what single precision loses, so the cells would have said the same.
+
+use super::field::FieldCutter;
+use super::meeting::{Meeting, Row, dot, greatest, larger, mask, smaller};
+use super::tiles::{REACH_MARGIN, TILE};
+
+/// The last lane of a row.
+const LAST: usize = TILE - 1;
+
+/// One value per row and lane of a tile.
+type Cells = [Row<f32>; TILE];
+
+/// For each row of a tile its middle ray and how far the others are from it. Lengths in mm.
+#[derive(Clone, Debug)]
+pub(super) struct RowBounds {
+    /// Foot of the middle ray.
+    foot: [Row<f32>; 3],
+    /// Direction of the middle ray; not quite a unit vector.
+    normal: [Row<f32>; 3],
+    /// From the middle foot to that of the last cell.
+    span: [Row<f32>; 3],
+    /// All feet are this close to the middle one.
+    radius: Row<f32>,
+    /// All feet are this close to the line along `span`.
+    bend: Row<f32>,
+    /// All normals are this close to the middle one; no unit.
+    spread: Row<f32>,
+    least_blank: Row<f32>,
+    greatest_blank: Row<f32>,
+}
+
+/// What a cutter does to each row of a tile.
+pub(super) struct RowVerdicts {
+    /// All bits set if the cutter may enter a ray of the row below the blank's surface.
+    pub(super) reached: Row<u32>,
+    /// All bits set if it certainly enters every ray there.
+    pub(super) swept: Row<u32>,
+    /// All bits set if it certainly enters no stock: none is removed, and none meets the core.
+    pub(super) untouched: Row<u32>,
+}
+
+impl RowBounds {
+    /// Bounds of the cells with these feet and normals, by component, and heights of the blank.
+    pub(super) fn new(points: &[Cells; 3], normals: &[Cells; 3], blank: &Cells) -> RowBounds {
+        let middle = |cells: &Cells| cells.map(|row| 0.5 * (row[0] + row[LAST]));
+        let mut bounds = RowBounds {
+            foot: points.each_ref().map(middle),
+            normal: normals.each_ref().map(middle),
+            span: points.each_ref().map(|cells| cells.map(|row| 0.5 * (row[LAST] - row[0]))),
+            radius: [0.0; TILE],
+            bend: [0.0; TILE],
+            spread: [0.0; TILE],
+            least_blank: blank.map(|row| row.into_iter().fold(f32::INFINITY, smaller)),
+            greatest_blank: blank.map(|row| row.into_iter().fold(0.0, larger)),
+        };
+        for row in 0..TILE {
+            let (mut from_foot, mut from_line, mut from_normal) = ([0.0; TILE], [0.0; TILE], [0.0; TILE]);
+            for axis in 0..3 {
+                let (foot, span) = (bounds.foot[axis][row], bounds.span[axis][row]);
+                let normal = bounds.normal[axis][row];
+                for lane in 0..TILE {
+                    let off_foot = points[axis][row][lane] - foot;
+                    let off_line = off_foot - place(lane) * span;
+                    let off_normal = normals[axis][row][lane] - normal;
+                    from_foot[lane] += off_foot * off_foot;
+                    from_line[lane] += off_line * off_line;
+                    from_normal[lane] += off_normal * off_normal;
+                }
+            }
+            bounds.radius[row] = greatest(from_foot).sqrt();
+            bounds.bend[row] = greatest(from_line).sqrt();
+            bounds.spread[row] = greatest(from_normal).sqrt();
+        }
+        bounds
+    }
+
+    /// What `cutter` does to rows with this stock.
+    ///
+    /// At equal heights the rays of a row are within `reach` of the middle one. So where one of them
+    /// enters the cutter, the middle one enters a cutter grown by `reach`; and where the middle one enters
+    /// a cutter shrunk by it, all of them are inside.
+    pub(super) fn verdicts(&self, cutter: &FieldCutter, stock: &RowStock) -> RowVerdicts {
+        let mut verdicts = RowVerdicts { reached: [0; TILE], swept: [0; TILE], untouched: [0; TILE] };
+        for row in 0..TILE {
+            let [foot, normal, span] =
+                [&self.foot, &self.normal, &self.span].map(|v| [v[0][row], v[1][row], v[2][row]]);
+            let ray = Meeting::new(foot, normal, cutter);
+            let reach = self.radius[row] + self.greatest_blank[row] * self.spread[row] + REACH_MARGIN;
+            let grown = ray.raised(reach).entry(square(cutter.radius + reach));
+            let shrunk = ray.raised(-reach - cutter.corner_radius).entry(square(cutter.radius - reach));
+            // A core much thinner than the cutter would be lost in rounding.
+            let has_core = 2.0 * reach < cutter.radius;
+            // Height of the stock above the bottom. Over ground cut before, the feet may rise along the row
+            // while the heights fall: only their sum tells.
+            let slope = larger(ray.slope, 0.0);
+            let tilt = dot(span, cutter.axis) + slope * stock.tilt[row];
+            let top = ray.z + slope * (stock.middle[row] + stock.bulge[row]) + tilt.abs();
+            let stray = self.bend[row] + 2.0 * self.spread[row] * stock.highest[row];
+            verdicts.reached[row] = mask(grown < self.greatest_blank[row]);
+            verdicts.swept[row] = mask(has_core & (shrunk < self.least_blank[row]));
+            let is_below = top + stray < -REACH_MARGIN;
+            verdicts.untouched[row] = mask(is_below | (grown > stock.highest[row]));
+        }
+        verdicts
+    }
+}
+
+/// For each row of a tile a line above its stock: height `middle` + t·`tilt` + `bulge` at the place t from
+/// −1, the first cell, to 1, the last one. All in mm.
+#[derive(Clone, Debug)]
+pub(super) struct RowStock {
+    middle: Row<f32>,
+    tilt: Row<f32>,
+    bulge: Row<f32>,
+    /// Greatest height, at least 0.
+    highest: Row<f32>,
+}
+
+impl RowStock {
+    pub(super) fn new(heights: &Cells) -> RowStock {
+        let zero = [0.0; TILE];
+        let mut stock = RowStock { middle: zero, tilt: zero, bulge: zero, highest: zero };
+        for row in 0..TILE {
+            stock.set(row, &heights[row]);
+        }
+        stock
+    }
+
+    /// Takes the heights of one row.
+    #[inline(always)]
+    pub(super) fn set(&mut self, row: usize, heights: &Row<f32>) {
+        let (first, last) = (heights[0], heights[LAST]);
+        let (middle, tilt) = (0.5 * (first + last), 0.5 * (last - first));
+        self.middle[row] = middle;
+        self.tilt[row] = tilt;
+        self.bulge[row] = greatest(std::array::from_fn(|lane| heights[lane] - (middle + place(lane) * tilt)));
+        self.highest[row] = greatest(*heights);
+    }
+}
+
+/// Place of a lane along its row, −1…1.
+#[inline(always)]
+fn place(lane: usize) -> f32 {
+    (2 * lane) as f32 / LAST as f32 - 1.0
+}
+
+#[inline(always)]
+fn square(x: f32) -> f32 {
+    x * x
+}
