@@ -150,8 +150,10 @@ fn object(outcome: &PlanOutcome, channels: usize) -> serde_json::Map<String, Val
     map.insert("before".into(), report::compared(&outcome.before, &outcome.grid, &outcome.reasons));
     let mut policies = serde_json::Map::new();
     for result in outcome.policies() {
-        let compared = report::compared(result, &outcome.grid, &outcome.reasons);
-        policies.insert(result.plan.policy.name().to_owned(), compared);
+        policies.insert(
+            result.plan.policy.name().to_owned(),
+            report::compared(result, &outcome.grid, &outcome.reasons),
+        );
     }
     map.insert("policies".into(), Value::Object(policies));
     map.insert("elapsed".into(), report::number(outcome.elapsed));
@@ -169,9 +171,10 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
         part.blade_count
     );
     text += &report::table(&outcome.policies(), &outcome.grid);
-    text += &report::reasons(&outcome.after.plan, &outcome.reasons);
     text += &format!("{} as written:\n", outcome.after.plan.policy.name());
+    text += &report::reasons(&outcome.after.plan, &outcome.reasons);
     text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
+    text += &report::held(&outcome.after.plan);
     text += &report::blocked(&outcome.after.plan);
     text += &format!(
         "wrote {} and {}\n",

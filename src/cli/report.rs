@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
 use crate::part::Feed;
-use crate::plunge::PlungePlan;
+use crate::plunge::{Held, PlungePlan, Position};
 use crate::residual::FloorGrid;
 
 /// A number, or null where there is none.
@@ -49,6 +49,7 @@ pub fn plan_object(
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
     map.insert("blocked".into(), json!(s.blocked));
+    map.insert("held".into(), held_object(&held_back(plan, None)));
     map.insert("settled".into(), json!(plan.settled));
     map.insert("rounds".into(), json!(plan.rounds));
     map.insert("by_section".into(), by_section(result, grid, reasons));
@@ -91,6 +92,7 @@ fn by_section(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>
             map.insert("positions".into(), json!(s.positions));
             map.append(&mut decisive(&s));
             map.insert("blocked".into(), json!(s.blocked));
+            map.insert("held".into(), held_object(&held_back(&result.plan, Some(index))));
             map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
             Value::Object(map)
         })
@@ -141,6 +143,40 @@ pub fn named_table<'r>(
                 s.blocked
             );
         }
+    }
+    text
+}
+
+/// How many positions of a plan (or of one section) something keeps from the axis that would leave the least.
+fn held_back(plan: &PlungePlan, section: Option<usize>) -> [(Held, usize); 3] {
+    Held::ALL.map(|held| {
+        let ours = |p: &&Position| p.held == Some(held) && section.is_none_or(|s| p.section == s);
+        (held, plan.positions.iter().filter(ours).count())
+    })
+}
+
+fn held_object(counts: &[(Held, usize)]) -> Value {
+    Value::Object(
+        counts
+            .iter()
+            .map(|(held, count)| (json!(held).as_str().unwrap_or_default().to_owned(), json!(count)))
+            .collect(),
+    )
+}
+
+/// Says what keeps positions from the axis that would leave the least; empty where nothing does.
+pub fn held(plan: &PlungePlan) -> String {
+    let counts = held_back(plan, None);
+    let lifted = plan.positions.iter().filter(|p| p.lift > 0.02).count();
+    let mut text = String::new();
+    if counts.iter().any(|(_, count)| *count > 0) {
+        let words: Vec<String> =
+            counts.iter().map(|(held, count)| format!("{count} by {}", held.words())).collect();
+        text += &format!("held back from the axis that leaves least: {}\n", words.join(", "));
+    }
+    if lifted > 0 {
+        let most = plan.positions.iter().map(|p| p.lift).fold(0.0, f64::max);
+        text += &format!("stop short for the core to be free: {lifted} positions, by up to {most:.2} mm\n");
     }
     text
 }

@@ -141,8 +141,16 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     };
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    let (part, grid) = (part.clone(), Arc::new(grid));
-    Ok(PlanOutcome { part, grid, before, after, others, elapsed, setup, reasons })
+    Ok(PlanOutcome {
+        part: part.clone(),
+        grid: Arc::new(grid),
+        before,
+        after,
+        others,
+        elapsed,
+        setup,
+        reasons,
+    })
 }
 
 /// Adds to a plan what it leaves on the hub.

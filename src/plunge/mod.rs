@@ -30,4 +30,4 @@ pub mod slotting;
 pub mod survey;
 
 pub use cycle::{PlanError, Planner};
-pub use plan::{Blocked, CoreContact, Dropped, PlungePlan, Position, SectionPlan};
+pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan};

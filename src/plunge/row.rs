@@ -1,7 +1,7 @@
 //! Rows of positions, and stages 1 and 2: conventional positions and step inspection.
 
 use super::lane::{AxisEnds, Lane};
-use super::plan::Blocked;
+use super::plan::{Blocked, Held};
 use super::slotting::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::Monitor;
@@ -24,6 +24,8 @@ pub struct Station {
     pub alpha: f64,
     /// Why the axis asked for could not be had.
     pub blocked: Option<Blocked>,
+    /// What keeps it from the axis that would leave the least.
+    pub held: Option<Held>,
 }
 
 impl Station {
@@ -88,6 +90,7 @@ impl RowMaker<'_> {
         Some(Station {
             s_shroud_conventional: draft.s_shroud_conventional,
             blocked: draft.blocked,
+            held: draft.held,
             ..station
         })
     }
@@ -111,7 +114,16 @@ impl RowMaker<'_> {
                 (m, m, self.alpha(&m, &axis, &normal, &ends))
             }
         };
-        Station { ends, s_shroud_conventional: ends.s_shroud, tip, axis, contact_point, alpha, blocked: None }
+        Station {
+            ends,
+            s_shroud_conventional: ends.s_shroud,
+            tip,
+            axis,
+            contact_point,
+            alpha,
+            blocked: None,
+            held: None,
+        }
     }
 
     /// Signed angle between `normal` and `axis` in the plane of normal and the direction towards the inlet.

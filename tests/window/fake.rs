@@ -112,6 +112,7 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
                 contact: CoreContact { depth: if interferes { 2.56 } else { 0.0 }, area_share: 0.2 },
                 lift: 0.0,
                 blocked: (!conventional && row == 1 && k == 1).then_some(Blocked::Walls),
+                held: None,
                 hub_clearance: 0.5,
                 blade_clearance: 0.5,
                 retract_clearance: 2.0,

@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, CandidateMaker, Place, TILTS};
-use crate::geometry::CutterSolid;
+use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::contact::{Column, ContactSearch};
+use crate::plunge::plan::Held;
 use crate::plunge::row::Station;
 
 /// Positions of the own row that are looked at for contact, besides all earlier rows.
@@ -21,6 +22,8 @@ const TURN_SHARE: f64 = 0.7;
 const BEAM: f64 = 3.0;
 /// Cost of ending a row and beginning another, mm.
 const COST_OF_NEW_ROW: f64 = 5.0;
+/// Cost by which another axis must be better for a position to count as held back, mm.
+const WORTH_TELLING: f64 = 0.02;
 /// Lift kept above what the fewer lines of the search saw, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
@@ -108,7 +111,7 @@ impl PathSearch<'_> {
             }
             states.push(reached);
         }
-        Ok(traced(&states, last))
+        Ok(self.traced(&places, &states, last))
     }
 
     /// What there is at every s, and between two of them where the axes turn too much on the way.
@@ -272,22 +275,44 @@ impl PathSearch<'_> {
         }
         best
     }
-}
 
-/// The path that ends in the cheapest state of place `last`.
-fn traced(states: &[States], last: Option<usize>) -> Path {
-    let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
-    let end = last.and_then(|k| (0..TILTS).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
-    let mut path = Path { steps: Vec::new(), cost: end.as_ref().map_or(0.0, cost) };
-    let mut at = end;
-    while let Some((k, j)) = at
-        && let Some(state) = &states[k][j]
-    {
-        path.steps.push((state.candidate.station, state.lift));
-        at = state.before;
+    /// The path that ends in the cheapest state of place `last`.
+    fn traced(&self, places: &[(f64, Option<Place>)], states: &[States], last: Option<usize>) -> Path {
+        let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
+        let end = last.and_then(|k| (0..TILTS).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
+        let mut path = Path { steps: Vec::new(), cost: end.as_ref().map_or(0.0, cost) };
+        let mut at = end;
+        while let Some((k, j)) = at
+            && let Some(state) = &states[k][j]
+        {
+            let before = state.before.and_then(|(k, j)| states[k][j]).map(|s| s.candidate.station.axis);
+            let held = places[k].1.as_ref().and_then(|place| self.held(place, state, before));
+            path.steps.push((Station { held, ..state.candidate.station }, state.lift));
+            at = state.before;
+        }
+        path.steps.reverse();
+        path
     }
-    path.steps.reverse();
-    path
+
+    /// What keeps a state from the cheapest candidate of its place.
+    fn held(&self, place: &Place, state: &State, before: Option<Vector>) -> Option<Held> {
+        let cost = |c: &Candidate| c.cost(0.0, self.candidates.scale);
+        let cheapest =
+            place.tilts.iter().filter_map(|tilt| tilt[0]).min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
+        if state.lift == 0.0 && cost(&state.candidate) <= cost(&cheapest) + WORTH_TELLING {
+            return None;
+        }
+        let turn = |before: Vector| before.angle(&cheapest.station.axis);
+        Some(
+            if self.candidates.cleared(&cheapest, place).is_none_or(|c| cost(&c) >= cost(&state.candidate)) {
+                Held::Walls
+            } else if before.is_some_and(|before| turn(before) > self.max_axis_change) {
+                Held::AxisChange
+            } else {
+                Held::Contact
+            },
+        )
+    }
 }
 
 /// The column of a plunge that stops `lift` mm short.
