@@ -10,13 +10,12 @@ use proptest::sample::{Index, select};
 use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use vanecut::formats::plan_file::{read_plan_bytes, write_plan};
 use vanecut::formats::{read_part, read_part_bytes, read_setup_bytes, write_native};
-use vanecut::job::{PlanRequest, run};
+use vanecut::job::{PlanRequest, resolve, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{
     AxisPolicy, BladeDescription, BladeSide, Channel, CurveDescription, Impeller, Meridional,
     PartDescription, Setup,
 };
-use vanecut::plunge::sections::resolve;
 use vanecut::verify::verify;
 
 const LONGEST: Duration = Duration::from_secs(2);

@@ -44,6 +44,7 @@ fn plan(part: &Impeller) -> PlungePlan {
             contact: CoreContact { depth, area_share: 0.2 },
             lift: 0.0,
             blocked: None,
+            held: None,
             hub_clearance: 0.5,
             blade_clearance: 5.0,
             retract_clearance: 5.0,

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Meridional, frame_about};
+use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::setup::{Feed, SectionSetup};
 use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
 use vanecut::plunge::contact::{BlankTop, Column, core_contact};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
-use vanecut::plunge::sections::resolve;
 use vanecut::plunge::slotting::DepthSurface;
 use vanecut::plunge::{Planner, PlungePlan};
 
@@ -21,7 +21,7 @@ fn sample(name: &str) -> Impeller {
 
 fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, PlungePlan) {
     let channel = Channel::of(part);
-    let setup = resolve(setup, part, &channel).expect("the setup fits");
+    let setup = resolve(setup, part, &channel).expect("the setup fits").setup;
     let plan = Planner::new(part, &channel, &setup).plan(policy, &Monitor::default()).expect("a plan");
     (setup, plan)
 }
@@ -32,9 +32,9 @@ fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, Plunge
 fn monotone_finds_the_place_the_walk_finds() {
     let part = sample("impeller532.toml");
     let channel = Channel::of(&part);
-    let setup = resolve(&Setup::default(), &part, &channel).expect("fits");
+    let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     let tool = &setup.tools[0];
-    let hub = DepthSurface::new(part.hub.curve(), 0.5);
+    let hub = DepthSurface::new(part.hub.curve(), 0.5 + tool.corner_radius);
     let lane = Lane::new(&part, &channel.full, tool, 0.5, 0.5);
     for lambda in [0.0, 0.5, 1.0] {
         let maker = RowMaker {
@@ -59,7 +59,8 @@ fn monotone_finds_the_place_the_walk_finds() {
             loop {
                 let amount = 1e-5 * f64::from(steps);
                 let s_shroud = here.s_shroud_conventional - amount;
-                let walked = maker.station(here.ends.s_hub, s_shroud).expect("clear of the walls");
+                let draft = maker.draft(here.ends.s_hub, s_shroud).expect("clear of the walls");
+                let walked = maker.exact(&draft).expect("clear of its wall");
                 if walked.alpha > before.alpha {
                     assert!(
                         (amount - moved).abs() <= 1.1e-5,
@@ -185,11 +186,12 @@ fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
 fn rows_may_be_cut_outwards_and_corners_rounded() {
     let part = sample("impeller532.toml");
     let channel = Channel::of(&part);
-    let mut setup = resolve(&Setup::default(), &part, &channel).expect("fits");
+    let mut setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     for tool in &mut setup.tools {
         tool.corner_radius = 0.8;
     }
-    setup.plunge.sections = vec![SectionSetup { tool: 3, from: 0.4, to: 0.0, feed: Some(Feed::Outward) }];
+    let tool = setup.tools.last().expect("tools").number;
+    setup.plunge.sections = vec![SectionSetup { tool, from: 0.4, to: 0.0, feed: Some(Feed::Outward) }];
     let (_, plan) = planned(&part, &setup, AxisPolicy::Monotone);
     let first_row: Vec<_> = plan.positions.iter().filter(|p| p.row == 0).collect();
     assert!(first_row.windows(2).all(|w| w[1].s > w[0].s), "rows run from inlet to outlet");
@@ -211,7 +213,7 @@ fn the_same_input_gives_the_same_plan() {
 fn a_cancelled_plan_says_so() {
     let part = sample("pump6.toml");
     let channel = Channel::of(&part);
-    let setup = resolve(&Setup::default(), &part, &channel).expect("fits");
+    let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     let monitor = Monitor::default();
     monitor.cancel();
     let result = Planner::new(&part, &channel, &setup).plan(AxisPolicy::Monotone, &monitor);

@@ -9,8 +9,8 @@ use crate::assess::passage::{PassageMeasure, Place};
 use crate::assess::reach::{ReachLimits, ReachMap, Sides, Stretch};
 use crate::assess::shape::Twist;
 use crate::assess::{Assessment, BladeMeasure};
+use crate::job::resolve;
 use crate::part::{Channel, Impeller, Setup};
-use crate::plunge::sections::resolve;
 
 /// A part, assessed, and the setup whose tools were asked for.
 struct Found<'a> {
@@ -30,7 +30,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     }
     let channel = Channel::of(&part);
     let (setup, no_reach) = match resolve(&opened.setup, &part, &channel) {
-        Ok(setup) => (setup, None),
+        Ok(resolved) => (resolved.setup, None),
         // A part for which there is no standard cutter can be measured all the same.
         Err(fault) if args.setup.is_none() => (opened.setup.clone(), Some(fault)),
         Err(fault) => return Err(opened.failure(&fault)),

@@ -145,12 +145,15 @@ fn object(outcome: &PlanOutcome, channels: usize) -> serde_json::Map<String, Val
         splitters: outcome.part.splitters.len() * outcome.part.blade_count,
         channels,
     };
-    let mut map = report::plan_object(&head, &outcome.after, &outcome.grid);
+    let mut map = report::plan_object(&head, &outcome.after, &outcome.grid, &outcome.reasons);
     map.insert("policy".into(), json!(outcome.after.plan.policy));
-    map.insert("before".into(), report::compared(&outcome.before, &outcome.grid));
+    map.insert("before".into(), report::compared(&outcome.before, &outcome.grid, &outcome.reasons));
     let mut policies = serde_json::Map::new();
     for result in outcome.policies() {
-        policies.insert(result.plan.policy.name().to_owned(), report::compared(result, &outcome.grid));
+        policies.insert(
+            result.plan.policy.name().to_owned(),
+            report::compared(result, &outcome.grid, &outcome.reasons),
+        );
     }
     map.insert("policies".into(), Value::Object(policies));
     map.insert("elapsed".into(), report::number(outcome.elapsed));
@@ -169,7 +172,9 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
     );
     text += &report::table(&outcome.policies(), &outcome.grid);
     text += &format!("{} as written:\n", outcome.after.plan.policy.name());
+    text += &report::reasons(&outcome.after.plan, &outcome.reasons);
     text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
+    text += &report::held(&outcome.after.plan);
     text += &report::blocked(&outcome.after.plan);
     text += &format!(
         "wrote {} and {}\n",

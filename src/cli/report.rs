@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
 use crate::part::Feed;
-use crate::plunge::PlungePlan;
+use crate::plunge::{Held, PlungePlan, Position};
 use crate::residual::FloorGrid;
 
 /// A number, or null where there is none.
@@ -24,8 +24,13 @@ fn decisive(s: &Summary) -> Map<String, Value> {
     map
 }
 
-/// What every plan prints: the keys of CONTRACT that describe one plan.
-pub fn plan_object(head: &Head, result: &PolicyResult, grid: &FloorGrid) -> Map<String, Value> {
+/// What every plan prints: the keys of CONTRACT that describe one plan. `reasons` say why each section was chosen.
+pub fn plan_object(
+    head: &Head,
+    result: &PolicyResult,
+    grid: &FloorGrid,
+    reasons: &[Option<String>],
+) -> Map<String, Value> {
     let (plan, s) = (&result.plan, &result.summary);
     let mut map = Map::new();
     map.insert("part".into(), json!(head.part));
@@ -44,9 +49,10 @@ pub fn plan_object(head: &Head, result: &PolicyResult, grid: &FloorGrid) -> Map<
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
     map.insert("blocked".into(), json!(s.blocked));
+    map.insert("held".into(), held_object(&held_back(plan, None)));
     map.insert("settled".into(), json!(plan.settled));
     map.insert("rounds".into(), json!(plan.rounds));
-    map.insert("by_section".into(), by_section(result, grid));
+    map.insert("by_section".into(), by_section(result, grid, reasons));
     map
 }
 
@@ -63,19 +69,20 @@ pub struct Head<'a> {
 }
 
 /// Residual and contact keys of a plan, with its sections: for `before` and `policies`.
-pub fn compared(result: &PolicyResult, grid: &FloorGrid) -> Value {
+pub fn compared(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>]) -> Value {
     let mut map = decisive(&result.summary);
     map.insert("positions".into(), json!(result.summary.positions));
     map.insert("blocked".into(), json!(result.summary.blocked));
-    map.insert("by_section".into(), by_section(result, grid));
+    map.insert("by_section".into(), by_section(result, grid, reasons));
     Value::Object(map)
 }
 
-fn by_section(result: &PolicyResult, grid: &FloorGrid) -> Value {
+fn by_section(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>]) -> Value {
     let sections = sections(result, grid)
         .into_iter()
         .zip(&result.plan.sections)
-        .map(|(s, section)| {
+        .enumerate()
+        .map(|(index, (s, section))| {
             let mut map = Map::new();
             map.insert("tool".into(), json!(section.tool.number));
             map.insert("diameter".into(), number(section.tool.diameter));
@@ -85,6 +92,8 @@ fn by_section(result: &PolicyResult, grid: &FloorGrid) -> Value {
             map.insert("positions".into(), json!(s.positions));
             map.append(&mut decisive(&s));
             map.insert("blocked".into(), json!(s.blocked));
+            map.insert("held".into(), held_object(&held_back(&result.plan, Some(index))));
+            map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
             Value::Object(map)
         })
         .collect();
@@ -134,6 +143,54 @@ pub fn named_table<'r>(
                 s.blocked
             );
         }
+    }
+    text
+}
+
+/// How many positions of a plan (or of one section) something keeps from the axis that would leave the least.
+fn held_back(plan: &PlungePlan, section: Option<usize>) -> [(Held, usize); 3] {
+    Held::ALL.map(|held| {
+        let ours = |p: &&Position| p.held == Some(held) && section.is_none_or(|s| p.section == s);
+        (held, plan.positions.iter().filter(ours).count())
+    })
+}
+
+fn held_object(counts: &[(Held, usize)]) -> Value {
+    Value::Object(
+        counts
+            .iter()
+            .map(|(held, count)| (json!(held).as_str().unwrap_or_default().to_owned(), json!(count)))
+            .collect(),
+    )
+}
+
+/// Says what keeps positions from the axis that would leave the least; empty where nothing does.
+pub fn held(plan: &PlungePlan) -> String {
+    let counts = held_back(plan, None);
+    let lifted = plan.positions.iter().filter(|p| p.lift > 0.02).count();
+    let mut text = String::new();
+    if counts.iter().any(|(_, count)| *count > 0) {
+        let words: Vec<String> =
+            counts.iter().map(|(held, count)| format!("{count} by {}", held.words())).collect();
+        text += &format!("held back from the axis that leaves least: {}\n", words.join(", "));
+    }
+    if lifted > 0 {
+        let most = plan.positions.iter().map(|p| p.lift).fold(0.0, f64::max);
+        text += &format!("stop short for the core to be free: {lifted} positions, by up to {most:.2} mm\n");
+    }
+    text
+}
+
+/// Why each section was chosen, where the setup did not give it.
+pub fn reasons(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
+    let mut text = String::new();
+    for (section, reason) in plan.sections.iter().zip(reasons) {
+        let Some(reason) = reason else { continue };
+        let tool = &section.tool;
+        text += &format!(
+            "{:.2} to {:.2}, tool {} (D {}): {reason}\n",
+            section.from, section.to, tool.number, tool.diameter
+        );
     }
     text
 }

@@ -46,7 +46,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             splitters: part.splitters.len() * part.blade_count,
             channels: verdict.channels,
         };
-        let mut map = report::plan_object(&head, &result, &grid);
+        let mut map = report::plan_object(&head, &result, &grid, &[]);
         map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
         let faults = verdict.faults.iter().map(|f| json!({"line": f.line, "what": f.what})).collect();
         map.insert("faults".into(), Value::Array(faults));

@@ -12,6 +12,7 @@ pub mod plan_file;
 pub mod setup_file;
 pub(crate) mod source;
 mod table;
+pub mod tool_library;
 pub mod turbogrid;
 pub mod write;
 

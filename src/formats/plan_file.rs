@@ -12,7 +12,7 @@ use super::source::{name_of, read_bytes};
 use crate::geometry::{Point, Vector};
 use crate::part::{AxisPolicy, Impeller, PartDescription, Setup};
 use crate::plunge::sections::tool_of;
-use crate::plunge::{Blocked, CoreContact, Dropped, PlungePlan, Position, SectionPlan};
+use crate::plunge::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan};
 
 /// Version of the file; readers refuse newer ones.
 const VERSION: u32 = 1;
@@ -49,6 +49,7 @@ struct PositionFile {
     contact_area: f64,
     lift: f64,
     blocked: Option<Blocked>,
+    held: Option<Held>,
     hub_clearance: f64,
     blade_clearance: f64,
     retract_clearance: f64,
@@ -100,6 +101,7 @@ pub fn write_plan(
                 contact_area: p.contact.area_share,
                 lift: p.lift,
                 blocked: p.blocked,
+                held: p.held,
                 hub_clearance: p.hub_clearance,
                 blade_clearance: p.blade_clearance,
                 retract_clearance: p.retract_clearance,
@@ -177,6 +179,7 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
             contact: CoreContact { depth: p.contact_depth, area_share: p.contact_area },
             lift: p.lift,
             blocked: p.blocked,
+            held: p.held,
             hub_clearance: p.hub_clearance,
             blade_clearance: p.blade_clearance,
             retract_clearance: p.retract_clearance,

@@ -65,12 +65,7 @@ pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
     if let Some(table) = root.table("stock")? {
         stock(&table, &mut setup.stock)?;
     }
-    let tables = root.tables("tool")?;
-    check_count(&tables, MAX_TOOLS, "tools")?;
-    for table in tables {
-        let tool = tool(&table, &setup.tools)?;
-        setup.tools.push(tool);
-    }
+    setup.tools = tools(&root)?;
     if let Some(table) = root.table("plunge")? {
         plunge(&table, &setup.tools, &mut setup.plunge)?;
     }
@@ -78,6 +73,15 @@ pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
         flank(&table, &mut setup.flank)?;
     }
     Ok(setup)
+}
+
+/// Reads a tool library: a file of `[[tool]]` tables as a setup has them, and of nothing else.
+pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputError> {
+    let document = Document::new(name, bytes)?;
+    let tree = document.parse()?;
+    let root = document.root(&tree);
+    root.check_keys(&["tool"])?;
+    tools(&root)
 }
 
 /// Line of a setup file at which a fault stands that came up while planning; 0 where it has none.
@@ -124,6 +128,18 @@ fn stock(table: &Section<'_>, stock: &mut Stock) -> Result<(), InputError> {
 
 const TOOL_KEYS: [&str; 7] =
     ["number", "diameter", "corner_radius", "insert_width", "overhang", "plunge_feed", "spindle"];
+
+/// The `[[tool]]` tables, in file order.
+fn tools(root: &Section<'_>) -> Result<Vec<Tool>, InputError> {
+    let tables = root.tables("tool")?;
+    check_count(&tables, MAX_TOOLS, "tools")?;
+    let mut tools = Vec::with_capacity(tables.len());
+    for table in tables {
+        let tool = tool(&table, &tools)?;
+        tools.push(tool);
+    }
+    Ok(tools)
+}
 
 fn tool(table: &Section<'_>, before: &[Tool]) -> Result<Tool, InputError> {
     table.check_keys(&TOOL_KEYS)?;

@@ -10,9 +10,10 @@ pub use summary::Summary;
 
 use rayon::prelude::*;
 
+use crate::formats::tool_library::plunge_cutters;
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, Setup};
-use crate::plunge::sections::{SetupFault, resolve};
+use crate::plunge::sections::{self, Resolved, SetupFault};
 use crate::plunge::{PlanError, Planner, PlungePlan};
 use crate::residual::{FloorGrid, ResidualField, cutters_of, residual_field};
 
@@ -49,6 +50,8 @@ pub struct PlanOutcome {
     pub part: Arc<Impeller>,
     /// The setup with everything that was chosen by default filled in (tools, sections).
     pub setup: Setup,
+    /// For each section why it was chosen; `None` where the setup gave it.
+    pub reasons: Vec<Option<String>>,
     /// Floor grid both fields stand on.
     pub grid: Arc<FloorGrid>,
     /// Conventional plan.
@@ -89,6 +92,14 @@ impl From<PlanError> for JobError {
     }
 }
 
+/// The setup with everything filled in that it leaves open, from the program's tool library.
+///
+/// # Errors
+/// When part and setup do not go together.
+pub fn resolve(setup: &Setup, part: &Impeller, channel: &Channel) -> Result<Resolved, SetupFault> {
+    sections::resolve(setup, plunge_cutters(), part, channel)
+}
+
 /// Plans one channel. The one way to a plan for window and command line alike.
 ///
 /// # Errors
@@ -98,7 +109,7 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     let started = std::time::Instant::now();
     let part = &request.part;
     let channel = Channel::of(part);
-    let setup = resolve(&request.setup, part, &channel)?;
+    let Resolved { setup, reasons } = resolve(&request.setup, part, &channel)?;
     let planner = Planner::new(part, &channel, &setup);
     monitor.report(0.05);
     let measured = |plan: PlungePlan, grid: &FloorGrid| -> Result<PolicyResult, PlanError> {
@@ -130,7 +141,16 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     };
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    Ok(PlanOutcome { part: part.clone(), grid: Arc::new(grid), before, after, others, elapsed, setup })
+    Ok(PlanOutcome {
+        part: part.clone(),
+        grid: Arc::new(grid),
+        before,
+        after,
+        others,
+        elapsed,
+        setup,
+        reasons,
+    })
 }
 
 /// Adds to a plan what it leaves on the hub.

@@ -1,10 +1,8 @@
 //! The numbers that decide, of a whole plan or of one section of it.
 
+use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::{PlungePlan, Position};
 use crate::residual::{FloorGrid, ResidualField, statistics};
-
-/// Rapid feed assumed for the time estimate, mm/min.
-pub const RAPID_FEED: f64 = 10_000.0;
 
 /// Numbers of one plan, or of one section of it (mm; NaN where there is nothing to measure).
 #[derive(Clone, Debug, Default, PartialEq)]

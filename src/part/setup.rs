@@ -82,7 +82,7 @@ pub struct PlungeSetup {
     pub max_axis_change: f64,
     /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
     pub max_tilt: f64,
-    /// Sections, outlet → inlet; empty: chosen from the tools.
+    /// Sections, outlet → inlet; empty: chosen from the tools, for the least time.
     pub sections: Vec<SectionSetup>,
 }
 
@@ -104,7 +104,7 @@ pub struct Setup {
     pub part: Option<String>,
     /// `[stock]`.
     pub stock: Stock,
-    /// `[[tool]]`, in file order; empty: chosen for the part from the standard sizes.
+    /// `[[tool]]`, in file order; empty: chosen for the part from the tool library.
     pub tools: Vec<Tool>,
     /// `[plunge]`.
     pub plunge: PlungeSetup,

@@ -4,7 +4,7 @@
 
 use super::plan::{CONTACT_TOLERANCE, CoreContact};
 use super::slotting::DepthSurface;
-use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about, search};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about, norm2, search};
 use crate::part::Blank;
 
 /// A plunge as contact sees it.
@@ -52,6 +52,9 @@ const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (
 const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
 /// Uncovered stretches of one line that are kept apart.
 const STRETCHES: usize = 12;
+/// Newton steps towards a rounded corner, and the distance from it that counts as on it, mm.
+const MAX_CORNER_STEPS: usize = 24;
+const CORNER_TOLERANCE: f64 = 1e-9;
 /// Contact a plan may have, mm: well below the tolerance of the verdict, so that rounding in a CL file or
 /// another checker's samples do not tip it.
 const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
@@ -274,16 +277,49 @@ fn removed_interval(cutter: &CutterSolid, origin: &Point, direction: &Vector) ->
     if cutter.corner_radius == 0.0 {
         return Some((low, high));
     }
-    // The distance to a convex body is convex along a line: its minimum splits the two borders.
-    let (from, to) = (low.max(-1e4), high.min(1e4));
-    let distance = |h: f64| cutter.distance(&(origin + direction * h));
-    let (deepest, value) = search::minimum(distance, from, to, 1e-9);
-    if value >= 0.0 {
-        return None;
+    let low = past_corner(cutter, origin, direction, low, 1.0)?;
+    let high = past_corner(cutter, origin, direction, high, -1.0)?;
+    (low < high).then_some((low, high))
+}
+
+/// Where the line passes the surface of the rounded cutter, given where it passes that of the sharp one: at
+/// `height`, going inwards in direction `inwards` (±1) of the line. `None` when it passes the corner by.
+///
+/// The distance to a convex body is convex along a line, so that Newton's steps from outside come closer without
+/// passing it.
+fn past_corner(
+    cutter: &CutterSolid,
+    origin: &Point,
+    direction: &Vector,
+    height: f64,
+    inwards: f64,
+) -> Option<f64> {
+    if !height.is_finite() {
+        return Some(height);
     }
-    let border = |outer: f64| {
-        if distance(outer) < 0.0 { outer } else { search::root(distance, outer, deepest, 1e-10) }
-    };
-    let (entry, exit) = (border(from), border(to));
-    Some((if from > low { low } else { entry }, if to < high { high } else { exit }))
+    let rising = direction.dot(&cutter.axis);
+    let mut h = height;
+    for _ in 0..MAX_CORNER_STEPS {
+        let d = origin + direction * h - cutter.tip;
+        let z = d.dot(&cutter.axis);
+        let radial = d - cutter.axis * z;
+        let distance = radial.norm();
+        let out = distance - (cutter.radius - cutter.corner_radius);
+        let down = cutter.corner_radius - z;
+        if out <= 0.0 || down <= 0.0 {
+            // On the flat of the bottom or on the flank both are the same.
+            return Some(h);
+        }
+        let length = norm2(out, down);
+        let gap = length - cutter.corner_radius;
+        if gap <= CORNER_TOLERANCE {
+            return Some(h);
+        }
+        let rate = (out * radial.dot(direction) / distance - down * rising) / length;
+        if rate * inwards >= 0.0 {
+            return None;
+        }
+        h -= gap / rate;
+    }
+    Some(h)
 }

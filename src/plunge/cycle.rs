@@ -11,7 +11,7 @@ use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
 use super::retract::RetractSurface;
 use super::row::{RowMaker, Station};
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, step_limit, too_many, tool_of};
-use crate::geometry::CutterSolid;
+use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::setup::{AxisPolicy, Feed};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
@@ -72,6 +72,31 @@ pub(super) struct CutRow {
     row: Row,
     /// One for each station; `None` where blades or stock leave no place for it.
     placed: Vec<Option<Placed>>,
+}
+
+impl CutRow {
+    /// The same positions in the same order, a new row wherever the axis turns by more than `limit` (rad) from one
+    /// that stayed to the next.
+    pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
+        let Row { lambda, rounds, settled, .. } = self.row;
+        let empty = || Self { row: Row { rounds, settled, ..Row::empty(lambda) }, placed: Vec::new() };
+        let mut rows = vec![empty()];
+        let mut last: Option<Vector> = None;
+        for (station, placed) in self.row.stations.into_iter().zip(self.placed) {
+            if let Some(placed) = &placed {
+                let axis = placed.cutter.axis;
+                if last.is_some_and(|last| last.angle(&axis) > limit) {
+                    rows.push(empty());
+                }
+                last = Some(axis);
+            }
+            if let Some(row) = rows.last_mut() {
+                row.row.stations.push(station);
+                row.placed.push(placed);
+            }
+        }
+        rows
+    }
 }
 
 /// A section, cut.

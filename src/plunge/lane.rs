@@ -360,6 +360,14 @@ impl<'a> Lane<'a> {
         self.between(lambda, |wall| self.wall_axis(wall, s_hub, s_shroud, None))
     }
 
+    /// The conventional axis of the row at `lambda` with M at `s`: M and W at the same fraction of arc length. Outside the
+    /// channel both go on by the same distance, so that the axis stays as it is at the rim (or the leading edge).
+    pub fn isoparametric(&self, lambda: f64, s: f64) -> Option<AxisEnds> {
+        let inside = s.clamp(0.0, 1.0);
+        let s_shroud = inside + (s - inside) * self.part.hub.length() / self.part.shroud.length();
+        self.row_axis(lambda, s, s_shroud).or_else(|| self.row_axis_fitted(lambda, s, s_shroud))
+    }
+
     /// The axis at `lambda` between the axes of both walls.
     fn between(&self, lambda: f64, axis: impl Fn(usize) -> Option<AxisEnds>) -> Option<AxisEnds> {
         if lambda == 0.0 || lambda == 1.0 {

@@ -2,7 +2,7 @@
 //!
 //! | stage | file |
 //! |---|---|
-//! | which cutter works where | [`sections`] |
+//! | which cutter works where | [`sections`], [`survey`], [`choice`] |
 //! | axes that clear the walls | [`lane`] |
 //! | 1 conventional positions, 2 step inspection | [`row`] |
 //! | 3 axis optimisation | [`monotone`] |
@@ -12,6 +12,7 @@
 //! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
 
 mod attempts;
+pub mod choice;
 pub mod clearance;
 pub mod contact;
 pub mod cycle;
@@ -26,6 +27,7 @@ pub mod retract;
 pub mod row;
 pub mod sections;
 pub mod slotting;
+pub mod survey;
 
 pub use cycle::{PlanError, Planner};
-pub use plan::{Blocked, CoreContact, Dropped, PlungePlan, Position, SectionPlan};
+pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan};

@@ -35,6 +35,32 @@ pub enum Blocked {
     TiltLimit,
 }
 
+/// What keeps a position of `minimal` from the axis that would leave the least there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Held {
+    /// A blade is in the way of that axis.
+    Walls,
+    /// It is further from the axis before than `max_axis_change`.
+    AxisChange,
+    /// The core would meet stock, here or further on.
+    Contact,
+}
+
+impl Held {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Walls, Self::AxisChange, Self::Contact];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Walls => "walls",
+            Self::AxisChange => "axis change",
+            Self::Contact => "contact",
+        }
+    }
+}
+
 /// One plunge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Position {
@@ -62,6 +88,8 @@ pub struct Position {
     pub lift: f64,
     /// Why the policy's axis could not be had, if so.
     pub blocked: Option<Blocked>,
+    /// What keeps it from the axis that would leave the least, if anything does. Only `minimal` knows.
+    pub held: Option<Held>,
     /// Least distance of the cutter to the finished hub, mm.
     pub hub_clearance: f64,
     /// Least distance of the cutter to the finished blades, mm.
@@ -86,6 +114,7 @@ impl Position {
             contact: CoreContact::default(),
             lift: 0.0,
             blocked: station.blocked,
+            held: station.held,
             hub_clearance: f64::NAN,
             blade_clearance: f64::NAN,
             retract_clearance: f64::NAN,

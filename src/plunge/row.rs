@@ -1,7 +1,7 @@
 //! Rows of positions, and stages 1 and 2: conventional positions and step inspection.
 
 use super::lane::{AxisEnds, Lane};
-use super::plan::Blocked;
+use super::plan::{Blocked, Held};
 use super::slotting::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::Monitor;
@@ -24,6 +24,8 @@ pub struct Station {
     pub alpha: f64,
     /// Why the axis asked for could not be had.
     pub blocked: Option<Blocked>,
+    /// What keeps it from the axis that would leave the least.
+    pub held: Option<Held>,
 }
 
 impl Station {
@@ -64,25 +66,12 @@ pub enum RowFault {
 }
 
 impl RowMaker<'_> {
-    /// The station whose axis runs from `s_hub` to `s_shroud`, fitted between the walls and lowered
-    /// onto the hub. `None` where no axis clears the walls.
-    pub fn station(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
-        let ends = self
-            .lane
-            .row_axis(self.lambda, s_hub, s_shroud)
-            .or_else(|| self.lane.row_axis_fitted(self.lambda, s_hub, s_shroud))?;
-        self.exact(&self.lowered(ends))
-    }
-
-    /// The conventional station at `s`: M and W at the same fraction of arc length. Outside the channel both
-    /// go on by the same distance, so that the axis stays as it is at the rim (or the leading edge).
+    /// The conventional station at `s`, lowered onto the hub. `None` where no axis clears the walls.
     pub fn isoparametric(&self, s: f64) -> Option<Station> {
-        let inside = s.clamp(0.0, 1.0);
-        let beyond = (s - inside) * self.part.hub.length() / self.part.shroud.length();
-        self.station(s, inside + beyond)
+        self.exact(&self.lowered(self.lane.isoparametric(self.lambda, s)?))
     }
 
-    /// A station near enough for a search: as [`Self::station`], a few µm off the walls.
+    /// A station near enough for a search: its axis from `s_hub` to `s_shroud` a few µm off the walls.
     pub fn draft(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
         Some(self.lowered(self.lane.row_axis(self.lambda, s_hub, s_shroud)?))
     }
@@ -101,6 +90,7 @@ impl RowMaker<'_> {
         Some(Station {
             s_shroud_conventional: draft.s_shroud_conventional,
             blocked: draft.blocked,
+            held: draft.held,
             ..station
         })
     }
@@ -124,7 +114,16 @@ impl RowMaker<'_> {
                 (m, m, self.alpha(&m, &axis, &normal, &ends))
             }
         };
-        Station { ends, s_shroud_conventional: ends.s_shroud, tip, axis, contact_point, alpha, blocked: None }
+        Station {
+            ends,
+            s_shroud_conventional: ends.s_shroud,
+            tip,
+            axis,
+            contact_point,
+            alpha,
+            blocked: None,
+            held: None,
+        }
     }
 
     /// Signed angle between `normal` and `axis` in the plane of normal and the direction towards the inlet.

@@ -1,7 +1,11 @@
 //! Which cutter works where: sections given by the setup, or a sensible choice.
 
-use crate::part::setup::{Feed, PlungeSetup, SectionSetup};
-use crate::part::{Channel, Impeller, PassageWidth, Setup, Tool};
+use super::choice::choose;
+use super::choice::fit::cylinders;
+use super::choice::search::SHORTEST;
+use super::survey::Survey;
+use crate::part::setup::{PlungeSetup, SectionSetup};
+use crate::part::{Channel, Impeller, Setup, Tool};
 
 /// What of a setup a fault is about, so that whoever has its file can tell the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,52 +56,77 @@ impl SetupFault {
 /// Most positions a plan of one channel may have: ten times what the smallest cutters for a wheel need.
 pub const MAX_POSITIONS: usize = 20_000;
 
-/// Diameters of the standard cutters, mm.
-const STANDARD_DIAMETERS: [f64; 25] = [
-    0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0,
-    25.0, 30.0, 40.0, 50.0, 63.0,
-];
-/// Stations of s at which the passage is measured.
-const STATIONS: usize = 50;
-
-/// Nearest distance between the walls of the narrowest passage at evenly spaced s from 0 to 1, mm.
-pub fn passage_widths(part: &Impeller, channel: &Channel) -> Vec<f64> {
-    let full = PassageWidth::new(part, &channel.full);
-    let beside: Vec<_> = channel.beside_splitter.iter().map(|p| PassageWidth::new(part, p)).collect();
-    (0..=STATIONS)
-        .map(|i| {
-            let s = i as f64 / STATIONS as f64;
-            match channel.splitter_s {
-                Some([hub, shroud]) if s >= hub.min(shroud) => {
-                    beside.iter().map(|p| p.narrowest(s)).fold(f64::INFINITY, f64::min)
-                }
-                _ => full.narrowest(s),
-            }
-        })
-        .collect()
+/// A setup with everything filled in that it left open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resolved {
+    /// The setup, with tools and sections.
+    pub setup: Setup,
+    /// For each section why it was chosen; `None` where the setup gave it.
+    pub reasons: Vec<Option<String>>,
 }
 
-/// The setup with tools and sections filled in where it gives none.
-pub fn resolve(setup: &Setup, part: &Impeller, channel: &Channel) -> Result<Setup, SetupFault> {
+/// The setup with tools and sections filled in where it gives none: tools from `library`, which may not be empty,
+/// sections by [`choose`].
+///
+/// # Errors
+/// When part and setup do not go together.
+pub fn resolve(
+    setup: &Setup,
+    library: &[Tool],
+    part: &Impeller,
+    channel: &Channel,
+) -> Result<Resolved, SetupFault> {
     check_part(setup, part)?;
     check_hub_allowance(setup, part)?;
-    let widths = passage_widths(part, channel);
+    let mut survey = Survey::of(part, channel, SHORTEST);
+    let given = !setup.tools.is_empty();
     let mut resolved = setup.clone();
-    if resolved.tools.is_empty() {
-        check_blade_allowance(setup, &widths)?;
-        resolved.tools = standard_tools(&widths, setup, part);
+    if !given {
+        check_blade_allowance(setup, library, &survey)?;
+        resolved.tools = library.to_vec();
     }
-    if resolved.plunge.sections.is_empty() {
-        resolved.plunge.sections =
-            sections_for(&resolved.tools, &widths, channel, setup.stock.blade_allowance);
+    let mut reasons = vec![None; setup.plunge.sections.len()];
+    if setup.plunge.sections.is_empty() {
+        survey.try_cylinders(part, channel, &setup.stock, &cylinders(&resolved.tools));
+        let limit = (!given).then(|| largest_diameter(setup, part, &survey));
+        for chosen in choose(&resolved.tools, limit, &survey, setup) {
+            resolved.plunge.sections.push(chosen.section);
+            reasons.push(Some(chosen.reason));
+        }
     }
     for (index, section) in resolved.plunge.sections.iter().enumerate() {
         let place = SetupPlace::Section { index, tool: section.tool };
         let tool = tool_of(&resolved, section.tool).map_err(|fault| fault.at(place))?;
-        check_fit(tool, section, &widths, setup.stock.blade_allowance).map_err(|fault| fault.at(place))?;
+        let allowance = setup.stock.blade_allowance;
+        check_fit(tool, section, &survey, allowance, library).map_err(|fault| fault.at(place))?;
     }
-    check_size(&resolved, part, &widths)?;
-    Ok(resolved)
+    if !given {
+        resolved.tools = used_tools(&resolved);
+    }
+    check_size(&resolved, part, &survey)?;
+    Ok(Resolved { setup: resolved, reasons })
+}
+
+/// The tools that sections ask for, in the order of cutting.
+fn used_tools(setup: &Setup) -> Vec<Tool> {
+    let mut used: Vec<Tool> = Vec::new();
+    for section in &setup.plunge.sections {
+        if used.iter().all(|tool| tool.number != section.tool) {
+            used.extend(tool_of(setup, section.tool).ok().cloned());
+        }
+    }
+    used
+}
+
+/// Largest diameter to choose from a library, mm: room for about three rows at the outlet, no cutter that bridges the
+/// hub's curve or that is much wider than the outlet is deep. Time alone would ask for the largest that
+/// fits, which leaves the worst floor.
+fn largest_diameter(setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
+    let outlet = survey.stations.iter().filter(|station| station.s >= 0.7 - 1e-9);
+    let width = outlet.map(|station| station.narrowest).fold(f64::INFINITY, f64::min);
+    let room = width - 2.0 * setup.stock.blade_allowance;
+    let depth = part.hub.point(1.0).distance(part.shroud.point(1.0));
+    (0.65 * room).min(0.12 * part.rim_radius()).min(2.0 * depth)
 }
 
 /// Refuses a setup that names another part.
@@ -114,7 +143,7 @@ pub fn check_part(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
 
 fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
     let height_at = |s: f64| part.hub.point(s).distance(part.shroud.point(s));
-    let height = (0..=STATIONS).map(|i| height_at(i as f64 / STATIONS as f64)).fold(f64::INFINITY, f64::min);
+    let height = (0..=50).map(|i| height_at(f64::from(i) / 50.0)).fold(f64::INFINITY, f64::min);
     if setup.stock.hub_allowance < 0.9 * height {
         return Ok(());
     }
@@ -129,9 +158,10 @@ fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault>
 }
 
 /// Whether there is a cutter to choose at all.
-fn check_blade_allowance(setup: &Setup, widths: &[f64]) -> Result<(), SetupFault> {
-    let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = 0.5 * (narrowest - 1.25 * STANDARD_DIAMETERS[0]);
+fn check_blade_allowance(setup: &Setup, library: &[Tool], survey: &Survey) -> Result<(), SetupFault> {
+    let narrowest = survey.narrowest();
+    let smallest = library.iter().map(|tool| tool.diameter).fold(f64::INFINITY, f64::min);
+    let most = 0.5 * (narrowest - 1.25 * smallest);
     if setup.stock.blade_allowance <= most {
         return Ok(());
     }
@@ -164,24 +194,26 @@ pub fn row_spacing(plunge: &PlungeSetup, tool: &Tool) -> f64 {
 }
 
 /// Refuses a setup whose plan would have more than [`MAX_POSITIONS`] positions, by a low estimate.
-fn check_size(setup: &Setup, part: &Impeller, widths: &[f64]) -> Result<(), SetupFault> {
+fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), SetupFault> {
     let plunge = &setup.plunge;
     let mut total = 0.0;
+    // Where the limit is passed.
+    let mut beyond = None;
     for (index, section) in plunge.sections.iter().enumerate() {
         let tool = tool_of(setup, section.tool)?;
         let length = (section.from - section.to) * part.hub.length().max(part.shroud.length());
-        let width = widths_in(section, widths).map(|(_, w)| w).fold(0.0, f64::max);
+        let stations = &survey.stations[survey.covered(section.from, section.to)];
+        let width = stations.iter().map(|station| station.narrowest).fold(0.0, f64::max);
         let room = (width - tool.diameter - 2.0 * setup.stock.blade_allowance).max(0.0);
         let inner =
             (room / row_spacing(plunge, tool) - 1.0).max(0.0) * length / step_limit(plunge, tool, false);
         let walls = 2.0 * length / step_limit(plunge, tool, true);
         total += inner + walls;
         if total > MAX_POSITIONS as f64 {
-            let place = SetupPlace::Section { index, tool: section.tool };
-            return Err(too_many(total, plunge, tool, place));
+            beyond.get_or_insert((tool, SetupPlace::Section { index, tool: section.tool }));
         }
     }
-    Ok(())
+    beyond.map_or(Ok(()), |(tool, place)| Err(too_many(total, plunge, tool, place)))
 }
 
 /// The fault of a plan with about so many `positions`, where the setup is finest.
@@ -206,19 +238,6 @@ pub(super) fn too_many(positions: f64, plunge: &PlungeSetup, tool: &Tool, place:
     SetupFault::new(what, cure).at(place)
 }
 
-/// Stations of a section with the width of the passage there.
-fn widths_in<'w>(section: &SectionSetup, widths: &'w [f64]) -> impl Iterator<Item = (f64, f64)> + use<'w> {
-    let (from, to) = (section.from, section.to);
-    // A section between two stations has the width of the nearer one.
-    let at = |s: f64| (s * STATIONS as f64).round() / STATIONS as f64;
-    let (high, low) = (from.max(at(from)), to.min(at(to)));
-    widths
-        .iter()
-        .enumerate()
-        .map(|(i, &width)| (i as f64 / STATIONS as f64, width))
-        .filter(move |(s, _)| *s >= low - 1e-9 && *s <= high + 1e-9)
-}
-
 /// Tool number `number` of the setup.
 pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
     setup.tools.iter().find(|t| t.number == number).ok_or_else(|| {
@@ -230,18 +249,20 @@ pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
     })
 }
 
-fn check_fit(tool: &Tool, section: &SectionSetup, widths: &[f64], allowance: f64) -> Result<(), SetupFault> {
-    let mut narrow: Option<(f64, f64)> = None;
-    for (s, width) in widths_in(section, widths) {
-        if width < tool.diameter + 2.0 * allowance && narrow.is_none_or(|(w, _)| width < w) {
-            narrow = Some((width, s));
-        }
-    }
-    match narrow {
-        None => Ok(()),
-        Some((width, s)) => {
+fn check_fit(
+    tool: &Tool,
+    section: &SectionSetup,
+    survey: &Survey,
+    allowance: f64,
+    library: &[Tool],
+) -> Result<(), SetupFault> {
+    let stations = &survey.stations[survey.covered(section.from, section.to)];
+    let narrow = stations.iter().min_by(|a, b| a.narrowest.total_cmp(&b.narrowest));
+    match narrow.map(|station| (station.narrowest, station.s)) {
+        Some((width, s)) if width < tool.diameter + 2.0 * allowance => {
             let room = width - 2.0 * allowance;
-            let diameter = STANDARD_DIAMETERS.iter().rev().find(|&&d| d < room);
+            let fitting = library.iter().map(|tool| tool.diameter).filter(|&d| d < room);
+            let diameter = fitting.max_by(f64::total_cmp);
             let cure = match diameter {
                 Some(d) => format!("use a cutter of at most D {d} there, or end the section before it"),
                 None => "lower the blade allowance".to_string(),
@@ -255,90 +276,6 @@ fn check_fit(tool: &Tool, section: &SectionSetup, widths: &[f64], allowance: f64
                 cure,
             ))
         }
+        _ => Ok(()),
     }
-}
-
-/// Largest standard diameter up to `limit`.
-fn standard_below(limit: f64) -> f64 {
-    STANDARD_DIAMETERS.iter().copied().filter(|&d| d <= limit).fold(STANDARD_DIAMETERS[0], f64::max)
-}
-
-fn standard_tools(widths: &[f64], setup: &Setup, part: &Impeller) -> Vec<Tool> {
-    let room = |w: f64| w - 2.0 * setup.stock.blade_allowance;
-    let least = |from: usize| widths[from..].iter().copied().fold(f64::INFINITY, f64::min);
-    // Room for three rows at the outlet, no cutter that bridges the hub's curve or that is much wider than the
-    // outlet is deep; at the narrowest place there is often room for little more than one row.
-    let outlet = part.hub.point(1.0).distance(part.shroud.point(1.0));
-    let first = standard_below(
-        (0.65 * room(least(7 * STATIONS / 10))).min(0.12 * part.rim_radius()).min(2.0 * outlet),
-    );
-    let last = standard_below(0.8 * room(least(0))).min(first);
-    let ratio = first / last;
-    let mut diameters = vec![first];
-    if ratio > 2.0 {
-        let between = (first * last).sqrt();
-        let nearest = STANDARD_DIAMETERS
-            .iter()
-            .copied()
-            .min_by(|a, b| (a / between).ln().abs().total_cmp(&(b / between).ln().abs()))
-            .unwrap_or(last);
-        diameters.push(nearest);
-    }
-    if ratio > 1.2 {
-        diameters.push(last);
-    }
-    let depth = (0..=10)
-        .map(|i| {
-            let s = f64::from(i) / 10.0;
-            part.hub.point(s).distance(part.shroud.point(s))
-        })
-        .fold(0.0, f64::max);
-    diameters
-        .iter()
-        .zip(1..)
-        .map(|(&diameter, number)| {
-            let spindle = (110_000.0 / (std::f64::consts::PI * diameter)).min(20_000.0).round();
-            Tool {
-                number,
-                diameter,
-                corner_radius: 0.0,
-                insert_width: (0.65 * diameter / 2.0 * 100.0).round() / 100.0,
-                overhang: (1.3 * depth).max(4.0 * diameter).ceil(),
-                plunge_feed: (spindle * 0.2).round().clamp(50.0, 600.0),
-                spindle,
-            }
-        })
-        .collect()
-}
-
-/// Each cutter, largest first, as far inwards as it fits with a little room to tilt; the smallest to
-/// the leading edge. Where passages join in front of a splitter a new section begins.
-fn sections_for(tools: &[Tool], widths: &[f64], channel: &Channel, allowance: f64) -> Vec<SectionSetup> {
-    let mut order: Vec<&Tool> = tools.iter().collect();
-    order.sort_by(|a, b| b.diameter.total_cmp(&a.diameter));
-    let mut sections: Vec<SectionSetup> = Vec::new();
-    let mut from = 1.0;
-    for (k, tool) in order.iter().enumerate() {
-        let wanted = 1.12 * tool.diameter + 2.0 * allowance;
-        let mut to = 1.0;
-        for i in (0..=STATIONS).rev() {
-            if widths[i] < wanted {
-                break;
-            }
-            to = i as f64 / STATIONS as f64;
-        }
-        if k + 1 == order.len() {
-            to = 0.0;
-        }
-        if to < from - 0.04 {
-            let joint = channel.splitter_s.map(|[hub, shroud]| hub.max(shroud));
-            if let Some(joint) = joint.filter(|j| (to + 0.04..from - 0.04).contains(j)) {
-                sections.push(SectionSetup { tool: tool.number, from, to: joint, feed: Some(Feed::Inward) });
-                from = joint;
-            }
-            sections.push(SectionSetup { tool: tool.number, from, to, feed: Some(Feed::Inward) });
-            from = to;
-        }
-    }
-    sections
 }

@@ -137,6 +137,7 @@ pub fn verify(
             contact,
             lift: 0.0,
             blocked: None,
+            held: None,
             hub_clearance: hub,
             blade_clearance: blade,
             retract_clearance: retract,

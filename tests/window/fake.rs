@@ -69,6 +69,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     setup.tools = vec![tool.clone()];
     setup.plunge.sections = vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, feed: Some(Feed::Inward) }];
     Ok(PlanOutcome {
+        reasons: vec![None],
         part: Arc::clone(part),
         setup,
         grid: Arc::clone(&grid),
@@ -111,6 +112,7 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
                 contact: CoreContact { depth: if interferes { 2.56 } else { 0.0 }, area_share: 0.2 },
                 lift: 0.0,
                 blocked: (!conventional && row == 1 && k == 1).then_some(Blocked::Walls),
+                held: None,
                 hub_clearance: 0.5,
                 blade_clearance: 0.5,
                 retract_clearance: 2.0,

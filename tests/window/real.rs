@@ -23,7 +23,7 @@ fn the_count_of_interferential_positions_falls_to_none() {
     assert_eq!(planned.outcome.setup.plunge.step, Some(7.0), "planned with the step of the field");
     let [before, after] = [Side::Before, Side::After].map(|side| &planned.result(side).summary);
     assert!(before.interferential > 0, "the conventional plan interferes");
-    assert_eq!(after.interferential, 0, "the monotone one does not");
+    assert_eq!(after.interferential, 0, "the one by our policy does not");
     let verdict = format!("Interferential {} to 0", before.interferential);
     window.get_by_label(&verdict);
 }
@@ -33,7 +33,7 @@ fn conventional_as_the_policy_repairs_nothing() {
     let mut window = with_sample(Engine::default());
     window.get_by_role_and_label(Role::ComboBox, "Axis policy").click();
     window.run_steps(2);
-    window.get_by_label("Conventional").click();
+    window.get_by_role_and_label(Role::Button, "Conventional").click();
     window.run_steps(2);
     assert_eq!(
         window.state().state().setup.plunge.axis,

@@ -188,9 +188,7 @@ pub fn details(ui: &mut Ui, state: &State, k: usize) {
             RichText::new(format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.word())).strong(),
         );
     });
-    if let Some(blocked) = position.blocked {
-        ui.label(format!("Blocked: {}", blocked_words(blocked)));
-    }
+    remarks(ui, position);
     Grid::new("position facts").num_columns(2).spacing([10.0, 1.0]).show(ui, |ui| {
         let mut fact = |name: &str, value: String| {
             ui.label(RichText::new(name).weak());
@@ -220,6 +218,19 @@ pub fn details(ui: &mut Ui, state: &State, k: usize) {
     ui.add_space(4.0);
 }
 
+/// What else there is to say of a position.
+fn remarks(ui: &mut Ui, position: &Position) {
+    if let Some(blocked) = position.blocked {
+        ui.label(format!("Blocked: {}", blocked_words(blocked)));
+    }
+    if let Some(held) = position.held {
+        ui.label(format!("Held back by: {}", held.words()));
+    }
+    if position.lift > 0.02 {
+        ui.label(format!("Stops {:.2} mm short", position.lift));
+    }
+}
+
 /// What the tip over a row says.
 fn about(ui: &mut Ui, k: usize, position: &Position) {
     ui.label(RichText::new(format!("Position {}: {}", k + 1, condition(position).word())).strong());
@@ -230,9 +241,7 @@ fn about(ui: &mut Ui, k: usize, position: &Position) {
             position.contact.depth
         ));
     }
-    if let Some(blocked) = position.blocked {
-        ui.label(format!("Blocked: {}", blocked_words(blocked)));
-    }
+    remarks(ui, position);
     ui.label(format!("s {:.3}, across {:.3}", position.s, position.lambda));
     ui.label(format!(
         "Clearance: hub {:.3} mm, blade {:.3} mm",

@@ -64,6 +64,14 @@ pub struct Place {
     floor: FloorPoints,
 }
 
+impl Place {
+    /// The least angle between axes of the same tilt here and at `next`, rad; 0 when there are none.
+    pub fn least_turn(&self, next: &Place) -> f64 {
+        let turn = |j: usize| Some(self.tilts[j][0]?.station.axis.angle(&next.tilts[j][0]?.station.axis));
+        (0..TILTS).filter_map(turn).reduce(f64::min).unwrap_or(0.0)
+    }
+}
+
 /// Makes the candidates of one row.
 pub struct CandidateMaker<'a> {
     pub maker: &'a RowMaker<'a>,
@@ -136,13 +144,7 @@ impl CandidateMaker<'_> {
 
     /// Ends of the conventional axis at `s_hub`.
     fn isoparametric(&self, s_hub: f64) -> Option<AxisEnds> {
-        let part = self.maker.part;
-        let inside = s_hub.clamp(0.0, 1.0);
-        let beyond = (s_hub - inside) * part.hub.length() / part.shroud.length();
-        let lane = self.maker.lane;
-        let s_shroud = inside + beyond;
-        lane.row_axis(self.maker.lambda, s_hub, s_shroud)
-            .or_else(|| lane.row_axis_fitted(self.maker.lambda, s_hub, s_shroud))
+        self.maker.lane.isoparametric(self.maker.lambda, s_hub)
     }
 
     /// Directions at the foot of a conventional axis.

@@ -3,18 +3,27 @@
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, CandidateMaker, Place, TILTS};
-use crate::geometry::CutterSolid;
+use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::contact::{Column, ContactSearch};
+use crate::plunge::plan::Held;
 use crate::plunge::row::Station;
 
 /// Positions of the own row that are looked at for contact, besides all earlier rows.
 const LOOK_BACK: usize = 4;
 /// Cost of a position as such, mm: of two paths that leave the same, the shorter.
 const COST_PER_POSITION: f64 = 1e-3;
+/// Times the way between two places is halved for their axes to turn less, and the share of the allowed change that
+/// axes of the same tilt may use up.
+const MAX_HALVINGS: usize = 4;
+const TURN_SHARE: f64 = 0.7;
 /// Cost by which a tilt may be behind the best one of its place and still be followed, mm.
 const BEAM: f64 = 3.0;
+/// Cost of ending a row and beginning another, mm.
+const COST_OF_NEW_ROW: f64 = 5.0;
+/// Cost by which another axis must be better for a position to count as held back, mm.
+const WORTH_TELLING: f64 = 0.02;
 /// Lift kept above what the fewer lines of the search saw, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
@@ -68,21 +77,22 @@ struct Here<'h> {
 }
 
 impl PathSearch<'_> {
-    /// The cheapest path along the places `s` (in cutting order) after `earlier` plunges. The path may
-    /// begin at any of the first `run_up` + 1 places; a layer left before them costs nothing.
+    /// The cheapest path along the places `s` (in cutting order) after `earlier` plunges. The path may begin anywhere
+    /// up to s = `start`; a layer left before it costs nothing. Places are added where the axes turn too much from
+    /// one to the next.
     ///
     /// # Errors
     /// When the work is cancelled.
-    pub fn path(&self, s: &[f64], run_up: usize, earlier: &[Column]) -> Result<Path, Cancelled> {
+    pub fn path(&self, s: &[f64], start: f64, earlier: &[Column]) -> Result<Path, Cancelled> {
         let monitor = self.candidates.maker.monitor;
-        let places: Vec<Option<Place>> = s
-            .par_iter()
-            .map(|&s| if monitor.is_cancelled() { None } else { self.candidates.at(s) })
-            .collect();
-        let mut states: Vec<States> = Vec::with_capacity(s.len());
+        let inward = self.candidates.maker.inward;
+        let places = self.places(s);
+        let mut states: Vec<States> = Vec::with_capacity(places.len());
         let mut last: Option<usize> = None;
-        for (k, place) in places.iter().enumerate() {
+        for (k, (s, place)) in places.iter().enumerate() {
             monitor.check()?;
+            // Ahead of the start is where the cut has not come yet.
+            let ahead = (start - s) * inward;
             let Some(place) = place else {
                 states.push([None; TILTS]);
                 continue;
@@ -91,8 +101,8 @@ impl PathSearch<'_> {
             let here = Here {
                 states: &states,
                 last,
-                may_begin: k <= run_up || last.is_none(),
-                counts: k >= run_up,
+                may_begin: ahead <= 1e-9 || last.is_none(),
+                counts: ahead >= -1e-9,
                 near: &near,
             };
             let reached = self.reached(place, &here);
@@ -101,7 +111,34 @@ impl PathSearch<'_> {
             }
             states.push(reached);
         }
-        Ok(traced(&states, last))
+        Ok(self.traced(&places, &states, last))
+    }
+
+    /// What there is at every s, and between two of them where the axes turn too much on the way.
+    fn places(&self, s: &[f64]) -> Vec<(f64, Option<Place>)> {
+        let monitor = self.candidates.maker.monitor;
+        let at = |s: f64| (s, if monitor.is_cancelled() { None } else { self.candidates.at(s) });
+        let mut places: Vec<(f64, Option<Place>)> = s.par_iter().map(|&s| at(s)).collect();
+        for _ in 0..MAX_HALVINGS {
+            let between: Vec<Option<(f64, Option<Place>)>> = places
+                .par_windows(2)
+                .map(|pair| {
+                    let [Some(a), Some(b)] = [&pair[0].1, &pair[1].1] else { return None };
+                    let too_much = a.least_turn(b) > TURN_SHARE * self.max_axis_change;
+                    too_much.then(|| at(0.5 * (pair[0].0 + pair[1].0)))
+                })
+                .collect();
+            if between.iter().all(Option::is_none) {
+                break;
+            }
+            let mut refined = Vec::with_capacity(2 * places.len());
+            for (place, between) in places.into_iter().zip(between.into_iter().chain([None])) {
+                refined.push(place);
+                refined.extend(between);
+            }
+            places = refined;
+        }
+        places
     }
 
     /// States of a place. Tilts that cannot come near the best are left out, unless the best has to stop
@@ -220,11 +257,17 @@ impl PathSearch<'_> {
             let mut order: [usize; TILTS] = std::array::from_fn(|i| i);
             let cost = |i: usize| here.states[last][i].map_or(f64::INFINITY, |s| s.cost);
             order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+            let mut within_reach = false;
             for i in order {
                 let Some(passed) = &here.states[last][i] else { break };
                 if passed.candidate.station.axis.angle(&candidate.station.axis) <= self.max_axis_change {
+                    within_reach = true;
                     consider(passed.cost, Some((last, i)));
                 }
+            }
+            // Where no axis can be had from the last ones, another row begins.
+            if !within_reach && here.counts && here.states[last][order[0]].is_some() {
+                consider(cost(order[0]) + COST_OF_NEW_ROW, Some((last, order[0])));
             }
         }
         if here.may_begin {
@@ -232,22 +275,44 @@ impl PathSearch<'_> {
         }
         best
     }
-}
 
-/// The path that ends in the cheapest state of place `last`.
-fn traced(states: &[States], last: Option<usize>) -> Path {
-    let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
-    let end = last.and_then(|k| (0..TILTS).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
-    let mut path = Path { steps: Vec::new(), cost: end.as_ref().map_or(0.0, cost) };
-    let mut at = end;
-    while let Some((k, j)) = at
-        && let Some(state) = &states[k][j]
-    {
-        path.steps.push((state.candidate.station, state.lift));
-        at = state.before;
+    /// The path that ends in the cheapest state of place `last`.
+    fn traced(&self, places: &[(f64, Option<Place>)], states: &[States], last: Option<usize>) -> Path {
+        let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
+        let end = last.and_then(|k| (0..TILTS).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
+        let mut path = Path { steps: Vec::new(), cost: end.as_ref().map_or(0.0, cost) };
+        let mut at = end;
+        while let Some((k, j)) = at
+            && let Some(state) = &states[k][j]
+        {
+            let before = state.before.and_then(|(k, j)| states[k][j]).map(|s| s.candidate.station.axis);
+            let held = places[k].1.as_ref().and_then(|place| self.held(place, state, before));
+            path.steps.push((Station { held, ..state.candidate.station }, state.lift));
+            at = state.before;
+        }
+        path.steps.reverse();
+        path
     }
-    path.steps.reverse();
-    path
+
+    /// What keeps a state from the cheapest candidate of its place.
+    fn held(&self, place: &Place, state: &State, before: Option<Vector>) -> Option<Held> {
+        let cost = |c: &Candidate| c.cost(0.0, self.candidates.scale);
+        let cheapest =
+            place.tilts.iter().filter_map(|tilt| tilt[0]).min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
+        if state.lift == 0.0 && cost(&state.candidate) <= cost(&cheapest) + WORTH_TELLING {
+            return None;
+        }
+        let turn = |before: Vector| before.angle(&cheapest.station.axis);
+        Some(
+            if self.candidates.cleared(&cheapest, place).is_none_or(|c| cost(&c) >= cost(&state.candidate)) {
+                Held::Walls
+            } else if before.is_some_and(|before| turn(before) > self.max_axis_change) {
+                Held::AxisChange
+            } else {
+                Held::Contact
+            },
+        )
+    }
 }
 
 /// The column of a plunge that stops `lift` mm short.

@@ -95,16 +95,17 @@ impl Planner<'_> {
                     max_axis_change: self.setup.plunge.max_axis_change,
                 };
                 let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
-                let (places, first) = places(&maker, start + run_up, start, end);
-                let path = search.path(&places, first, &cut.columns)?;
-                let missed = places.len().saturating_sub(first).saturating_sub(path.steps.len());
-                cost += path.cost + COST_OF_MISSED * missed as f64;
+                let (places, step) = places(&maker, start + run_up, start, end);
+                let path = search.path(&places, start, &cut.columns)?;
+                let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
+                cost += path.cost + COST_OF_MISSED * ((end - reached) / step).abs();
+                let lambda = stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
                 let mut stations: Vec<Station> =
                     path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
                 fill_steps(&maker, &search.candidates, &mut stations);
-                let lambda = stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
                 let row = Row { stations, lambda, rounds: 1, settled: true };
-                cut.rows.push(self.cut_row(row, tool, true, &mut cut.columns, monitor)?);
+                let row = self.cut_row(row, tool, true, &mut cut.columns, monitor)?;
+                cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
             }
         }
         Ok((cut, cost))
@@ -120,9 +121,7 @@ impl Planner<'_> {
         row: usize,
         s: f64,
     ) -> Option<[f64; 2]> {
-        let s_shroud =
-            s.clamp(0.0, 1.0) + (s - s.clamp(0.0, 1.0)) * self.part.hub.length() / self.part.shroud.length();
-        let at = |lambda: f64| Some(lane.row_axis(lambda, s, s_shroud)?.theta_hub);
+        let at = |lambda: f64| Some(lane.isoparametric(lambda, s)?.theta_hub);
         let here = at(rows[row])?;
         let walls = stretch.passage.wall_angles(self.part, s.clamp(0.0, 1.0), 0.0);
         let margin = self.setup.stock.blade_allowance / self.part.hub.point(s).r * self.part.pitch().signum();
@@ -185,8 +184,8 @@ impl Planner<'_> {
 }
 
 /// Places s of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub and shroud for
-/// upright axes, and how many of them come before `start`.
-fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> (Vec<f64>, usize) {
+/// conventional axes, and their distance.
+fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> (Vec<f64>, f64) {
     let length = maker.part.hub.length().max(maker.part.shroud.length());
     let coarse = (((end - start).abs() * length / maker.step_limit / 3.0).ceil() as usize).clamp(1, 4000);
     let at = |i: usize| start + (end - start) * i as f64 / coarse as f64;
@@ -203,8 +202,7 @@ fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> (Vec<f64>, usi
     let count = coarse * per_gap;
     let step = (end - start) / count as f64;
     let first = ((run_up - start).abs() / step.abs()).ceil() as usize;
-    let places = (0..=first + count).map(|i| start + step * (i as f64 - first as f64)).collect();
-    (places, first)
+    ((0..=first + count).map(|i| start + step * (i as f64 - first as f64)).collect(), step)
 }
 
 /// Stage 2: puts positions between those that stand further apart than the step limit.

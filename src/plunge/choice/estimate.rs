@@ -1,0 +1,148 @@
+//! How long a cutter takes for a stretch of the channel, before there is a plan: rows and positions as the planner
+//! would space them, each plunge at its feed over the depth of the channel, and back in rapid.
+
+use super::fit::{Fit, Rules};
+use crate::part::Tool;
+use crate::part::setup::PlungeSetup;
+use crate::plunge::sections::{row_spacing, step_limit};
+use crate::plunge::survey::{Across, Survey};
+
+/// Rapid feed assumed for time estimates, mm/min.
+pub const RAPID_FEED: f64 = 10_000.0;
+/// Time to change a cutter and to come back with the next, s.
+pub const TOOL_CHANGE: f64 = 120.0;
+/// Most passages side by side, the full channel counted as one of its own.
+const PASSAGES: usize = 3;
+
+/// What a choice costs; ordered by how far it breaks the rules first, by time then.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct Cost {
+    /// Stations at which a cutter is wider than the passage.
+    pub misfits: u32,
+    /// Stations at which a cutter fits, but against the rules.
+    pub wanting: u32,
+    /// Time, s.
+    pub seconds: f64,
+}
+
+impl Cost {
+    /// Time alone.
+    pub fn seconds(seconds: f64) -> Self {
+        Self { seconds, ..Self::default() }
+    }
+
+    /// Whether no rule is broken.
+    pub fn keeps_rules(&self) -> bool {
+        (self.misfits, self.wanting) == (0, 0)
+    }
+
+    /// The cost of both.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            misfits: self.misfits + other.misfits,
+            wanting: self.wanting + other.wanting,
+            seconds: self.seconds + other.seconds,
+        }
+    }
+}
+
+/// Estimates for one survey and one setup.
+#[derive(Debug)]
+pub struct Estimator<'a> {
+    /// What was measured.
+    pub survey: &'a Survey,
+    /// Steps and spacings asked for.
+    pub plunge: &'a PlungeSetup,
+    /// When a cutter fits.
+    pub rules: Rules,
+}
+
+/// Rows and positions of a stretch of one passage, grown station by station.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lane {
+    /// Gaps between rows.
+    gaps: f64,
+    /// mm per s where the axes move most: positions follow each other evenly in s.
+    advance: f64,
+    /// Time of a plunge, integrated over s.
+    plunging: f64,
+}
+
+impl Lane {
+    /// Time of all rows, s, at the steps of wall rows and of inner rows, mm.
+    fn seconds(&self, [wall, inner]: [f64; 2]) -> f64 {
+        let inner_rows = rows(self.gaps) - 2.0;
+        self.advance * self.plunging * (2.0 / wall + inner_rows / inner)
+    }
+}
+
+/// Number of rows with so many gaps between them. The planner rounds gaps up; here that is half a gap more on
+/// average, so that no hair's breadth of a width decides on a whole row.
+fn rows(gaps: f64) -> f64 {
+    (gaps + 0.5).max(1.0) + 1.0
+}
+
+impl Estimator<'_> {
+    /// Costs of cutting with `tool` from station `from` inwards to each of the stations below it, nearest first. Way to
+    /// the first position and tool changes are not in it, see [`Self::beginning`].
+    pub fn inwards<'s>(&'s self, tool: &'s Tool, from: usize) -> impl Iterator<Item = Cost> + use<'s> {
+        let stations = &self.survey.stations;
+        let mut lanes = [Lane::default(); PASSAGES];
+        let steps = [true, false].map(|wall_row| step_limit(self.plunge, tool, wall_row));
+        let mut broken = self.broken(tool, from);
+        (0..from).rev().map(move |to| {
+            let (outer, inner) = (&stations[to + 1], &stations[to]);
+            broken = broken.and(self.broken(tool, to));
+            for across in &outer.passages {
+                let lane = &mut lanes[across.passage];
+                lane.plunging += (outer.s - inner.s) * self.plunge_seconds(tool, across);
+            }
+            for across in outer.passages.iter().chain(&inner.passages) {
+                let lane = &mut lanes[across.passage];
+                lane.gaps = lane.gaps.max(self.gaps(tool, across));
+                lane.advance = lane.advance.max(across.advance);
+            }
+            broken.and(Cost::seconds(lanes.iter().map(|lane| lane.seconds(steps)).sum()))
+        })
+    }
+
+    /// Cost of cutting with `tool` between two stations; see [`Self::inwards`].
+    pub fn stretch(&self, tool: &Tool, from: usize, to: usize) -> Cost {
+        self.inwards(tool, from).nth(from - to - 1).unwrap_or_default()
+    }
+
+    /// Cost of beginning with `tool` at station `from` after `before`: the change, and positions in every row
+    /// outside its stretch until the core is free.
+    pub fn beginning(&self, tool: &Tool, from: usize, before: Option<&Tool>) -> Cost {
+        // The planner sets the front rims of both cutters flush, and leaves the core outside the rim.
+        let way_in = before.map_or(tool.core_radius().max(0.0), |t| (t.radius() - tool.radius()).max(0.0));
+        let change =
+            if before.is_some_and(|before| before.number == tool.number) { 0.0 } else { TOOL_CHANGE };
+        let positions = 1.0 + way_in / step_limit(self.plunge, tool, false);
+        let passages = self.survey.stations[from].passages.iter();
+        let way: f64 =
+            passages.map(|a| rows(self.gaps(tool, a)) * positions * self.plunge_seconds(tool, a)).sum();
+        Cost::seconds(change + way)
+    }
+
+    /// Gaps between rows, as the planner places them: no ridge on the hub, none at the shroud.
+    fn gaps(&self, tool: &Tool, across: &Across) -> f64 {
+        let room = |width: f64| self.rules.room(width) - tool.diameter;
+        (room(across.hub) / row_spacing(self.plunge, tool)).max(room(across.shroud) / (1.9 * tool.radius()))
+    }
+
+    /// Time of one plunge with its way back and the link to the next, s.
+    fn plunge_seconds(&self, tool: &Tool, across: &Across) -> f64 {
+        let length = across.depth + self.rules.safety_distance;
+        let link = step_limit(self.plunge, tool, false);
+        60.0 * (length / tool.plunge_feed + (length + link) / RAPID_FEED)
+    }
+
+    fn broken(&self, tool: &Tool, station: usize) -> Cost {
+        match self.rules.fit(tool, &self.survey.stations[station]) {
+            Fit::Good => Cost::default(),
+            Fit::Tight | Fit::Short => Cost { wanting: 1, ..Cost::default() },
+            Fit::Wide => Cost { misfits: 1, ..Cost::default() },
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Why a section is as it is: one line that a programmer can disagree with.
+
+use std::collections::BTreeSet;
+
+use super::estimate::Estimator;
+use super::fit::Fit;
+use super::search::{Found, Stretch, cheapest};
+use crate::part::Tool;
+use crate::plunge::survey::Station;
+
+/// What the reasons of a choice are read from.
+pub struct Reasons<'a> {
+    /// Costs and rules.
+    pub estimator: &'a Estimator<'a>,
+    /// What could be chosen, large to small.
+    pub candidates: &'a [&'a Tool],
+    /// Greatest diameter that was considered, mm.
+    pub limit: Option<f64>,
+    /// What was chosen.
+    pub found: &'a Found,
+}
+
+impl Reasons<'_> {
+    /// Why section `index` has its tool, why it ends where it does, and what the best choice with another size there
+    /// would take.
+    pub fn of(&self, index: usize) -> String {
+        let stretch = self.found.stretches[index];
+        let parts =
+            [Some(self.size(stretch)), Some(self.end(index)), self.broken(stretch), self.rival(stretch)];
+        parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
+    }
+
+    fn tool(&self, stretch: Stretch) -> &Tool {
+        self.candidates[stretch.tool]
+    }
+
+    fn station(&self, index: usize) -> &Station {
+        &self.estimator.survey.stations[index]
+    }
+
+    fn fit(&self, tool: &Tool, station: usize) -> Fit {
+        self.estimator.rules.fit(tool, self.station(station))
+    }
+
+    fn size(&self, stretch: Stretch) -> String {
+        let tool = self.tool(stretch);
+        let mut larger = self.candidates.iter().filter(|t| t.diameter > tool.diameter).peekable();
+        let largest = larger.peek().is_none();
+        let fits = |t: &Tool| (stretch.to..=stretch.from).all(|station| self.fit(t, station) == Fit::Good);
+        match self.limit {
+            _ if self.candidates.len() == 1 => "the only cutter there is".to_owned(),
+            Some(limit) if largest => {
+                format!("largest cutter with room for rows side by side at the outlet (at most D {limit:.1})")
+            }
+            None if largest => "largest cutter there is".to_owned(),
+            _ if larger.any(|t| fits(t)) => "larger ones would fit".to_owned(),
+            _ => "largest cutter with room to tilt".to_owned(),
+        }
+    }
+
+    fn end(&self, index: usize) -> String {
+        let stretch = self.found.stretches[index];
+        let (s, width) = (self.station(stretch.to).s, self.station(stretch.to).narrowest);
+        let Some(next) = self.found.stretches.get(index + 1) else {
+            let widths = (0..=stretch.from).map(|i| self.station(i).narrowest);
+            let narrowest = widths.fold(f64::INFINITY, f64::min);
+            return format!("to the leading edge through a passage down to {narrowest:.1} mm wide");
+        };
+        if self.estimator.survey.joint == Some(stretch.to) {
+            return format!("to s = {s:.2}, where the passages beside the splitter join");
+        }
+        match stretch.to.checked_sub(1).map(|further| self.fit(self.tool(stretch), further)) {
+            Some(Fit::Wide | Fit::Tight) => {
+                format!("to s = {s:.2}, where the passage narrows to {width:.1} mm")
+            }
+            Some(Fit::Short) => format!("to s = {s:.2}, where the channel gets too deep for its overhang"),
+            _ => format!("to s = {s:.2}, from where D {} takes less time", self.tool(*next).diameter),
+        }
+    }
+
+    /// The rule the cutter breaks, if it does.
+    fn broken(&self, stretch: Stretch) -> Option<String> {
+        let tool = self.tool(stretch);
+        let within = stretch.to..=stretch.from;
+        let fits: Vec<Fit> = within.clone().map(|station| self.fit(tool, station)).collect();
+        if fits.contains(&Fit::Tight) {
+            return Some("without room to tilt in places".to_owned());
+        }
+        let needed = within.map(|i| self.estimator.rules.overhang(self.station(i))).fold(0.0, f64::max);
+        fits.contains(&Fit::Short).then(|| {
+            format!("its overhang of {:.0} mm is short of the {needed:.0} mm wanted there", tool.overhang)
+        })
+    }
+
+    /// How the best choice compares that has another diameter in the middle of this stretch.
+    fn rival(&self, stretch: Stretch) -> Option<String> {
+        let diameter = |stretch: Stretch| self.tool(stretch).diameter;
+        let middle = (stretch.from + stretch.to) / 2;
+        let holds_middle = |s: Stretch| s.to <= middle && middle < s.from;
+        let other = |s: Stretch| !holds_middle(s) || diameter(s) != diameter(stretch);
+        let rival = cheapest(self.estimator, self.candidates, other)?;
+        let instead = diameter(rival.stretches.iter().copied().find(|&s| holds_middle(s))?);
+        let (cost, best) = (rival.cost, self.found.cost);
+        if (cost.misfits, cost.wanting) > (best.misfits, best.wanting) {
+            return Some("any other would lack room or overhang".to_owned());
+        }
+        let percent = 100.0 * (cost.seconds / best.seconds - 1.0);
+        let tools = |found: &Found| found.stretches.iter().map(|s| s.tool).collect::<BTreeSet<_>>().len();
+        let effect = match percent {
+            _ if percent >= 0.05 => format!("{percent:.1} % longer"),
+            _ if percent <= -0.05 => format!("{:.1} % less", -percent),
+            _ => "as long".to_owned(),
+        };
+        let count = match (tools(&rival), tools(self.found)) {
+            (rival, ours) if rival == ours => String::new(),
+            (1, _) => ", with one cutter".to_owned(),
+            (rival, _) => format!(", with {rival} cutters"),
+        };
+        Some(format!("with D {instead} in its place the channel would take {effect}{count}"))
+    }
+}

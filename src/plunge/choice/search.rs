@@ -1,0 +1,175 @@
+//! The cheapest choice by dynamic programming over the borders of sections.
+//!
+//! Cutters come large to small from the outlet inwards, as they cut. A section runs from station to station, none
+//! runs across a joint, none is shorter than [`SHORTEST`]. With `after[n][i][t]`, the least cost of everything
+//! outside station i when n cutters were used and t was the last, and `ready[n][i][t]`, the same with t about to
+//! begin a section at i:
+//!
+//! - `ready[n][i][t]` = least of `after[n−1][i][u]` + change from u to t, over larger u; at a joint also
+//!   `after[n][i][t]`, as the same cutter goes on in a new section;
+//! - `after[n][i][t]` = least of `ready[n][j][t]` + cost of t from j to i, over the stations j outside i.
+
+use super::estimate::{Cost, Estimator};
+use crate::part::Tool;
+
+/// Most cutters of a choice.
+pub const MOST_TOOLS: usize = 4;
+/// How much longer a choice with fewer cutters may take: a further one has to save more than the estimate is good for,
+/// and more than its seam across the floor is worth.
+const WORTH_A_TOOL: f64 = 1.05;
+/// Shortest section, s.
+pub const SHORTEST: f64 = 0.04;
+
+/// A section of a choice: index of its tool, stations at its outlet and its inlet end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// Index in the list of tools.
+    pub tool: usize,
+    /// Station at the outlet end.
+    pub from: usize,
+    /// Station at the inlet end.
+    pub to: usize,
+}
+
+/// A choice and what it costs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Sections, outlet to inlet.
+    pub stretches: Vec<Stretch>,
+    /// Their cost.
+    pub cost: Cost,
+}
+
+/// A cost with where it came from: the tool before, or the station at which the section began.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    cost: Cost,
+    origin: usize,
+}
+
+/// Keeps the lower cost; of equal ones the first.
+fn keep(best: &mut Option<Step>, cost: Cost, origin: usize) {
+    if best.is_none_or(|best| cost < best.cost) {
+        *best = Some(Step { cost, origin });
+    }
+}
+
+/// The best steps by number of cutters used so far, station and tool.
+struct Table {
+    tools: usize,
+    stations: usize,
+    steps: Vec<Option<Step>>,
+}
+
+impl Table {
+    fn new(tools: usize, stations: usize) -> Self {
+        Self { tools, stations, steps: vec![None; (MOST_TOOLS + 1) * stations * tools] }
+    }
+
+    fn index(&self, used: usize, station: usize, tool: usize) -> usize {
+        (used * self.stations + station) * self.tools + tool
+    }
+
+    fn at(&self, used: usize, station: usize, tool: usize) -> Option<Step> {
+        self.steps[self.index(used, station, tool)]
+    }
+
+    fn at_mut(&mut self, used: usize, station: usize, tool: usize) -> &mut Option<Step> {
+        let index = self.index(used, station, tool);
+        &mut self.steps[index]
+    }
+}
+
+/// Whether a section may run between these stations.
+pub fn is_section(estimator: &Estimator, from: usize, to: usize) -> bool {
+    let survey = estimator.survey;
+    let crosses = survey.joint.is_some_and(|joint| to < joint && joint < from);
+    !crosses && survey.stations[from].s - survey.stations[to].s >= SHORTEST - 1e-9
+}
+
+/// The cheapest choice of `tools`, which come large to small, with no more of them than are worth it, and with none of
+/// the stretches that are not `allowed`. `None` when that leaves nothing.
+pub fn cheapest(estimator: &Estimator, tools: &[&Tool], allowed: impl Fn(Stretch) -> bool) -> Option<Found> {
+    let stations = estimator.survey.stations.len();
+    let rim = stations - 1;
+    let mut ready = Table::new(tools.len(), stations);
+    let mut after = Table::new(tools.len(), stations);
+    for from in (0..stations).rev() {
+        for (t, &tool) in tools.iter().enumerate() {
+            for used in 1..=MOST_TOOLS {
+                *ready.at_mut(used, from, t) = begin(estimator, tools, &after, (used, from, t));
+            }
+            if (1..=MOST_TOOLS).all(|used| ready.at(used, from, t).is_none()) {
+                continue;
+            }
+            for (to, cost) in (0..from).rev().zip(estimator.inwards(tool, from)) {
+                if !is_section(estimator, from, to) || !allowed(Stretch { tool: t, from, to }) {
+                    continue;
+                }
+                for used in 1..=MOST_TOOLS {
+                    if let Some(step) = ready.at(used, from, t) {
+                        keep(after.at_mut(used, to, t), step.cost.and(cost), from);
+                    }
+                }
+            }
+        }
+    }
+    let ends = (1..=MOST_TOOLS).map(|used| {
+        let ends = (0..tools.len()).filter_map(|t| Some((after.at(used, 0, t)?.cost, t)));
+        ends.reduce(|best, end| if end.0 < best.0 { end } else { best })
+    });
+    let ends: Vec<Option<(Cost, usize)>> = ends.collect();
+    let costs: Vec<Option<Cost>> = ends.iter().map(|end| end.map(|(cost, _)| cost)).collect();
+    let mut used = worthwhile(&costs)? + 1;
+    let (cost, mut tool) = ends[used - 1]?;
+    let mut stretches = Vec::new();
+    let mut to = 0;
+    while to < rim {
+        let from = after.at(used, to, tool)?.origin;
+        stretches.push(Stretch { tool, from, to });
+        let before = ready.at(used, from, tool)?.origin;
+        if before != tool {
+            used -= 1;
+        }
+        (to, tool) = (from, before);
+    }
+    stretches.reverse();
+    Some(Found { stretches, cost })
+}
+
+/// Which of the least costs with one cutter, two, and so on to take: the first that breaks the rules no more than
+/// the best does and takes hardly longer. `None` when there is none.
+pub fn worthwhile(costs: &[Option<Cost>]) -> Option<usize> {
+    let best = costs.iter().flatten().copied().reduce(|a, b| if b < a { b } else { a })?;
+    let most = Cost { seconds: WORTH_A_TOOL * best.seconds, ..best };
+    costs.iter().position(|cost| cost.is_some_and(|cost| cost <= most))
+}
+
+/// `ready` at (number of cutters used, station, tool).
+fn begin(
+    estimator: &Estimator,
+    tools: &[&Tool],
+    after: &Table,
+    (used, from, t): (usize, usize, usize),
+) -> Option<Step> {
+    let tool = tools[t];
+    let mut best = None;
+    if from + 1 == estimator.survey.stations.len() {
+        if used == 1 {
+            keep(&mut best, estimator.beginning(tool, from, None), t);
+        }
+        return best;
+    }
+    if estimator.survey.joint == Some(from)
+        && let Some(step) = after.at(used, from, t)
+    {
+        keep(&mut best, step.cost.and(estimator.beginning(tool, from, Some(tool))), t);
+    }
+    for before in (0..t).filter(|&before| tools[before].diameter > tool.diameter) {
+        if let Some(step) = after.at(used - 1, from, before) {
+            let begun = estimator.beginning(tool, from, Some(tools[before]));
+            keep(&mut best, step.cost.and(begun), before);
+        }
+    }
+    best
+}

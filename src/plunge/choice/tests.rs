@@ -1,0 +1,191 @@
+use super::estimate::Cost;
+use super::search::{MOST_TOOLS, Stretch, is_section, worthwhile};
+use super::*;
+use crate::plunge::survey::{Across, Station};
+
+fn tool(number: u32, diameter: f64) -> Tool {
+    Tool {
+        number,
+        diameter,
+        corner_radius: 0.0,
+        insert_width: 0.3 * diameter,
+        overhang: 200.0,
+        plunge_feed: 300.0,
+        spindle: 1200.0,
+    }
+}
+
+/// A channel of these widths, mm, from leading edge to rim, 40 mm deep.
+fn channel(widths: &[f64], joint: Option<usize>) -> Survey {
+    let last = widths.len() - 1;
+    let station = |(i, &width): (usize, &f64)| {
+        let passage = usize::from(joint.is_some_and(|joint| i >= joint));
+        Station {
+            s: i as f64 / last as f64,
+            narrowest: width,
+            deepest: 40.0,
+            clear: f64::INFINITY,
+            passages: vec![Across { passage, hub: width, shroud: 1.1 * width, depth: 40.0, advance: 200.0 }],
+        }
+    };
+    Survey { stations: widths.iter().enumerate().map(station).collect(), joint }
+}
+
+/// A channel that opens evenly from `inlet` to `outlet`, mm.
+fn opening(inlet: f64, outlet: f64) -> Survey {
+    let widths: Vec<f64> = (0..=50).map(|i| inlet + (outlet - inlet) * f64::from(i) / 50.0).collect();
+    channel(&widths, None)
+}
+
+fn tools_of(chosen: &[Chosen]) -> Vec<u32> {
+    chosen.iter().map(|chosen| chosen.section.tool).collect()
+}
+
+/// Adds to `best` the least cost, by number of tools, of everything that can follow `so_far`.
+fn every_choice(
+    estimator: &Estimator,
+    tools: &[&Tool],
+    (so_far, cost): (&mut Vec<Stretch>, Cost),
+    best: &mut [Option<Cost>; MOST_TOOLS],
+) {
+    let before = so_far.last().copied();
+    let from = before.map_or(estimator.survey.stations.len() - 1, |before| before.to);
+    let mut numbers: Vec<usize> = so_far.iter().map(|stretch| stretch.tool).collect();
+    numbers.dedup();
+    if from == 0 {
+        let best = &mut best[numbers.len() - 1];
+        *best = Some(best.map_or(cost, |best| if cost < best { cost } else { best }));
+        return;
+    }
+    for (t, tool) in tools.iter().enumerate() {
+        let follows = before.is_none_or(|before| {
+            let goes_on = estimator.survey.joint == Some(from) && before.tool == t;
+            goes_on || (tools[before.tool].diameter > tool.diameter && numbers.len() < MOST_TOOLS)
+        });
+        if !follows {
+            continue;
+        }
+        let begun = cost.and(estimator.beginning(tool, from, before.map(|before| tools[before.tool])));
+        for to in (0..from).filter(|&to| is_section(estimator, from, to)) {
+            let cost = begun.and(estimator.stretch(tool, from, to));
+            so_far.push(Stretch { tool: t, from, to });
+            every_choice(estimator, tools, (&mut *so_far, cost), best);
+            so_far.pop();
+        }
+    }
+}
+
+#[test]
+fn no_choice_beats_the_one_found() {
+    let setup = Setup::default();
+    // Numbers that look like chance, the same on every run.
+    let mut state = 7u64;
+    let mut chance = |from: f64, to: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        from + (to - from) * (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut counts = [0; MOST_TOOLS];
+    for case in 0..60 {
+        let widths: Vec<f64> = (0..8).map(|i| chance(8.0, 14.0) + f64::from(i) * chance(0.0, 20.0)).collect();
+        let survey = channel(&widths, (case % 3 == 0).then_some(2 + case % 4));
+        let mut tools: Vec<Tool> = (1..=5).map(|number| tool(number, chance(5.0, 40.0).round())).collect();
+        for tool in &mut tools {
+            tool.plunge_feed = chance(80.0, 600.0);
+            tool.overhang = chance(30.0, 90.0);
+        }
+        let candidates = candidates(&tools, None);
+        let estimator = Estimator { survey: &survey, plunge: &setup.plunge, rules: Rules::new(&setup.stock) };
+        let mut best = [None; MOST_TOOLS];
+        every_choice(&estimator, &candidates, (&mut Vec::new(), Cost::default()), &mut best);
+        let wanted = worthwhile(&best).and_then(|index| best[index]).expect("there is a choice");
+        let found = cheapest(&estimator, &candidates, |_| true).expect("there is a choice");
+        assert_eq!(
+            (found.cost.misfits, found.cost.wanting),
+            (wanted.misfits, wanted.wanting),
+            "case {case}: rules"
+        );
+        assert!((found.cost.seconds - wanted.seconds).abs() < 1e-6, "case {case}: {found:?}, not {wanted:?}");
+        let mut used: Vec<usize> = found.stretches.iter().map(|stretch| stretch.tool).collect();
+        used.dedup();
+        counts[used.len() - 1] += 1;
+    }
+    assert!(counts[..3].iter().all(|&count| count > 0), "cases with one, two and three tools: {counts:?}");
+}
+
+#[test]
+fn cutters_fit_and_follow_each_other_from_rim_to_leading_edge() {
+    let setup = Setup::default();
+    let survey = opening(13.0, 90.0);
+    let tools: Vec<Tool> =
+        [40.0, 30.0, 20.0, 16.0, 12.0, 10.0, 8.0].iter().zip(1..).map(|(&d, n)| tool(n, d)).collect();
+    let chosen = choose(&tools, None, &survey, &setup);
+    assert!((2..=MOST_TOOLS).contains(&chosen.len()), "a narrowing channel takes some cutters: {chosen:?}");
+    let sections: Vec<&SectionSetup> = chosen.iter().map(|chosen| &chosen.section).collect();
+    assert_eq!((sections[0].from, sections[sections.len() - 1].to), (1.0, 0.0), "from rim to leading edge");
+    assert!(sections.windows(2).all(|pair| pair[0].to == pair[1].from), "without a gap");
+    for section in sections {
+        let diameter = tools[section.tool as usize - 1].diameter;
+        for station in &survey.stations[survey.covered(section.from, section.to)] {
+            assert!(station.narrowest - 1.0 >= 1.12 * diameter, "D {diameter} has room at s = {}", station.s);
+        }
+        assert_eq!(section.feed, None, "the feed is left to the planner");
+    }
+}
+
+#[test]
+fn a_wider_channel_gets_larger_cutters() {
+    let setup = Setup::default();
+    let tools: Vec<Tool> = (3..=50).map(|d| tool(d, f64::from(d))).collect();
+    let diameters = |inlet, outlet| tools_of(&choose(&tools, None, &opening(inlet, outlet), &setup));
+    let (narrow, wide) = (diameters(12.0, 40.0), diameters(24.0, 80.0));
+    assert!(wide.first() > narrow.first() && wide.last() > narrow.last(), "{narrow:?}, then {wide:?}");
+}
+
+#[test]
+fn a_new_section_begins_where_passages_join() {
+    let setup = Setup::default();
+    let chosen = choose(&[tool(4, 12.0)], None, &channel(&[30.0; 51], Some(20)), &setup);
+    let borders: Vec<(f64, f64)> = chosen.iter().map(|c| (c.section.from, c.section.to)).collect();
+    assert_eq!(borders, [(1.0, 0.4), (0.4, 0.0)], "the same cutter, twice");
+}
+
+#[test]
+fn the_shortest_cutter_that_is_long_enough_is_taken() {
+    let setup = Setup::default();
+    let cutters = [200.0, 60.0, 40.0].map(|overhang| Tool {
+        number: overhang as u32,
+        overhang,
+        plunge_feed: 300.0 - overhang,
+        ..tool(0, 12.0)
+    });
+    let of = |tools: &[Tool]| tools_of(&choose(tools, None, &opening(20.0, 30.0), &setup));
+    assert_eq!(of(&cutters), [60], "40 mm deep, and room to lean");
+    let chosen = choose(&cutters[2..], None, &opening(20.0, 30.0), &setup);
+    assert_eq!(tools_of(&chosen), [40], "a short one is better than none");
+    assert!(chosen[0].reason.contains("overhang of 40 mm is short"), "and says so: {}", chosen[0].reason);
+}
+
+#[test]
+fn a_limit_leaves_large_cutters_aside_but_never_all() {
+    let setup = Setup::default();
+    let tools = [tool(1, 20.0), tool(2, 12.0), tool(3, 8.0)];
+    let of = |limit| tools_of(&choose(&tools, Some(limit), &opening(40.0, 60.0), &setup));
+    assert_eq!(of(15.0), [2]);
+    assert_eq!(of(5.0), [3], "all are larger: the smallest");
+    assert!(choose(&[], None, &opening(40.0, 60.0), &setup).is_empty(), "no tools, no sections");
+}
+
+#[test]
+fn reasons_name_the_border_and_the_price_of_another_size() {
+    let setup = Setup::default();
+    let tools = [tool(1, 25.0), tool(2, 12.0), tool(3, 10.0)];
+    let chosen = choose(&tools, None, &opening(15.0, 60.0), &setup);
+    assert_eq!(tools_of(&chosen), [1, 2]);
+    let reason = &chosen[0].reason;
+    assert!(
+        reason.starts_with("largest cutter there is; to s = 0.32, where the passage narrows to"),
+        "{reason}"
+    );
+    assert!(reason.contains("% longer"), "{reason}");
+    assert!(chosen[1].reason.contains("to the leading edge through a passage down to 15.0 mm"), "{chosen:?}");
+}

@@ -1,0 +1,216 @@
+//! What the channel offers a cutter, measured once along s: how wide and deep the passages are, and how far a row
+//! runs through them. Knows no cutter.
+
+use rayon::prelude::*;
+
+use super::lane::Lane;
+use crate::geometry::{Point, Vector};
+use crate::part::setup::Stock;
+use crate::part::{Channel, Impeller, Passage, PassageWidth, Tool};
+
+/// Even steps of s at which the channel is measured.
+const STEPS: usize = 50;
+/// A joint nearer to an even station than this takes its place, s.
+const SAME_STATION: f64 = 1e-6;
+
+/// A passage as it is at one station.
+#[derive(Clone, Copy, Debug)]
+pub struct Across {
+    /// 0 the full channel, 1 and 2 beside the splitter.
+    pub passage: usize,
+    /// Distance from wall to wall on the hub, across the flow and across the axis, mm.
+    pub hub: f64,
+    /// The same on the shroud, mm.
+    pub shroud: f64,
+    /// Length of the isoparametric axis between hub and shroud, in the middle of the passage, mm.
+    pub depth: f64,
+    /// How far the axes of a row move, measured across themselves, from one end of s to the other if it all were as
+    /// here, mm: the larger of hub and shroud.
+    pub advance: f64,
+}
+
+/// The channel at one s.
+#[derive(Clone, Debug)]
+pub struct Station {
+    /// s.
+    pub s: f64,
+    /// Least width of any passage at any height, mm; infinite where no wall reaches.
+    pub narrowest: f64,
+    /// Longest isoparametric axis, walls included, mm.
+    pub deepest: f64,
+    /// Thickest of the cylinders tried that clears both walls of every passage here with the conventional axis, mm;
+    /// infinite as long as none was tried, 0 where none does.
+    pub clear: f64,
+    /// The passages that are here.
+    pub passages: Vec<Across>,
+}
+
+/// The channel along s.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// Stations from leading edge to rim, s = 0 and s = 1 among them.
+    pub stations: Vec<Station>,
+    /// Index of the station at which the passages beside a splitter join, if sections shall meet there.
+    pub joint: Option<usize>,
+}
+
+impl Survey {
+    /// Measures `channel` of `part`. Sections shall meet where a splitter begins, unless less than `shortest` of s
+    /// would be left on a side of it.
+    pub fn of(part: &Impeller, channel: &Channel, shortest: f64) -> Self {
+        let mut s: Vec<f64> = (0..=STEPS).map(|i| i as f64 / STEPS as f64).collect();
+        let joint = channel
+            .splitter_s
+            .map(|[hub, shroud]| hub.max(shroud))
+            .filter(|joint| (shortest..=1.0 - shortest).contains(joint));
+        let joint = joint.map(|joint| {
+            let at = s.partition_point(|&s| s < joint - SAME_STATION);
+            if s[at] > joint + SAME_STATION {
+                s.insert(at, joint);
+            }
+            at
+        });
+        let tape = Tape::new(part, channel);
+        Self { stations: s.into_iter().map(|s| tape.station(s)).collect(), joint }
+    }
+
+    /// Tries cylinders of these diameters, mm, largest first, between the walls of every station: the way the planner
+    /// will fit its axes. Nearest widths alone do not tell, as walls twist.
+    pub fn try_cylinders(&mut self, part: &Impeller, channel: &Channel, stock: &Stock, diameters: &[f64]) {
+        let room = |station: &Station| station.narrowest - 2.0 * stock.blade_allowance;
+        let clears = |station: &Station, diameter: f64| {
+            station.passages.iter().all(|across| {
+                let passage = match across.passage.checked_sub(1) {
+                    None => &channel.full,
+                    Some(beside) => &channel.beside_splitter[beside],
+                };
+                let lane =
+                    Lane::new(part, passage, &cylinder(diameter), stock.hub_allowance, stock.blade_allowance);
+                lane.wall_pair(station.s, station.s).is_some()
+            })
+        };
+        self.stations.par_iter_mut().for_each(|station| {
+            let mut tried = diameters.iter().copied().filter(|&diameter| diameter <= room(station));
+            station.clear = tried.find(|&diameter| clears(station, diameter)).unwrap_or(0.0);
+        });
+    }
+
+    /// Indices of the stations that a stretch of s covers; an end between two stations counts as the nearer one too.
+    pub fn covered(&self, from: f64, to: f64) -> std::ops::RangeInclusive<usize> {
+        let nearest = |s: f64| {
+            let distance = |i: &usize| (self.stations[*i].s - s).abs();
+            (0..self.stations.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+        };
+        let (from, to) = (from + 1e-9, to - 1e-9);
+        let first = self.stations.partition_point(|station| station.s < to).min(nearest(to));
+        let last = self.stations.partition_point(|station| station.s <= from).saturating_sub(1);
+        first..=last.max(nearest(from))
+    }
+
+    /// Least width between the walls, mm.
+    pub fn narrowest(&self) -> f64 {
+        self.stations.iter().map(|station| station.narrowest).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// A tool that is nothing but its diameter, mm.
+fn cylinder(diameter: f64) -> Tool {
+    Tool {
+        number: 0,
+        diameter,
+        corner_radius: 0.0,
+        insert_width: 0.5 * diameter,
+        overhang: f64::INFINITY,
+        plunge_feed: 1.0,
+        spindle: 1.0,
+    }
+}
+
+/// Measures a part.
+struct Tape<'a> {
+    part: &'a Impeller,
+    channel: &'a Channel,
+    full: PassageWidth<'a>,
+    beside: Vec<PassageWidth<'a>>,
+}
+
+impl<'a> Tape<'a> {
+    fn new(part: &'a Impeller, channel: &'a Channel) -> Self {
+        let beside = channel.beside_splitter.iter().map(|p| PassageWidth::new(part, p)).collect();
+        Self { part, channel, full: PassageWidth::new(part, &channel.full), beside }
+    }
+
+    fn station(&self, s: f64) -> Station {
+        let divided = self.channel.splitter_s.is_some_and(|[hub, shroud]| s >= hub.min(shroud));
+        let passages: Vec<(usize, &Passage, &PassageWidth)> = if divided {
+            let beside = self.channel.beside_splitter.iter().zip(&self.beside);
+            beside.zip(1..).map(|((passage, width), index)| (index, passage, width)).collect()
+        } else {
+            vec![(0, &self.channel.full, &self.full)]
+        };
+        let mut station = Station {
+            s,
+            narrowest: f64::INFINITY,
+            deepest: self.depth(s),
+            clear: f64::INFINITY,
+            passages: Vec::new(),
+        };
+        for (index, passage, width) in passages {
+            let widths: [Option<f64>; 5] = std::array::from_fn(|j| width.at(s, j as f64 / 4.0));
+            let narrowest = widths.into_iter().flatten().fold(f64::INFINITY, f64::min);
+            station.narrowest = station.narrowest.min(narrowest);
+            let axis = |s: f64, lambda: f64| self.axis(passage, s, lambda);
+            let depth = axis(s, 0.5).map_or_else(|| self.depth(s), |[foot, top]| (top - foot).norm());
+            for lambda in [0.0, 0.5, 1.0] {
+                let deep = axis(s, lambda).map_or(0.0, |[foot, top]| (top - foot).norm());
+                station.deepest = station.deepest.max(deep);
+            }
+            if narrowest.is_finite() {
+                station.passages.push(Across {
+                    passage: index,
+                    hub: self.width(passage, s, 0.0).unwrap_or(narrowest),
+                    shroud: self.width(passage, s, 1.0).unwrap_or(narrowest),
+                    depth,
+                    advance: self.advance(passage, s),
+                });
+            }
+        }
+        station
+    }
+
+    /// Distance between hub and shroud in the meridional plane, mm.
+    fn depth(&self, s: f64) -> f64 {
+        self.part.hub.point(s).distance(self.part.shroud.point(s))
+    }
+
+    /// Ends of the isoparametric axis, on the hub and on the shroud.
+    fn axis(&self, passage: &Passage, s: f64, lambda: f64) -> Option<[Point; 2]> {
+        let at = |eta: f64| passage.point(self.part, s, lambda, eta).map(|p| p.point);
+        Some([at(0.0)?, at(1.0)?])
+    }
+
+    /// See [`Across::hub`]. Near the ends of the blades the nearest distance is no measure for rows: the other wall
+    /// ends, rows run on.
+    fn width(&self, passage: &Passage, s: f64, eta: f64) -> Option<f64> {
+        let near = passage.point(self.part, s, 0.0, eta)?;
+        let gap = passage.point(self.part, s, 1.0, eta)?.point - near.point;
+        let across = |along: Vector| {
+            let along = along.try_normalize(1e-12)?;
+            Some((gap - along * gap.dot(&along)).norm())
+        };
+        let [foot, top] = self.axis(passage, s, 0.0)?;
+        [across(near.by_s), across(top - foot)].into_iter().flatten().reduce(f64::min)
+    }
+
+    /// See [`Across::advance`]; without walls to follow, the longer of hub and shroud.
+    fn advance(&self, passage: &Passage, s: f64) -> f64 {
+        let followed = || {
+            let [foot, top] = self.axis(passage, s, 0.5)?;
+            let along = (top - foot).try_normalize(1e-9)?;
+            let slopes = [0.0, 1.0].map(|eta| passage.point(self.part, s, 0.5, eta).map(|p| p.by_s));
+            let across = slopes.into_iter().flatten().map(|slope| (slope - along * slope.dot(&along)).norm());
+            across.reduce(f64::max)
+        };
+        followed().unwrap_or_else(|| self.part.hub.length().max(self.part.shroud.length()))
+    }
+}

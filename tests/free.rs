@@ -1,0 +1,159 @@
+//! Plans that must be free of contact: `minimal` and `staircase`, on the samples and on made wheels, judged by
+//! `verify` from the written program.
+
+use std::path::Path;
+
+use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
+use vanecut::formats::part_file::{read_part, read_part_bytes};
+use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, run};
+use vanecut::monitor::Monitor;
+use vanecut::part::{AxisPolicy, Channel, Impeller, Setup};
+use vanecut::verify::verify;
+
+fn sample(name: &str) -> Impeller {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
+    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
+}
+
+fn compared(part: &Impeller, setup: &Setup) -> PlanOutcome {
+    let request = PlanRequest {
+        part: part.clone().into(),
+        setup: setup.clone(),
+        policy: AxisPolicy::Minimal,
+        compare: true,
+        field_cells: 192,
+    };
+    run(&request, &Monitor::default()).expect("a plan")
+}
+
+fn result(outcome: &PlanOutcome, policy: AxisPolicy) -> &PolicyResult {
+    outcome.policies().into_iter().find(|r| r.plan.policy == policy).expect("all policies were planned")
+}
+
+/// What `verify` finds wrong with the written program of a plan.
+fn faults(part: &Impeller, setup: &Setup, result: &PolicyResult) -> Vec<String> {
+    let text = write_apt(&ClProgram::of_plan(&part.name, &result.plan));
+    let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
+    let verdict = verify(part, &Channel::of(part), setup, &program).expect("can be judged");
+    verdict.faults.into_iter().map(|fault| format!("line {}: {}", fault.line, fault.what)).collect()
+}
+
+/// What must hold of every plan that is free of contact.
+fn check(name: &str, part: &Impeller, outcome: &PlanOutcome) {
+    for policy in [AxisPolicy::Minimal, AxisPolicy::Staircase] {
+        let result = result(outcome, policy);
+        assert!(!result.plan.positions.is_empty(), "{name} {policy:?}: cuts something");
+        assert_eq!(result.summary.interferential, 0, "{name} {policy:?}: the core is free");
+        let faults = faults(part, &outcome.setup, result);
+        assert!(faults.is_empty(), "{name} {policy:?}: {faults:#?}");
+    }
+    let minimal = &result(outcome, AxisPolicy::Minimal).summary;
+    let limit = outcome.setup.plunge.max_axis_change;
+    assert!(minimal.max_axis_change <= limit + 1e-9, "{name}: axes turn by {}", minimal.max_axis_change);
+}
+
+#[test]
+fn samples_are_freed_and_less_is_left() {
+    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+        let part = sample(name);
+        let outcome = compared(&part, &Setup::default());
+        check(name, &part, &outcome);
+        let [monotone, staircase, minimal] =
+            [AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Minimal]
+                .map(|p| &result(&outcome, p).summary);
+        assert!(outcome.before.summary.interferential > 100, "{name}: what shops do today interferes");
+        assert!(minimal.residual_mean < monotone.residual_mean, "{name}: less than monotone leaves");
+        assert!(
+            minimal.residual_mean < 0.5 * staircase.residual_mean,
+            "{name}: far less than stopping short"
+        );
+        assert!(
+            minimal.uncut_share <= monotone.uncut_share + 1e-3,
+            "{name}: nothing is bought by leaving floor uncut"
+        );
+    }
+}
+
+/// A small generator of numbers from 0 to 1: the same wheels on every machine.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn between(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.roll()
+    }
+}
+
+/// A wheel nobody has looked at: radius 30 to 250 mm, 5 to 12 blades turning either way, some with splitters.
+fn made_wheel(dice: &mut Dice) -> Impeller {
+    let rim = dice.between(30.0, 250.0);
+    let (eye, tip) = (rim * dice.between(0.2, 0.32), rim * dice.between(0.5, 0.62));
+    let depth = rim * dice.between(0.5, 0.75);
+    let outlet = rim * dice.between(0.08, 0.16);
+    let blades = 5 + (dice.roll() * 8.0) as usize;
+    let turn = if dice.roll() < 0.5 { 1.0 } else { -1.0 };
+    let (hub_le, shroud_le, te) =
+        (dice.between(20.0, 35.0), dice.between(40.0, 55.0), dice.between(25.0, 45.0));
+    let thickness = rim * 0.012;
+    let splitters = dice.roll() < 0.4;
+    let spans = |kind: &str, le: f64, theta: f64| {
+        let span = |v: f64, angle: f64| {
+            format!(
+                "[[{kind}.span]]\nspan = {v:.1}\nleading_edge = {le}\ntheta_leading_edge = {:.4}\n\
+                 angle = [[0.0, {:.4}], [1.0, {:.4}]]\nthickness = [[0.0, {:.4}], [1.0, {:.4}]]\n",
+                turn * theta,
+                turn * angle,
+                turn * te,
+                thickness * (1.6 - v),
+                thickness * (1.2 - 0.4 * v),
+            )
+        };
+        span(0.0, hub_le) + &span(1.0, shroud_le)
+    };
+    let mut text = format!(
+        "name = \"made\"\nblades = {blades}\n\
+         [hub]\ncontrol = [[{eye:.4}, 0], [{eye:.4}, {:.4}], [{:.4}, {depth:.4}], [{rim:.4}, {depth:.4}]]\n\
+         [shroud]\ncontrol = [[{tip:.4}, 0], [{tip:.4}, {:.4}], [{:.4}, {:.4}], [{rim:.4}, {:.4}]]\n",
+        0.62 * depth,
+        eye + 0.4 * (rim - eye),
+        0.62 * (depth - outlet),
+        tip + 0.35 * (rim - tip),
+        depth - outlet,
+        depth - outlet,
+    );
+    text += &spans("main", 0.06, 0.0);
+    if splitters {
+        text += &spans("splitter", 0.42, 0.5 * 360.0 / blades as f64);
+    }
+    let description = read_part_bytes("made.toml", text.as_bytes(), "toml").expect("readable");
+    Impeller::build(&description).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+#[test]
+fn made_wheels_with_made_setups_are_freed() {
+    let mut dice = Dice(20);
+    let mut planned = 0;
+    for wheel in 0..8 {
+        let part = made_wheel(&mut dice);
+        let mut setup = Setup::default();
+        setup.stock.hub_allowance = dice.between(0.1, 0.8);
+        setup.stock.blade_allowance = dice.between(0.1, 0.8);
+        setup.plunge.max_axis_change = dice.between(3.0, 9.0).to_radians();
+        let request = PlanRequest {
+            part: part.clone().into(),
+            setup,
+            policy: AxisPolicy::Minimal,
+            compare: true,
+            field_cells: 64,
+        };
+        // A wheel too narrow for any cutter is refused, not planned.
+        let Ok(outcome) = run(&request, &Monitor::default()) else { continue };
+        planned += 1;
+        check(&format!("wheel {wheel}"), &part, &outcome);
+    }
+    assert!(planned >= 5, "only {planned} wheels could be planned");
+}

@@ -1,0 +1,160 @@
+//! Tools and sections chosen for real parts.
+
+use std::path::Path;
+
+use vanecut::formats::part_file::{read_part, read_part_bytes};
+use vanecut::formats::tool_library::plunge_cutters;
+use vanecut::job::resolve;
+use vanecut::part::{Channel, Impeller, PassageWidth, Setup, Tool};
+use vanecut::plunge::sections::{self, Resolved, SetupPlace};
+
+fn folder() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts"))
+}
+
+fn sample(name: &str) -> Impeller {
+    Impeller::build(&read_part(&folder().join(name)).expect("readable")).expect("an impeller")
+}
+
+/// The part of a TOML text.
+fn part_of(text: &str) -> Impeller {
+    let description = read_part_bytes("part.toml", text.as_bytes(), "toml").expect("readable");
+    Impeller::build(&description).expect("an impeller")
+}
+
+fn chosen(part: &Impeller, setup: &Setup) -> Resolved {
+    resolve(setup, part, &Channel::of(part)).expect("tools and sections")
+}
+
+/// Diameters in the order of cutting, mm.
+fn diameters(resolved: &Resolved) -> Vec<f64> {
+    resolved.setup.tools.iter().map(|tool| tool.diameter).collect()
+}
+
+fn tool(number: u32, diameter: f64) -> Tool {
+    Tool {
+        number,
+        diameter,
+        corner_radius: 0.0,
+        insert_width: 0.3 * diameter,
+        overhang: 120.0,
+        plunge_feed: 300.0,
+        spindle: 1200.0,
+    }
+}
+
+#[test]
+fn every_chosen_tool_fits_the_samples() {
+    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+        let part = sample(name);
+        let channel = Channel::of(&part);
+        let resolved = chosen(&part, &Setup::default());
+        let setup = &resolved.setup;
+        assert!((1..=4).contains(&setup.tools.len()), "{name}: {:?}", diameters(&resolved));
+        assert!(diameters(&resolved).is_sorted_by(|a, b| a > b), "{name}: large to small");
+        let sections = &setup.plunge.sections;
+        assert_eq!(
+            (sections[0].from, sections[sections.len() - 1].to),
+            (1.0, 0.0),
+            "{name}: all of the floor"
+        );
+        assert!(sections.windows(2).all(|pair| pair[0].to == pair[1].from), "{name}: without a gap");
+        assert!(resolved.reasons.len() == sections.len() && resolved.reasons.iter().all(Option::is_some));
+        for section in sections {
+            let tool = setup.tools.iter().find(|tool| tool.number == section.tool).expect("in the setup");
+            assert!(plunge_cutters().contains(tool), "{name}: tool {} is from the library", tool.number);
+            for i in 0..=10 {
+                let s = section.to + (section.from - section.to) * f64::from(i) / 10.0;
+                let beside = channel.splitter_s.is_some_and(|[hub, shroud]| s >= hub.min(shroud));
+                let passages =
+                    if beside { &channel.beside_splitter[..] } else { std::slice::from_ref(&channel.full) };
+                for passage in passages {
+                    let width = PassageWidth::new(&part, passage).narrowest(s);
+                    // A hair less between the stations that the choice looks at.
+                    assert!(
+                        width - 1.0 > 1.1 * tool.diameter,
+                        "{name}: D {} at s = {s}: {width}",
+                        tool.diameter
+                    );
+                    let end = |eta: f64| passage.point(&part, s, 0.5, eta).expect("inside the channel").point;
+                    let depth = (end(1.0) - end(0.0)).norm();
+                    assert!(tool.overhang > depth + 2.0, "{name}: D {} at s = {s}: {depth}", tool.diameter);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn fewer_blades_get_larger_cutters() {
+    let text = std::fs::read_to_string(folder().join("impeller532.toml")).expect("readable");
+    let open = text.replace("blades = 17", "blades = 11");
+    assert_ne!(text, open, "the part has 17 blades");
+    let (narrow, wide) =
+        [&text, &open].map(|text| diameters(&chosen(&part_of(text), &Setup::default()))).into();
+    assert!(wide.last() > narrow.last() && wide.first() >= narrow.first(), "{narrow:?}, then {wide:?}");
+}
+
+#[test]
+fn tools_of_the_setup_are_the_only_ones_chosen_from() {
+    let part = sample("impeller532.toml");
+    let setup = Setup { tools: vec![tool(3, 9.0), tool(7, 20.0), tool(8, 70.0)], ..Setup::default() };
+    let resolved = chosen(&part, &setup);
+    assert_eq!(resolved.setup.tools, setup.tools, "the list stays as it was given");
+    let numbers: Vec<u32> = resolved.setup.plunge.sections.iter().map(|section| section.tool).collect();
+    assert_eq!(numbers, [7, 3], "both that fit");
+}
+
+#[test]
+fn sections_of_the_setup_stay_and_have_no_reason() {
+    let part = sample("impeller532.toml");
+    let given = chosen(&part, &Setup::default()).setup;
+    let again = chosen(&part, &given);
+    assert_eq!(again.setup, given, "nothing is left to choose");
+    assert!(again.reasons.iter().all(Option::is_none), "{:?}", again.reasons);
+}
+
+#[test]
+fn a_library_of_wide_cutters_only_is_refused_in_one_line() {
+    let part = sample("pump6.toml");
+    let channel = Channel::of(&part);
+    let fault = sections::resolve(&Setup::default(), &[tool(1, 120.0)], &part, &channel).unwrap_err();
+    assert_eq!(fault.place, SetupPlace::Stock("blade_allowance"));
+    let given = Setup { tools: vec![tool(1, 120.0)], ..Setup::default() };
+    let fault = resolve(&given, &part, &channel).unwrap_err().to_string();
+    assert!(fault.starts_with("tool 1 (D 120) is wider than the channel: 24.73 mm"), "{fault}");
+    assert!(fault.ends_with("use a cutter of at most D 20 there, or end the section before it"), "{fault}");
+}
+
+/// A wheel of D 8 × `scale`.
+fn wheel(scale: f64) -> Impeller {
+    let points = |points: [[f64; 2]; 4]| points.map(|[r, z]| [scale * r, scale * z]);
+    let hub = points([[0.8, 0.0], [0.8, 1.4], [1.6, 2.4], [4.0, 2.6]]);
+    let shroud = points([[2.0, 0.0], [2.0, 1.0], [2.6, 2.0], [4.0, 2.1]]);
+    let thickness = [0.1 * scale, 0.08 * scale];
+    let span = |span: f64, angles: [f64; 2]| {
+        format!(
+            "[[main.span]]\nspan = {span:?}\nleading_edge = 0.1\nangle = [[0.0, {:?}], [1.0, {:?}]]\n\
+             thickness = [[0.0, {:?}], [1.0, {:?}]]\n",
+            angles[0], angles[1], thickness[0], thickness[1]
+        )
+    };
+    part_of(&format!(
+        "name = \"wheel\"\nblades = 7\n[hub]\ncontrol = {hub:?}\n[shroud]\ncontrol = {shroud:?}\n{}{}",
+        span(0.0, [20.0, 35.0]),
+        span(1.0, [40.0, 40.0])
+    ))
+}
+
+#[test]
+fn tiny_and_huge_wheels_find_cutters_too() {
+    let mut before = 0.0;
+    for scale in [1.0, 10.0, 100.0, 500.0] {
+        let mut setup = Setup::default();
+        setup.stock.blade_allowance = 0.01 * scale;
+        setup.stock.hub_allowance = 0.01 * scale;
+        let found = diameters(&chosen(&wheel(scale), &setup));
+        assert!(found[0] > before, "scale {scale}: {found:?}");
+        before = found[0];
+    }
+}
