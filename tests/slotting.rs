@@ -58,7 +58,8 @@ fn check(part: &Impeller, s: f64, turn: f64, tilt: f64, heading: f64, radius: f6
     let normal = hub.normal.direction_at_angle(turn);
     let (e1, e2) = frame_about(&normal);
     let axis = (normal + (e1 * heading.cos() + e2 * heading.sin()) * tilt.tan()).normalize();
-    let on_axis = part.hub.point(s).at_angle(turn) + normal * 3.0;
+    // The axis meets the hub, or its rim, at s: beyond the rim a disc may pass it by.
+    let on_axis = part.hub.point(s).at_angle(turn) + axis * 3.0;
     let surface = DepthSurface::new(part.hub.curve(), offset);
     let Some(touch) = surface.touch(&on_axis, &axis, radius) else { panic!("no touch at s {s}") };
     let distance = least_distance(part.hub.curve(), &(on_axis + axis * touch.height), &axis, radius);
@@ -68,6 +69,8 @@ fn check(part: &Impeller, s: f64, turn: f64, tilt: f64, heading: f64, radius: f6
     );
 }
 
+const SAMPLES: [&str; 3] = ["impeller532.toml", "impeller9x9.toml", "pump6.toml"];
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(160))]
     #[test]
@@ -75,11 +78,20 @@ proptest! {
         s in 0.02..1.02f64, turn in -3.0..3.0f64, tilt in 0.0..0.6f64, heading in 0.0..std::f64::consts::TAU,
         size in 0.0..1.0f64, offset in 0.05..2.0f64, which in 0usize..3,
     ) {
-        let name = ["impeller532.toml", "impeller9x9.toml", "pump6.toml"][which];
-        let part = sample(name);
+        let part = sample(SAMPLES[which]);
         let radius = part.rim_radius() * (0.005 + 0.05 * size);
         // Further out a disc has nothing under it to rest on.
         let s = s.min(1.0 + 0.5 * radius / part.hub.length());
         check(&part, s, turn, tilt, heading, radius, offset);
+    }
+
+    #[test]
+    fn so_it_does_where_the_rim_cuts_it_off(
+        out in -1.2..0.5f64, turn in -3.0..3.0f64, tilt in 0.0..0.6f64, heading in 0.0..std::f64::consts::TAU,
+        size in 0.0..1.0f64, offset in 0.05..2.0f64, which in 0usize..3,
+    ) {
+        let part = sample(SAMPLES[which]);
+        let radius = part.rim_radius() * (0.005 + 0.05 * size);
+        check(&part, 1.0 + out * radius / part.hub.length(), turn, tilt, heading, radius, offset);
     }
 }

@@ -78,16 +78,12 @@ fn rim_directions() -> &'static [(f64, f64); RIM_SAMPLES] {
     DIRECTIONS.get_or_init(|| std::array::from_fn(|i| (RIM_STEP * i as f64).sin_cos()))
 }
 
-/// Angle beyond `a` at which the cubic with the heights and slopes of the samples `a` and `b` is highest: it rises
-/// at `a` and falls at `b`.
-fn hermite_top(a: &Hit, b: &Hit) -> f64 {
-    // Slope of the cubic: u + v x + w x², x in steps.
-    let (u, end) = (a.height_slope * RIM_STEP, b.height_slope * RIM_STEP);
-    let rise = b.height - a.height;
-    let (v, w) = (6.0 * rise - 4.0 * u - 2.0 * end, 3.0 * (u + end) - 6.0 * rise);
-    let root = (v * v - 4.0 * u * w).max(0.0).sqrt();
-    let share = 2.0 * u / (root - v);
-    RIM_STEP * if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 }
+/// Slope of the cubic with the heights and slopes of two hits: u + v x + w x², x from 0 at the first to 1 at the
+/// other, mm.
+fn hermite_slope(a: &(f64, Hit), b: &(f64, Hit)) -> (f64, f64, f64) {
+    let (u, end) = (a.1.height_slope * (b.0 - a.0), b.1.height_slope * (b.0 - a.0));
+    let rise = b.1.height - a.1.height;
+    (u, 6.0 * rise - 4.0 * u - 2.0 * end, 3.0 * (u + end) - 6.0 * rise)
 }
 
 fn touch_at(height: f64, point: &Point, arc: f64) -> Touch {
@@ -140,10 +136,8 @@ impl<'a> DepthSurface<'a> {
         warm = self.ray(on_axis, &Vector::zeros(), axis, warm, SCAN_TOLERANCE).unwrap_or(warm);
         let mut hits = [None; RIM_SAMPLES];
         for (hit, &direction) in hits.iter_mut().zip(rim_directions()) {
-            if let Some(found) = self.rim_hit(&rim, direction, warm, SCAN_TOLERANCE) {
-                *hit = self.within(found);
-                warm = found.ahead(RIM_STEP);
-            }
+            *hit = self.rim_hit(&rim, direction, warm, SCAN_TOLERANCE);
+            warm = hit.map_or(warm, |h| h.ahead(RIM_STEP));
         }
         let mut best: Option<Touch> = None;
         let mut consider = |height: f64, at: &dyn Fn() -> Touch| {
@@ -154,21 +148,17 @@ impl<'a> DepthSurface<'a> {
         // From the highest sample on, so that most others need not be looked at.
         let (mut first, mut highest) = (0, f64::NEG_INFINITY);
         for (i, hit) in hits.iter().enumerate() {
-            if let Some(hit) = hit.filter(|h| h.height > highest) {
+            if let Some(hit) = hit.filter(|h| self.holds(h) && h.height > highest) {
                 (first, highest) = (if hit.height_slope > 0.0 { i } else { i + RIM_SAMPLES - 1 }, hit.height);
             }
         }
         for k in 0..RIM_SAMPLES {
             let i = (first + k) % RIM_SAMPLES;
-            let from = RIM_STEP * i as f64;
-            let top = match (hits[i], hits[(i + 1) % RIM_SAMPLES]) {
-                (Some(a), Some(b)) => self.top_between(&rim, from, (&a, &b), highest),
-                (None, None) => None,
-                (a, b) => self.top_beside_edge(&rim, from, a.or(b)),
-            };
-            if let Some((phi, hit)) = top {
+            let (Some(a), Some(b)) = (hits[i], hits[(i + 1) % RIM_SAMPLES]) else { continue };
+            let (from, to) = (RIM_STEP * i as f64, RIM_STEP * (i + 1) as f64);
+            for (angle, hit) in self.tops_between(&rim, (from, a), (to, b), highest).into_iter().flatten() {
                 highest = highest.max(hit.height);
-                let (origin, _) = rim.circle.at(phi.sin_cos());
+                let (origin, _) = rim.circle.at(angle.sin_cos());
                 consider(hit.height, &|| touch_at(hit.height, &(origin + axis * hit.height), hit.arc));
             }
         }
@@ -179,66 +169,102 @@ impl<'a> DepthSurface<'a> {
         best
     }
 
-    /// Highest place of the rim between the samples `a` at angle `from` and `b` one step on. `None` where it is
-    /// no higher inside than at its ends, or surely no higher than `known` mm.
-    fn top_between(&self, rim: &Rim, from: f64, (a, b): (&Hit, &Hit), known: f64) -> Option<(f64, Hit)> {
-        if a.height_slope < 0.0 || b.height_slope > 0.0 {
+    /// Whether a hit is on the stretch that counts; beyond it the surface runs on straight.
+    fn holds(&self, hit: &Hit) -> bool {
+        (self.from..=self.to).contains(&hit.arc)
+    }
+
+    /// Highest places of the rim between two of its hits, each with its angle, as far as the surface goes. Where it
+    /// ends the circle of its end is what counts.
+    fn tops_between(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> [Option<(f64, Hit)>; 2] {
+        let (inside, alike) = (self.holds(&a.1), self.holds(&a.1) == self.holds(&b.1));
+        if !alike {
+            return [self.top_up_to_end(rim, a, b, known), None];
+        }
+        match self.excursion(rim, a, b) {
+            Some(m) => [self.top_up_to_end(rim, a, m, known), self.top_up_to_end(rim, m, b, known)],
+            None if inside => [self.top_between(rim, a, b, known), None],
+            None => [None, None],
+        }
+    }
+
+    /// A hit between two that are on the surface, or both beyond the same end, where it is the other way round.
+    fn excursion(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit)) -> Option<(f64, Hit)> {
+        if a.1.arc_slope * b.1.arc_slope >= 0.0 {
             return None;
         }
-        // Where the tangents of both samples meet bounds an arch; twice that, in case it is none.
-        let share = (b.height - a.height - b.height_slope * RIM_STEP) / (a.height_slope - b.height_slope);
-        let ends = a.height.max(b.height);
-        let arch = (0.0..=RIM_STEP).contains(&share);
-        if arch && ends + 2.0 * (a.height + a.height_slope * share - ends) < known {
+        // No further than the tangents' meeting point.
+        let turn = (b.1.arc - a.1.arc - b.1.arc_slope * (b.0 - a.0)) / (a.1.arc_slope - b.1.arc_slope);
+        let turn = turn.clamp(0.0, b.0 - a.0);
+        let other_way = |hit: &Hit| self.holds(hit) != self.holds(&a.1);
+        if !other_way(&a.1.ahead(turn)) {
             return None;
         }
-        let guess = hermite_top(a, b);
-        let mut top = if guess < 0.5 * RIM_STEP { (0.0, *a) } else { (RIM_STEP, *b) };
+        self.follow(rim, (a, b), a.0 + turn, |hit| hit.arc_slope).filter(|(_, hit)| other_way(hit))
+    }
+
+    /// As [`Self::top_between`], between a hit on the surface and one beyond its end.
+    fn top_up_to_end(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> Option<(f64, Hit)> {
+        let outside = if self.holds(&a.1) { b.1.arc } else { a.1.arc };
+        let end = if outside > self.to { self.to } else { self.from };
+        let share = (end - a.1.arc) / (b.1.arc - a.1.arc);
+        let c = self.follow(rim, (a, b), a.0 + share * (b.0 - a.0), |hit| hit.arc - end)?;
+        if self.holds(&a.1) { self.top_between(rim, a, c, known) } else { self.top_between(rim, c, b, known) }
+    }
+
+    /// Highest place of the rim between two of its hits. `None` where it is no higher inside than at its ends, or
+    /// surely no higher than `known` mm.
+    fn top_between(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> Option<(f64, Hit)> {
+        let (rises, falls) = (a.1.height_slope >= 0.0, b.1.height_slope <= 0.0);
+        let (u, v, w) = hermite_slope(&a, &b);
+        if rises != falls {
+            // Up or down all the way, unless the slope seems to change its sign between, or nearly.
+            let share = -0.5 * v / w;
+            let turns = (0.0..=1.0).contains(&share) && (u + 0.5 * v * share) * u < 0.1 * u * u;
+            if !turns {
+                return None;
+            }
+            let angle = a.0 + share * (b.0 - a.0);
+            let middle = self.rim_hit(rim, angle.sin_cos(), a.1.ahead(angle - a.0), RAY_TOLERANCE)?;
+            let (a, b) = if rises { (a, (angle, middle)) } else { ((angle, middle), b) };
+            let arch = a.1.height_slope > 0.0 && b.1.height_slope < 0.0;
+            return if arch { self.top_between(rim, a, b, known) } else { None };
+        }
+        if !rises {
+            return None;
+        }
+        // Where the tangents of both meet bounds an arch; twice that, in case it is none.
+        let (rise, width) = (b.1.height - a.1.height, b.0 - a.0);
+        let turn = (rise - b.1.height_slope * width) / (a.1.height_slope - b.1.height_slope);
+        let ends = a.1.height.max(b.1.height);
+        let arch = (0.0..=width).contains(&turn);
+        if arch && ends + 2.0 * (a.1.height + a.1.height_slope * turn - ends) < known {
+            return None;
+        }
+        let share = 2.0 * u / ((v * v - 4.0 * u * w).max(0.0).sqrt() - v);
+        let guess = a.0 + width * if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 };
+        self.follow(rim, (a, b), guess, |hit| hit.height_slope).filter(|(_, hit)| self.holds(hit))
+    }
+
+    /// The hit between two at which `value` is 0: it has different signs at them.
+    fn follow(
+        &self,
+        rim: &Rim,
+        (a, b): ((f64, Hit), (f64, Hit)),
+        guess: f64,
+        value: impl Fn(&Hit) -> f64,
+    ) -> Option<(f64, Hit)> {
+        let mut near = if (guess - a.0).abs() < (guess - b.0).abs() { a } else { b };
         let mut lost = false;
-        search::root_from(
-            |turn| {
-                let warm = top.1.ahead(turn - top.0);
-                match self.rim_hit(rim, (from + turn).sin_cos(), warm, RAY_TOLERANCE) {
-                    Some(hit) => top = (turn, hit),
-                    None => lost = true,
-                }
-                if lost { 0.0 } else { top.1.height_slope }
-            },
-            (0.0, a.height_slope),
-            (RIM_STEP, b.height_slope),
-            guess,
-            RIM_TOLERANCE,
-        );
-        let (turn, hit) = top;
-        self.within(hit).filter(|_| !lost).map(|hit| (from + turn, hit))
-    }
-
-    /// Highest place of the rim in the step from angle `from` on, within which it leaves the surface: `near` is
-    /// the hit at one end.
-    fn top_beside_edge(&self, rim: &Rim, from: f64, near: Option<Hit>) -> Option<(f64, Hit)> {
-        let mut warm = near?;
-        let floor = warm.height;
-        let mut top: Option<(f64, Hit)> = None;
-        search::minimum(
-            |phi| {
-                let hit = self.rim_hit(rim, phi.sin_cos(), warm, RAY_TOLERANCE).and_then(|h| self.within(h));
-                let Some(hit) = hit else { return 1e3 - floor };
-                warm = hit;
-                if top.is_none_or(|(_, t)| hit.height > t.height) {
-                    top = Some((phi, hit));
-                }
-                -hit.height
-            },
-            from,
-            from + RIM_STEP,
-            RIM_TOLERANCE,
-        );
-        top
-    }
-
-    /// `hit` if it is on the stretch that counts.
-    fn within(&self, hit: Hit) -> Option<Hit> {
-        (self.from..=self.to).contains(&hit.arc).then_some(hit)
+        let value_at = |angle: f64| {
+            match self.rim_hit(rim, angle.sin_cos(), near.1.ahead(angle - near.0), RAY_TOLERANCE) {
+                Some(hit) => near = (angle, hit),
+                None => lost = true,
+            }
+            if lost { 0.0 } else { value(&near.1) }
+        };
+        search::root_from(value_at, (a.0, value(&a.1)), (b.0, value(&b.1)), guess, RIM_TOLERANCE);
+        (!lost).then_some(near)
     }
 
     /// Where the rim at an angle, given as (sin, cos), is above the surface: from a warm start, or from scratch
