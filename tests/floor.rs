@@ -5,6 +5,7 @@ use vanecut::formats::part_file::read_part_bytes;
 use vanecut::geometry::{
     CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z, search, wrap_angle,
 };
+use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::setup::Stock;
 use vanecut::part::{
@@ -13,7 +14,6 @@ use vanecut::part::{
 };
 use vanecut::plunge::Planner;
 use vanecut::plunge::clearance::FinishedPart;
-use vanecut::plunge::sections::resolve;
 use vanecut::residual::{
     CutterStretch, FloorGrid, FloorSource, cutters_of, residual_field, stretches_of_setup,
 };
@@ -304,7 +304,7 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
 fn no_plan_cuts_what_is_out_of_reach() {
     let part = sample("impeller9x9.toml", include_bytes!("../assets/parts/impeller9x9.toml"));
     let channel = Channel::of(&part);
-    let setup = resolve(&Setup::default(), &part, &channel).expect("a setup");
+    let setup = resolve(&Setup::default(), &part, &channel).expect("a setup").setup;
     let planner = Planner::new(&part, &channel, &setup);
     let grid = floor(&part, &channel, &stretches_of_setup(&setup));
     let out = |k: &usize| grid.floor[*k] && !grid.reachable[*k];
