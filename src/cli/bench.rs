@@ -7,14 +7,66 @@ use rayon::prelude::*;
 use super::{Failure, say};
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
-use crate::job::{PlanRequest, run as run_job};
+use crate::job::{PlanOutcome, PlanRequest, run as run_job};
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
+use crate::part::{AxisPolicy, Blank, Channel, Impeller, Setup, Tool};
+use crate::plunge::Planner;
 use crate::plunge::slotting::DepthSurface;
 use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 
 /// Runs of each measurement; the median counts.
 const RUNS: usize = 5;
+
+/// Steps of the growth measurement, mm: each has about twice the positions of the one before it.
+const GROWTH_STEPS: [f64; 3] = [4.0, 2.0, 1.0];
+
+/// Cutters of 30, 16 and 8 mm, sharp, as in the wheel's published plan: what is measured does not change with the library.
+fn three_tools() -> Vec<Tool> {
+    [30.0, 16.0, 8.0]
+        .into_iter()
+        .zip(1..)
+        .map(|(diameter, number)| Tool {
+            number,
+            diameter,
+            corner_radius: 0.0,
+            insert_width: 0.325 * diameter,
+            overhang: 120.0,
+            plunge_feed: 300.0,
+            spindle: 1200.0,
+        })
+        .collect()
+}
+
+/// A minimal plan of the measured part; `step` in mm instead of the tools' own. Returns its positions.
+fn minimal(outcome: &PlanOutcome, step: Option<f64>) -> usize {
+    let channel = Channel::of(&outcome.part);
+    let mut setup = outcome.setup.clone();
+    setup.plunge.step = step.or(setup.plunge.step);
+    for section in &mut setup.plunge.sections {
+        section.feed = None;
+    }
+    let planner = Planner::new(&outcome.part, &channel, &setup);
+    planner.plan(AxisPolicy::Minimal, &Monitor::default()).map_or(0, |plan| plan.positions.len())
+}
+
+/// How the time of a minimal plan grows with its positions: the exponent fitted to smaller and smaller steps.
+fn growth(outcome: &PlanOutcome) -> Result<(), Failure> {
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for step in GROWTH_STEPS {
+        let started = Instant::now();
+        let positions = minimal(outcome, Some(step));
+        let seconds = started.elapsed().as_secs_f64();
+        line(&format!("minimal plan, step {step} mm: {positions} positions"), seconds)?;
+        points.push(((positions as f64).ln(), seconds.ln()));
+    }
+    let count = points.len() as f64;
+    let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / count, m.1 + p.1 / count));
+    let (over, under) = points.iter().fold((0.0, 0.0), |sums, p| {
+        let x = p.0 - mean.0;
+        (sums.0 + x * (p.1 - mean.1), sums.1 + x * x)
+    });
+    say(&format!("{:<62} {:>10.2}\n", "  time grows with positions to the power of", over / under))
+}
 
 /// Measures on the largest sample part and prints the medians.
 pub fn run() -> Result<(), Failure> {
@@ -24,20 +76,27 @@ pub fn run() -> Result<(), Failure> {
         Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?,
     );
     let channel = Channel::of(&part);
-    let setup = Setup::default();
     let request = PlanRequest {
         part: part.clone(),
-        setup,
+        setup: Setup { tools: three_tools(), ..Setup::default() },
         policy: AxisPolicy::Monotone,
         compare: false,
         field_cells: 512,
     };
-    say(&format!("{:<58} {:>10}\n", "what", "median"))?;
+    say(&format!("{:<62} {:>10}\n", "what", "median"))?;
     let plan_seconds = median(|| {
         let _ = run_job(&request, &Monitor::default());
     });
     line("plan of one channel: two policies, contact, both fields 512²", plan_seconds)?;
     let outcome = run_job(&request, &Monitor::default()).map_err(|e| Failure::Work(e.to_string()))?;
+
+    line(
+        "minimal plan of one channel, both directions of every section",
+        median(|| {
+            minimal(&outcome, None);
+        }),
+    )?;
+    growth(&outcome)?;
 
     let plan = &outcome.after.plan;
     let hub = DepthSurface::new(part.hub.curve(), 0.5);
@@ -100,5 +159,5 @@ fn median(mut work: impl FnMut()) -> f64 {
 }
 
 fn line(what: &str, seconds: f64) -> Result<(), Failure> {
-    say(&format!("{what:<58} {:>7.1} ms\n", 1e3 * seconds))
+    say(&format!("{what:<62} {:>7.1} ms\n", 1e3 * seconds))
 }
