@@ -211,13 +211,13 @@ impl<'a> Planner<'a> {
         })
     }
 
-    /// Places the cutters of a row and adds them to `columns`. With `free` each one stops short where its core
-    /// would meet stock, and is left out where that leaves it nothing to cut.
+    /// Places the cutters of a row and adds them to `columns`. With `most_lift` each one stops short where its core
+    /// would meet stock, and is left out where that takes more than this share of its way through the blank.
     pub(super) fn cut_row(
         &self,
         row: Row,
         tool: &Tool,
-        free: bool,
+        most_lift: Option<f64>,
         columns: &mut Vec<Column>,
         monitor: &Monitor,
     ) -> Result<CutRow, PlanError> {
@@ -226,8 +226,8 @@ impl<'a> Planner<'a> {
         let mut placed: Vec<Option<Placed>> = row.stations.par_iter().map(place).collect();
         for place in &mut placed {
             monitor.check()?;
-            if free {
-                *place = place.take().and_then(|p| self.freed(p, tool, columns, &top));
+            if let Some(share) = most_lift {
+                *place = place.take().and_then(|p| self.freed(p, tool, share, columns, &top));
             }
             if let Some(placed) = place {
                 columns.push(Column::new(placed.cutter, tool.core_radius(), &top));
@@ -236,17 +236,26 @@ impl<'a> Planner<'a> {
         Ok(CutRow { row, placed })
     }
 
-    /// The cutter, lifted until its core is free of what `earlier` plunges left. `None` when it would be out
-    /// of the blank by then.
-    fn freed(&self, mut placed: Placed, tool: &Tool, earlier: &[Column], top: &BlankTop) -> Option<Placed> {
+    /// The cutter, lifted until its core is free of what `earlier` plunges left. `None` when that takes more
+    /// than the share `most_lift` of its way through the blank.
+    fn freed(
+        &self,
+        mut placed: Placed,
+        tool: &Tool,
+        most_lift: f64,
+        earlier: &[Column],
+        top: &BlankTop,
+    ) -> Option<Placed> {
         let unlifted = placed.cutter.tip;
+        let way = Column::new(placed.cutter, tool.core_radius(), top).top;
         for _ in 0..MAX_LIFTS {
             let column = Column::new(placed.cutter, tool.core_radius(), top);
             let contact = planned_contact(&column, earlier, &self.blank);
             if contact == 0.0 {
                 break;
             }
-            if contact >= column.top - LIFT_MARGIN {
+            let lift = (placed.cutter.tip - unlifted).norm() + contact;
+            if lift >= most_lift * way - LIFT_MARGIN {
                 return None;
             }
             placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
@@ -271,9 +280,9 @@ impl<'a> Planner<'a> {
         if policy == AxisPolicy::Minimal {
             return self.minimal_section(index, grounds, &columns, monitor);
         }
-        let (axes, free) = match policy {
-            AxisPolicy::Staircase => (AxisPolicy::Conventional, true),
-            other => (other, false),
+        let (axes, most_lift) = match policy {
+            AxisPolicy::Staircase => (AxisPolicy::Conventional, Some(1.0)),
+            other => (other, None),
         };
         let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
@@ -281,7 +290,7 @@ impl<'a> Planner<'a> {
         let feed = section.feed.unwrap_or(Feed::Inward);
         let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns };
         for row in rows {
-            cut.rows.push(self.cut_row(row, tool, free, &mut cut.columns, monitor)?);
+            cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, monitor)?);
         }
         Ok(cut)
     }

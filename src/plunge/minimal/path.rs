@@ -220,13 +220,10 @@ impl PathSearch<'_> {
         let mut consider = |cost_before: f64, before: Option<(usize, usize)>| {
             let affordable = match &best {
                 None => f64::INFINITY,
-                Some(b) if !here.counts => {
-                    if b.lift > 0.0 {
-                        b.lift
-                    } else {
-                        return;
-                    }
-                }
+                // Where the layer does not count a free start does, and of free starts the latest.
+                Some(b) if !here.counts && b.lift > 0.0 => b.lift,
+                Some(b) if !here.counts && cost_before + COST_PER_POSITION >= b.cost => return,
+                Some(_) if !here.counts => 0.0,
                 Some(b) => {
                     candidate.affordable_lift(b.cost - cost_before - COST_PER_POSITION, self.candidates.scale)
                 }
@@ -249,7 +246,10 @@ impl PathSearch<'_> {
             let depth = search.depth(&column, earlier, self.blank, affordable);
             let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
             let cost = cost_before + self.own(&candidate, lift, here);
-            if best.is_none_or(|b| cost < b.cost || (cost == b.cost && lift < b.lift)) {
+            let better = |b: &State| {
+                if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) }
+            };
+            if best.as_ref().is_none_or(better) {
                 best = Some(State { candidate, column, cost, lift, before });
             }
         };

@@ -21,6 +21,8 @@ const SCALE_RADII: f64 = 0.5;
 const RUN_UP_DIAMETERS: f64 = 1.5;
 /// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
 const WEDGE_RADII: f64 = 0.2;
+/// Share of its way through the blank that a plunge may stop short by: what cuts less is not worth its time.
+const MOST_LIFT: f64 = 0.8;
 /// Lift of a row's first position from which on the row is entered from the side, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
 /// Neighbouring axes may stand this far apart at the shroud before a ridge stays between them, in radii.
@@ -115,7 +117,7 @@ impl Planner<'_> {
                     };
                     let stations = crossing.stations(&cut.columns)?;
                     let row = Row { stations, lambda: lambda_of(lambda), rounds: 1, settled: true };
-                    let row = self.cut_row(row, tool, true, &mut cut.columns, monitor)?;
+                    let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
                     cut.rows.extend(row.split_where_axes_turn(turned));
                     path = search.path(&places, start, &cut.columns)?;
                 }
@@ -125,7 +127,7 @@ impl Planner<'_> {
                     path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
                 fill_steps(&maker, &search.candidates, &mut stations);
                 let row = Row { stations, lambda: lambda_of(lambda), rounds: 1, settled: true };
-                let row = self.cut_row(row, tool, true, &mut cut.columns, monitor)?;
+                let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
                 cut.rows.extend(row.split_where_axes_turn(turned));
             }
         }
