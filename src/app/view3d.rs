@@ -18,6 +18,8 @@ pub struct View3d {
     camera: Option<Camera>,
     /// Standard view to take at the next look, when the size of the picture is known.
     wanted: Option<View>,
+    /// The last standard view and the camera it gave.
+    standard: Option<(View, Camera)>,
     /// Point the current drag turns about or holds, mm.
     grabbed: Option<glam::Vec3>,
     aspect: f32,
@@ -72,16 +74,22 @@ impl View3d {
         }
     }
 
-    /// The camera for a picture of `size` points, after a standard view that was asked for.
+    /// The camera for a picture of `size` points, after a standard view that was asked for. A standard view that
+    /// nobody has moved since fits the picture again when its shape changes.
     pub fn camera(&mut self, framing: &Framing, size: Vec2) -> Camera {
-        self.aspect = size.x / size.y.max(1.0);
-        let wanted = self.wanted.take();
+        let aspect = size.x / size.y.max(1.0);
+        let reshaped = aspect != self.aspect;
+        self.aspect = aspect;
+        let untouched = self.standard.filter(|(_, camera)| reshaped && Some(*camera) == self.camera);
+        let wanted = self.wanted.take().or(untouched.map(|(view, _)| view));
         let now = self.camera;
         let camera = match (now, wanted) {
             (Some(camera), None) => camera,
             (_, wanted) => {
-                let mut camera = Camera::standard(wanted.unwrap_or_default(), framing, self.aspect);
+                let view = wanted.unwrap_or_default();
+                let mut camera = Camera::standard(view, framing, aspect);
                 camera.projection = now.map_or_else(Projection::default, |before| before.projection);
+                self.standard = Some((view, camera));
                 camera
             }
         };
