@@ -25,6 +25,7 @@ pub mod app;
 pub mod assess;
 #[cfg(feature = "window")]
 pub mod cli;
+pub mod flank;
 pub mod formats;
 pub mod geometry;
 #[cfg(feature = "gpu")]

@@ -18,6 +18,8 @@ pub enum SetupPlace {
     Stock(&'static str),
     /// A key of `[plunge]`.
     Plunge(&'static str),
+    /// A key of `[flank]`.
+    Flank(&'static str),
     /// The tool of this number.
     Tool(u32),
     /// A section by its index; its tool where the setup leaves the sections to us.

@@ -1,0 +1,21 @@
+//! The flank region planner (paper B): layers of constant depth, regions, and curves that are true offsets of the walls.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`choice`] | the cutter |
+//! | [`interval`] | distance of neighbouring curves |
+//! | [`layer`] | the surfaces, geodesics on them |
+//! | [`border`] | the walls on a layer, and the fans that leave them |
+//! | [`chart`] | distances from the walls over a layer |
+//! | [`schemes`] | curves: isoparametric, by layers, by regions, balanced |
+//! | [`curves`] | all layers of a channel, and how the schemes compare |
+
+pub mod border;
+pub mod chart;
+pub mod choice;
+pub mod curves;
+pub mod interval;
+pub mod layer;
+pub mod schemes;
+
+pub use curves::{CurveSource, FlankCurves, FlankError};
