@@ -23,6 +23,13 @@ impl Column {
     pub fn new(cutter: CutterSolid, core_radius: f64, blank: &BlankTop) -> Self {
         Self { cutter, core_radius, top: blank.above(&cutter, core_radius) }
     }
+
+    /// The column of a plunge that stops `lift` mm short.
+    pub fn lifted(mut self, lift: f64) -> Self {
+        self.cutter.tip += self.cutter.axis * lift;
+        self.top -= lift;
+        self
+    }
 }
 
 /// Finds how far up core columns can meet stock.
