@@ -119,13 +119,8 @@ fn link_clearance(plan: &PlungePlan, k: usize, blank: &Blank, safety: f64) -> f6
             continue;
         }
         let start = spacing * i as f64;
-        let slope = |share: f64| {
-            let (clearance, slope) = at(share);
-            least = least.min(clearance);
-            slope
-        };
-        let guess = start + spacing * from.1 / (from.1 - to.1);
-        search::root_from(slope, (start, from.1), (start + spacing, to.1), guess, 0.02 * spacing);
+        let dip = search::least_in_dip(at, (start, from.1), (start + spacing, to.1), 0.02 * spacing);
+        least = least.min(dip);
     }
     least
 }
