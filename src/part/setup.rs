@@ -41,6 +41,16 @@ pub enum Feed {
     Outward,
 }
 
+impl Feed {
+    /// +1 when rows run inwards, −1 when they run outwards.
+    pub fn inward(self) -> f64 {
+        match self {
+            Self::Inward => 1.0,
+            Self::Outward => -1.0,
+        }
+    }
+}
+
 /// `[stock]`: allowances and clearances, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stock {

@@ -195,6 +195,11 @@ pub fn row_spacing(plunge: &PlungeSetup, tool: &Tool) -> f64 {
     plunge.row_spacing.unwrap_or(4.0 / 3.0 * tool.radius())
 }
 
+/// How far apart neighbouring axes may stand at the shroud before a ridge stays between them, mm.
+pub fn ridge_spacing(tool: &Tool) -> f64 {
+    1.9 * tool.radius()
+}
+
 /// Refuses a setup whose plan would have more than [`MAX_POSITIONS`] positions, by a low estimate.
 fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), SetupFault> {
     let plunge = &setup.plunge;
