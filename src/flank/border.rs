@@ -1,7 +1,7 @@
 //! The walls of the channel on a layer, and the fans of geodesics that leave them at right angles: where a fan has gone a
 //! certain way lies the true offset of the wall.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use super::layer::{Layer, LayerPoint};
 use crate::geometry::wrap_angle;
@@ -195,8 +195,8 @@ fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2]) -> Vec<LayerPoi
             .map(|k| layer.geodesic(from, heading, length * k as f64 / steps as f64).0)
             .collect::<Vec<LayerPoint>>()
     };
-    let back = layer.heading(line[0], line[1]) + PI;
-    let ahead = layer.heading(line[n - 2], line[n - 1]);
+    let back = end_heading(layer, [line[0], line[1], line[2]]);
+    let ahead = end_heading(layer, [line[n - 1], line[n - 2], line[n - 3]]);
     let behind = (line[0].x - layer.from).max(0.0) / (-back.cos()).max(0.3) + reach[0];
     let missing = (layer.to - line[n - 1].x).max(0.0) / ahead.cos().max(0.3) + reach[1];
     let mut points = run(line[0], back, behind);
@@ -204,6 +204,13 @@ fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2]) -> Vec<LayerPoi
     points.extend_from_slice(line);
     points.extend(run(line[n - 1], ahead, missing));
     points
+}
+
+/// Heading under which a line goes on beyond its end, the first of three points: the slope of the parabola through them.
+fn end_heading(layer: &Layer, [end, next, third]: [LayerPoint; 3]) -> f64 {
+    let (outer, inner) = (layer.heading(next, end), layer.heading(third, next));
+    let (a, b) = (layer.step(end, next), layer.step(next, third));
+    outer + wrap_angle(outer - inner) * a / (a + b).max(1e-12)
 }
 
 /// The splitter's outline on the layer; `None` where the layer ends before its nose.
@@ -232,7 +239,10 @@ fn outline(
     let (facing_low, facing_high) = (cut_at(facing_low, layer.to), cut_at(facing_high, layer.to));
     let ahead = |line: &[LayerPoint]| {
         let n = line.len();
-        let heading = layer.heading(line[n - 2], line[n - 1]);
+        let heading = match n {
+            2 => layer.heading(line[0], line[1]),
+            _ => end_heading(layer, [line[n - 1], line[n - 2], line[n - 3]]),
+        };
         let length = beyond + (layer.to - line[n - 1].x).max(0.0) / heading.cos().max(0.3);
         let steps = (length / EXTENSION_STEP).ceil().max(1.0) as usize;
         let run = (1..=steps)

@@ -153,6 +153,26 @@ impl Layer {
         (here.point.at_angle(theta), here.normal.direction_at_angle(theta))
     }
 
+    /// Where `point` stands over the layer, y next to `near`, and how high above it, mm; beyond its ends the layer runs on
+    /// straight. `guess` is an x close to it.
+    pub fn place(&self, point: &Point, near: f64, guess: Option<f64>) -> (LayerPoint, f64) {
+        let m = Meridional::of(point);
+        let length = self.curve.length();
+        let (x, d) = match guess {
+            Some(x) => self.curve.project_near(m, x.clamp(0.0, length), 0.2 * length),
+            None => self.curve.project(m),
+        };
+        let angle = self.turn * point.y.atan2(point.x);
+        let y = near + wrap_angle(angle - near);
+        if x > 0.0 && x < length {
+            return (LayerPoint { x, y }, d);
+        }
+        let here = self.curve.at(x);
+        let (dr, dz) = (m.r - here.point.r, m.z - here.point.z);
+        let along = dr * here.tangent.r + dz * here.tangent.z;
+        (LayerPoint { x: x + along, y }, dr * here.normal.r + dz * here.normal.z)
+    }
+
     /// Length of the short way from `a` to `b`, mm: straight where r is that of its middle.
     #[inline]
     pub fn step(&self, a: LayerPoint, b: LayerPoint) -> f64 {
@@ -220,32 +240,18 @@ impl Layer {
     }
 
     fn crossing(&self, side: &BladeSide, u: f64, guess: Option<(f64, f64)>) -> Option<(f64, LayerPoint)> {
-        let project = |p: Meridional, near: Option<f64>| match near {
-            Some(x) => {
-                let length = self.curve.length();
-                self.curve.project_near(p, x.clamp(0.0, length), 0.2 * length)
-            }
-            None => self.curve.project(p),
-        };
         let (mut v, mut near) = guess.map_or((0.5, None), |(v, x)| (v, Some(x)));
         for _ in 0..30 {
             let (p, _, pv) = side.derivatives(u, v);
-            let m = Meridional::of(&p);
-            let (x, d) = project(m, near);
-            near = Some(x);
-            let here = self.curve.at(x);
-            // Beyond the ends the layer runs on straight.
-            let (dr, dz) = (m.r - here.point.r, m.z - here.point.z);
-            let along = dr * here.tangent.r + dz * here.tangent.z;
-            let out = dr * here.normal.r + dz * here.normal.z;
-            let d = if along.abs() > 1e-6 { out } else { d };
-            if d.abs() < 1e-9 {
-                let y = self.turn * p.y.atan2(p.x);
-                return Some((v, LayerPoint { x: x + along, y }));
+            let (place, height) = self.place(&p, 0.0, near);
+            near = Some(place.x);
+            if height.abs() < 1e-9 {
+                return Some((v, place));
             }
-            let radial = (p.x * pv.x + p.y * pv.y) / m.r.max(1e-9);
-            let rate = radial * here.normal.r + pv.z * here.normal.z;
-            let step = d / rate;
+            let normal = self.curve.at(place.x).normal;
+            let radial = (p.x * pv.x + p.y * pv.y) / norm2(p.x, p.y).max(1e-9);
+            let rate = radial * normal.r + pv.z * normal.z;
+            let step = height / rate;
             if !step.is_finite() {
                 return None;
             }

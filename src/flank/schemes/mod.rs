@@ -58,7 +58,10 @@ fn within(layer: &Layer, p: LayerPoint, beyond: f64) -> f64 {
     (p.x - layer.from + beyond).min(layer.to + beyond - p.x)
 }
 
+/// An offset may come nearer to its wall by this many intervals: more than the chart errs by.
+const SOUND: f64 = 0.02;
+
 /// Not negative where an offset is no nearer to its own wall than it should be: behind focal points it is.
 fn sound(chart: &Chart, wall: WallName, offset: f64, p: LayerPoint) -> f64 {
-    chart.distance(wall, p) - offset + 0.1 * chart.interval
+    chart.distance(wall, p) - offset + SOUND * chart.interval
 }
