@@ -1,0 +1,3 @@
+//! Flank milling: cutters beside the walls and across the floor of a passage.
+
+pub mod wall;
