@@ -9,6 +9,8 @@
 //! | [`chart`] | distances from the walls over a layer |
 //! | [`schemes`] | curves: isoparametric, by layers, by regions, balanced |
 //! | [`curves`] | all layers of a channel, and how the schemes compare |
+//! | [`wall`] | cutters beside the walls: the axes of the curves along them |
+//! | [`path`] | order, links and flights: from curves to a program |
 
 pub mod border;
 pub mod chart;
@@ -16,6 +18,8 @@ pub mod choice;
 pub mod curves;
 pub mod interval;
 pub mod layer;
+pub mod path;
 pub mod schemes;
+pub mod wall;
 
 pub use curves::{CurveSource, FlankCurves, FlankError};

@@ -7,6 +7,7 @@
 //! count as well, and so do the circles in which the surface ends: together the whole disc.
 
 use crate::geometry::{Circle, Meridional, MeridionalCurve, Point, Vector, norm2, search};
+use crate::part::Tool;
 
 /// A surface of revolution that a flat bottom may touch but not enter, offset to its outer side.
 #[derive(Clone, Debug)]
@@ -168,6 +169,13 @@ impl<'a> DepthSurface<'a> {
             best = self.edge_touch(*edge, on_axis, axis, radius, known).or(best);
         }
         best
+    }
+
+    /// Tip of `tool` on the line through `on_axis` along `axis` (unit), lowered until its bottom touches the surface, which
+    /// is offset by what shall stay under the cutter plus the corner radius. `None` when the bottom misses the surface.
+    pub fn tip(&self, tool: &Tool, on_axis: &Point, axis: &Vector) -> Option<Point> {
+        let touch = self.touch(on_axis, axis, tool.radius() - tool.corner_radius)?;
+        Some(on_axis + axis * (touch.height - tool.corner_radius))
     }
 
     /// Whether a hit is on the stretch that counts; beyond it the surface runs on straight.
