@@ -193,6 +193,10 @@ impl<'a> Chart<'a> {
         let i = (at.floor().max(0.0) as usize).min(last - 1);
         let share = (at - i as f64).clamp(0.0, 1.0);
         let (a, b) = (&self.rows[i], &self.rows[i + 1]);
+        if !(0.0..=last as f64).contains(&at) {
+            let (low, high) = (self.borders.low.y_at(p.x), self.borders.high.y_at(p.x));
+            return (at, Row { low, high, ..*a }.column(p.y, self.columns));
+        }
         let row =
             Row { low: a.low + share * (b.low - a.low), high: a.high + share * (b.high - a.high), ..*a };
         (at, row.column(p.y, self.columns))

@@ -146,11 +146,8 @@ impl Writer<'_> {
             Some((_, reversed)) => *reversed,
             None => !pass.open[0] && pass.open[1],
         };
-        let positions: Vec<(Point, Vector)> = if reversed {
-            pass.positions.iter().rev().copied().collect()
-        } else {
-            pass.positions.clone()
-        };
+        let positions: Vec<(Point, Vector)> =
+            if reversed { pass.positions.iter().rev().copied().collect() } else { pass.positions.clone() };
         let (first, last) = if reversed { (1, 0) } else { (0, 1) };
         let about = |kind: MoveKind, (tip, axis): (Point, Vector)| FlankMove {
             kind,
@@ -303,7 +300,8 @@ impl Writer<'_> {
     fn flight_clearance(&self, k: usize) -> f64 {
         let (from, to) = (&self.moves[k - 1], &self.moves[k]);
         let tool = self.maker.tool;
-        let looks = ((to.tip - from.tip).norm() / (FLIGHT_LOOKS * tool.diameter)).ceil().clamp(1.0, 400.0) as usize;
+        let looks =
+            ((to.tip - from.tip).norm() / (FLIGHT_LOOKS * tool.diameter)).ceil().clamp(1.0, 400.0) as usize;
         (0..=looks)
             .map(|i| {
                 let share = i as f64 / looks as f64;
