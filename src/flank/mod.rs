@@ -16,6 +16,7 @@ pub mod border;
 pub mod chart;
 pub mod choice;
 pub mod curves;
+pub mod fixed_axis;
 pub mod interval;
 pub mod layer;
 pub mod path;
