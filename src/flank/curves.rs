@@ -176,7 +176,8 @@ impl CurveSource<'_> {
         let deep: Vec<f64> = heights.collect();
         let baseline = |j: usize| -> Result<Option<LayerCurves>, FlankError> {
             monitor.check()?;
-            let Some(layer) = Layer::isoparametric(self.part, j as f64 / count as f64) else {
+            let eta = j as f64 / count as f64;
+            let Some(layer) = Layer::isoparametric(self.part, eta, self.setup.stock.hub_allowance) else {
                 return Ok(None);
             };
             self.isoparametric_layer(layer, scheme == FlankScheme::Isoparametric)

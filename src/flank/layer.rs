@@ -41,6 +41,8 @@ pub struct Layer {
 
 /// Points of the meridional curve of a layer; the curve between them is a C2 spline.
 const CURVE_POINTS: usize = 120;
+/// How far before the leading edge a layer follows the hub at most, in lengths of the layer.
+const UPSTREAM: f64 = 0.2;
 /// Where less than this is left of the length of the hub, the layer's curve ends: further in the hub bends too much.
 const LEAST_STRETCH: f64 = 0.05;
 /// A layer shorter than this, mm, is none.
@@ -97,24 +99,45 @@ impl Layer {
         if !inside || last - from < LEAST_LENGTH {
             return None;
         }
+        // Before the leading edge the layer follows the hub on, as far as there is one.
+        let mut ahead = 0;
+        let step = (last - from) / CURVE_POINTS as f64;
+        let most = (UPSTREAM * CURVE_POINTS as f64) as usize;
+        while ahead < most
+            && from - step * (ahead + 1) as f64 > 0.0
+            && sound(from - step * (ahead + 1) as f64)
+        {
+            ahead += 1;
+        }
         let points: Vec<Meridional> =
-            (0..=CURVE_POINTS).map(|i| at(from + (last - from) * i as f64 / CURVE_POINTS as f64)).collect();
+            (0..=CURVE_POINTS + ahead).map(|i| at(from + step * (i as f64 - ahead as f64))).collect();
         let outer = hub.offset_derivative(0.5 * (from + last), height + 0.01 * hub.length()).0;
-        Self::through(part, &points, outer, height, cut_off)
+        Self::through(part, &points, ahead, outer, height, cut_off)
     }
 
-    /// The layer at the fraction `eta` of the way from hub to shroud.
-    pub fn isoparametric(part: &Impeller, eta: f64) -> Option<Self> {
+    /// The layer at the fraction `eta` of the way from hub to shroud, nowhere lower above the hub than `least`, mm.
+    pub fn isoparametric(part: &Impeller, eta: f64, least: f64) -> Option<Self> {
+        let hub = part.hub.curve();
+        let step = 1.0 / CURVE_POINTS as f64;
+        let upstream = part.hub.s_range().0.max(-UPSTREAM);
+        let ahead = (-upstream / step).floor().max(0.0) as usize;
+        let raised = |s: f64| {
+            let p = part.meridional(s, eta);
+            let (t, height) = hub.project(p);
+            if height < least { hub.offset_derivative(t, least).0 } else { p }
+        };
         let points: Vec<Meridional> =
-            (0..=CURVE_POINTS).map(|i| part.meridional(i as f64 / CURVE_POINTS as f64, eta)).collect();
-        let height = part.hub.point(0.0).distance(points[0]);
+            (0..=CURVE_POINTS + ahead).map(|i| raised(step * (i as f64 - ahead as f64))).collect();
+        let height = part.hub.point(0.0).distance(points[ahead]);
         let outer = part.meridional(0.5, eta + 0.05);
-        Self::through(part, &points, outer, height, false)
+        Self::through(part, &points, ahead, outer, height, false)
     }
 
+    /// Through `points`, of which `ahead` lie before the leading edge.
     fn through(
         part: &Impeller,
         points: &[Meridional],
+        ahead: usize,
         outer: Meridional,
         height: f64,
         cut_off: bool,
@@ -124,9 +147,10 @@ impl Layer {
         }
         let curve = MeridionalCurve::through(points).facing(outer);
         let to = curve.length();
-        (to > LEAST_LENGTH).then(|| Self {
+        let from = if ahead == 0 { 0.0 } else { curve.project(points[ahead]).0 };
+        (to - from > LEAST_LENGTH).then(|| Self {
             curve,
-            from: 0.0,
+            from,
             to,
             height,
             cut_off,

@@ -27,8 +27,15 @@ const MAX_TILT: f64 = 65.0 * std::f64::consts::PI / 180.0;
 const TURNING: f64 = 1.75;
 /// Nearer than this many intervals they have the wall's axis, and the pass along the wall covers what they leave out.
 const TURNED: f64 = 0.5;
+/// Greatest turn of the axis from position to position, rad: a ball's tip then stays within a µm of its way.
+const MOST_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
+/// Most positions that a turn adds to a step.
+const MAX_TURNS: f64 = 60.0;
 /// Rounds in which a position beside a nose is moved off it.
 const PUSHES: usize = 12;
+/// Times the way between two positions beside a nose is halved, and the push that asks for it, mm.
+const MENDS: usize = 4;
+const MENDED: f64 = 5e-4;
 /// Spacing of the points that the surface a cutter rests on is drawn through, mm.
 const SURFACE_STEP: f64 = 0.5;
 
@@ -310,12 +317,8 @@ impl OnLayer<'_> {
         let mut pieces = Vec::new();
         let mut lost = 0.0;
         let mut last: Option<LayerPoint> = None;
-        for p in self.dense(line) {
-            let share = self.share_of_wall(p);
-            let turned = match self.wall_axis(p).filter(|_| share > 0.0) {
-                Some(wall) => (axis + (wall - axis) * share).normalize(),
-                None => axis,
-            };
+        for p in self.turning(self.dense(line), axis) {
+            let turned = self.turned(p, axis);
             let tip = maker.search.tip(&self.contact(p), &turned, self.surface) + turned * CHORD;
             if maker.finished.clears(&maker.tool.placed(tip, turned), maker.setup.stock.blade_allowance) {
                 open.push((p, (tip, turned)));
@@ -335,6 +338,27 @@ impl OnLayer<'_> {
             made.passes.extend(self.pass(Role::Inner, region, group, ends, positions));
         }
         self.leave_out(made, region, lost, reason(Obstacle::Blade));
+    }
+
+    /// The fixed `axis`, turned towards that of a wall next to `p`.
+    fn turned(&self, p: LayerPoint, axis: Vector) -> Vector {
+        let share = self.share_of_wall(p);
+        match self.wall_axis(p).filter(|_| share > 0.0) {
+            Some(wall) => (axis + (wall - axis) * share).normalize(),
+            None => axis,
+        }
+    }
+
+    /// The line with so many points more that the axis turns little between two of them.
+    fn turning(&self, line: Vec<LayerPoint>, axis: Vector) -> Vec<LayerPoint> {
+        let mut points = vec![line[0]];
+        for w in line.windows(2) {
+            let middle = w[0].lerp(w[1], 0.5);
+            let [a, b, c] = [w[0], middle, w[1]].map(|p| self.turned(p, axis));
+            let count = ((a.angle(&b) + b.angle(&c)) / MOST_TURN).ceil().clamp(1.0, MAX_TURNS) as usize;
+            points.extend((1..=count).map(|k| w[0].lerp(w[1], k as f64 / count as f64)));
+        }
+        points
     }
 
     /// How much of a wall's own axis a place near it has: 0 in the middle, 1 next to the curve along the wall.
@@ -484,7 +508,31 @@ impl OnLayer<'_> {
             before.extend(self.arc(&arc, a, b));
         }
         before.extend(after);
-        self.push_wall(WallName::Splitter, Region::Inlet, &mut before, made);
+        let mut mended = self.mended(before);
+        self.push_wall(WallName::Splitter, Region::Inlet, &mut mended, made);
+    }
+
+    /// The positions with others between them where the straight way would come too near to a blade.
+    fn mended(&self, positions: Vec<Placed>) -> Vec<Placed> {
+        let mut mended: Vec<Placed> = Vec::with_capacity(positions.len());
+        for next in positions {
+            if let Some(last) = mended.last().copied() {
+                self.mend(last, next, MENDS, &mut mended);
+            }
+            mended.push(next);
+        }
+        mended
+    }
+
+    fn mend(&self, a: Placed, b: Placed, depth: usize, mended: &mut Vec<Placed>) {
+        let middle = a.between(&b, 0.5);
+        let free = self.off(middle);
+        if depth == 0 || (free.tip - middle.tip).norm() < MENDED {
+            return;
+        }
+        self.mend(a, free, depth - 1, mended);
+        mended.push(free);
+        self.mend(free, b, depth - 1, mended);
     }
 
     /// Positions on the way round the nose from `a` to `b`: the axis turns evenly, and the cutter is moved off the nose
@@ -503,21 +551,25 @@ impl OnLayer<'_> {
                 gone += self.layer.step(dense[k - 1], p);
             }
             let axis = (a.axis + (b.axis - a.axis) * (gone / total)).normalize();
-            let mut contact = self.contact(p);
-            let mut tip = maker.search.tip(&contact, &axis, self.surface) + axis * CHORD;
-            for _ in 0..PUSHES {
-                let cutter = maker.tool.placed(tip, axis);
-                let short = maker.setup.stock.blade_allowance - maker.finished.blade_clearance(&cutter);
-                if short <= 0.0 {
-                    break;
-                }
-                let Some(away) = self.off_nose(&contact) else { break };
-                contact.point += away * (1.3 * short + 1e-4);
-                tip = maker.search.tip(&contact, &axis, self.surface) + axis * CHORD;
-            }
-            placed.push(Placed { tip, axis, place: p });
+            let tip = maker.search.tip(&self.contact(p), &axis, self.surface) + axis * CHORD;
+            placed.push(self.off(Placed { tip, axis, place: p }));
         }
         placed
+    }
+
+    /// The cutter, moved over the layer away from the splitter's nose until it keeps the allowance from all blades.
+    fn off(&self, placed: Placed) -> Placed {
+        let maker = self.maker;
+        let mut contact = self.contact(placed.place);
+        let mut tip = placed.tip;
+        for _ in 0..PUSHES {
+            let cutter = maker.tool.placed(tip, placed.axis);
+            let short = maker.setup.stock.blade_allowance - maker.finished.blade_clearance(&cutter);
+            let Some(away) = self.off_nose(&contact).filter(|_| short > 0.0) else { break };
+            contact.point += away * (1.3 * short + 1e-4);
+            tip = maker.search.tip(&contact, &placed.axis, self.surface) + placed.axis * CHORD;
+        }
+        Placed { tip, ..placed }
     }
 
     /// Direction on the layer away from the middle of the nose.

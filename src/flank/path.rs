@@ -69,9 +69,11 @@ const RAMP_LENGTH: f64 = 25.0;
 /// Greatest turn of the axis on a link, rad.
 const MOST_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Spacing of positions along a link, mm.
-const LINK_STEP: f64 = 2.0;
+const LINK_STEP: f64 = 1.0;
 /// Rounds in which the ends of a flight are raised until it is clear.
 const MAX_ROUNDS: usize = 30;
+/// Flights are looked at in places: what they may lose between them, mm.
+const FLIGHT_MARGIN: f64 = 0.05;
 /// Spacing of looks along a flight, in cutter diameters.
 const FLIGHT_LOOKS: f64 = 0.25;
 
@@ -290,7 +292,18 @@ impl Writer<'_> {
 
     fn above(&self, (tip, axis): (Point, Vector)) -> Point {
         let tool = self.maker.tool;
-        tip + axis * (self.top.height(&tip, &axis, tool.radius() - tool.corner_radius) + 1e-6)
+        let mut above =
+            tip + axis * (self.top.height(&tip, &axis, tool.radius() - tool.corner_radius) + 1e-6);
+        for _ in 0..MAX_ROUNDS {
+            // Flat ends of the blank between its circles: go on until it is really clear.
+            let short =
+                self.maker.safety_distance - bottom_clearance(&tool.placed(above, axis), self.maker.blank);
+            if short <= 0.0 {
+                break;
+            }
+            above += axis * (1.5 * short + 1e-3);
+        }
+        above
     }
 
     /// Raises both ends of every flight until the bottom stays clear of the blank all the way.
@@ -300,7 +313,7 @@ impl Writer<'_> {
             let mut clear = true;
             for &k in &flights {
                 monitor.check()?;
-                let short = self.maker.safety_distance - self.flight_clearance(k);
+                let short = self.maker.safety_distance + FLIGHT_MARGIN - self.flight_clearance(k);
                 if short > 0.0 {
                     clear = false;
                     let lift = (1.0 + 0.3 * round as f64) * short + 0.25 * self.maker.safety_distance + 1e-3;

@@ -17,7 +17,7 @@ use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 use super::chart::WallName;
 
 /// Greatest over- and undercut of the walls that the fits of their axes aim at, mm.
-const WALL_TOLERANCE: f64 = 0.005;
+const WALL_TOLERANCE: f64 = 0.0035;
 /// Greatest distance between positions along a wall, mm, and how far the way between them may be off the wall's bend.
 const WALL_STEP: f64 = 4.0;
 const WALL_CHORD: f64 = 5e-4;
