@@ -10,6 +10,7 @@ struct Frame {
     viewport: vec4f,  // width, height, pixels per line width, unit of `lifted` in mm
     range: vec4f,     // lowest and highest value of the colour table, floor colours on, floor in relief
     look: vec4f,      // walls of the channel in work are cut away, floor values are heights
+    plane: vec4f,     // section plane: what lies beyond w along xyz is not drawn; xyz = 0: none
     greys: array<vec4f, 8>,
     lines: array<vec4f, 8>,
     states: array<vec4f, 4>,
@@ -57,6 +58,11 @@ fn light(n: vec3f, v: vec3f, open: f32) -> f32 {
     let outline = mix(0.70, 1.0, smoothstep(0.0, 0.35, abs(dot(n, v))));
     let corner = mix(0.62, 1.0, smoothstep(0.0, 1.0, open));
     return (0.40 + 0.16 * sky + 0.52 * half_turned * half_turned) * outline * corner;
+}
+
+// Beyond the section plane.
+fn cut_off(world: vec3f) -> bool {
+    return dot(frame.plane.xyz, world) > frame.plane.w;
 }
 
 fn facing(n: vec3f, v: vec3f) -> vec3f {
@@ -125,10 +131,16 @@ fn surface_vertex(in: SurfaceIn) -> SurfaceOut {
     return out;
 }
 
+// Walls that stand in front of the channel in work are drawn as glass instead.
+fn hidden(in: SurfaceOut, v: vec3f) -> bool {
+    return cut_off(in.world)
+        || (frame.look.x > 0.5 && (in.flags & INNER) != 0u && dot(in.normal, v) < 0.0);
+}
+
 @fragment
 fn surface_fragment(in: SurfaceOut) -> @location(0) vec4f {
     let v = to_viewer(in.world);
-    if frame.look.x > 0.5 && (in.flags & INNER) != 0u && dot(in.normal, v) < 0.0 {
+    if hidden(in, v) {
         discard;
     }
     let grey = frame.greys[2u + in.kind].rgb;
@@ -146,6 +158,9 @@ fn glass_fragment(in: SurfaceOut) -> @location(0) vec4f {
     if in.kind == SHROUD {
         alpha = 0.10 + 0.40 * along * along;
     } else if dot(n, v) < 0.0 {
+        discard;
+    }
+    if cut_off(in.world) {
         discard;
     }
     let grey = frame.greys[2u + in.kind].rgb;
@@ -180,6 +195,9 @@ fn floor_fragment(in: SurfaceOut) -> @location(0) vec4f {
     let entry = u32(clamp(t, 0.0, 1.0) * 255.0 + 0.5);
     let stock = frame.table[entry].rgb * clamp(relief, 0.80, 1.12) * mix(0.90, 1.0, flat_light);
     let uncut = frame.greys[GREY_UNCUT].rgb * flat_light;
+    if cut_off(in.world) {
+        discard;
+    }
     return vec4f(select(stock, uncut, in.uncut > 0.5), 1.0);
 }
 
@@ -196,6 +214,7 @@ struct CutterIn {
     @location(7) core_radius: f32,
     @location(8) corner_radius: f32,
     @location(9) state: u32,
+    @location(10) id: u32,
 }
 
 struct CutterOut {
@@ -205,6 +224,7 @@ struct CutterOut {
     @location(2) rise: f32, // 0 at the bottom, 1 at the upper end
     @location(3) @interpolate(flat) part: u32,
     @location(4) @interpolate(flat) state: u32,
+    @location(5) @interpolate(flat) id: u32,
 }
 
 const WALL = 0u;
@@ -242,6 +262,7 @@ fn cutter_vertex(in: CutterIn) -> CutterOut {
     out.rise = h / max(in.height, 1e-6);
     out.part = in.part;
     out.state = in.state;
+    out.id = in.id;
     out.clip = lifted(out.world, LIFT_CUTTER);
     return out;
 }
@@ -266,6 +287,23 @@ fn cutter_glass_fragment(in: CutterOut) -> @location(0) vec4f {
     return vec4f(frame.states[in.state].rgb * shade, alpha);
 }
 
+// ---- ids: what is under the pointer ---------------------------------------------------------------
+
+// The part hides cutters behind it and is no position itself.
+@fragment
+fn surface_id_fragment(in: SurfaceOut) -> @location(0) u32 {
+    if hidden(in, to_viewer(in.world)) {
+        discard;
+    }
+    return 0u;
+}
+
+// Counted from 1.
+@fragment
+fn cutter_id_fragment(in: CutterOut) -> @location(0) u32 {
+    return in.id + 1u;
+}
+
 // ---- lines --------------------------------------------------------------------------------------
 
 struct LineIn {
@@ -278,14 +316,18 @@ struct LineIn {
 struct LineOut {
     @builtin(position) clip: vec4f,
     @location(0) @interpolate(flat) colour: u32,
+    @location(1) world: vec3f,
 }
+
+// Colours up to this one are edges of the part, which the section plane cuts.
+const WALL_EDGE = 1u;
 
 @vertex
 fn line_vertex(in: LineIn, @builtin(vertex_index) i: u32) -> LineOut {
     let a = lifted(in.a, LIFT_LINE);
     let b = lifted(in.b, LIFT_LINE);
     if min(a.w, b.w) <= 1e-6 {
-        return LineOut(vec4f(0.0, 0.0, 2.0, 1.0), 0u); // behind the viewer
+        return LineOut(vec4f(0.0, 0.0, 2.0, 1.0), 0u, in.a); // behind the viewer
     }
     let size = frame.viewport.xy;
     let way = (b.xy / b.w - a.xy / a.w) * size;
@@ -296,10 +338,13 @@ fn line_vertex(in: LineIn, @builtin(vertex_index) i: u32) -> LineOut {
     // Square ends half a width long close the joints of a polyline.
     let offset = vec2f(-along.y, along.x) * select(-1.0, 1.0, left) + along * select(-0.5, 0.5, at_end);
     let clip_xy = p.xy + offset * in.width * frame.viewport.z / size * p.w;
-    return LineOut(vec4f(clip_xy, p.zw), in.colour);
+    return LineOut(vec4f(clip_xy, p.zw), in.colour, select(in.a, in.b, at_end));
 }
 
 @fragment
 fn line_fragment(in: LineOut) -> @location(0) vec4f {
+    if in.colour <= WALL_EDGE && cut_off(in.world) {
+        discard;
+    }
     return vec4f(frame.lines[in.colour].rgb, 1.0);
 }

@@ -1,189 +1,146 @@
-//! Everything the window can be told to do: one list for menus, shortcuts and tooltips.
+//! Everything the window can be told to do: one list for menus, shortcuts, tooltips and the palette.
 
 use egui::{Context, Key, KeyboardShortcut, Modifiers, Ui};
 
-/// A command of the window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // Names, labels and tips say it below; a third wording would only drift.
-pub enum Command {
-    OpenPart,
-    OpenSetup,
-    SaveSetup,
-    ExportCl,
-    SavePicture,
-    Quit,
-    Undo,
-    Redo,
-    Plan,
-    Cancel,
-    NextFault,
-    PreviousFault,
-    NextPosition,
-    PreviousPosition,
-    BeforeAfter,
-    Fit,
-    ViewIso,
-    ViewFront,
-    ViewTop,
-    ViewChannel,
-    ViewSection,
-    Perspective,
-    Hub,
-    Blades,
-    Shroud,
-    Cutters,
-    Axes,
-    SwitchTheme,
+const NONE: Modifiers = Modifiers::NONE;
+const SHIFT: Modifiers = Modifiers::SHIFT;
+const CTRL: Modifiers = Modifiers::COMMAND;
+
+/// Defines the list: `Name "Label" "What it does, in one sentence" [modifiers, key]`.
+macro_rules! commands {
+    ($($name:ident $label:literal $tip:literal [$($keys:expr, $key:ident)?];)*) => {
+        /// A command of the window.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)] // Each name's tip says it below; another wording would only drift.
+        pub enum Command {
+            $($name,)*
+        }
+
+        impl Command {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$name,)*];
+
+            /// Text on menu items and buttons.
+            pub fn label(self) -> &'static str {
+                match self {
+                    $(Self::$name => $label,)*
+                }
+            }
+
+            /// What it does, in one sentence.
+            pub fn tip(self) -> &'static str {
+                match self {
+                    $(Self::$name => $tip,)*
+                }
+            }
+
+            /// The keys.
+            pub fn shortcut(self) -> Option<KeyboardShortcut> {
+                match self {
+                    $(Self::$name => keys!($($keys, $key)?),)*
+                }
+            }
+        }
+    };
+}
+
+macro_rules! keys {
+    () => {
+        None
+    };
+    ($modifiers:expr, $key:ident) => {
+        Some(KeyboardShortcut::new($modifiers, Key::$key))
+    };
+}
+
+commands! {
+    NewProject "New" "Closes the project and begins anew" [CTRL, N];
+    OpenProject "Open project…" "Opens a project: part, setup, what-if sets and view" [];
+    SaveProject "Save project" "Writes the project to its file" [CTRL, S];
+    SaveProjectAs "Save project as…" "Writes the project to another file" [CTRL | SHIFT, S];
+    OpenPart "Open part…" "Opens an impeller: .toml, .geomTurbo or TurboGrid .inf" [CTRL, O];
+    OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
+    SaveSetup "Save setup…" "Writes the setup as it stands" [];
+    ExportCl "Export CL…" "Writes the plan shown as \"after\" as an APT cutter-location file" [CTRL, E];
+    SavePicture "Save picture…" "Writes the 3D view as a PNG" [CTRL | SHIFT, E];
+    Palette "Search a command" "Finds any command by its name" [CTRL, K];
+    KeepSet "Keep as what-if set" "Keeps the setup as it stands, to compare others with it" [CTRL, D];
+    FollowEdits "Follow edits" "Plans edits as they come, also while a slider moves" [];
+    DismissProblems "Dismiss problems" "Closes the messages about what went wrong" [];
+    Quit "Quit" "Closes the window" [CTRL, Q];
+    Undo "Undo" "Takes the last change of setup or sets back" [CTRL, Z];
+    Redo "Redo" "Makes the change again" [CTRL, Y];
+    Plan "Plan channel" "Plans the channel with the setup as it stands" [NONE, F5];
+    Cancel "Cancel" "Stops the work; the last good plan stays" [NONE, Escape];
+    NextFault "Next interferential" "Selects the next interferential position in cutting order" [NONE, N];
+    PreviousFault "Previous interferential" "Selects the interferential position before" [SHIFT, N];
+    NextRow "Next row of the table" "Selects the row below, as the table is filtered and sorted" [NONE, ArrowDown];
+    PreviousRow "Previous row of the table" "Selects the row above" [NONE, ArrowUp];
+    StepForward "Step forward" "Cuts one more position and selects it" [NONE, ArrowRight];
+    StepBack "Step back" "Takes the position cut last back" [NONE, ArrowLeft];
+    LeapForward "Step forward by 100" "Cuts 100 more positions" [SHIFT, ArrowRight];
+    LeapBack "Step back by 100" "Takes 100 positions back" [SHIFT, ArrowLeft];
+    Play "Play" "Runs through the positions in cutting order, or stops" [NONE, Space];
+    ToBlank "To the blank" "Shows the channel before the first position" [NONE, Home];
+    ToEnd "To the end" "Shows the channel after the last position" [NONE, End];
+    BeforeAfter "Switch before and after" "Shows the conventional plan (before) or the repaired one (after)" [NONE, B];
+    SideBySide "Before and after side by side" "Shows before and after side by side, under one camera" [SHIFT, B];
+    Wipe "Before and after with a wipe" "Shows before and after in one picture with a border to drag" [];
+    Difference "Difference map" "Colours the floor by how much more is left after than before" [SHIFT, D];
+    Fit "Fit" "Brings the whole part into view" [NONE, F];
+    FlyToSelection "Fly to the selection" "Brings the selected position into view" [NONE, Z];
+    ViewIso "Isometric view" "The whole wheel from obliquely above" [NONE, Num1];
+    ViewFront "Front view" "The whole wheel from the side" [NONE, Num2];
+    ViewTop "Top view" "The whole wheel along its axis" [NONE, Num3];
+    ViewChannel "Channel in work" "The channel in work, seen onto its floor" [NONE, Num4];
+    ViewSection "Section in work" "The section of the selected position, else the first" [NONE, Num5];
+    Perspective "Switch perspective and parallel" "Switches between perspective and parallel projection" [NONE, P];
+    SectionPlane "Section plane" "Cuts the part open along a plane" [NONE, X];
+    Measure "Measure" "Measures between two points: distance, Δx, Δy, Δz" [NONE, M];
+    Plots "Plots along the row" "Shows tilt, contact, stock and step along the row of the selected position" [];
+    Hub "Hub" "Shows the hub with the stock left on it" [];
+    Blades "Blades" "Shows the blades" [];
+    Shroud "Shroud" "Shows the shroud as glass" [];
+    Cutters "Cutters" "Shows the cutters at the end of their plunges" [];
+    Axes "Axes" "Shows the tool axes up to the retract points" [];
+    Holders "Holders" "Shows the holder of the cutter in work and of the selected one" [];
+    Links "Rapids" "Shows the rapids from retract point to retract point" [];
+    SwitchTheme "Switch light and dark" "Switches between light and dark" [];
 }
 
 impl Command {
-    /// All of them; shortcuts are tried in this order, those with more modifiers first where keys agree.
-    pub const ALL: [Self; 28] = [
-        Self::OpenSetup,
-        Self::OpenPart,
-        Self::SavePicture,
-        Self::SaveSetup,
-        Self::ExportCl,
-        Self::Quit,
-        Self::Redo,
-        Self::Undo,
-        Self::Plan,
-        Self::Cancel,
-        Self::PreviousFault,
-        Self::NextFault,
-        Self::NextPosition,
-        Self::PreviousPosition,
-        Self::BeforeAfter,
-        Self::Fit,
-        Self::ViewIso,
-        Self::ViewFront,
-        Self::ViewTop,
-        Self::ViewChannel,
-        Self::ViewSection,
-        Self::Perspective,
-        Self::Hub,
-        Self::Blades,
-        Self::Shroud,
-        Self::Cutters,
-        Self::Axes,
-        Self::SwitchTheme,
-    ];
-
-    /// Text on menu items and buttons.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::OpenPart => "Open part…",
-            Self::OpenSetup => "Open setup…",
-            Self::SaveSetup => "Save setup…",
-            Self::ExportCl => "Export CL…",
-            Self::SavePicture => "Save picture…",
-            Self::Quit => "Quit",
-            Self::Undo => "Undo",
-            Self::Redo => "Redo",
-            Self::Plan => "Plan channel",
-            Self::Cancel => "Cancel",
-            Self::NextFault => "Next interferential",
-            Self::PreviousFault => "Previous interferential",
-            Self::NextPosition => "Next position",
-            Self::PreviousPosition => "Previous position",
-            Self::BeforeAfter => "Switch before and after",
-            Self::Fit => "Fit",
-            Self::ViewIso => "Isometric view",
-            Self::ViewFront => "Front view",
-            Self::ViewTop => "Top view",
-            Self::ViewChannel => "Channel in work",
-            Self::ViewSection => "Section in work",
-            Self::Perspective => "Switch perspective and parallel",
-            Self::Hub => "Hub",
-            Self::Blades => "Blades",
-            Self::Shroud => "Shroud",
-            Self::Cutters => "Cutters",
-            Self::Axes => "Axes",
-            Self::SwitchTheme => "Switch light and dark",
-        }
+    /// Whether its keys belong to whatever has the keyboard: they type, move or press there.
+    fn yields(shortcut: &KeyboardShortcut) -> bool {
+        !shortcut.modifiers.command && !matches!(shortcut.logical_key, Key::F5 | Key::Escape)
     }
 
-    /// What it does, in one sentence.
-    pub fn tip(self) -> &'static str {
-        match self {
-            Self::OpenPart => "Opens an impeller: .toml, .geomTurbo or TurboGrid .inf",
-            Self::OpenSetup => "Opens a setup (.toml) for the part",
-            Self::SaveSetup => "Writes the setup as it stands",
-            Self::ExportCl => "Writes the plan shown as \"after\" as an APT cutter-location file",
-            Self::SavePicture => "Writes the 3D view as a PNG",
-            Self::Quit => "Closes the window",
-            Self::Undo => "Takes the last change of the setup back",
-            Self::Redo => "Makes the change again",
-            Self::Plan => "Plans the channel with the setup as it stands",
-            Self::Cancel => "Stops the work; the last good plan stays",
-            Self::NextFault => "Selects the next interferential position in cutting order",
-            Self::PreviousFault => "Selects the interferential position before",
-            Self::NextPosition => "Selects the next position in cutting order",
-            Self::PreviousPosition => "Selects the position before",
-            Self::BeforeAfter => "Shows the conventional plan (before) or the repaired one (after)",
-            Self::Fit => "Brings the whole part into view",
-            Self::ViewIso => "The whole wheel from obliquely above",
-            Self::ViewFront => "The whole wheel from the side",
-            Self::ViewTop => "The whole wheel along its axis",
-            Self::ViewChannel => "The channel in work, seen onto its floor",
-            Self::ViewSection => "The section of the selected position, else the first",
-            Self::Perspective => "Switches between perspective and parallel projection",
-            Self::Hub => "Shows the hub with the stock left on it",
-            Self::Blades => "Shows the blades",
-            Self::Shroud => "Shows the shroud as glass",
-            Self::Cutters => "Shows the cutters at the end of their plunges",
-            Self::Axes => "Shows the tool axes up to the retract points",
-            Self::SwitchTheme => "Switches between light and dark",
-        }
-    }
-
-    /// The keys.
-    pub fn shortcut(self) -> Option<KeyboardShortcut> {
-        let ctrl = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
-        let ctrl_shift = |key| KeyboardShortcut::new(Modifiers::COMMAND | Modifiers::SHIFT, key);
-        let plain = |key| KeyboardShortcut::new(Modifiers::NONE, key);
-        let shift = |key| KeyboardShortcut::new(Modifiers::SHIFT, key);
-        Some(match self {
-            Self::OpenPart => ctrl(Key::O),
-            Self::OpenSetup => ctrl_shift(Key::O),
-            Self::SaveSetup => ctrl(Key::S),
-            Self::ExportCl => ctrl(Key::E),
-            Self::SavePicture => ctrl_shift(Key::S),
-            Self::Quit => ctrl(Key::Q),
-            Self::Undo => ctrl(Key::Z),
-            Self::Redo => ctrl(Key::Y),
-            Self::Plan => plain(Key::F5),
-            Self::Cancel => plain(Key::Escape),
-            Self::NextFault => plain(Key::N),
-            Self::PreviousFault => shift(Key::N),
-            Self::NextPosition => plain(Key::ArrowRight),
-            Self::PreviousPosition => plain(Key::ArrowLeft),
-            Self::BeforeAfter => plain(Key::B),
-            Self::Fit => plain(Key::F),
-            Self::ViewIso => plain(Key::Num1),
-            Self::ViewFront => plain(Key::Num2),
-            Self::ViewTop => plain(Key::Num3),
-            Self::ViewChannel => plain(Key::Num4),
-            Self::ViewSection => plain(Key::Num5),
-            Self::Perspective => plain(Key::P),
-            Self::Hub | Self::Blades | Self::Shroud | Self::Cutters | Self::Axes | Self::SwitchTheme => {
-                return None;
-            }
-        })
-    }
-
-    /// Commands whose keys were pressed since the last look. Keys that also type or move in a text
-    /// field count only while no field has the focus.
-    pub fn pressed(ctx: &Context) -> Vec<Self> {
+    /// Commands whose keys were pressed since the last look. Keys that also type or move count only while no
+    /// field has the focus; keys of what cannot be done now are left to others. What cannot be done now leaves its keys to others.
+    pub fn pressed(ctx: &Context, can: impl Fn(Self) -> bool) -> Vec<Self> {
+        let taken = ctx.text_edit_focused() || ctx.memory(|memory| memory.focused().is_some());
         let typing = ctx.text_edit_focused();
+        let mut order: Vec<(Self, KeyboardShortcut)> =
+            Self::ALL.iter().filter_map(|&command| Some((command, command.shortcut()?))).collect();
+        // Those with more modifiers first: a shortcut also answers to keys with further modifiers held.
+        let weight = |m: Modifiers| usize::from(m.shift) + usize::from(m.command) + usize::from(m.alt);
+        order.sort_by_key(|(_, keys)| std::cmp::Reverse(weight(keys.modifiers)));
         let mut pressed = Vec::new();
-        for command in Self::ALL {
-            let Some(shortcut) = command.shortcut() else { continue };
-            let types = !shortcut.modifiers.command && shortcut.logical_key != Key::F5;
-            if typing && types {
+        for (command, keys) in order {
+            let letter = !matches!(
+                keys.logical_key,
+                Key::ArrowUp
+                    | Key::ArrowDown
+                    | Key::ArrowLeft
+                    | Key::ArrowRight
+                    | Key::Space
+                    | Key::Home
+                    | Key::End
+            );
+            let kept = if letter { typing } else { taken };
+            if kept && Self::yields(&keys) || !can(command) {
                 continue;
             }
-            if ctx.input_mut(|input| input.consume_shortcut(&shortcut)) {
+            if ctx.input_mut(|input| input.consume_shortcut(&keys)) {
                 pressed.push(command);
             }
         }
@@ -217,10 +174,9 @@ mod tests {
     use super::Command;
 
     #[test]
-    fn every_command_is_listed_once_and_keys_are_unique() {
+    fn labels_and_keys_are_unique() {
         for (i, a) in Command::ALL.iter().enumerate() {
             for b in &Command::ALL[i + 1..] {
-                assert_ne!(a, b, "listed twice");
                 assert_ne!(a.label(), b.label(), "two commands with one label");
                 assert!(a.shortcut().is_none() || a.shortcut() != b.shortcut(), "{a:?} and {b:?} share keys");
             }

@@ -7,11 +7,17 @@ use std::time::{Duration, Instant};
 
 use egui::{Context, Key, Ui};
 
+use crate::formats::project_file::EXTENSION;
+
 /// What a file is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// A part to open.
     OpenPart,
+    /// A project to open.
+    OpenProject,
+    /// Where the project goes.
+    SaveProject,
     /// A setup to open.
     OpenSetup,
     /// Where the setup goes.
@@ -26,6 +32,8 @@ impl Purpose {
     fn title(self) -> &'static str {
         match self {
             Self::OpenPart => "Open part",
+            Self::OpenProject => "Open project",
+            Self::SaveProject => "Save project",
             Self::OpenSetup => "Open setup",
             Self::SaveSetup => "Save setup",
             Self::ExportCl => "Export CL",
@@ -34,12 +42,13 @@ impl Purpose {
     }
 
     fn saves(self) -> bool {
-        matches!(self, Self::SaveSetup | Self::ExportCl | Self::SavePicture)
+        matches!(self, Self::SaveProject | Self::SaveSetup | Self::ExportCl | Self::SavePicture)
     }
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
             Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf"]),
+            Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::ExportCl => ("APT cutter location", &["apt", "cl"]),
             Self::SavePicture => ("Pictures", &["png"]),

@@ -29,8 +29,8 @@ pub struct Sample {
     pub about: &'static str,
 }
 
-/// Opens a part.
-pub type OpenFn = dyn Fn(&PartSource, &Monitor) -> Result<Arc<Impeller>, InputError> + Send + Sync;
+/// Opens a part; with a hash of what it describes.
+pub type OpenFn = dyn Fn(&PartSource, &Monitor) -> Result<(Arc<Impeller>, u64), InputError> + Send + Sync;
 /// Plans a part.
 pub type PlanFn = dyn Fn(&PlanRequest, &Monitor) -> Result<PlanOutcome, JobError> + Send + Sync;
 
@@ -62,11 +62,15 @@ pub(super) struct PlanTask {
     pub setup: Setup,
     /// Whether all policies are planned.
     pub compare: bool,
+    /// Whether a coarse field will do.
+    pub draft: bool,
 }
 
 /// Cells of the residual field along s and λ: the field of the speed goals, and fine enough that a
 /// cell is well below a pixel with the channel fitted.
 const FIELD_CELLS: usize = 512;
+/// The same while a slider moves.
+const DRAFT_CELLS: usize = 160;
 
 impl Engine {
     /// Plans and prepares everything the panels show, so that the UI thread only draws.
@@ -76,7 +80,7 @@ impl Engine {
             setup: task.setup.clone(),
             policy: task.setup.plunge.axis,
             compare: task.compare,
-            field_cells: FIELD_CELLS,
+            field_cells: if task.draft { DRAFT_CELLS } else { FIELD_CELLS },
         };
         let outcome = (self.plan)(&request, monitor)?;
         Ok(Planned::new(request.setup, outcome))

@@ -6,13 +6,15 @@ use std::sync::Arc;
 use crate::formats::InputError;
 use crate::formats::apt::{ClProgram, write_apt};
 use crate::formats::part_file::{read_part, read_part_bytes};
+use crate::formats::project_file::{EXTENSION, part_hash};
 use crate::formats::setup_file::write_setup;
 use crate::formats::write::write_whole;
 use crate::gpu::encode_png;
 use crate::part::{Impeller, Setup};
 
+use super::document::Edited;
 use super::engine::{PartSource, Sample};
-use super::planned::{Planned, Side};
+use super::planned::Planned;
 
 /// Name, what it shows, and text of a sample part.
 type Built = (&'static str, &'static str, &'static str);
@@ -42,7 +44,7 @@ pub fn samples() -> Vec<Sample> {
 }
 
 /// Reads, trims and checks a part.
-pub fn open_part(source: &PartSource) -> Result<Arc<Impeller>, InputError> {
+pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError> {
     let (file, description) = match source {
         PartSource::File(path) => (path.display().to_string(), read_part(path)?),
         PartSource::Sample(name) => {
@@ -60,7 +62,13 @@ pub fn open_part(source: &PartSource) -> Result<Arc<Impeller>, InputError> {
         }
     };
     let impeller = Impeller::build(&description);
-    impeller.map(Arc::new).map_err(|e| InputError { file, line: e.line, what: e.what, cure: e.cure })
+    let hash = part_hash(&description);
+    impeller.map(|impeller| (Arc::new(impeller), hash)).map_err(|e| InputError {
+        file,
+        line: e.line,
+        what: e.what,
+        cure: e.cure,
+    })
 }
 
 /// Whether a dropped or named file is a setup rather than a part: both may be TOML, and only a setup
@@ -82,8 +90,23 @@ pub fn is_setup(path: &Path) -> bool {
 /// A setup is small; a part can be large, and looking into it would cost the UI thread time.
 const LARGEST_SETUP: u64 = 256 * 1024;
 
+/// Whether a dropped or named file is a project.
+pub fn is_project(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
+}
+
+/// What was written.
+pub struct Written {
+    /// What to say.
+    pub text: String,
+    /// A project: where it is, and what it holds.
+    pub project: Option<(PathBuf, Edited)>,
+}
+
 /// Something to write.
 pub enum WriteTask {
+    /// A project's text, and what it holds.
+    Project(PathBuf, String, Box<Edited>),
     /// The setup.
     Setup(PathBuf, Box<Setup>),
     /// The plan's "after" side as APT.
@@ -93,8 +116,9 @@ pub enum WriteTask {
 }
 
 /// Writes, whole or not at all; returns what to say.
-pub fn write(task: &WriteTask) -> Result<String, InputError> {
+pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     let (path, bytes) = match task {
+        WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),
         WriteTask::Setup(path, setup) => (path, write_setup(setup).into_bytes()),
         WriteTask::Cl(path, planned) => (path, cl_text(planned).into_bytes()),
         WriteTask::Picture(path, width, height, rgba) => {
@@ -108,11 +132,15 @@ pub fn write(task: &WriteTask) -> Result<String, InputError> {
         }
     };
     write_whole(path, &bytes)?;
-    Ok(format!("Wrote {}", path.display()))
+    let project = match task {
+        WriteTask::Project(path, _, edited) => Some((path.clone(), Edited::clone(edited))),
+        _ => None,
+    };
+    Ok(Written { text: format!("Wrote {}", path.display()), project })
 }
 
 fn cl_text(planned: &Planned) -> String {
-    write_apt(&ClProgram::of_plan(&planned.outcome.part.name, planned.plan(Side::After)))
+    write_apt(&ClProgram::of_plan(&planned.outcome.part.name, &planned.outcome.after.plan))
 }
 
 #[cfg(test)]
@@ -122,7 +150,7 @@ mod tests {
     #[test]
     fn every_sample_opens_under_its_own_name() {
         for sample in samples() {
-            let part = open_part(&PartSource::Sample(sample.name.to_owned())).expect("a sample opens");
+            let (part, _) = open_part(&PartSource::Sample(sample.name.to_owned())).expect("a sample opens");
             assert_eq!(part.name, sample.name, "the list and the file agree");
         }
     }

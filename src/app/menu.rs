@@ -1,174 +1,231 @@
 //! The menu, and what each command does.
 
-use egui::{Context, MenuBar, Ui, ViewportCommand};
+use egui::{Context, MenuBar, Ui};
 
 use crate::gpu::view::View;
 
 use super::App;
 use super::command::Command;
 use super::dialogs::Purpose;
+use super::look::Arrangement;
+use super::project::Pending;
+
+/// The menus: groups of commands, parted by lines.
+const MENUS: [(&str, &[&[Command]]); 3] = [
+    (
+        "File",
+        &[
+            &[Command::NewProject, Command::OpenProject, Command::OpenPart, Command::OpenSetup],
+            &[Command::SaveProject, Command::SaveProjectAs],
+            &[Command::SaveSetup, Command::ExportCl, Command::SavePicture],
+            &[Command::Quit],
+        ],
+    ),
+    ("Edit", &[&[Command::Undo, Command::Redo], &[Command::KeepSet], &[Command::Palette]]),
+    (
+        "Plan",
+        &[
+            &[Command::Plan, Command::Cancel, Command::FollowEdits],
+            &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
+            &[
+                Command::Play,
+                Command::StepForward,
+                Command::StepBack,
+                Command::LeapForward,
+                Command::LeapBack,
+            ],
+            &[Command::ToBlank, Command::ToEnd],
+        ],
+    ),
+];
+
+/// The menu of views; the layers follow it.
+const VIEWS: &[&[Command]] = &[
+    &[Command::BeforeAfter, Command::SideBySide, Command::Wipe, Command::Difference],
+    &[
+        Command::Fit,
+        Command::FlyToSelection,
+        Command::ViewIso,
+        Command::ViewFront,
+        Command::ViewTop,
+        Command::ViewChannel,
+        Command::ViewSection,
+        Command::Perspective,
+    ],
+    &[Command::SectionPlane, Command::Measure, Command::Plots],
+    &[Command::SwitchTheme],
+];
 
 impl App {
     /// Draws the menu bar.
     pub(super) fn menu(&mut self, ui: &mut Ui) {
-        let mut chosen = None;
+        let (mut chosen, mut recent) = (None, None);
         MenuBar::new().ui(ui, |ui| {
-            let mut items = |ui: &mut Ui, name: &str, commands: &[Option<Command>]| {
+            for (name, groups) in MENUS {
                 ui.menu_button(name, |ui| {
-                    for command in commands {
-                        match command {
-                            Some(command) if command.menu_item(ui, self.can(*command)) => {
-                                chosen = Some(*command)
+                    if let Some(command) = self.menu_groups(ui, groups) {
+                        chosen = Some(command);
+                    }
+                    if name == "File" && !self.state.recents.is_empty() {
+                        ui.separator();
+                        ui.menu_button("Open recent", |ui| {
+                            for path in &self.state.recents {
+                                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                                    recent = Some(path.clone());
+                                    ui.close();
+                                }
                             }
-                            Some(_) => {}
-                            None => {
-                                ui.separator();
-                            }
-                        }
+                        });
                     }
                 });
-            };
-            use Command::{
-                Cancel, ExportCl, NextFault, NextPosition, OpenPart, OpenSetup, Plan, PreviousFault,
-                PreviousPosition, Quit, Redo, SavePicture, SaveSetup, Undo,
-            };
-            items(
-                ui,
-                "File",
-                &[
-                    Some(OpenPart),
-                    Some(OpenSetup),
-                    None,
-                    Some(SaveSetup),
-                    Some(ExportCl),
-                    Some(SavePicture),
-                    None,
-                    Some(Quit),
-                ],
-            );
-            items(ui, "Edit", &[Some(Undo), Some(Redo)]);
-            items(
-                ui,
-                "Plan",
-                &[
-                    Some(Plan),
-                    Some(Cancel),
-                    None,
-                    Some(NextFault),
-                    Some(PreviousFault),
-                    Some(NextPosition),
-                    Some(PreviousPosition),
-                ],
-            );
-            if let Some(command) = self.view_menu(ui) {
-                chosen = Some(command);
             }
+            ui.menu_button("View", |ui| {
+                if let Some(command) = self.menu_groups(ui, VIEWS) {
+                    chosen = Some(command);
+                }
+                ui.separator();
+                for (shown, command) in super::overlay::switches(&mut self.state.look.layers) {
+                    ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+                }
+            });
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let search = ui.button(Command::Palette.label());
+                if search.on_hover_text(Command::Palette.tip_with_keys(ui.ctx())).clicked() {
+                    chosen = Some(Command::Palette);
+                }
+                let document = &self.state.document;
+                if document.part.is_some() {
+                    let name = document.path.as_ref().and_then(|path| path.file_stem());
+                    let name = name.map_or_else(|| "not saved yet".into(), |name| name.to_string_lossy());
+                    let mark = if document.is_unsaved() { " •" } else { "" };
+                    let label = ui.label(egui::RichText::new(format!("{name}{mark}")).weak());
+                    label.on_hover_text(if mark.is_empty() {
+                        "Everything is saved"
+                    } else {
+                        "There are unsaved changes"
+                    });
+                }
+            });
         });
         if let Some(command) = chosen {
             self.obey(ui.ctx(), command);
         }
+        if let Some(path) = recent {
+            self.guarded(ui.ctx(), Pending::Open(path));
+        }
     }
 
-    fn view_menu(&mut self, ui: &mut Ui) -> Option<Command> {
+    fn menu_groups(&self, ui: &mut Ui, groups: &[&[Command]]) -> Option<Command> {
         let mut chosen = None;
-        ui.menu_button("View", |ui| {
-            use Command::{
-                Axes, BeforeAfter, Blades, Cutters, Fit, Hub, Perspective, Shroud, SwitchTheme, ViewChannel,
-                ViewFront, ViewIso, ViewSection, ViewTop,
-            };
-            let views =
-                [BeforeAfter, Fit, ViewIso, ViewFront, ViewTop, ViewChannel, ViewSection, Perspective];
-            for command in views {
+        for (k, group) in groups.iter().enumerate() {
+            if k > 0 {
+                ui.separator();
+            }
+            for &command in *group {
                 if command.menu_item(ui, self.can(command)) {
                     chosen = Some(command);
                 }
             }
-            ui.separator();
-            let layers = self.state.layers;
-            for (command, mut on) in [
-                (Hub, layers.hub),
-                (Blades, layers.blades),
-                (Shroud, layers.shroud),
-                (Cutters, layers.cutters),
-                (Axes, layers.axes),
-            ] {
-                if ui.checkbox(&mut on, command.label()).on_hover_text(command.tip()).clicked() {
-                    chosen = Some(command);
-                }
-            }
-            ui.separator();
-            if SwitchTheme.menu_item(ui, true) {
-                chosen = Some(SwitchTheme);
-            }
-        });
+        }
         chosen
     }
 
     /// Whether a command makes sense now.
     pub(super) fn can(&self, command: Command) -> bool {
-        use Command::{
-            BeforeAfter, Cancel, ExportCl, Fit, NextFault, NextPosition, Perspective, Plan, PreviousFault,
-            PreviousPosition, Redo, SavePicture, SaveSetup, Undo, ViewChannel, ViewFront, ViewIso,
-            ViewSection, ViewTop,
-        };
+        use Command as C;
+        let open = self.state.document.part.is_some();
         match command {
-            SaveSetup | Plan | Fit | ViewIso | ViewFront | ViewTop | ViewChannel | Perspective => {
-                self.state.part.is_some()
+            C::NewProject | C::SaveProject | C::SaveProjectAs | C::KeepSet => open,
+            C::DismissProblems => !self.state.problems.is_empty(),
+            C::SaveSetup | C::Plan | C::Fit | C::ViewIso | C::ViewFront | C::ViewTop | C::ViewChannel => open,
+            C::Perspective | C::SectionPlane | C::Measure => open,
+            C::SavePicture => open && self.pictures.is_some(),
+            C::ExportCl | C::BeforeAfter | C::SideBySide | C::Wipe | C::Difference | C::ViewSection => {
+                self.state.results.planned.is_some()
             }
-            SavePicture => self.state.part.is_some() && self.picture.is_some(),
-            ExportCl | BeforeAfter | NextPosition | PreviousPosition | NextFault | PreviousFault
-            | ViewSection => self.state.planned.is_some(),
-            Cancel => self.work.running().is_some(),
-            Undo => self.undoer.has_undo(&self.state.setup),
-            Redo => self.undoer.has_redo(&self.state.setup),
+            C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow | C::Play | C::StepForward => {
+                self.state.position_count() > 0
+            }
+            C::StepBack | C::LeapForward | C::LeapBack | C::ToBlank | C::ToEnd => {
+                self.state.position_count() > 0
+            }
+            C::FlyToSelection => self.state.selected().is_some(),
+            C::Cancel => self.work.running().is_some() || self.state.look.measure.is_some(),
+            C::Undo => self.state.document.can_undo(),
+            C::Redo => self.state.document.can_redo(),
             _ => true,
         }
     }
 
     /// Does a command.
     pub(super) fn obey(&mut self, ctx: &Context, command: Command) {
-        let layers = &mut self.state.layers;
+        use Command as C;
+        let look = &mut self.state.look;
         match command {
-            Command::OpenPart => self.dialogs.ask(ctx, Purpose::OpenPart, String::new()),
-            Command::OpenSetup => self.dialogs.ask(ctx, Purpose::OpenSetup, String::new()),
-            Command::SaveSetup => self.dialogs.ask(ctx, Purpose::SaveSetup, self.suggest("setup.toml")),
-            Command::ExportCl => self.dialogs.ask(ctx, Purpose::ExportCl, self.suggest("plunge.apt")),
-            Command::SavePicture => self.dialogs.ask(ctx, Purpose::SavePicture, self.suggest("picture.png")),
-            Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
-            Command::Undo => {
-                if let Some(setup) = self.undoer.undo(&self.state.setup) {
-                    self.state.setup = setup.clone();
-                }
+            C::NewProject => self.guarded(ctx, Pending::New),
+            C::OpenProject => self.dialogs.ask(ctx, Purpose::OpenProject, String::new()),
+            C::SaveProject => self.save_project(ctx),
+            C::SaveProjectAs => self.dialogs.ask(ctx, Purpose::SaveProject, self.suggest_project()),
+            C::Palette => self.palette.toggle(),
+            C::KeepSet => self.state.document.keep_set(),
+            C::FollowEdits => self.state.follow ^= true,
+            C::DismissProblems => self.state.problems.clear(),
+            C::OpenPart => self.dialogs.ask(ctx, Purpose::OpenPart, String::new()),
+            C::OpenSetup => self.dialogs.ask(ctx, Purpose::OpenSetup, String::new()),
+            C::SaveSetup => self.dialogs.ask(ctx, Purpose::SaveSetup, self.suggest("setup.toml")),
+            C::ExportCl => self.dialogs.ask(ctx, Purpose::ExportCl, self.suggest("plunge.apt")),
+            C::SavePicture => self.dialogs.ask(ctx, Purpose::SavePicture, self.suggest("picture.png")),
+            C::Quit => self.guarded(ctx, Pending::Quit),
+            C::Undo => self.state.document.undo(),
+            C::Redo => self.state.document.redo(),
+            C::Plan => self.plan(),
+            C::Cancel if self.work.running().is_none() => look.measure = None,
+            C::Cancel => self.cancel(),
+            C::NextFault => self.state.step_fault(true),
+            C::PreviousFault => self.state.step_fault(false),
+            C::NextRow => self.state.step_row(1),
+            C::PreviousRow => self.state.step_row(-1),
+            C::StepForward => self.state.step_cut(1),
+            C::StepBack => self.state.step_cut(-1),
+            C::LeapForward => self.state.step_cut(100),
+            C::LeapBack => self.state.step_cut(-100),
+            C::ToBlank => self.state.set_cut(Some(0)),
+            C::ToEnd => self.state.set_cut(None),
+            C::Play => self.state.play(ctx.input(|i| i.time)),
+            C::BeforeAfter => {
+                look.arrangement = Arrangement::One;
+                let other = look.side.other();
+                self.state.show(other);
             }
-            Command::Redo => {
-                if let Some(setup) = self.undoer.redo(&self.state.setup) {
-                    self.state.setup = setup.clone();
-                }
-            }
-            Command::Plan => self.plan(),
-            Command::Cancel => self.cancel(),
-            Command::NextFault => self.state.step_selection(1, true),
-            Command::PreviousFault => self.state.step_selection(-1, true),
-            Command::NextPosition => self.state.step_selection(1, false),
-            Command::PreviousPosition => self.state.step_selection(-1, false),
-            Command::BeforeAfter => self.show_side(self.state.side.other()),
-            Command::Fit => {
-                if let Some(framing) = self.picture.as_ref().and_then(|picture| picture.framing()) {
+            C::SideBySide => self.arrange(Arrangement::Both),
+            C::Wipe => self.arrange(Arrangement::Wipe),
+            C::Difference => look.difference ^= true,
+            C::Fit => {
+                if let Some(framing) = self.pictures.as_ref().and_then(|pictures| pictures.framing()) {
                     self.view.fit(framing);
                 }
             }
-            Command::ViewIso => self.view.look(View::Iso),
-            Command::ViewFront => self.view.look(View::Front),
-            Command::ViewTop => self.view.look(View::Top),
-            Command::ViewChannel => self.view.look(View::Channel),
-            Command::ViewSection => self.view.look(View::Section(self.section_in_work() + 1)),
-            Command::Perspective => self.view.switch_projection(),
-            Command::Hub => layers.hub ^= true,
-            Command::Blades => layers.blades ^= true,
-            Command::Shroud => layers.shroud ^= true,
-            Command::Cutters => layers.cutters ^= true,
-            Command::Axes => layers.axes ^= true,
-            Command::SwitchTheme => {
+            C::FlyToSelection => look.fly = true,
+            C::ViewIso => self.view.look(View::Iso),
+            C::ViewFront => self.view.look(View::Front),
+            C::ViewTop => self.view.look(View::Top),
+            C::ViewChannel => self.view.look(View::Channel),
+            C::ViewSection => self.view.look(View::Section(self.section_in_work() + 1)),
+            C::Perspective => self.view.switch_projection(),
+            C::SectionPlane => {
+                look.section = if look.section.is_some() { None } else { Some(Default::default()) };
+            }
+            C::Measure => look.measure = if look.measure.is_some() { None } else { Some(Vec::new()) },
+            C::Plots => look.plots ^= true,
+            C::Hub => look.layers.hub ^= true,
+            C::Blades => look.layers.blades ^= true,
+            C::Shroud => look.layers.shroud ^= true,
+            C::Cutters => look.layers.cutters ^= true,
+            C::Axes => look.layers.axes ^= true,
+            C::Holders => look.layers.holders ^= true,
+            C::Links => look.layers.links ^= true,
+            C::SwitchTheme => {
                 let dark = ctx.theme() == egui::Theme::Dark;
                 ctx.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
@@ -178,7 +235,7 @@ impl App {
 
     /// Name offered where something of the part is saved.
     fn suggest(&self, ending: &str) -> String {
-        match &self.state.part {
+        match &self.state.document.part {
             Some(part) => format!("{}_{ending}", part.impeller.name),
             None => ending.to_owned(),
         }
@@ -186,8 +243,6 @@ impl App {
 
     /// Section of the selected position, else the first.
     fn section_in_work(&self) -> usize {
-        let plan = self.state.planned.as_ref().map(|planned| planned.plan(self.state.side));
-        let position = plan.zip(self.state.selected).and_then(|(plan, k)| plan.positions.get(k));
-        position.map_or(0, |position| position.section)
+        self.state.selected().map_or(0, |position| position.section)
     }
 }

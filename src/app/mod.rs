@@ -2,33 +2,49 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`state`] | what is open, edited, selected and shown; no drawing |
+//! | [`state`] | three rooms, and the rules between them; no drawing |
+//! | [`document`], [`results`], [`look`] | what is edited (with undo), what was computed, how it is looked at |
 //! | [`planned`] | a finished plan with what the panels show of it |
 //! | [`engine`] | opening and planning as functions, so that tests can stand in |
 //! | [`command`] | everything the window can be told to do |
 //! | [`theme`] | colours and sizes, declared once |
 //! | [`panels`] | the panels, one file each |
-//! | [`view3d`], [`picture`] | the 3D view: mouse and camera; the texture it shows |
+//! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: where they stand; mouse and camera; the textures they show |
+//! | [`overlay`], [`cube`] | what floats over them |
+//! | [`scrub`] | stock at a place of the timeline |
 //! | [`dialogs`], [`files`] | choosing files; reading and writing them in the background |
-//! | [`menu`], [`work`] | the menu; what runs in the background and what becomes of it |
+//! | `project`, [`home`] | the project as a file, and what is asked before it is lost; recent ones, copies that survive a crash |
+//! | [`menu`], [`palette`], [`work`] | the menu; the search for commands; what runs in the background and what becomes of it |
 //! | [`mod@run`] | opening the window |
 //!
 //! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which ask for a repaint when
 //! they are done; without input and without work nothing is drawn.
 
 pub mod command;
+pub mod cube;
 pub mod dialogs;
+pub mod document;
 pub mod engine;
+pub mod export;
 pub mod files;
+pub mod home;
+mod latest;
+pub mod look;
 pub mod menu;
 pub mod number;
+pub mod overlay;
+pub mod palette;
 pub mod panels;
 pub mod picture;
 pub mod planned;
+mod project;
+pub mod results;
 pub mod run;
+mod scrub;
 pub mod state;
 pub mod theme;
 pub mod view3d;
+pub mod viewport;
 pub mod work;
 
 use std::path::PathBuf;
@@ -37,18 +53,15 @@ use std::time::{Duration, Instant};
 use eframe::CreationContext;
 use egui::{CentralPanel, Panel, ScrollArea, Ui};
 
-use crate::gpu::cutters::CutterFilter;
-use crate::gpu::scene::SceneOptions;
-use crate::part::Setup;
-
 pub use run::{AppError, run};
 
 use command::Command;
 use engine::{Engine, PartSource};
+use look::Tab;
 use panels::part::Wish;
-use picture::Picture;
+use picture::Pictures;
 use state::State;
-use view3d::{Hit, View3d};
+use view3d::View3d;
 use work::Work;
 
 /// The application.
@@ -59,10 +72,13 @@ pub struct App {
     dialogs: dialogs::Dialogs,
     view: View3d,
     /// `None` on a device that cannot draw; panels work all the same.
-    picture: Option<Picture>,
-    undoer: egui::util::undoer::Undoer<Setup>,
-    /// The last hit under the cursor and where it was asked for.
-    hover: Option<(egui::Pos2, Hit)>,
+    pictures: Option<Pictures>,
+    scrubbed: scrub::Scrubbed,
+    inspected: scrub::Inspected,
+    hover: Option<viewport::Hover>,
+    glass: viewport::Glass,
+    palette: palette::Palette,
+    session: project::Session,
     device: String,
     title: String,
     start: Option<Instant>,
@@ -78,17 +94,21 @@ impl App {
     /// The application over other functions, for tests.
     pub fn with_engine(cc: &CreationContext<'_>, engine: Engine) -> Self {
         theme::apply(&cc.egui_ctx);
-        let picture = cc.wgpu_render_state.as_ref().map(Picture::new);
-        let device = picture.as_ref().map_or_else(|| "no 3D view".to_owned(), Picture::device_name);
+        let pictures = cc.wgpu_render_state.as_ref().map(Pictures::new);
+        let device = pictures.as_ref().map_or_else(|| "no 3D view".to_owned(), Pictures::device_name);
         Self {
             state: State::default(),
             work: Work::new(&engine, &cc.egui_ctx),
             engine,
             dialogs: dialogs::Dialogs::default(),
             view: View3d::default(),
-            picture,
-            undoer: Default::default(),
+            pictures,
+            scrubbed: scrub::Scrubbed::new(&cc.egui_ctx),
+            inspected: scrub::Inspected::new(&cc.egui_ctx),
             hover: None,
+            glass: viewport::Glass::default(),
+            palette: palette::Palette::default(),
+            session: project::Session::default(),
             device,
             title: String::new(),
             start: None,
@@ -101,13 +121,9 @@ impl App {
         self.start = Some(start);
     }
 
-    /// Opens a file: a setup if it looks like one, else a part.
+    /// Opens a file: a project, a setup or a part, whatever it is.
     pub fn open_path(&mut self, path: PathBuf) {
-        if files::is_setup(&path) {
-            self.open_files(None, Some(path))
-        } else {
-            self.open_part(PartSource::File(path))
-        }
+        self.open_file(path);
     }
 
     /// Opens a part in the background; its plan follows by itself.
@@ -120,6 +136,11 @@ impl App {
         &self.state
     }
 
+    /// How it is looked at, to be changed as the user would.
+    pub fn look_mut(&mut self) -> &mut look::Look {
+        &mut self.state.look
+    }
+
     /// Where the 3D view is seen from; `None` before there is a part.
     pub fn camera(&self) -> Option<crate::gpu::camera::Camera> {
         self.view.current()
@@ -127,7 +148,7 @@ impl App {
 
     /// Whether something runs in the background.
     pub fn is_busy(&self) -> bool {
-        self.work.running().is_some()
+        self.work.running().is_some() || self.scrubbed.is_busy() || self.inspected.is_busy()
     }
 
     /// Time from start to the first picture of a part, once there was one.
@@ -137,13 +158,28 @@ impl App {
 
     fn take_drops(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        let (mut part, mut setup) = (None, None);
-        for file in dropped {
-            let path = file.path().to_path_buf();
-            if files::is_setup(&path) { setup = Some(path) } else { part = Some(PartSource::File(path)) }
+        let paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
+        match &paths[..] {
+            [] => {}
+            [path] if files::is_setup(path) => self.open_file(path.clone()),
+            [path] => self.guarded(ctx, project::Pending::Open(path.clone())),
+            // A part with its setup.
+            many => {
+                let (setups, parts): (Vec<&PathBuf>, Vec<&PathBuf>) =
+                    many.iter().partition(|path| files::is_setup(path));
+                let part = parts.first().map(|path| PartSource::File((*path).clone()));
+                self.open_files(part, setups.first().map(|path| (*path).clone()));
+            }
         }
-        if part.is_some() || setup.is_some() {
-            self.open_files(part, setup);
+    }
+
+    /// Does what a panel asks for.
+    fn grant(&mut self, ctx: &egui::Context, wish: Wish) {
+        match wish {
+            Wish::Command(command) => self.obey(ctx, command),
+            Wish::Open(source) => self.guarded(ctx, project::Pending::OpenPart(source)),
+            Wish::OpenFile(path) => self.guarded(ctx, project::Pending::Open(path)),
+            Wish::GiveUp(path) => self.drop_recoverable(&path),
         }
     }
 
@@ -152,12 +188,16 @@ impl App {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             // The scroll bar floats; nothing should lie under it.
             ui.set_max_width(ui.available_width() - 8.0);
-            let name = self.state.part.as_ref().map_or("Part", |part| part.impeller.name.as_str()).to_owned();
+            let name = self
+                .state
+                .document
+                .part
+                .as_ref()
+                .map_or("Part", |part| part.impeller.name.as_str())
+                .to_owned();
             ui.label(egui::RichText::new(name).strong());
-            match panels::part::show(ui, &self.state, &self.engine.samples) {
-                Some(Wish::Command(command)) => self.obey(ui.ctx(), command),
-                Some(Wish::Open(source)) => self.open_part(source),
-                None => {}
+            if let Some(wish) = panels::part::show(ui, &self.state, &self.engine.samples) {
+                self.grant(ui.ctx(), wish);
             }
             ui.separator();
             let text = egui::RichText::new(Command::Plan.label()).color(egui::Color32::WHITE).strong();
@@ -169,98 +209,72 @@ impl App {
             {
                 self.obey(ui.ctx(), Command::Plan);
             }
-            let setup = &mut self.state.setup;
+            ui.checkbox(&mut self.state.follow, Command::FollowEdits.label())
+                .on_hover_text(Command::FollowEdits.tip());
+            let planned = self.state.results.planned.clone();
+            let chosen = planned.as_ref().map(|planned| &planned.outcome.setup);
+            let setup = &mut self.state.document.edited.setup;
             let open = |title: &str| egui::CollapsingHeader::new(title.to_owned()).default_open(true);
-            open("Plunge").show(ui, |ui| panels::setup::plunge(ui, setup));
+            open("Plunge").show(ui, |ui| panels::setup::plunge(ui, setup, chosen));
             open("Stock").show(ui, |ui| panels::setup::stock(ui, setup));
-            let (compare, planned) = (&mut self.state.compare, self.state.planned.as_deref());
-            open("Policies").show(ui, |ui| panels::policies::show(ui, compare, planned));
-            let setup = &mut self.state.setup;
-            let chosen = self.state.planned.as_ref().map(|planned| &planned.outcome.setup);
+            let what_if = open("What-if sets").show(ui, |ui| panels::whatif::show(ui, &mut self.state));
+            if let Some(command) = what_if.body_returned.flatten() {
+                self.obey(ui.ctx(), command);
+            }
+            let compare = &mut self.state.compare;
+            open("Policies").show(ui, |ui| panels::policies::show(ui, compare, planned.as_deref()));
+            let setup = &mut self.state.document.edited.setup;
             open("Cutters").show(ui, |ui| panels::tools::show(ui, setup, chosen));
         });
     }
 
+    /// 3D views, plots and timeline.
     fn middle(&mut self, ui: &mut Ui) {
-        if self.state.part.is_none() {
-            ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
-            match panels::part::empty_state(ui, &self.state, &self.engine.samples) {
-                Some(Wish::Command(command)) => self.obey(ui.ctx(), command),
-                Some(Wish::Open(source)) => self.open_part(source),
-                None => {}
+        if self.state.results.planned.is_some() {
+            let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(6, 4));
+            Panel::bottom("timeline").frame(frame).exact_size(panels::timeline::HEIGHT).show(ui, |ui| {
+                if let Some(command) = panels::timeline::show(ui, &mut self.state) {
+                    self.obey(ui.ctx(), command);
+                }
+            });
+            if self.state.look.plots && ui.available_height() > LEAST_FOR_PLOTS {
+                Panel::bottom("plots").frame(frame).exact_size(panels::plots::HEIGHT + 8.0).show(ui, |ui| {
+                    panels::plots::show(ui, &mut self.state);
+                });
             }
-            return;
         }
-        let response = view3d::area(ui);
-        let rect = response.rect;
-        let Some(picture) = &mut self.picture else {
-            view3d::message(ui, rect, "This device draws no 3D view");
-            return;
-        };
-        let Some(framing) = picture.framing().cloned() else { return };
-        let mut camera = self.view.camera(&framing, rect.size());
-        let options = options(&self.state, ui);
-        let hit = |camera: &crate::gpu::camera::Camera, at| picture.hit(camera, &options, at, rect.size());
-        if let Some(position) = self.view.mouse(ui, &response, hit) {
-            self.state.select(position);
-        }
-        let before = camera;
-        camera = self.view.camera(&framing, rect.size());
-        // The very first picture is a fast one too: something to see comes before something smooth.
-        let moving = camera != before || response.dragged() || !picture.has_drawn();
-        let scale = ui.pixels_per_point();
-        let size = [(rect.width() * scale).round() as u32, (rect.height() * scale).round() as u32];
-        if let Some(texture) = picture.show(camera, options, size, moving) {
-            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(texture, rect, whole, egui::Color32::WHITE);
-        }
-        if picture.is_draft() {
-            ui.ctx().request_repaint_after(SMOOTH_AFTER);
-        }
-        self.note_first_picture();
-        let stock = self.stock_under_cursor(ui, &response, &camera, &options);
-        if self.state.out_of_date() {
-            view3d::out_of_date(ui, rect);
-        }
-        view3d::legend(ui, rect, &self.state, stock);
-        if let Some(side) = view3d::side_switch(ui, rect, &self.state) {
-            self.show_side(side);
-        }
-        view3d::layers(ui, rect, &mut self.state.layers);
-        if let Some(command) = view3d::view_buttons(ui, rect) {
-            self.obey(ui.ctx(), command);
-        }
+        CentralPanel::no_frame().show(ui, |ui| self.viewport(ui));
     }
 
-    /// Value under the cursor; asked for again only when the cursor moved.
-    fn stock_under_cursor(
-        &mut self,
-        ui: &Ui,
-        response: &egui::Response,
-        camera: &crate::gpu::camera::Camera,
-        options: &SceneOptions,
-    ) -> Option<f32> {
-        let at = response.hover_pos().filter(|_| !response.dragged())?;
-        if self.hover.is_none_or(|(before, _)| before != at) {
-            let from_corner = at - response.rect.min;
-            let picture = self.picture.as_ref()?;
-            let hit =
-                picture.hit(camera, options, glam::vec2(from_corner.x, from_corner.y), response.rect.size());
-            self.hover = Some((at, hit));
+    /// Section and facts of the selected position.
+    fn selected(&mut self, ui: &mut Ui, k: usize) {
+        let height = panels::section::height(ui.available_height());
+        panels::positions::headline(ui, &self.state, k);
+        ui.horizontal(|ui| {
+            for (tab, name) in [(Tab::Section, "Section"), (Tab::Facts, "Figures")] {
+                ui.selectable_value(&mut self.state.look.tab, tab, name);
+            }
+        });
+        match self.state.look.tab {
+            Tab::Facts => panels::positions::details(ui, &self.state, k),
+            Tab::Section => {
+                let Some(position) = self.state.selected() else { return };
+                match self.inspected.section() {
+                    Some((of, view)) => panels::section::show(ui, k, &view, position, of != k, height),
+                    // The place is kept, so that nothing jumps when the section is there.
+                    None => {
+                        ui.allocate_space(egui::vec2(ui.available_width(), height));
+                    }
+                }
+            }
         }
-        let hit = self.hover?.1;
-        if let Some(position) = hit.position {
-            response.clone().on_hover_text_at_pointer(format!("Position {}", position + 1));
-        }
-        let _ = ui;
-        hit.stock
     }
 
     fn note_first_picture(&mut self) {
         if let (Some(start), None) = (self.start, self.first_picture) {
             let told = std::env::var_os("VANECUT_TIMES").is_some();
-            if let Some(picture) = self.picture.as_ref().filter(|_| told) {
-                picture.wait();
+            if let Some(pictures) = self.pictures.as_ref().filter(|_| told) {
+                pictures.wait();
             }
             let took = start.elapsed();
             self.first_picture = Some(took);
@@ -270,17 +284,15 @@ impl App {
         }
     }
 
-    fn show_side(&mut self, side: planned::Side) {
-        self.state.show(side);
-        if let Some(picture) = &mut self.picture {
-            picture.set_plan(self.state.planned.as_deref().map(|planned| (planned, side)));
-        }
-        self.hover = None;
-    }
-
     fn update_title(&mut self, ctx: &egui::Context) {
-        let title = match &self.state.part {
-            Some(part) => format!("{} - Vanecut", part.impeller.name),
+        let document = &self.state.document;
+        let title = match &document.part {
+            Some(part) => {
+                let file = document.path.as_ref().and_then(|path| path.file_stem());
+                let file = file.map_or(String::new(), |name| format!(" · {}", name.to_string_lossy()));
+                let mark = if document.is_unsaved() { " •" } else { "" };
+                format!("{}{file}{mark} - Vanecut", part.impeller.name)
+            }
             None => "Vanecut".to_owned(),
         };
         if title != self.title {
@@ -290,36 +302,27 @@ impl App {
     }
 }
 
-/// A still picture becomes smooth this long after the last move.
-const SMOOTH_AFTER: Duration = Duration::from_millis(150);
-
-/// What the renderer is told.
-fn options(state: &State, ui: &Ui) -> SceneOptions {
-    let layers = state.layers;
-    SceneOptions {
-        show_hub: layers.hub,
-        show_blades: layers.blades,
-        show_shroud: layers.shroud,
-        show_cutters: if layers.cutters { CutterFilter::All } else { CutterFilter::Hidden },
-        show_axes: layers.axes,
-        show_floor_colours: layers.floor,
-        range_mm: state.planned.as_ref().map_or((0.0, 1.0), |planned| planned.range),
-        theme: if ui.visuals().dark_mode { crate::gpu::Theme::Dark } else { crate::gpu::Theme::Light },
-        selected: state.selected,
-        pixel_scale: ui.pixels_per_point(),
-        ..SceneOptions::default()
-    }
-}
+/// Below this height of the middle the plots give their place to the 3D view, points.
+const LEAST_FOR_PLOTS: f32 = 400.0;
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        self.collect();
+        self.collect(ctx);
         self.take_drops(ctx);
-        for command in Command::pressed(ctx) {
-            if self.can(command) {
+        self.watch_closing(ctx);
+        // A question or the search for a command has the keyboard for itself.
+        if !self.palette.is_open() && !self.session.is_asking() {
+            for command in Command::pressed(ctx, |command| self.can(command)) {
                 self.obey(ctx, command);
             }
         }
+        self.follow_edits(ctx.input(|input| input.pointer.any_down()));
+        self.keep_copy(ctx);
+        if let Some(wait) = self.state.advance(ctx.input(|input| input.time)) {
+            ctx.request_repaint_after(Duration::from_secs_f64(wait));
+        }
+        self.scrubbed.follow(&self.state);
+        self.inspected.follow(&self.state);
         if self.work.running().is_some() {
             ctx.request_repaint_after(work::PROGRESS_EVERY);
         }
@@ -328,10 +331,17 @@ impl eframe::App for App {
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         Panel::top("menu").show(ui, |ui| self.menu(ui));
-        let open = self.state.part.is_some();
+        let open = self.state.document.part.is_some();
         if open {
             Panel::top("verdict").show(ui, |ui| {
                 ui.horizontal_wrapped(|ui| panels::verdict::show(ui, &self.state));
+            });
+        }
+        if !self.state.problems.is_empty() {
+            Panel::top("problems").frame(panels::problems::frame(ui)).show(ui, |ui| {
+                if let Some(command) = panels::problems::show(ui, &mut self.state) {
+                    self.obey(ui.ctx(), command);
+                }
             });
         }
         Panel::bottom("status").exact_size(28.0).show(ui, |ui| {
@@ -348,10 +358,10 @@ impl eframe::App for App {
                 .show(ui, |ui| self.left_panel(ui));
             Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0).show(ui, |ui| {
                 ui.add_space(4.0);
-                if let Some(k) = self.state.selected {
+                if let Some(k) = self.state.look.selected {
                     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(0, 2));
                     Panel::bottom("selected position").resizable(false).frame(frame).show(ui, |ui| {
-                        panels::positions::details(ui, &self.state, k);
+                        self.selected(ui, k);
                     });
                 }
                 CentralPanel::no_frame().show(ui, |ui| panels::positions::show(ui, &mut self.state));
@@ -359,9 +369,16 @@ impl eframe::App for App {
         }
         CentralPanel::no_frame().show(ui, |ui| self.middle(ui));
         if let Some((purpose, path)) = self.dialogs.show(ui) {
-            self.file_chosen(purpose, path);
+            self.file_chosen(ui.ctx(), purpose, path);
         }
+        let mut palette = std::mem::take(&mut self.palette);
+        let command = palette.show(ui, |command| self.can(command));
+        self.palette = palette;
+        if let Some(command) = command {
+            self.obey(ui.ctx(), command);
+        }
+        self.ask_unsaved(ui);
         let time = ui.input(|input| input.time);
-        self.undoer.feed_state(time, &self.state.setup);
+        self.state.document.watch(time);
     }
 }

@@ -1,5 +1,5 @@
-//! The 3D picture: the renderer draws into a texture of our own, egui shows it as an image, and nothing
-//! is drawn again while nothing changed.
+//! The 3D pictures: the renderer draws into a texture of our own, egui shows it as an image, and nothing
+//! is drawn again while nothing changed. Each side has a picture of its own, built when it is first shown.
 
 use std::sync::Arc;
 
@@ -9,54 +9,65 @@ use glam::Vec3;
 
 use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
+use crate::gpu::floor::value_mesh;
 use crate::gpu::part_mesh::PartMesh;
-use crate::gpu::renderer::Renderer;
+use crate::gpu::renderer::{Picture as Pixels, Renderer};
 use crate::gpu::scene::{Scene, SceneOptions};
 use crate::gpu::view::Framing;
+use crate::part::AxisPolicy;
 use crate::residual::FloorGrid;
 
 use super::planned::{Planned, Side};
 use super::view3d::Hit;
 
-/// Everything a picture depends on besides what is loaded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Look {
-    camera: Camera,
-    options: SceneOptions,
-    size: [u32; 2],
-    samples: u32,
-    generation: u64,
+/// What lies on the floor of the channel in work.
+#[derive(Clone, Debug)]
+pub enum FloorStock {
+    /// What the whole plan leaves.
+    Final,
+    /// What is left after some of its positions: heights per cell.
+    Heights(Arc<Vec<f32>>),
+    /// How much more it leaves than another policy's plan.
+    MoreThan(AxisPolicy),
 }
 
-/// The picture.
-pub struct Picture {
+/// What a picture shows besides the part.
+#[derive(Clone, Debug)]
+pub struct Content {
+    /// The plans.
+    pub planned: Arc<Planned>,
+    /// Which of them.
+    pub policy: AxisPolicy,
+    /// What lies on the floor.
+    pub floor: FloorStock,
+}
+
+impl PartialEq for Content {
+    /// Plans and heights never change once they are there: the same place in memory is the same content.
+    fn eq(&self, other: &Self) -> bool {
+        let floor = match (&self.floor, &other.floor) {
+            (FloorStock::Final, FloorStock::Final) => true,
+            (FloorStock::Heights(a), FloorStock::Heights(b)) => Arc::ptr_eq(a, b),
+            (FloorStock::MoreThan(a), FloorStock::MoreThan(b)) => a == b,
+            _ => false,
+        };
+        floor && self.policy == other.policy && Arc::ptr_eq(&self.planned, &other.planned)
+    }
+}
+
+/// The pictures of both sides, on the window's device.
+pub struct Pictures {
     egui: RenderState,
     gpu: Gpu,
-    /// Built when first needed: the window stands before the pipelines do.
-    renderer: Option<Renderer>,
-    scene: Option<Scene>,
-    /// What the scene's floor shows, for the value under the cursor.
-    floor: Option<(Arc<FloorGrid>, Vec<f32>)>,
-    /// What egui knows the picture as, and which of the renderer's textures that is.
-    texture: Option<(TextureId, u64)>,
-    drawn: Option<Look>,
-    generation: u64,
+    mesh: Option<Arc<PartMesh>>,
+    sides: [Option<Picture>; 2],
 }
 
-impl Picture {
-    /// A picture on the window's device; builds nothing yet.
+impl Pictures {
+    /// Pictures on the window's device; builds nothing yet.
     pub fn new(egui: &RenderState) -> Self {
         let gpu = Gpu::from_parts(egui.device.clone(), egui.queue.clone(), egui.adapter.get_info());
-        Self {
-            egui: egui.clone(),
-            gpu,
-            renderer: None,
-            scene: None,
-            floor: None,
-            texture: None,
-            drawn: None,
-            generation: 0,
-        }
+        Self { egui: egui.clone(), gpu, mesh: None, sides: [None, None] }
     }
 
     /// Name of the device for the status bar.
@@ -66,26 +77,120 @@ impl Picture {
 
     /// Loads a part.
     pub fn set_part(&mut self, mesh: PartMesh) {
-        self.scene = Some(Scene::from_mesh(&self.gpu, mesh));
-        self.floor = None;
-        self.generation += 1;
-    }
-
-    /// Loads one side of a plan, or none.
-    pub fn set_plan(&mut self, planned: Option<(&Planned, Side)>) {
-        let Some(scene) = &mut self.scene else { return };
-        let plan = planned.map(|(planned, side)| planned.plan(side));
-        scene.set_plan(plan);
-        let field = planned.map(|(planned, side)| &planned.result(side).field.heights);
-        let grid = planned.map(|(planned, _)| &planned.outcome.grid);
-        scene.set_floor(&self.gpu, grid.zip(field).map(|(grid, field)| (&**grid, field.as_slice())), plan);
-        self.floor = grid.zip(field).map(|(grid, field)| (Arc::clone(grid), field.clone()));
-        self.generation += 1;
+        self.mesh = Some(Arc::new(mesh));
+        self.sides = [None, None];
     }
 
     /// What the standard views aim at; `None` while no part is loaded.
     pub fn framing(&self) -> Option<&Framing> {
-        self.scene.as_ref().map(Scene::framing)
+        let with_sections = self.sides.iter().flatten().map(|picture| picture.scene.framing());
+        with_sections.max_by_key(|framing| framing.sections.len()).or(self.mesh.as_ref().map(|m| &m.framing))
+    }
+
+    /// The picture of a side; `None` while no part is loaded.
+    pub fn side(&mut self, side: Side) -> Option<&mut Picture> {
+        let slot = &mut self.sides[side as usize];
+        if slot.is_none() {
+            *slot = Some(Picture::new(&self.egui, &self.gpu, self.mesh.as_ref()?));
+        }
+        slot.as_mut()
+    }
+
+    /// Faults the device reported since the last look.
+    pub fn take_errors(&self) -> Vec<String> {
+        self.gpu.take_errors()
+    }
+
+    /// Waits until the device has drawn what it was given; for measuring only.
+    pub fn wait(&self) {
+        // A device that fails says so in its errors; there is nothing to measure then.
+        let _ = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+    }
+}
+
+/// Everything a picture depends on besides what is loaded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Drawn {
+    camera: Camera,
+    options: SceneOptions,
+    size: [u32; 2],
+    samples: u32,
+    generation: u64,
+}
+
+/// One picture.
+pub struct Picture {
+    egui: RenderState,
+    gpu: Gpu,
+    /// Built when first needed: the window stands before the pipelines do.
+    renderer: Option<Renderer>,
+    scene: Scene,
+    content: Option<Content>,
+    /// What the scene's floor shows, for the value under the cursor.
+    floor: Option<(Arc<FloorGrid>, Vec<f32>)>,
+    /// What egui knows the picture as, and which of the renderer's textures that is.
+    texture: Option<(TextureId, u64)>,
+    drawn: Option<Drawn>,
+    generation: u64,
+}
+
+impl Picture {
+    fn new(egui: &RenderState, gpu: &Gpu, mesh: &Arc<PartMesh>) -> Self {
+        Self {
+            egui: egui.clone(),
+            gpu: gpu.clone(),
+            renderer: None,
+            scene: Scene::from_mesh(gpu, Arc::clone(mesh)),
+            content: None,
+            floor: None,
+            texture: None,
+            drawn: None,
+            generation: 0,
+        }
+    }
+
+    /// Loads what is to be shown; does nothing where it is loaded already.
+    pub fn load(&mut self, content: Option<Content>) {
+        if self.content == content {
+            return;
+        }
+        let same_plan =
+            self.content.as_ref().zip(content.as_ref()).is_some_and(|(old, new)| {
+                old.policy == new.policy && Arc::ptr_eq(&old.planned, &new.planned)
+            });
+        let plan = content.as_ref().map(|content| content.planned.plan(content.policy));
+        if !same_plan {
+            self.scene.set_plan(plan);
+        }
+        self.floor = content.as_ref().map(|content| {
+            let planned = &content.planned;
+            let left = |policy| planned.result(policy).field.heights.as_slice();
+            let heights = match &content.floor {
+                FloorStock::Final => left(content.policy).to_vec(),
+                FloorStock::Heights(heights) => heights.to_vec(),
+                FloorStock::MoreThan(other) => {
+                    left(content.policy).iter().zip(left(*other)).map(|(a, b)| a - b).collect()
+                }
+            };
+            (Arc::clone(&planned.outcome.grid), heights)
+        });
+        let floor = self.floor.as_ref().map(|(grid, heights)| (&**grid, heights.as_slice()));
+        let is_heights = |content: &Option<Content>| {
+            content.as_ref().is_some_and(|content| !matches!(content.floor, FloorStock::MoreThan(_)))
+        };
+        match (floor, content.as_ref().map(|content| &content.floor)) {
+            (Some((grid, values)), Some(FloorStock::MoreThan(_))) => {
+                if let Some(mesh) = value_mesh(grid, values) {
+                    self.scene.set_values(&self.gpu, mesh);
+                }
+            }
+            (Some((grid, heights)), _) if same_plan && is_heights(&self.content) => {
+                self.scene.set_heights(&self.gpu, grid, heights);
+            }
+            (floor, _) => self.scene.set_floor(&self.gpu, floor, plan),
+        }
+        self.content = content;
+        self.generation += 1;
     }
 
     /// The image to show for a view of `size` physical pixels; draws only if something changed. While
@@ -97,14 +202,13 @@ impl Picture {
         size: [u32; 2],
         moving: bool,
     ) -> Option<TextureId> {
-        let scene = self.scene.as_ref()?;
         let samples = if moving { 1 } else { 4 };
-        let look = Look { camera, options, size, samples, generation: self.generation };
+        let look = Drawn { camera, options, size, samples, generation: self.generation };
         if self.drawn == Some(look) {
             return self.texture.map(|(id, _)| id);
         }
         let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&self.gpu));
-        renderer.render(&self.gpu, scene, &camera, &options, size.into(), samples);
+        renderer.render(&self.gpu, &self.scene, &camera, &options, size.into(), samples);
         self.drawn = Some(look);
         let view = renderer.view()?;
         let (device, filter) = (&self.egui.device, wgpu::FilterMode::Nearest);
@@ -131,33 +235,48 @@ impl Picture {
         self.drawn.is_some_and(|look| look.samples < 4)
     }
 
-    /// Waits until the device has drawn what it was given; for measuring only.
-    pub fn wait(&self) {
-        // A device that fails says so in its errors; there is nothing to measure then.
-        let _ = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
-    }
-
-    /// The picture as it was last shown: width, height, RGBA.
+    /// The same view in a size of its own, finely drawn.
     ///
     /// # Errors
-    /// [`GpuError`] when nothing was drawn yet or the device fails.
-    pub fn read(&self) -> Result<(u32, u32, Vec<u8>), GpuError> {
-        let nothing = || GpuError::Failed("no picture was drawn yet".to_owned());
-        let picture = self.renderer.as_ref().ok_or_else(nothing)?.read_rgba(&self.gpu)?;
-        Ok((picture.width, picture.height, picture.rgba))
+    /// [`GpuError`] when the device fails.
+    pub fn export(
+        &mut self,
+        camera: &Camera,
+        options: &SceneOptions,
+        size: [u32; 2],
+    ) -> Result<Pixels, GpuError> {
+        let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&self.gpu));
+        renderer.render(&self.gpu, &self.scene, camera, options, size.into(), 4);
+        // The texture on the screen is another one now.
+        self.drawn = None;
+        renderer.read_rgba(&self.gpu)
+    }
+
+    /// Position whose cutter is at a place of the view, in points from its corner.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device fails.
+    pub fn pick(
+        &mut self,
+        camera: &Camera,
+        options: &SceneOptions,
+        at: glam::Vec2,
+        size: Vec2,
+    ) -> Result<Option<usize>, GpuError> {
+        let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&self.gpu));
+        renderer.pick(&self.gpu, &self.scene, camera, options, at, glam::vec2(size.x, size.y))
     }
 
     /// What is at a place of the view, in points from its corner.
     pub fn hit(&self, camera: &Camera, options: &SceneOptions, at: glam::Vec2, size: Vec2) -> Hit {
-        let Some(scene) = &self.scene else { return Hit::default() };
-        let Some(pick) = scene.pick(camera, options, at, glam::vec2(size.x, size.y)) else {
+        let Some(pick) = self.scene.pick(camera, options, at, glam::vec2(size.x, size.y)) else {
             return Hit::default();
         };
         Hit { point: Some(pick.point), stock: self.stock_at(pick.point), position: pick.position }
     }
 
     /// Stock on the hub at a point of the hub, mm.
-    fn stock_at(&self, point: Vec3) -> Option<f32> {
+    pub fn stock_at(&self, point: Vec3) -> Option<f32> {
         let (grid, heights) = self.floor.as_ref()?;
         // Every fourth cell either way finds the neighbourhood; the best cell is one of those around.
         let far = |k: usize| Vec3::from_array(grid.points[k]).distance_squared(point);
@@ -178,11 +297,6 @@ impl Picture {
         // Further away than a few cells, the point is on another part of the wheel.
         let near = 16.0 * grid.areas[cell].max(1e-6);
         (far(cell) <= near && grid.floor[cell]).then(|| heights[cell]).filter(|h| h.is_finite())
-    }
-
-    /// Faults the device reported since the last look.
-    pub fn take_errors(&self) -> Vec<String> {
-        self.gpu.take_errors()
     }
 }
 

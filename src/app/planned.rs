@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::job::{PlanOutcome, PolicyResult};
-use crate::part::Setup;
+use crate::part::{AxisPolicy, Setup};
 use crate::plunge::{PlungePlan, Position};
 use crate::residual::{FloorGrid, ResidualField};
 
@@ -44,38 +44,52 @@ pub struct Planned {
     pub setup: Setup,
     /// The plan.
     pub outcome: Arc<PlanOutcome>,
-    /// Mean stock on the hub under each position's cutter, mm; before and after; NaN over no floor.
-    stock: [Vec<f32>; 2],
-    /// Range of the colour scale that both sides share, mm.
+    /// Mean stock on the hub under each position's cutter, mm, by policy; NaN over no floor.
+    stock: Vec<(AxisPolicy, Vec<f32>)>,
+    /// Range of the colour scale that all policies share, mm.
     pub range: (f32, f32),
 }
 
 impl Planned {
     /// Works out what the panels show.
     pub fn new(setup: Setup, outcome: PlanOutcome) -> Self {
-        let stock = [&outcome.before, &outcome.after].map(|result| {
-            result.plan.positions.iter().map(|p| stock_under(&outcome, result, p)).collect::<Vec<f32>>()
-        });
+        let under = |result: &PolicyResult| {
+            let positions = result.plan.positions.iter();
+            (result.plan.policy, positions.map(|p| stock_under(&outcome, result, p)).collect())
+        };
+        let stock = outcome.policies().into_iter().map(under).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);
         Self { setup, outcome: Arc::new(outcome), stock, range }
     }
 
-    /// Plan, field and summary of one side.
-    pub fn result(&self, side: Side) -> &PolicyResult {
+    /// Whether a policy was planned.
+    pub fn has(&self, policy: AxisPolicy) -> bool {
+        self.stock.iter().any(|(known, _)| *known == policy)
+    }
+
+    /// What a side shows where nobody chose.
+    pub fn default_policy(&self, side: Side) -> AxisPolicy {
         match side {
-            Side::Before => &self.outcome.before,
-            Side::After => &self.outcome.after,
+            Side::Before => self.outcome.before.plan.policy,
+            Side::After => self.outcome.after.plan.policy,
         }
     }
 
-    /// Plan of one side.
-    pub fn plan(&self, side: Side) -> &PlungePlan {
-        &self.result(side).plan
+    /// Plan, field and summary of a policy; the "after" ones where it was not planned.
+    pub fn result(&self, policy: AxisPolicy) -> &PolicyResult {
+        let of = |result: &&PolicyResult| result.plan.policy == policy;
+        self.outcome.policies().into_iter().find(of).unwrap_or(&self.outcome.after)
+    }
+
+    /// Plan of a policy.
+    pub fn plan(&self, policy: AxisPolicy) -> &PlungePlan {
+        &self.result(policy).plan
     }
 
     /// Mean stock on the hub under the cutter of position `index`, mm.
-    pub fn stock(&self, side: Side, index: usize) -> f32 {
-        self.stock[side as usize].get(index).copied().unwrap_or(f32::NAN)
+    pub fn stock(&self, policy: AxisPolicy, index: usize) -> f32 {
+        let of = self.stock.iter().find(|(known, _)| *known == policy);
+        of.and_then(|(_, stock)| stock.get(index)).copied().unwrap_or(f32::NAN)
     }
 }
 

@@ -11,6 +11,9 @@ use crate::gpu::device::{device_descriptor, pick_adapter};
 
 use super::App;
 
+/// Name of the window's folder and of the window to the desktop.
+const APP_ID: &str = "vanecut";
+
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
@@ -44,7 +47,7 @@ pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
         return Err(AppError::NoDisplay);
     }
     let viewport = egui::ViewportBuilder::default()
-        .with_app_id("vanecut")
+        .with_app_id(APP_ID)
         .with_title("Vanecut")
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size([800.0, 500.0]);
@@ -54,6 +57,9 @@ pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
     let create = Box::new(move |cc: &eframe::CreationContext<'_>| {
         let mut app = App::new(cc);
         app.time_from(start);
+        if let Some(folder) = eframe::storage_dir(APP_ID) {
+            app.set_home(folder);
+        }
         if let Some(path) = initial {
             app.open_path(path);
         }

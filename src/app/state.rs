@@ -1,44 +1,22 @@
-//! What is open, what is being edited and what is shown; no drawing.
+//! The window's state in three rooms: what is edited, what was computed, how it is looked at; and the rules
+//! between them. No drawing.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::gpu::scene::FloorColours;
-use crate::part::{Impeller, Setup};
+use crate::formats::InputError;
+use crate::part::AxisPolicy;
+use crate::plunge::{PlungePlan, Position};
 
+use super::document::{Document, Edited, OpenPart};
 use super::engine::PartSource;
+use super::look::{Arrangement, Column, Filter, Look, REVEAL};
 use super::planned::{Planned, Side, condition};
+use super::results::Results;
 use super::theme::Condition;
 
-/// What the 3D view shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layers {
-    /// Hub, coloured by the stock left.
-    pub hub: bool,
-    /// Blades.
-    pub blades: bool,
-    /// Shroud, as glass.
-    pub shroud: bool,
-    /// Cutters at the end of their plunges.
-    pub cutters: bool,
-    /// Axes up to the retract points.
-    pub axes: bool,
-    /// What colours the floor of the channel in work.
-    pub floor: FloorColours,
-}
-
-impl Default for Layers {
-    fn default() -> Self {
-        Self {
-            hub: true,
-            blades: true,
-            shroud: false,
-            cutters: true,
-            axes: false,
-            floor: FloorColours::Residual,
-        }
-    }
-}
+/// Positions a running timeline cuts in a second.
+pub const PLAY_RATE: f64 = 15.0;
 
 /// How a line of the status bar is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,136 +36,290 @@ pub struct Notice {
     pub text: String,
 }
 
-/// What rows the table of positions shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Filter {
-    /// All.
-    #[default]
-    All,
-    /// Those whose core meets stock.
-    Interferential,
-    /// Those whose axis could not be had.
-    Blocked,
-}
-
-impl Filter {
-    /// All filters.
-    pub const ALL: [Self; 3] = [Self::All, Self::Interferential, Self::Blocked];
-
-    /// Word in the list.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::All => "All positions",
-            Self::Interferential => "Interferential only",
-            Self::Blocked => "Blocked only",
-        }
-    }
-}
-
-/// The part that is open.
-#[derive(Clone, Debug)]
-pub struct OpenPart {
-    /// Where it came from.
-    pub source: PartSource,
-    /// The part.
-    pub impeller: Arc<Impeller>,
-}
-
 /// Everything but the drawing.
-#[derive(Debug, Default)]
 pub struct State {
-    /// The part.
-    pub part: Option<OpenPart>,
-    /// The setup being edited.
-    pub setup: Setup,
+    /// What is edited.
+    pub document: Document,
+    /// What was computed.
+    pub results: Results,
+    /// How it is looked at.
+    pub look: Look,
     /// Whether all policies are planned, for comparison.
     pub compare: bool,
-    /// File the setup was read from or written to.
-    pub setup_path: Option<PathBuf>,
-    /// Latest good plan of the part.
-    pub planned: Option<Arc<Planned>>,
-    /// Side that is shown.
-    pub side: Side,
-    /// Selected position of the shown side, in cutting order.
-    pub selected: Option<usize>,
-    /// Whether the table should scroll to the selection.
-    pub reveal_selection: bool,
-    /// Rows of the table.
-    pub filter: Filter,
-    /// Layers of the 3D view.
-    pub layers: Layers,
+    /// Whether edits are planned as they come.
+    pub follow: bool,
+    /// What went wrong and was not dismissed yet, oldest first.
+    pub problems: Vec<Problem>,
+    /// Projects a session that ended badly left behind.
+    pub recoverable: Vec<PathBuf>,
+    /// Projects opened lately, latest first.
+    pub recents: Vec<PathBuf>,
     /// Latest message.
     pub notice: Option<Notice>,
     /// What is being opened.
     pub opening: Option<PartSource>,
 }
 
+/// Something that went wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// What, and where.
+    pub what: String,
+    /// What to do about it; empty where nothing can be done.
+    pub cure: String,
+    /// Whether it is of the plan, and gone with the next one that succeeds.
+    pub of_plan: bool,
+}
+
+impl Problem {
+    /// One that stays until it is dismissed.
+    pub fn new(what: impl Into<String>, cure: impl Into<String>) -> Self {
+        Self { what: what.into(), cure: cure.into(), of_plan: false }
+    }
+
+    /// One of the plan.
+    pub fn of_plan(what: impl Into<String>, cure: impl Into<String>) -> Self {
+        Self { of_plan: true, ..Self::new(what, cure) }
+    }
+}
+
+impl From<&InputError> for Problem {
+    fn from(error: &InputError) -> Self {
+        let bare = InputError { cure: String::new(), ..error.clone() }.to_string();
+        Self::new(bare.trim_end_matches("; "), error.cure.clone())
+    }
+}
+
+/// Problems kept at most.
+const MOST_PROBLEMS: usize = 5;
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            document: Document::default(),
+            results: Results::default(),
+            look: Look::default(),
+            compare: false,
+            follow: true,
+            problems: Vec::new(),
+            recoverable: Vec::new(),
+            recents: Vec::new(),
+            notice: None,
+            opening: None,
+        }
+    }
+}
+
+/// A plan that is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// The plans it is one of.
+    pub planned: &'a Arc<Planned>,
+    /// Which one.
+    pub policy: AxisPolicy,
+}
+
+impl<'a> Shown<'a> {
+    /// The plan itself.
+    pub fn plan(&self) -> &'a PlungePlan {
+        self.planned.plan(self.policy)
+    }
+
+    /// Mean stock on the hub under a position's cutter, mm.
+    pub fn stock(&self, position: usize) -> f32 {
+        self.planned.stock(self.policy, position)
+    }
+}
+
 impl State {
     /// Whether the setup was edited after the plan that is shown was asked for.
     pub fn out_of_date(&self) -> bool {
-        self.planned.as_ref().is_some_and(|planned| planned.setup != self.setup)
+        self.results.planned.as_ref().is_some_and(|planned| planned.setup != self.document.edited.setup)
     }
 
-    /// Takes a part in; a plan of another part goes.
-    pub fn open(&mut self, source: PartSource, impeller: Arc<Impeller>) {
-        self.part = Some(OpenPart { source, impeller });
-        self.planned = None;
-        self.selected = None;
-        self.side = Side::After;
-        self.filter = Filter::All;
+    /// Takes a part in with what belongs to it; the plan of another part goes.
+    pub fn open(&mut self, part: OpenPart, edited: Edited, path: Option<PathBuf>) {
+        self.document.begin(part, edited, path);
+        self.results = Results::default();
+        self.look.begin();
+        self.problems.clear();
+        self.notice = None;
+    }
+
+    /// Closes what is open.
+    pub fn close(&mut self) {
+        self.document = Document::default();
+        self.results = Results::default();
+        self.look.begin();
+        self.problems.clear();
         self.notice = None;
     }
 
     /// Takes a plan in. The selection stays where the new plan still has that position.
     pub fn take_plan(&mut self, planned: Planned) {
-        self.planned = Some(Arc::new(planned));
-        self.selected = self.selected.filter(|&k| k < self.position_count());
+        self.results.take(planned);
+        self.keep_within_plan();
+        self.problems.retain(|problem| !problem.of_plan);
         self.notice = None;
     }
 
-    /// Number of positions of the side that is shown.
+    /// Policy that a side shows; the default where the plan has no other.
+    pub fn policy(&self, side: Side) -> Option<AxisPolicy> {
+        let planned = self.results.planned.as_ref()?;
+        let wished = self.look.policies[side as usize].filter(|&policy| planned.has(policy));
+        Some(wished.unwrap_or_else(|| planned.default_policy(side)))
+    }
+
+    /// Plan on a side.
+    pub fn on(&self, side: Side) -> Option<Shown<'_>> {
+        Some(Shown { planned: self.results.planned.as_ref()?, policy: self.policy(side)? })
+    }
+
+    /// Whether a side is on the screen.
+    pub fn shows(&self, side: Side) -> bool {
+        self.look.arrangement != Arrangement::One || self.look.side == side
+    }
+
+    /// Plan that is shown, and that table and section speak of.
+    pub fn shown(&self) -> Option<Shown<'_>> {
+        self.on(self.look.side)
+    }
+
+    /// The selected position.
+    pub fn selected(&self) -> Option<&Position> {
+        self.shown()?.plan().positions.get(self.look.selected?)
+    }
+
+    /// Number of positions of the plan that is shown.
     pub fn position_count(&self) -> usize {
-        self.planned.as_ref().map_or(0, |planned| planned.plan(self.side).positions.len())
+        self.shown().map_or(0, |shown| shown.plan().positions.len())
     }
 
     /// Shows the other side, and there the same number if it exists.
     pub fn show(&mut self, side: Side) {
-        self.side = side;
-        self.selected = self.selected.filter(|&k| k < self.position_count());
+        self.look.side = side;
+        self.keep_within_plan();
     }
 
-    /// Positions that pass the filter, in cutting order.
-    pub fn filtered(&self) -> Vec<usize> {
-        let Some(planned) = &self.planned else { return Vec::new() };
-        let positions = planned.plan(self.side).positions.iter().enumerate();
-        let passes = |filter, of| match filter {
+    /// Ends of the colour scale, mm.
+    pub fn range(&self) -> (f32, f32) {
+        let fitting = || self.results.planned.as_ref().map_or((0.0, 1.0), |planned| planned.range);
+        self.look.range.unwrap_or_else(fitting)
+    }
+
+    fn keep_within_plan(&mut self) {
+        let count = self.position_count();
+        self.look.selected = self.look.selected.filter(|&k| k < count);
+        self.look.cut = self.look.cut.map(|cut| cut.min(count));
+    }
+
+    /// Positions that pass the filter, in the order of the table.
+    pub fn rows(&self) -> Vec<usize> {
+        let Some(shown) = self.shown() else { return Vec::new() };
+        let plan = shown.plan();
+        let filter = self.look.filter;
+        let passes = |position: &Position| match filter {
             Filter::All => true,
-            Filter::Interferential => of == Condition::Interferential,
-            Filter::Blocked => of == Condition::Blocked,
+            Filter::Interferential => condition(position) == Condition::Interferential,
+            Filter::Blocked => condition(position) == Condition::Blocked,
         };
-        positions.filter(|(_, p)| passes(self.filter, condition(p))).map(|(k, _)| k).collect()
+        let passing = plan.positions.iter().enumerate().filter(|(_, p)| passes(p));
+        let mut rows: Vec<(f64, usize)> = passing
+            .map(|(k, p)| {
+                let key = match self.look.sort.column {
+                    Column::Order => k as f64,
+                    Column::Row => p.section as f64 * 1e6 + p.row as f64,
+                    Column::Diameter => plan.sections.get(p.section).map_or(0.0, |s| s.tool.diameter),
+                    Column::Alpha => p.alpha,
+                    Column::Contact => p.contact.depth,
+                    // No floor under the cutter: at the end that nobody looks for.
+                    Column::Hub => Some(shown.stock(k)).filter(|s| s.is_finite()).map_or(-1.0, f64::from),
+                };
+                (key, k)
+            })
+            .collect();
+        let descending = self.look.sort.descending;
+        rows.sort_by(|a, b| {
+            let order = a.0.total_cmp(&b.0);
+            (if descending { order.reverse() } else { order }).then(a.1.cmp(&b.1))
+        });
+        rows.into_iter().map(|(_, k)| k).collect()
     }
 
-    /// Selects the position `step` places on from the selected one, around the end; with
-    /// `faults_only`, among the interferential ones.
-    pub fn step_selection(&mut self, step: isize, faults_only: bool) {
-        let Some(planned) = &self.planned else { return };
-        let positions = planned.plan(self.side).positions.iter().enumerate();
-        let candidates: Vec<usize> =
-            positions.filter(|(_, p)| !faults_only || p.contact.interferes()).map(|(k, _)| k).collect();
-        let Some((&first, &last)) = candidates.first().zip(candidates.last()) else { return };
-        let next = match self.selected {
-            None => Some(if step > 0 { first } else { last }),
-            Some(now) if step > 0 => candidates.iter().copied().find(|&k| k > now).or(Some(first)),
-            Some(now) => candidates.iter().copied().rev().find(|&k| k < now).or(Some(last)),
+    /// Selects the row `step` below the selected one, as the table is filtered and sorted; it ends at the ends.
+    pub fn step_row(&mut self, step: isize) {
+        let rows = self.rows();
+        let Some(last) = rows.len().checked_sub(1) else { return };
+        let now = self.look.selected.and_then(|k| rows.iter().position(|&row| row == k));
+        let next = match now {
+            None => 0,
+            Some(now) => now.saturating_add_signed(step).min(last),
         };
-        self.select(next);
+        self.look.visit(rows.get(next).copied());
     }
 
-    /// Selects a position and brings it into sight in the table.
-    pub fn select(&mut self, position: Option<usize>) {
-        self.selected = position;
-        self.reveal_selection = position.is_some();
+    /// Selects the next interferential position in cutting order, or the one before; around the end.
+    pub fn step_fault(&mut self, forward: bool) {
+        let Some(shown) = self.shown() else { return };
+        let positions = shown.plan().positions.iter().enumerate();
+        let faults: Vec<usize> = positions.filter(|(_, p)| p.contact.interferes()).map(|(k, _)| k).collect();
+        let Some((&first, &last)) = faults.first().zip(faults.last()) else { return };
+        let next = match (self.look.selected, forward) {
+            (None, true) => first,
+            (None, false) => last,
+            (Some(now), true) => faults.iter().copied().find(|&k| k > now).unwrap_or(first),
+            (Some(now), false) => faults.iter().copied().rev().find(|&k| k < now).unwrap_or(last),
+        };
+        self.look.visit(Some(next));
+    }
+
+    /// Moves the timeline by `step` positions and selects what is cut last there. Where it stood at the end with
+    /// a position selected, it starts from that.
+    pub fn step_cut(&mut self, step: isize) {
+        let count = self.position_count();
+        if count == 0 {
+            return;
+        }
+        let now = self.look.cut.unwrap_or_else(|| match self.look.selected {
+            Some(k) => k + 1,
+            None => count,
+        });
+        self.set_cut(Some(now.saturating_add_signed(step).min(count)));
+    }
+
+    /// Puts the timeline after `cut` positions; `None`: the end, with the selection as it is.
+    pub fn set_cut(&mut self, cut: Option<usize>) {
+        let count = self.position_count();
+        self.look.cut = cut.map(|cut| cut.min(count));
+        if let Some(cut) = self.look.cut {
+            self.look.selected = cut.checked_sub(1);
+            self.look.reveal_selection = if cut > 0 { REVEAL } else { 0 };
+        }
+    }
+
+    /// Starts the timeline, from the blank where it stands at the end, or stops it. `time` in seconds.
+    pub fn play(&mut self, time: f64) {
+        if self.look.playing.take().is_some() || self.position_count() == 0 {
+            return;
+        }
+        if self.look.cut.is_none_or(|cut| cut >= self.position_count()) {
+            self.set_cut(Some(0));
+        }
+        self.look.playing = Some(time);
+    }
+
+    /// Moves a running timeline on; returns the seconds until it moves again.
+    pub fn advance(&mut self, time: f64) -> Option<f64> {
+        let since = self.look.playing?;
+        let steps = ((time - since) * PLAY_RATE).floor().clamp(0.0, 1e6);
+        if steps >= 1.0 {
+            self.look.playing = Some(since + steps / PLAY_RATE);
+            self.step_cut(steps as isize);
+            if self.look.cut.is_none_or(|cut| cut >= self.position_count()) {
+                self.look.playing = None;
+            }
+        }
+        self.look.playing.map(|since| (since + 1.0 / PLAY_RATE - time).max(0.0))
     }
 
     /// Says that something was done.
@@ -195,8 +327,18 @@ impl State {
         self.notice = Some(Notice { tone: Tone::Done, text: text.into() });
     }
 
-    /// Says that something did not work.
-    pub fn fault(&mut self, text: impl Into<String>) {
-        self.notice = Some(Notice { tone: Tone::Fault, text: text.into() });
+    /// Says that something did not work; it stays to be read until it is dismissed or mended.
+    pub fn fault(&mut self, problem: Problem) {
+        let text = if problem.cure.is_empty() {
+            problem.what.clone()
+        } else {
+            format!("{}; {}", problem.what, problem.cure)
+        };
+        self.notice = Some(Notice { tone: Tone::Fault, text });
+        self.problems.retain(|known| *known != problem);
+        if self.problems.len() >= MOST_PROBLEMS {
+            self.problems.remove(0);
+        }
+        self.problems.push(problem);
     }
 }

@@ -71,6 +71,12 @@ pub fn stock(fraction: f64) -> Color32 {
     Color32::from_rgb(c.r, c.g, c.b)
 }
 
+/// Colour of a difference at `fraction` of its range, 0…1; none in the middle (as in the 3D view).
+pub fn difference(fraction: f64) -> Color32 {
+    let c = colorous::PURPLE_ORANGE.eval_continuous(1.0 - fraction.clamp(0.0, 1.0));
+    Color32::from_rgb(c.r, c.g, c.b)
+}
+
 /// Widest left and right panels start with, points.
 pub const LEFT_WIDTH: f32 = 252.0;
 /// See [`LEFT_WIDTH`].

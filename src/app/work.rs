@@ -5,35 +5,42 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::formats::InputError;
+use crate::formats::project_file::{Project, read_project};
 use crate::formats::setup_file::read_setup;
 use crate::gpu::part_mesh::PartMesh;
 use crate::job::JobError;
 use crate::job::worker::{End, Worker};
-use crate::part::{Impeller, Setup};
+use crate::part::Setup;
 
 use super::App;
 use super::dialogs::Purpose;
+use super::document::{Edited, OpenPart};
 use super::engine::{Engine, PartSource, PlanTask};
-use super::files::{self, WriteTask};
-use super::planned::{Planned, Side};
+use super::files::{self, WriteTask, Written};
+use super::planned::Planned;
+use super::project::{Pending, edited_of, source_of};
+use super::state::Problem;
 
-/// What to open: a part, a setup, or both.
-pub(super) struct OpenTask {
-    part: Option<PartSource>,
-    setup: Option<PathBuf>,
+/// What to open: a project, or a part, a setup, or both.
+pub(super) enum OpenTask {
+    Project(PathBuf),
+    Files { part: Option<PartSource>, setup: Option<PathBuf> },
 }
 
 /// What was opened.
 pub(super) struct Opened {
-    part: Option<(PartSource, Arc<Impeller>, PartMesh)>,
+    part: Option<(OpenPart, PartMesh)>,
     setup: Option<(PathBuf, Setup)>,
+    project: Option<(PathBuf, Project)>,
 }
 
 /// The background threads.
 pub(super) struct Work {
     opener: Worker<OpenTask, Opened, InputError>,
     planner: Worker<PlanTask, Planned, JobError>,
-    writer: Worker<WriteTask, String, InputError>,
+    writer: Worker<WriteTask, Written, InputError>,
+    /// What was asked of the planner last.
+    asked: Option<Asked>,
 }
 
 /// How often progress moves on the screen while something runs.
@@ -48,25 +55,39 @@ impl Work {
         };
         let (to_open, to_plan) = (engine.clone(), engine.clone());
         let open = move |task: &OpenTask, monitor: &crate::monitor::Monitor| {
-            let setup = match &task.setup {
-                Some(path) => Some((path.clone(), read_setup(path)?)),
-                None => None,
+            let (source, setup, project) = match task {
+                OpenTask::Project(path) => {
+                    let project = read_project(path)?;
+                    (Some(source_of(&project)), None, Some((path.clone(), project)))
+                }
+                OpenTask::Files { part, setup } => {
+                    let read = |path: &PathBuf| Ok::<_, InputError>((path.clone(), read_setup(path)?));
+                    (part.clone(), setup.as_ref().map(read).transpose()?, None)
+                }
             };
-            let part = match &task.part {
+            let part = match source {
                 Some(source) => {
-                    let impeller = (to_open.open)(source, monitor)?;
+                    let (impeller, hash) = (to_open.open)(&source, monitor)?;
                     let mesh = PartMesh::new(&impeller);
-                    Some((source.clone(), impeller, mesh))
+                    Some((OpenPart { source, impeller, hash }, mesh))
                 }
                 None => None,
             };
-            Ok(Opened { part, setup })
+            Ok(Opened { part, setup, project })
         };
         Self {
             opener: Worker::new("open", open, repaint()),
             planner: Worker::new("plan", move |task, monitor| to_plan.planned(task, monitor), repaint()),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
+            asked: None,
         }
+    }
+
+    /// Gives up planning.
+    pub(super) fn planner_cancel(&mut self) {
+        self.planner.cancel();
+        let _ = self.planner.take_end();
+        self.asked = None;
     }
 
     /// What runs, and how far it is.
@@ -82,19 +103,59 @@ impl App {
     pub(super) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
         self.state.opening.clone_from(&part);
         self.state.notice = None;
-        self.work.opener.submit(OpenTask { part, setup });
+        self.work.opener.submit(OpenTask::Files { part, setup });
+    }
+
+    /// Opens a file for what it is: project, setup or part.
+    pub(super) fn open_file(&mut self, path: PathBuf) {
+        if files::is_project(&path) {
+            self.state.opening = Some(PartSource::File(path.clone()));
+            self.state.notice = None;
+            self.work.opener.submit(OpenTask::Project(path));
+        } else if files::is_setup(&path) {
+            self.open_files(None, Some(path));
+        } else {
+            self.open_files(Some(PartSource::File(path)), None);
+        }
     }
 
     /// Plans with the setup as it stands.
     pub(super) fn plan(&mut self) {
-        let Some(part) = &self.state.part else { return };
+        self.submit_plan(false);
+    }
+
+    /// Plans; a draft knows one policy and has a coarser field, for plans that a hand on a slider makes obsolete soon.
+    fn submit_plan(&mut self, draft: bool) {
+        let Some(part) = &self.state.document.part else { return };
         self.state.notice = None;
+        let asked = Asked {
+            setup: self.state.document.edited.setup.clone(),
+            compare: self.state.compare && !draft,
+            draft,
+        };
         let task = PlanTask {
             part: Arc::clone(&part.impeller),
-            setup: self.state.setup.clone(),
-            compare: self.state.compare,
+            setup: asked.setup.clone(),
+            compare: asked.compare,
+            draft,
         };
+        self.work.asked = Some(asked);
         self.work.planner.submit(task);
+    }
+
+    /// Plans edits as they come, while the user wants that. `held`: a mouse button is down, so that more will come.
+    pub(super) fn follow_edits(&mut self, held: bool) {
+        let (true, Some(asked)) = (self.state.follow, &self.work.asked) else { return };
+        let same = asked.setup == self.state.document.edited.setup;
+        let enough = held || (!asked.draft && asked.compare == self.state.compare);
+        if same && enough {
+            return;
+        }
+        // A plan that is nearly there is worth more than another beginning.
+        let nearly = self.work.planner.progress().is_some_and(|fraction| fraction > 0.5);
+        if !(held && nearly) {
+            self.submit_plan(held);
+        }
     }
 
     /// Stops what the user waits for. Writing is over in a moment and is left to end.
@@ -104,13 +165,13 @@ impl App {
     }
 
     /// Takes in what the threads have finished.
-    pub(super) fn collect(&mut self) {
+    pub(super) fn collect(&mut self, ctx: &egui::Context) {
         if let Some((_, end)) = self.work.opener.take_end() {
             self.state.opening = None;
             match end {
                 End::Done(opened) => self.take_opened(opened),
                 End::Cancelled => self.state.done("Opening cancelled"),
-                End::Failed(error) => self.state.fault(error.to_string()),
+                End::Failed(error) => self.state.fault(Problem::from(&error)),
                 End::Broken(what) => self.state.fault(broken("Opening", &what)),
             }
         }
@@ -118,95 +179,113 @@ impl App {
             match end {
                 End::Done(planned) => {
                     // A part that was opened meanwhile has a plan of its own on the way.
-                    let part = self.state.part.as_ref();
+                    let part = self.state.document.part.as_ref();
                     if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &planned.outcome.part)) {
                         self.state.take_plan(planned);
-                        self.show_side(self.state.side);
                     }
                 }
                 End::Cancelled | End::Failed(JobError::Cancelled) => {
-                    let kept = if self.state.planned.is_some() { "; the plan before stays" } else { "" };
+                    let kept =
+                        if self.state.results.planned.is_some() { "; the plan before stays" } else { "" };
                     self.state.done(format!("Planning cancelled{kept}"));
                 }
-                End::Failed(error) => self.state.fault(error.to_string()),
+                End::Failed(JobError::Setup(fault)) => {
+                    self.state.fault(Problem::of_plan(fault.what, fault.cure));
+                }
                 End::Broken(what) => self.state.fault(broken("Planning", &what)),
             }
         }
         if let Some((_, end)) = self.work.writer.take_end() {
             match end {
-                End::Done(text) => self.state.done(text),
+                End::Done(written) => {
+                    self.state.done(written.text);
+                    if let Some((path, edited)) = written.project {
+                        self.note_saved(ctx, path, edited);
+                    }
+                }
                 End::Cancelled => {}
-                End::Failed(error) => self.state.fault(error.to_string()),
+                End::Failed(error) => self.state.fault(Problem::from(&error)),
                 End::Broken(what) => self.state.fault(broken("Writing", &what)),
             }
         }
-        let errors = self.picture.as_ref().map(|picture| picture.take_errors()).unwrap_or_default();
+        let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
         if let Some(error) = errors.last() {
             let line = error.lines().next().unwrap_or_default();
-            self.state
-                .fault(format!("The graphics device reports: {line}; start again with VANECUT_GPU=software"));
+            self.state.fault(Problem::new(
+                format!("The graphics device reports: {line}"),
+                "save the project and start again with VANECUT_GPU=software",
+            ));
+            // Whatever becomes of the device, the work stays.
+            self.copy_now();
         }
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup } = opened;
+        let Opened { part, setup, project } = opened;
         let new_part = part.is_some();
-        if let Some((source, impeller, mesh)) = part {
-            self.work.planner.cancel();
-            let _ = self.work.planner.take_end();
-            self.state.open(source, impeller);
-            // Cutters and limits of another part would only mislead.
-            if setup.is_none() {
-                self.state.setup = Setup::default();
-                self.state.setup_path = None;
-            }
+        if let Some((part, mesh)) = part {
+            self.work.planner_cancel();
+            // Cutters and limits of another part would only mislead: its setup goes with it.
+            let edited = match (&project, &setup) {
+                (Some((_, project)), _) => edited_of(project),
+                (None, Some((_, setup))) => Edited { setup: setup.clone(), ..Edited::default() },
+                (None, None) => Edited::default(),
+            };
+            let path = project.as_ref().map(|(path, _)| path.clone());
+            self.state.open(part, edited, path);
             self.view.reset();
             self.hover = None;
-            if let Some(picture) = &mut self.picture {
-                picture.set_part(mesh);
+            if let Some(pictures) = &mut self.pictures {
+                pictures.set_part(mesh);
             }
         }
         if let Some((path, setup)) = setup {
             self.state.done(format!("Opened {}", path.display()));
-            self.state.setup = setup;
-            self.state.setup_path = Some(path);
+            self.state.document.edited.setup = setup;
         }
-        // The first plan of a part comes by itself; later ones only when asked for.
-        if new_part || self.state.planned.is_none() {
+        if let Some((path, project)) = project {
+            self.take_project(path, &project);
+        }
+        // The first plan of a part comes by itself.
+        if new_part || self.state.results.planned.is_none() {
             self.plan();
         }
     }
 
     /// Goes on once a file was chosen: reads or writes it in the background.
-    pub fn file_chosen(&mut self, purpose: Purpose, path: PathBuf) {
+    pub fn file_chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         match purpose {
-            Purpose::OpenPart => self.open_part(PartSource::File(path)),
+            Purpose::OpenPart | Purpose::OpenProject => self.guarded(ctx, Pending::Open(path)),
+            Purpose::SaveProject => self.write_project(path),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
-            Purpose::SaveSetup => self.write(WriteTask::Setup(path, Box::new(self.state.setup.clone()))),
+            Purpose::SaveSetup => {
+                self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())))
+            }
             Purpose::ExportCl => {
-                if let Some(planned) = self.state.planned.clone() {
+                if let Some(planned) = self.state.results.planned.clone() {
                     self.write(WriteTask::Cl(path, planned));
                 }
             }
-            Purpose::SavePicture => match self.picture.as_ref().map(|picture| picture.read()) {
-                Some(Ok((width, height, rgba))) => self.write(WriteTask::Picture(path, width, height, rgba)),
-                Some(Err(error)) => self.state.fault(error.to_string()),
-                None => {}
-            },
+            Purpose::SavePicture => self.export_picture(path),
         }
     }
 
-    fn write(&mut self, task: WriteTask) {
+    pub(super) fn write(&mut self, task: WriteTask) {
         self.work.writer.submit(task);
-    }
-
-    /// The side that is shown.
-    pub fn side(&self) -> Side {
-        self.state.side
     }
 }
 
+/// What was asked of the planner.
+struct Asked {
+    setup: Setup,
+    compare: bool,
+    draft: bool,
+}
+
 /// A panic of the program, told so that it can be reported.
-fn broken(what: &str, message: &str) -> String {
-    format!("{what} broke down ({message}); change the setup or report this with the part file")
+fn broken(what: &str, message: &str) -> Problem {
+    Problem::of_plan(
+        format!("{what} broke down ({message})"),
+        "change the setup or report this with the part file",
+    )
 }

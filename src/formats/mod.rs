@@ -10,6 +10,7 @@ pub mod geomturbo;
 pub mod native;
 pub mod part_file;
 pub mod plan_file;
+pub mod project_file;
 pub mod setup_file;
 pub(crate) mod source;
 mod table;

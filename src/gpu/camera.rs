@@ -1,7 +1,7 @@
 //! Orbit camera: where the picture is taken from. World in mm, Z the axis of rotation, angles in
 //! radians, pixels from the top left corner of the picture.
 
-use std::f32::consts::FRAC_PI_2;
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -228,6 +228,24 @@ impl Camera {
         let factor = distance / self.distance;
         self.distance = distance;
         self.target = point + (self.target - point) * factor;
+    }
+
+    /// The camera `share` (0…1) of the way to another one; projection and what bounds the depth are the other's.
+    pub fn towards(&self, to: &Self, share: f32) -> Self {
+        if share >= 1.0 {
+            return *to;
+        }
+        let between = |a: f32, b: f32| a + (b - a) * share;
+        let turn = (to.yaw - self.yaw + PI).rem_euclid(TAU) - PI;
+        Self {
+            target: self.target.lerp(to.target, share),
+            yaw: self.yaw + turn * share,
+            pitch: between(self.pitch, to.pitch),
+            // Distances feel even when each step is the same share of the one before.
+            distance: self.distance * (to.distance / self.distance.max(1e-6)).powf(share),
+            fov: between(self.fov, to.fov),
+            ..*to
+        }
     }
 
     /// Centre here: `point` moves to the middle of the picture.

@@ -65,6 +65,10 @@ pub struct Cutter {
     pub retract: Vec3,
     /// Section the position belongs to.
     pub section: usize,
+    /// Free length up to the holder, mm.
+    pub overhang: f32,
+    /// Radius assumed for the holder, mm.
+    pub holder_radius: f32,
 }
 
 /// Which cutters to draw, and how.
@@ -109,6 +113,8 @@ pub fn cutters(plan: &PlungePlan) -> Vec<Cutter> {
             },
             retract,
             section: position.section,
+            overhang: tool.overhang as f32,
+            holder_radius: (0.5 * tool.holder_diameter()) as f32,
         });
     }
     all
@@ -199,6 +205,39 @@ pub fn axis_line(cutter: &Cutter, selected: bool) -> Segment {
         width: if selected { 2.0 } else { 1.0 },
         b: cutter.retract.to_array(),
         colour: if selected { LineColour::Selected } else { LineColour::Axis } as u32,
+    }
+}
+
+/// Outline of the holder above a cutter: two rims and four lines between them.
+pub fn holder(cutter: &Cutter, into: &mut Vec<Segment>) {
+    const STEPS: usize = 24;
+    let axis = Vec3::from_array(cutter.instance.axis);
+    let foot = Vec3::from_array(cutter.instance.tip) + axis * cutter.overhang;
+    let (x, y) = across(axis);
+    let rim = |up: f32| -> Vec<Vec3> {
+        let at = |i: usize| {
+            let (sin, cos) = (i as f32 / STEPS as f32 * std::f32::consts::TAU).sin_cos();
+            foot + axis * up + (x * cos + y * sin) * cutter.holder_radius
+        };
+        (0..=STEPS).map(at).collect()
+    };
+    let (low, high) = (rim(0.0), rim(1.5 * cutter.holder_radius));
+    into.extend(polyline(&low, 1.6, LineColour::Axis));
+    into.extend(polyline(&high, 1.0, LineColour::Axis));
+    for i in (0..STEPS).step_by(STEPS / 4) {
+        into.extend(polyline(&[low[i], high[i]], 1.0, LineColour::Axis));
+    }
+}
+
+/// Rapids between the retract points of neighbouring positions of one section, up to position `at`.
+pub fn links(cutters: &[Cutter], at: Option<usize>, into: &mut Vec<Segment>) {
+    let cut = cutters.iter().filter(|c| at.is_none_or(|at| (c.instance.id as usize) < at));
+    let mut before: Option<&Cutter> = None;
+    for cutter in cut {
+        if let Some(before) = before.filter(|b| b.section == cutter.section) {
+            into.extend(polyline(&[before.retract, cutter.retract], 1.0, LineColour::Axis));
+        }
+        before = Some(cutter);
     }
 }
 
@@ -308,6 +347,8 @@ mod tests {
             },
             retract: Vec3::new(0.0, 0.0, 60.0),
             section: 0,
+            overhang: 40.0,
+            holder_radius: 10.0,
         }
     }
 

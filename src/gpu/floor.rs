@@ -57,6 +57,16 @@ pub fn floor_mesh(grid: &FloorGrid, heights: &[f32]) -> Option<Mesh> {
     Some(Mesh { vertices, indices: quads(stride.rows.len(), stride.columns.len(), keep) })
 }
 
+/// The same floor with a value of another kind per cell, such as the difference of two plans; none of it counts
+/// as uncut. `None` when `values` does not fit the grid.
+pub fn value_mesh(grid: &FloorGrid, values: &[f32]) -> Option<Mesh> {
+    let mut mesh = floor_mesh(grid, values)?;
+    for vertex in &mut mesh.vertices {
+        vertex.uncut = 0.0;
+    }
+    Some(mesh)
+}
+
 /// The same floor with, per corner, the deepest contact of a core that ends above it, mm.
 pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
     let contacts: Vec<(Vec3, Vec3, f32, f32)> = plan

@@ -100,6 +100,8 @@ pub enum ColourMap {
     Viridis,
     /// Light grey to vermilion: depth of contact.
     Contact,
+    /// Violet over white to orange: difference of two plans, no difference in the middle.
+    Difference,
 }
 
 impl ColourMap {
@@ -110,6 +112,7 @@ impl ColourMap {
             match self {
                 Self::Cividis => colorous::CIVIDIS.eval_continuous(t).into_array(),
                 Self::Viridis => colorous::VIRIDIS.eval_continuous(t).into_array(),
+                Self::Difference => colorous::PURPLE_ORANGE.eval_continuous(1.0 - t).into_array(),
                 Self::Contact => {
                     // A step at zero: free floor stays grey, any contact is seen.
                     let weight = if i == 0 { 0.0 } else { 0.35 + 0.65 * t as f32 };

@@ -6,6 +6,8 @@ use super::scene::SurfaceInstance;
 
 /// Format of the picture: gamma-encoded, opaque.
 pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Format of the ids under the pointer.
+pub const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Format of the depth buffer.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// The shader.
@@ -21,6 +23,8 @@ pub struct Pipelines {
     pub cutter: wgpu::RenderPipeline,
     pub cutter_glass: wgpu::RenderPipeline,
     pub line: wgpu::RenderPipeline,
+    /// Surfaces and cutters into [`ID_FORMAT`]; with one sample only.
+    pub ids: Option<[wgpu::RenderPipeline; 2]>,
 }
 
 /// What differs between pipelines.
@@ -31,6 +35,7 @@ struct Stage<'a> {
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     glass: bool,
     behind_all: bool,
+    format: wgpu::TextureFormat,
 }
 
 impl Pipelines {
@@ -46,7 +51,7 @@ impl Pipelines {
         let unit = wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Uint32];
         let cutter = wgpu::vertex_attr_array![
             3 => Float32x3, 4 => Float32, 5 => Float32x3, 6 => Float32,
-            7 => Float32, 8 => Float32, 9 => Uint32];
+            7 => Float32, 8 => Float32, 9 => Uint32, 10 => Uint32];
         let segment = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Uint32];
         let surfaces = [
             buffer::<Vertex>(wgpu::VertexStepMode::Vertex, &corner),
@@ -65,8 +70,20 @@ impl Pipelines {
             buffers,
             glass,
             behind_all: false,
+            format: COLOUR_FORMAT,
         };
+        let id = |label, vertex, fragment, buffers| Stage {
+            format: ID_FORMAT,
+            ..stage(label, vertex, fragment, buffers, false)
+        };
+        let ids = (samples == 1).then(|| {
+            [
+                build(&id("surface ids", "surface_vertex", "surface_id_fragment", &surfaces)),
+                build(&id("cutter ids", "cutter_vertex", "cutter_id_fragment", &cutters)),
+            ]
+        });
         Self {
+            ids,
             background: build(&Stage {
                 behind_all: true,
                 ..stage("background", "background_vertex", "background_fragment", &[], false)
@@ -138,7 +155,7 @@ fn pipeline(
             entry_point: Some(stage.fragment),
             compilation_options: Default::default(),
             targets: &[Some(wgpu::ColorTargetState {
-                format: COLOUR_FORMAT,
+                format: stage.format,
                 blend: stage.glass.then_some(blend),
                 write_mask: wgpu::ColorWrites::ALL,
             })],

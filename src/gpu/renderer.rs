@@ -2,13 +2,14 @@
 //! reads it back; both get the same pixels.
 
 use bytemuck::Pod;
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use wgpu::util::DeviceExt;
 
 use super::camera::Camera;
 use super::cutters::{self, CutterInstance, UnitCutter};
 use super::device::{Gpu, GpuError};
 use super::mesh::Segment;
+use super::pick::{self, PickTarget};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
 use super::scene::{FloorColours, Layer, MeshBuffers, Scene, SceneOptions, unit_cutter};
 use super::uniform::FrameUniform;
@@ -83,7 +84,28 @@ pub struct Renderer {
     cutters: Stream,
     cutter_lines: Stream,
     target: Option<Target>,
+    pick_target: PickTarget,
     generation: u64,
+}
+
+/// Whether a layer is drawn without glass.
+fn is_opaque(layer: Layer, options: &SceneOptions) -> bool {
+    match layer {
+        Layer::Hub => options.show_hub,
+        Layer::Blades => options.show_blades,
+        Layer::CutAway => options.show_blades && !options.cut_away,
+        Layer::Shroud => false,
+    }
+}
+
+/// Draws the pieces of the layers that are wanted.
+fn surfaces(pass: &mut wgpu::RenderPass, scene: &Scene, wanted: &dyn Fn(Layer) -> bool) {
+    pass.set_vertex_buffer(0, scene.surfaces.vertices.slice(..));
+    pass.set_vertex_buffer(1, scene.instances.slice(..));
+    pass.set_index_buffer(scene.surfaces.indices.slice(..), wgpu::IndexFormat::Uint32);
+    for piece in scene.pieces.iter().filter(|p| wanted(p.layer)) {
+        pass.draw_indexed(piece.indices.clone(), piece.base_vertex, piece.instances.clone());
+    }
 }
 
 impl Renderer {
@@ -144,6 +166,7 @@ impl Renderer {
             cutters: Stream::new("cutters"),
             cutter_lines: Stream::new("cutter lines"),
             target: None,
+            pick_target: PickTarget::new(device),
             generation: 0,
         }
     }
@@ -164,9 +187,7 @@ impl Renderer {
         let samples = if samples >= 4 { 4 } else { 1 };
         self.ensure_target(gpu, size, samples);
         let set = usize::from(samples == 4);
-        if self.pipelines[set].is_none() {
-            self.pipelines[set] = Some(Pipelines::new(&gpu.device, &self.module, &self.layout, samples));
-        }
+        self.ensure_pipelines(gpu, samples);
         let uniform = FrameUniform::new(scene.framing(), camera, options, size);
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         self.stream_cutters(gpu, scene, camera, options);
@@ -185,7 +206,7 @@ impl Renderer {
                     depth_slice: None,
                     resolve_target,
                     ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
                         store: if resolve_target.is_some() {
                             wgpu::StoreOp::Discard
                         } else {
@@ -219,24 +240,13 @@ impl Renderer {
         scene: &Scene,
         options: &SceneOptions,
     ) {
-        pass.set_pipeline(&pipelines.background);
-        pass.draw(0..3, 0..1);
+        if !options.transparent {
+            pass.set_pipeline(&pipelines.background);
+            pass.draw(0..3, 0..1);
+        }
 
-        let surfaces = |pass: &mut wgpu::RenderPass, wanted: &dyn Fn(Layer) -> bool| {
-            pass.set_vertex_buffer(0, scene.surfaces.vertices.slice(..));
-            pass.set_vertex_buffer(1, scene.instances.slice(..));
-            pass.set_index_buffer(scene.surfaces.indices.slice(..), wgpu::IndexFormat::Uint32);
-            for piece in scene.pieces.iter().filter(|p| wanted(p.layer)) {
-                pass.draw_indexed(piece.indices.clone(), piece.base_vertex, piece.instances.clone());
-            }
-        };
         pass.set_pipeline(&pipelines.surface);
-        surfaces(pass, &|layer| match layer {
-            Layer::Hub => options.show_hub,
-            Layer::Blades => options.show_blades,
-            Layer::CutAway => options.show_blades && !options.cut_away,
-            Layer::Shroud => false,
-        });
+        surfaces(pass, scene, &|layer| is_opaque(layer, options));
         let floor = scene.floor.as_ref().and_then(|f| match options.show_floor_colours {
             FloorColours::Residual | FloorColours::Values => Some(&f.residual),
             FloorColours::Interference => f.contact.as_ref(),
@@ -251,16 +261,8 @@ impl Renderer {
         }
         let solid = 0..self.unit_solid;
         let glass = self.unit_solid..self.unit.count;
-        let cutters = |pass: &mut wgpu::RenderPass, indices: std::ops::Range<u32>| {
-            if let Some(buffer) = self.cutters.buffer.as_ref().filter(|_| self.cutters.count > 0) {
-                pass.set_vertex_buffer(0, self.unit.vertices.slice(..));
-                pass.set_vertex_buffer(1, buffer.slice(..));
-                pass.set_index_buffer(self.unit.indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(indices, 0, 0..self.cutters.count);
-            }
-        };
         pass.set_pipeline(&pipelines.cutter);
-        cutters(pass, solid);
+        self.draw_cutters(pass, solid);
 
         pass.set_pipeline(&pipelines.line);
         if options.show_blades && scene.edge_count > 0 {
@@ -273,11 +275,61 @@ impl Renderer {
         }
 
         pass.set_pipeline(&pipelines.glass);
-        surfaces(pass, &|layer| layer == Layer::CutAway && options.show_blades && options.cut_away);
+        surfaces(pass, scene, &|layer| layer == Layer::CutAway && options.show_blades && options.cut_away);
         pass.set_pipeline(&pipelines.cutter_glass);
-        cutters(pass, glass);
+        self.draw_cutters(pass, glass);
         pass.set_pipeline(&pipelines.glass);
-        surfaces(pass, &|layer| layer == Layer::Shroud && options.show_shroud);
+        surfaces(pass, scene, &|layer| layer == Layer::Shroud && options.show_shroud);
+    }
+
+    fn draw_cutters(&self, pass: &mut wgpu::RenderPass, indices: std::ops::Range<u32>) {
+        if let Some(buffer) = self.cutters.buffer.as_ref().filter(|_| self.cutters.count > 0) {
+            pass.set_vertex_buffer(0, self.unit.vertices.slice(..));
+            pass.set_vertex_buffer(1, buffer.slice(..));
+            pass.set_index_buffer(self.unit.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(indices, 0, 0..self.cutters.count);
+        }
+    }
+
+    /// Position whose cutter is under a pixel of a picture of `size`, or within [`REACH`] of it; `None` where
+    /// there is none in front. Asks the device, so that glass, section plane and layers count as they are drawn.
+    ///
+    /// # Errors
+    /// [`GpuError::Failed`] when the device fails.
+    pub fn pick(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: &Camera,
+        options: &SceneOptions,
+        pixel: Vec2,
+        size: Vec2,
+    ) -> Result<Option<usize>, GpuError> {
+        self.ensure_pipelines(gpu, 1);
+        let seen = FrameUniform::new(scene.framing(), camera, options, size.as_uvec2().max(UVec2::ONE));
+        let seen = seen.narrowed(pixel, size, pick::WINDOW as f32);
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&seen));
+        self.stream_cutters(gpu, scene, camera, options);
+        let Some([surface, cutter]) = self.pipelines[0].as_ref().and_then(|p| p.ids.as_ref()) else {
+            return Ok(None);
+        };
+        let target = &self.pick_target;
+        let draw = |pass: &mut wgpu::RenderPass| {
+            pass.set_bind_group(0, &self.bind_group, &[]);
+            pass.set_pipeline(surface);
+            surfaces(pass, scene, &|layer| is_opaque(layer, options));
+            pass.set_pipeline(cutter);
+            self.draw_cutters(pass, 0..self.unit.count);
+        };
+        target.draw(gpu, draw);
+        Ok(target.nearest(gpu)?.map(|id| id as usize))
+    }
+
+    fn ensure_pipelines(&mut self, gpu: &Gpu, samples: u32) {
+        let set = usize::from(samples == 4);
+        if self.pipelines[set].is_none() {
+            self.pipelines[set] = Some(Pipelines::new(&gpu.device, &self.module, &self.layout, samples));
+        }
     }
 
     /// Chooses the cutters to draw and sorts them far to near, so that glass lies over glass.
@@ -292,10 +344,16 @@ impl Renderer {
             let selected = options.selected == Some(instance.id as usize);
             let whole = instance.height >= cutter.instance.height;
             cutters::rims(&instance, steps, whole, &mut lines);
+            if options.show_holders && whole {
+                cutters::holder(cutter, &mut lines);
+            }
             if options.show_axes || selected {
                 lines.push(cutters::axis_line(cutter, selected));
             }
             shown.push((Vec3::from_array(instance.tip).dot(back), instance));
+        }
+        if options.show_links {
+            cutters::links(&scene.cutters, options.at, &mut lines);
         }
         shown.sort_by(|a, b| a.0.total_cmp(&b.0));
         let instances: Vec<CutterInstance> = shown.into_iter().map(|s| s.1).collect();
@@ -361,40 +419,13 @@ impl Renderer {
         let failed = |what: &dyn std::fmt::Display| GpuError::Failed(what.to_string());
         let target = self.target.as_ref().ok_or_else(|| failed(&"no picture was drawn yet"))?;
         let (width, height) = (target.size.x, target.size.y);
-        // Rows in a copy are padded to a multiple the interface prescribes.
-        let row = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("picture, read back"),
-            size: u64::from(row) * u64::from(height),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.copy_texture_to_buffer(
-            target.colour.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(row),
-                    rows_per_image: None,
-                },
-            },
-            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        );
-        gpu.queue.submit([encoder.finish()]);
-        let (send, receive) = std::sync::mpsc::channel();
-        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            let _ = send.send(result);
-        });
-        gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
-        receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
-        if let Some(error) = gpu.take_errors().first() {
-            return Err(failed(error));
+        let mut rgba = pick::read_back(gpu, &target.colour, target.size, 4)?;
+        // Where nothing covers a pixel wholly, its colour came multiplied by its opacity.
+        for pixel in rgba.chunks_exact_mut(4).filter(|pixel| !matches!(pixel[3], 0 | 255)) {
+            for k in 0..3 {
+                pixel[k] = (u32::from(pixel[k]) * 255 / u32::from(pixel[3])).min(255) as u8;
+            }
         }
-        let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
-        let rgba =
-            mapped.chunks_exact(row as usize).flat_map(|r| &r[..width as usize * 4]).copied().collect();
         Ok(Picture { width, height, rgba })
     }
 }

@@ -1,6 +1,7 @@
 //! What is drawn: buffers of one part with its plan, and what to show of it.
 
 use std::str::FromStr;
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -45,6 +46,10 @@ pub struct SceneOptions {
     pub show_cutters: CutterFilter,
     /// Axes from tip to retract point of the cutters shown.
     pub show_axes: bool,
+    /// Holders of the cutters drawn at full length.
+    pub show_holders: bool,
+    /// Rapids from retract point to retract point.
+    pub show_links: bool,
     /// Colours of the floor.
     pub show_floor_colours: FloorColours,
     /// Stock drawn at its height instead of as colours on the hub.
@@ -66,6 +71,31 @@ pub struct SceneOptions {
     pub cutter_stub: f32,
     /// Physical pixels per point: lines keep their width on dense screens.
     pub pixel_scale: f32,
+    /// The part beyond this plane is left out.
+    pub section: Option<SectionPlane>,
+    /// No background: the picture is transparent where nothing is.
+    pub transparent: bool,
+}
+
+/// A plane that cuts the part open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SectionPlane {
+    /// Unit normal; what lies on its side is left out.
+    pub normal: Vec3,
+    /// Distance of the plane from the origin along the normal, mm.
+    pub offset: f32,
+}
+
+impl SectionPlane {
+    /// Stretch of a ray that is not left out, mm along it; `None` when all of it is.
+    fn kept(&self, ray: &Ray) -> Option<(f32, f32)> {
+        let (height, slope) = (self.normal.dot(ray.origin) - self.offset, self.normal.dot(ray.direction));
+        if slope.abs() < 1e-9 {
+            return (height <= 0.0).then_some((0.0, f32::INFINITY));
+        }
+        let at = -height / slope;
+        if slope > 0.0 { (at > 0.0).then_some((0.0, at)) } else { Some((at.max(0.0), f32::INFINITY)) }
+    }
 }
 
 impl Default for SceneOptions {
@@ -76,6 +106,8 @@ impl Default for SceneOptions {
             show_shroud: false,
             show_cutters: CutterFilter::All,
             show_axes: false,
+            show_holders: false,
+            show_links: false,
             show_floor_colours: FloorColours::Residual,
             relief: false,
             cut_away: true,
@@ -86,6 +118,8 @@ impl Default for SceneOptions {
             selected: None,
             cutter_stub: 0.15,
             pixel_scale: 1.0,
+            section: None,
+            transparent: false,
         }
     }
 }
@@ -213,7 +247,7 @@ pub(super) struct FloorPart {
 /// One part with its plan, on the GPU.
 #[derive(Debug)]
 pub struct Scene {
-    part: PartMesh,
+    part: Arc<PartMesh>,
     pub(super) surfaces: MeshBuffers,
     pub(super) instances: wgpu::Buffer,
     pub(super) pieces: Vec<Piece>,
@@ -236,11 +270,11 @@ pub struct Pick {
 impl Scene {
     /// Tessellates a part and loads it; no plan yet.
     pub fn new(gpu: &Gpu, part: &Impeller) -> Self {
-        Self::from_mesh(gpu, PartMesh::new(part))
+        Self::from_mesh(gpu, Arc::new(PartMesh::new(part)))
     }
 
     /// Loads a part that is tessellated already.
-    pub fn from_mesh(gpu: &Gpu, part: PartMesh) -> Self {
+    pub fn from_mesh(gpu: &Gpu, part: Arc<PartMesh>) -> Self {
         let mut builder = Builder::default();
         let still = |kind, flags| SurfaceInstance { turn: [1.0, 0.0], kind, flags };
         builder.add(Layer::Hub, &part.hub, &[still(HUB, 0)]);
@@ -318,7 +352,18 @@ impl Scene {
             .filter_map(|i| Some((cutters::hit(&i, &ray)?, i.id as usize)))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let mut surface = f32::INFINITY;
-        let mut near = |hit: Option<(f32, Vec3)>| surface = surface.min(hit.map_or(f32::INFINITY, |h| h.0));
+        let kept = options.section.map_or(Some((0.0, f32::INFINITY)), |plane| plane.kept(&ray));
+        let (start, end) = kept.unwrap_or((f32::INFINITY, f32::INFINITY));
+        // The part is looked at from where the section plane lets the ray in.
+        let whole = ray;
+        let ray =
+            Ray { origin: ray.origin + ray.direction * if kept.is_some() { start } else { 0.0 }, ..ray };
+        let mut near = |hit: Option<(f32, Vec3)>| {
+            let distance = hit.map_or(f32::INFINITY, |h| start + h.0);
+            if distance <= end {
+                surface = surface.min(distance);
+            }
+        };
         if options.show_hub {
             near(self.part.hub.hit(&ray));
         }
@@ -337,7 +382,7 @@ impl Scene {
                 }
             }
         }
-        let at = |distance: f32| ray.origin + ray.direction * distance;
+        let at = |distance: f32| whole.origin + whole.direction * distance;
         match cutter {
             Some((distance, id)) if distance <= surface => {
                 Some(Pick { point: at(distance), position: Some(id) })

@@ -1,7 +1,7 @@
 //! What the shader is told about a picture.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{UVec2, Vec3};
+use glam::{Mat4, UVec2, Vec2, Vec3};
 
 use super::camera::{Camera, Projection};
 use super::mesh::LineColour;
@@ -21,6 +21,7 @@ pub struct FrameUniform {
     viewport: [f32; 4],
     range: [f32; 4],
     look: [f32; 4],
+    plane: [f32; 4],
     greys: [[f32; 4]; 8],
     lines: [[f32; 4]; 8],
     states: [[f32; 4]; 4],
@@ -62,6 +63,7 @@ impl FrameUniform {
             viewport: [size.x, size.y, options.pixel_scale, framing.wheel.radius * 8e-4],
             range: [options.range_mm.0, options.range_mm.1, 1.0, on(options.relief && heights)],
             look: [on(options.cut_away), on(heights), 0.0, 0.0],
+            plane: options.section.map_or([0.0; 4], |s| s.normal.extend(s.offset).to_array()),
             greys: [
                 g.background_top,
                 g.background_bottom,
@@ -77,5 +79,16 @@ impl FrameUniform {
             states: [palette::SOUND, palette::BLOCKED, palette::INTERFERENTIAL, palette::SELECTED].map(rgb),
             table: map.table().map(|c| [c[0], c[1], c[2], 255].map(|x| f32::from(x) / 255.0)),
         }
+    }
+
+    /// The same picture, narrowed down to `pixels` × `pixels` about one of its pixels.
+    pub fn narrowed(mut self, pixel: Vec2, size: Vec2, pixels: f32) -> Self {
+        let middle = Vec2::new(2.0 * pixel.x / size.x - 1.0, 1.0 - 2.0 * pixel.y / size.y);
+        let scale = size / pixels;
+        let window =
+            Mat4::from_translation((-middle * scale).extend(0.0)) * Mat4::from_scale(scale.extend(1.0));
+        let clip = Mat4::from_cols_array_2d(&self.clip_from_world);
+        self.clip_from_world = (window * clip).to_cols_array_2d();
+        self
     }
 }

@@ -10,6 +10,7 @@
 //! | 5 safe height | [`retract`], [`links`] |
 //! | 6 the loop | [`cycle`] |
 //! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
+//! | a look at one position of a plan | [`inspect`] |
 
 mod attempts;
 pub mod choice;
@@ -18,6 +19,7 @@ pub mod contact;
 pub mod cycle;
 mod fit_table;
 mod ground;
+pub mod inspect;
 pub mod lane;
 pub mod links;
 mod minimal;

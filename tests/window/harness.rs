@@ -67,3 +67,13 @@ fn snapshot(window: &mut Window, name: &str, (threshold, pixels): (f32, usize)) 
     let options = SnapshotOptions::new().threshold(threshold).max_failed_pixels(pixels);
     window.snapshot_options(name, &options);
 }
+
+/// A click of the left button at a place of the window.
+pub fn press(window: &mut Window, at: egui::Pos2) {
+    window.hover_at(at);
+    window.run_steps(1);
+    for pressed in [true, false] {
+        let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+        window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+    }
+}

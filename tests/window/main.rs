@@ -2,7 +2,11 @@
 
 mod fake;
 mod harness;
+mod project;
 mod real;
+mod review;
+mod section;
+mod tuning;
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -24,8 +28,12 @@ fn nothing_open_offers_the_samples() {
     window.step();
     settle(&mut window);
     let state = window.state().state();
-    assert_eq!(state.part.as_ref().map(|part| part.impeller.blade_count), Some(17), "the sample is open");
-    assert!(state.planned.is_some(), "its first plan comes by itself");
+    assert_eq!(
+        state.document.part.as_ref().map(|part| part.impeller.blade_count),
+        Some(17),
+        "the sample is open"
+    );
+    assert!(state.results.planned.is_some(), "its first plan comes by itself");
 }
 
 #[test]
@@ -36,37 +44,45 @@ fn the_repaired_plan_interferes_nowhere_and_both_can_be_seen() {
     snapshot_view(&mut window, "after");
     window.get_by_label("Before").click();
     window.run_steps(3);
-    assert_eq!(window.state().state().side, Side::Before, "the switch shows the other plan");
+    assert_eq!(window.state().state().look.side, Side::Before, "the switch shows the other plan");
     snapshot_view(&mut window, "before");
     window.key_press(egui::Key::B);
     window.run_steps(2);
-    assert_eq!(window.state().state().side, Side::After, "so does its key");
+    assert_eq!(window.state().state().look.side, Side::After, "so does its key");
 }
 
 #[test]
 fn policies_are_compared_when_asked() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1000.0));
+    window.run_steps(3);
     assert!(window.query_by_label("Staircase").is_none(), "only what was planned is listed");
     window.get_by_label("Compare all policies").click();
     window.run_steps(2);
     window.key_press(egui::Key::F5);
     settle(&mut window);
     window.get_by_label("Staircase");
-    assert_eq!(window.state().state().planned.as_ref().map(|p| p.outcome.policies().len()), Some(4));
+    assert_eq!(window.state().state().results.planned.as_ref().map(|p| p.outcome.policies().len()), Some(4));
 }
 
 #[test]
 fn an_edited_setup_is_out_of_date_until_planned_again() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
+    window.get_by_label("Follow edits").click();
+    window.run_steps(2);
     let before = window.state().state().position_count();
     assert!(window.query_by_label("Out of date").is_none(), "fresh plan");
     let step = window.get_by_role_and_label(Role::SpinButton, "Step");
     step.set_value_accesskit(5.0);
     window.run_steps(3);
     window.get_by_label("Out of date");
-    assert_eq!(window.state().state().setup.plunge.step, Some(5.0), "the field edits the setup");
+    assert_eq!(
+        window.state().state().document.edited.setup.plunge.step,
+        Some(5.0),
+        "the field edits the setup"
+    );
     assert_eq!(window.state().state().position_count(), before, "nothing is planned behind the user's back");
     snapshot_view(&mut window, "out_of_date");
     window.get_by_role_and_label(Role::Button, "Plan channel").click();
@@ -76,7 +92,7 @@ fn an_edited_setup_is_out_of_date_until_planned_again() {
     assert!(window.state().state().position_count() > before, "a smaller step has more positions");
     window.get_by_label("Reset step").click();
     window.run_steps(2);
-    assert_eq!(window.state().state().setup.plunge.step, None, "the dot resets");
+    assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "the dot resets");
 }
 
 #[test]
@@ -97,7 +113,7 @@ fn cancel_acts_at_once_and_keeps_the_last_good_plan() {
         window.step();
     }
     let state = window.state().state();
-    assert!(state.planned.is_some(), "the last good plan stays");
+    assert!(state.results.planned.is_some(), "the last good plan stays");
     window.step();
     let notice = window.state().state().notice.clone().expect("a word about it");
     assert_eq!((notice.tone, notice.text.contains("cancelled")), (Tone::Done, true), "{notice:?}");
@@ -125,11 +141,11 @@ fn a_row_of_the_table_selects_its_position() {
     let mut window = with_sample(engine);
     window.get_by_label("Position 3").click();
     window.run_steps(3);
-    assert_eq!(window.state().state().selected, Some(2), "the third in cutting order");
+    assert_eq!(window.state().state().look.selected, Some(2), "the third in cutting order");
     snapshot_view(&mut window, "selected");
     window.key_press(egui::Key::ArrowRight);
     window.run_steps(2);
-    assert_eq!(window.state().state().selected, Some(3), "the arrow goes on");
+    assert_eq!(window.state().state().look.selected, Some(3), "the arrow goes on");
 }
 
 #[test]
@@ -140,14 +156,14 @@ fn faults_are_listed_and_can_be_stepped_through() {
     window.key_press(egui::Key::N);
     window.run_steps(3);
     let state = window.state().state();
-    let first = state.selected.expect("a fault is selected");
-    let plan = state.planned.as_ref().expect("planned").plan(Side::Before);
+    let first = state.look.selected.expect("a fault is selected");
+    let plan = &state.results.planned.as_ref().expect("planned").outcome.before.plan;
     assert!(plan.positions[first].contact.interferes(), "it is one");
     window.get_by_role_and_label(Role::ComboBox, "Positions").click();
     window.run_steps(2);
     window.get_by_label("Interferential only").click();
     window.run_steps(2);
-    assert_eq!(window.state().state().filtered().len(), fake::FAULTS, "the filter leaves the faults");
+    assert_eq!(window.state().state().rows().len(), fake::FAULTS, "the filter leaves the faults");
 }
 
 #[test]
@@ -219,8 +235,13 @@ fn a_fault_is_one_line_with_its_cure() {
     window.run_steps(2);
     window.key_press(egui::Key::F5);
     settle(&mut window);
-    window.get_by_label_contains("leaves no channel at s 0.31; make it smaller");
-    assert!(window.state().state().planned.is_some(), "the last good plan stays");
+    window.get_by_label("the hub allowance of 12 mm leaves no channel at s 0.31");
+    window.get_by_label("To do: make it smaller");
+    snapshot_ui(&mut window, "problem");
+    window.get_by_label("Dismiss").click();
+    window.run_steps(3);
+    assert!(window.query_by_label("To do: make it smaller").is_none(), "dismissed");
+    assert!(window.state().state().results.planned.is_some(), "the last good plan stays");
 }
 
 #[test]
@@ -233,7 +254,7 @@ fn a_bad_file_is_named_and_the_open_part_stays() {
     let notice = state.notice.clone().expect("a message");
     assert_eq!(notice.tone, Tone::Fault);
     assert!(notice.text.contains("no/such/wheel.toml"), "{notice:?}");
-    assert!(state.part.is_some(), "what was open stays");
+    assert!(state.document.part.is_some(), "what was open stays");
 }
 
 #[test]
@@ -244,7 +265,7 @@ fn a_click_on_a_cutter_selects_its_position() {
     window.run_steps(4);
     let rect = window.get_by_label("3D view").rect();
     let camera = window.state().camera().expect("a camera");
-    let plan = window.state().state().planned.as_ref().expect("planned").plan(Side::After);
+    let plan = &window.state().state().results.planned.as_ref().expect("planned").outcome.after.plan;
     // Half a radius up the axis of a cutter in the middle of the row: inside its body.
     let inside = plan.positions[8].tip + plan.positions[8].axis * 7.5;
     let point = glam::vec3(inside.x as f32, inside.y as f32, inside.z as f32);
@@ -256,7 +277,7 @@ fn a_click_on_a_cutter_selects_its_position() {
         window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
     }
     window.run_steps(3);
-    let selected = window.state().state().selected.expect("a cutter is there");
+    let selected = window.state().state().look.selected.expect("a cutter is there");
     assert!((6..=11).contains(&selected), "the cutter under the cursor or one in front of it: {selected}");
 }
 
@@ -271,13 +292,13 @@ fn fields_take_arithmetic_and_edits_can_be_undone() {
     window.run_steps(1);
     window.key_press(egui::Key::Enter);
     window.run_steps(8);
-    assert_eq!(window.state().state().setup.plunge.step, Some(7.5), "30/4");
+    assert_eq!(window.state().state().document.edited.setup.plunge.step, Some(7.5), "30/4");
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(2);
-    assert_eq!(window.state().state().setup.plunge.step, None, "undone");
+    assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "undone");
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Y);
     window.run_steps(2);
-    assert_eq!(window.state().state().setup.plunge.step, Some(7.5), "done again");
+    assert_eq!(window.state().state().document.edited.setup.plunge.step, Some(7.5), "done again");
 }
 
 #[test]
@@ -291,7 +312,8 @@ fn setup_cl_file_and_picture_are_written() {
     for (purpose, name) in
         [(Purpose::SaveSetup, "s.toml"), (Purpose::ExportCl, "p.apt"), (Purpose::SavePicture, "v.png")]
     {
-        window.state_mut().file_chosen(purpose, path(name));
+        let ctx = window.ctx.clone();
+        window.state_mut().file_chosen(&ctx, purpose, path(name));
         settle(&mut window);
         let notice = window.state().state().notice.clone().expect("a word about it");
         assert_eq!(notice.tone, Tone::Done, "{notice:?}");
@@ -300,11 +322,12 @@ fn setup_cl_file_and_picture_are_written() {
     assert_eq!(setup.plunge.step, Some(6.0), "the setup as it was edited");
     let program = vanecut::formats::read_apt(&path("p.apt")).expect("a CL file");
     let positions =
-        window.state().state().planned.as_ref().expect("planned").plan(Side::After).positions.len();
+        window.state().state().results.planned.as_ref().expect("planned").outcome.after.plan.positions.len();
     assert_eq!(program.moves.len(), 3 * positions, "down and back per position");
     let picture = std::fs::read(path("v.png")).expect("a picture");
     assert!(picture.starts_with(b"\x89PNG"), "a PNG");
-    window.state_mut().file_chosen(Purpose::ExportCl, path("no/such/folder/p.apt"));
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl, path("no/such/folder/p.apt"));
     settle(&mut window);
     let notice = window.state().state().notice.clone().expect("a word about it");
     assert_eq!(notice.tone, Tone::Fault, "what cannot be written is said");

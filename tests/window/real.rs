@@ -3,7 +3,6 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::engine::Engine;
-use vanecut::app::planned::Side;
 use vanecut::part::AxisPolicy;
 
 use crate::harness::{settle, with_sample};
@@ -19,9 +18,9 @@ fn the_count_of_interferential_positions_falls_to_none() {
     settle(&mut window);
     let state = window.state().state();
     assert_eq!(state.notice, None, "nothing went wrong");
-    let planned = state.planned.as_ref().expect("planned");
+    let planned = state.results.planned.as_ref().expect("planned");
     assert_eq!(planned.outcome.setup.plunge.step, Some(7.0), "planned with the step of the field");
-    let [before, after] = [Side::Before, Side::After].map(|side| &planned.result(side).summary);
+    let [before, after] = [&planned.outcome.before.summary, &planned.outcome.after.summary];
     assert!(before.interferential > 0, "the conventional plan interferes");
     assert_eq!(after.interferential, 0, "the one by our policy does not");
     let verdict = format!("Interferential {} to 0", before.interferential);
@@ -36,14 +35,14 @@ fn conventional_as_the_policy_repairs_nothing() {
     window.get_by_role_and_label(Role::Button, "Conventional").click();
     window.run_steps(2);
     assert_eq!(
-        window.state().state().setup.plunge.axis,
+        window.state().state().document.edited.setup.plunge.axis,
         AxisPolicy::Conventional,
         "the list edits the setup"
     );
     window.key_press(egui::Key::F5);
     window.step();
     settle(&mut window);
-    let planned = window.state().state().planned.clone().expect("planned");
-    let [before, after] = [Side::Before, Side::After].map(|side| planned.result(side).summary.interferential);
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    let [before, after] = [&planned.outcome.before, &planned.outcome.after].map(|r| r.summary.interferential);
     assert_eq!(before, after, "both sides are the conventional plan");
 }

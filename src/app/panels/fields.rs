@@ -1,7 +1,7 @@
 //! Number fields: number and unit in one box, drag or type, arithmetic allowed, a dot where the value
 //! differs from the default (a click on it resets), and an accessible name.
 
-use egui::{Color32, DragValue, Response, Sense, Ui, Vec2};
+use egui::{Color32, DragValue, Response, Sense, Slider, Ui, Vec2};
 
 use super::super::{number, theme};
 
@@ -22,22 +22,31 @@ pub struct Spec {
     pub speed: f64,
     /// Decimals shown at most.
     pub decimals: usize,
+    /// Ends of the slider under the box, if there is one: what is usual, well inside what is allowed.
+    pub slide: Option<(f64, f64)>,
 }
 
 impl Spec {
     /// A length in mm.
     pub const fn mm(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        Self { label, tip, unit: " mm", least, greatest, speed: 0.05, decimals: 3 }
+        Self { label, tip, unit: " mm", least, greatest, speed: 0.05, decimals: 3, slide: None }
     }
 
     /// An angle in degrees.
     pub const fn degrees(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        Self { label, tip, unit: "°", least, greatest, speed: 0.1, decimals: 2 }
+        Self { label, tip, unit: "°", least, greatest, speed: 0.1, decimals: 2, slide: None }
     }
 
     /// A plain number with a unit.
     pub const fn plain(label: &'static str, unit: &'static str, greatest: f64) -> Self {
-        Self { label, tip: "", unit, least: 1.0, greatest, speed: 1.0, decimals: 0 }
+        Self { label, tip: "", unit, least: 1.0, greatest, speed: 1.0, decimals: 0, slide: None }
+    }
+}
+
+impl Spec {
+    /// With a slider under the box.
+    pub const fn sliding(self, low: f64, high: f64) -> Self {
+        Self { slide: Some((low, high)), ..self }
     }
 }
 
@@ -83,7 +92,7 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &Spec, automatic: Option<&
     response.on_hover_text(limits)
 }
 
-/// A row of the form: name, box, dot. `true` when the value changed.
+/// A row of the form: name, box, dot, slider. `true` when the value changed.
 pub fn row(ui: &mut Ui, value: &mut f64, default: f64, spec: &Spec) -> bool {
     labelled(ui, value, Some(default), spec, None)
 }
@@ -93,10 +102,11 @@ pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &Spec) -> bool {
     labelled(ui, value, None, spec, None)
 }
 
-/// The same for a limit that may be left to the program: 0 stands for none given.
-pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &Spec, automatic: &str) -> bool {
+/// The same for a limit that may be left to the program: 0 stands for none given. `now`: what the program took for it,
+/// where the slider then stands.
+pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &Spec, now: Option<f64>) -> bool {
     let mut number = value.unwrap_or(0.0);
-    let changed = labelled(ui, &mut number, Some(0.0), spec, Some(automatic));
+    let changed = labelled(ui, &mut number, Some(0.0), spec, Some(("auto", now)));
     if changed {
         *value = (number > 0.0).then(|| number.max(spec.least));
     }
@@ -118,28 +128,67 @@ fn round(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
 }
 
+/// `automatic`: the word for 0, and the value the program takes then.
 fn labelled(
     ui: &mut Ui,
     value: &mut f64,
     default: Option<f64>,
     spec: &Spec,
-    automatic: Option<&str>,
+    automatic: Option<(&str, Option<f64>)>,
 ) -> bool {
     let before = *value;
     let label = ui.label(spec.label).on_hover_text(spec.tip);
-    ui.horizontal(|ui| {
-        number_box(ui, value, spec, automatic).labelled_by(label.id);
-        if let Some(default) = default.filter(|default| default != value)
-            && reset_dot(ui, spec.label)
-        {
-            *value = default;
+    ui.vertical(|ui| {
+        ui.spacing_mut().item_spacing.y = 1.0;
+        ui.horizontal(|ui| {
+            number_box(ui, value, spec, automatic.map(|(word, _)| word)).labelled_by(label.id);
+            if let Some(default) = default.filter(|default| default != value)
+                && reset_dot(ui, spec.label)
+            {
+                *value = default;
+            }
+        });
+        if let Some((low, high)) = spec.slide {
+            let stand_in = automatic.and_then(|(_, now)| now).filter(|_| *value <= 0.0);
+            ui.spacing_mut().slider_width = 104.0;
+            let start = stand_in.unwrap_or(*value);
+            let (response, moved) = slider(ui, start, low..=high, step_of(spec));
+            response.labelled_by(label.id);
+            *value = moved.unwrap_or(*value);
         }
     });
     ui.end_row();
     *value != before
 }
 
-fn reset_dot(ui: &mut Ui, label: &str) -> bool {
+/// A bare slider at `value`; the value it was moved to, if it was. What lies between its steps or beyond its ends stays
+/// as it is until somebody moves it.
+pub fn slider(
+    ui: &mut Ui,
+    value: f64,
+    range: std::ops::RangeInclusive<f64>,
+    step: f64,
+) -> (Response, Option<f64>) {
+    let start = value.clamp(*range.start(), *range.end());
+    let mut at = start;
+    ui.spacing_mut().interact_size.y = 12.0;
+    let response = ui.add(Slider::new(&mut at, range).show_value(false).step_by(step));
+    // Snapping to the nearest step is no move.
+    let moved = response.changed() && (at - start).abs() > 0.5 * step;
+    (response, moved.then(|| round(at)))
+}
+
+/// Sliders move in steps that read well.
+fn step_of(spec: &Spec) -> f64 {
+    match spec.slide {
+        Some((low, high)) if high - low > 20.0 => 0.5,
+        Some((low, high)) if high - low > 4.0 => 0.1,
+        _ => 0.01,
+    }
+}
+
+/// The dot beside a value that differs from its default; `true` when it was clicked.
+pub fn reset_dot(ui: &mut Ui, label: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(14.0), Sense::click());
     let fill: Color32 = theme::accent(ui.visuals());
     let radius = if response.hovered() { 4.5 } else { 3.0 };

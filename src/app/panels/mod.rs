@@ -3,9 +3,14 @@
 
 pub mod fields;
 pub mod part;
+pub mod plots;
 pub mod policies;
 pub mod positions;
+pub mod problems;
+pub mod section;
 pub mod setup;
 pub mod status;
+pub mod timeline;
 pub mod tools;
 pub mod verdict;
+pub mod whatif;

@@ -1,5 +1,7 @@
 //! Panel "Part": what is open, and where to open another.
 
+use std::path::PathBuf;
+
 use egui::{Grid, RichText, Ui};
 
 use super::super::command::Command;
@@ -13,6 +15,10 @@ pub enum Wish {
     Command(Command),
     /// Open this part.
     Open(PartSource),
+    /// Open this file.
+    OpenFile(PathBuf),
+    /// Give up what a session left behind.
+    GiveUp(PathBuf),
 }
 
 /// Draws the panel.
@@ -31,7 +37,7 @@ pub fn show(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wish> {
             }
         });
     });
-    let Some(part) = &state.part else { return wish };
+    let Some(part) = &state.document.part else { return wish };
     let impeller = &part.impeller;
     Grid::new("part facts").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
         let mut fact = |name: &str, value: String| {
@@ -72,7 +78,7 @@ pub fn sample_buttons(ui: &mut Ui, samples: &[Sample]) -> Option<PartSource> {
 pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wish> {
     let mut wish = None;
     ui.vertical_centered(|ui| {
-        ui.add_space((ui.available_height() * 0.28).max(8.0));
+        ui.add_space((ui.available_height() * 0.18).max(8.0));
         if let Some(source) = &state.opening {
             let name = match source {
                 PartSource::File(path) => path.display().to_string(),
@@ -81,12 +87,38 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
             ui.label(format!("Opening {name}…"));
             return;
         }
+        for path in &state.recoverable {
+            ui.label(RichText::new("The last session ended without saving").strong());
+            ui.horizontal(|ui| {
+                let room = (ui.available_width() - 190.0).max(0.0) / 2.0;
+                ui.add_space(room);
+                if ui.button("Recover it").on_hover_text(path.display().to_string()).clicked() {
+                    wish = Some(Wish::OpenFile(path.clone()));
+                }
+                if ui.button("Give it up").clicked() {
+                    wish = Some(Wish::GiveUp(path.clone()));
+                }
+            });
+            ui.add_space(10.0);
+        }
         ui.heading("Drop a part here");
-        ui.label("a .toml, .geomTurbo or TurboGrid .inf file, with or without its setup");
+        ui.label("a .toml, .geomTurbo or TurboGrid .inf file, with or without its setup; or a project");
         ui.add_space(10.0);
-        let button = ui.button(Command::OpenPart.label());
-        if button.on_hover_text(Command::OpenPart.tip_with_keys(ui.ctx())).clicked() {
-            wish = Some(Wish::Command(Command::OpenPart));
+        for command in [Command::OpenPart, Command::OpenProject] {
+            let button = ui.button(command.label());
+            if button.on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+                wish = Some(Wish::Command(command));
+            }
+        }
+        if !state.recents.is_empty() {
+            ui.add_space(14.0);
+            ui.label(RichText::new("or go on with").weak());
+            for path in state.recents.iter().take(4) {
+                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                if ui.link(name).on_hover_text(path.display().to_string()).clicked() {
+                    wish = Some(Wish::OpenFile(path.clone()));
+                }
+            }
         }
         if samples.is_empty() {
             return;

@@ -1,6 +1,6 @@
 //! Panel "Policies": what each policy that was planned comes to, side by side.
 
-use egui::{Grid, RichText, Ui};
+use egui::{Grid, RichText, ScrollArea, Ui};
 
 use super::super::planned::Planned;
 use super::super::theme::Condition;
@@ -12,6 +12,11 @@ pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&Planned>) {
     ui.checkbox(compare, "Compare all policies")
         .on_hover_text("Plan by every policy next time, not only by the one that is chosen");
     let Some(planned) = planned else { return };
+    // Wider than the panel on small screens: better scrolled than squeezing the picture.
+    ScrollArea::horizontal().show(ui, |ui| table(ui, planned));
+}
+
+fn table(ui: &mut Ui, planned: &Planned) {
     Grid::new("policies").num_columns(5).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for (name, tip) in [
             ("Policy", "How the axes are made"),

@@ -5,8 +5,9 @@ use egui_extras::{Column, TableBuilder};
 
 use crate::plunge::{Blocked, Position};
 
-use super::super::planned::{Planned, condition};
-use super::super::state::{Filter, State};
+use super::super::look::{Column as Key, Filter, REVEAL};
+use super::super::planned::condition;
+use super::super::state::State;
 use super::super::theme::{self, Condition};
 
 /// Why a position is blocked, in words.
@@ -25,25 +26,25 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ComboBox::from_id_salt("position filter")
                 .width(132.0)
-                .selected_text(state.filter.label())
+                .selected_text(state.look.filter.label())
                 .show_ui(ui, |ui| {
                     for filter in Filter::ALL {
-                        ui.selectable_value(&mut state.filter, filter, filter.label());
+                        ui.selectable_value(&mut state.look.filter, filter, filter.label());
                     }
                 })
                 .response
                 .labelled_by(title.id);
         });
     });
-    let Some(planned) = state.planned.clone() else {
+    if state.results.planned.is_none() {
         ui.add_space(6.0);
         ui.label(RichText::new("Nothing planned yet").weak());
         return;
-    };
-    let rows = state.filtered();
+    }
+    let rows = state.rows();
     if rows.is_empty() {
         ui.add_space(6.0);
-        let words = match state.filter {
+        let words = match state.look.filter {
             Filter::All => "The plan has no positions",
             Filter::Interferential => "No interferential position",
             Filter::Blocked => "No blocked position",
@@ -51,12 +52,16 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ui.label(RichText::new(words).weak());
         return;
     }
-    table(ui, state, &planned, &rows);
+    table(ui, state, &rows);
 }
 
-fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
-    let side = state.side;
-    let plan = planned.plan(side);
+fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
+    let reveal = state.look.reveal_selection > 0;
+    state.look.reveal_selection = state.look.reveal_selection.saturating_sub(1);
+    let selected = state.look.selected;
+    let sort = state.look.sort;
+    let Some(shown) = state.shown() else { return };
+    let plan = shown.plan();
     let mut builder = TableBuilder::new(ui)
         .striped(true)
         .sense(Sense::click())
@@ -70,35 +75,27 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
         .column(Column::exact(50.0))
         .column(Column::exact(44.0))
         .column(Column::remainder());
-    if std::mem::take(&mut state.reveal_selection)
-        && let Some(row) = state.selected.and_then(|k| rows.iter().position(|&r| r == k))
-    {
+    if reveal && let Some(row) = selected.and_then(|k| rows.iter().position(|&r| r == k)) {
         builder = builder.scroll_to_row(row, None);
     }
-    let heads = [
-        ("", ""),
-        ("#", "Place in the cutting order"),
-        ("Row", "Row within its section, 1 at the suction wall"),
-        ("D", "Diameter of the cutter, mm"),
-        ("α °", "Angle between hub normal and axis, positive towards the inlet"),
-        ("Contact", "How far above its final bottom the core meets stock, mm"),
-        ("Hub", "Mean stock left on the hub under the cutter, mm"),
-        ("", ""),
-    ];
-    let mut clicked = None;
+    let (mut clicked, mut sorted) = (None, None);
     builder
         .header(theme::ROW_HEIGHT, |mut header| {
-            for (head, tip) in heads {
+            header.col(|_| ());
+            for key in Key::ALL {
                 header.col(|ui| {
-                    ui.label(RichText::new(head).weak()).on_hover_text(tip);
+                    if head(ui, key, (sort.column == key).then_some(sort.descending)) {
+                        sorted = Some(sort.clicked(key));
+                    }
                 });
             }
+            header.col(|_| ());
         })
         .body(|body| {
             body.rows(theme::ROW_HEIGHT, rows.len(), |mut row| {
                 let k = rows[row.index()];
                 let Some(position) = plan.positions.get(k) else { return };
-                row.set_selected(state.selected == Some(k));
+                row.set_selected(selected == Some(k));
                 let tool = plan.sections.get(position.section).map(|section| &section.tool);
                 let of = condition(position);
                 row.col(|ui| mark(ui, of));
@@ -120,7 +117,7 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
                     );
                 });
                 row.col(|ui| {
-                    let stock = planned.stock(side, k);
+                    let stock = shown.stock(k);
                     cell(
                         ui,
                         RichText::new(if stock.is_finite() { format!("{stock:.2}") } else { "-".into() }),
@@ -131,7 +128,7 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
                 let name = format!("Position {}", k + 1);
                 let response = row.response();
                 response.widget_info(|| {
-                    egui::WidgetInfo::selected(egui::Role::Row, true, state.selected == Some(k), &name)
+                    egui::WidgetInfo::selected(egui::Role::Row, true, selected == Some(k), &name)
                 });
                 if response.on_hover_ui(|ui| about(ui, k, position)).clicked() {
                     clicked = Some(k);
@@ -140,8 +137,32 @@ fn table(ui: &mut Ui, state: &mut State, planned: &Planned, rows: &[usize]) {
         });
     if let Some(k) = clicked {
         // A second click on the row lets go.
-        state.selected = (state.selected != Some(k)).then_some(k);
+        state.look.visit((selected != Some(k)).then_some(k));
+        // The row is under the cursor: scrolling would pull it away.
+        state.look.reveal_selection = 0;
     }
+    if let Some(sort) = sorted {
+        state.look.sort = sort;
+        state.look.reveal_selection = REVEAL;
+    }
+}
+
+/// Head of a column; `true` when it was clicked to sort by it. `sorted`: whether largest first.
+fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
+    let text = RichText::new(key.label());
+    let text = if sorted.is_some() { text.strong() } else { text.weak() };
+    let response = ui.add(egui::Label::new(text).selectable(false).sense(Sense::click()));
+    if let Some(descending) = sorted {
+        // A small triangle under the word, pointing where the large values are.
+        let (at, up) = (response.rect.center_bottom(), if descending { 1.0 } else { -1.0 });
+        let corner = |x: f32, y: f32| at + egui::vec2(x, 2.0 + y * up);
+        let ink = ui.visuals().strong_text_color();
+        let triangle = vec![corner(-3.0, -1.5), corner(3.0, -1.5), corner(0.0, 1.5)];
+        ui.painter().add(egui::Shape::convex_polygon(triangle, ink, egui::Stroke::NONE));
+    }
+    let name = format!("Sort by {}", key.name());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    response.on_hover_text(format!("{}; click to sort", key.tip())).clicked()
 }
 
 /// Contact depth: nothing at all reads as such.
@@ -175,19 +196,24 @@ fn mark(ui: &mut Ui, of: Condition) {
     }
 }
 
-/// Everything about the selected position.
-pub fn details(ui: &mut Ui, state: &State, k: usize) {
-    let Some(planned) = &state.planned else { return };
-    let plan = planned.plan(state.side);
+/// Which position is selected, and what is to be said of it.
+pub fn headline(ui: &mut Ui, state: &State, k: usize) {
+    let Some(plan) = state.shown().map(|shown| shown.plan()) else { return };
     let Some(position) = plan.positions.get(k) else { return };
     ui.add_space(4.0);
     let of = condition(position);
     ui.horizontal(|ui| {
         mark(ui, of);
-        ui.label(
-            RichText::new(format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.word())).strong(),
-        );
+        let text = format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.word());
+        ui.label(RichText::new(text).strong());
     });
+}
+
+/// Figures of the selected position.
+pub fn details(ui: &mut Ui, state: &State, k: usize) {
+    let Some(shown) = state.shown() else { return };
+    let plan = shown.plan();
+    let Some(position) = plan.positions.get(k) else { return };
     remarks(ui, position);
     Grid::new("position facts").num_columns(2).spacing([10.0, 1.0]).show(ui, |ui| {
         let mut fact = |name: &str, value: String| {

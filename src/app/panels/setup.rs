@@ -34,44 +34,60 @@ const STEP: Spec = Spec::mm(
     "Greatest distance of neighbouring axes along a row; auto: each cutter's insert width",
     0.5,
     100.0,
-);
+)
+.sliding(1.0, 30.0);
 const ROW_SPACING: Spec = Spec::mm(
     "Row spacing",
     "Greatest distance of neighbouring rows; auto: 4/3 of each cutter's radius",
     0.5,
     200.0,
-);
-const SCALLOP: Spec = Spec::mm("Wall scallop", "Greatest scallop between plunges along a wall", 0.01, 5.0);
+)
+.sliding(1.0, 60.0);
+const SCALLOP: Spec =
+    Spec::mm("Wall scallop", "Greatest scallop between plunges along a wall", 0.01, 5.0).sliding(0.05, 2.0);
 const TILT: Spec =
-    Spec::degrees("Tilt limit", "Largest angle of an axis from the isoparametric one", 0.0, 90.0);
+    Spec::degrees("Tilt limit", "Largest angle of an axis from the isoparametric one", 0.0, 90.0)
+        .sliding(0.0, 60.0);
 const CHANGE: Spec =
-    Spec::degrees("Axis change", "Largest angle between the axes of neighbouring positions", 0.1, 90.0);
-const HUB: Spec = Spec::mm("Hub allowance", "Stock that must stay on the hub", 0.0, 20.0);
-const BLADE: Spec = Spec::mm("Blade allowance", "Stock that must stay on the blades", 0.0, 20.0);
+    Spec::degrees("Axis change", "Largest angle between the axes of neighbouring positions", 0.1, 90.0)
+        .sliding(0.5, 20.0);
+const HUB: Spec = Spec::mm("Hub allowance", "Stock that must stay on the hub", 0.0, 20.0).sliding(0.0, 3.0);
+const BLADE: Spec =
+    Spec::mm("Blade allowance", "Stock that must stay on the blades", 0.0, 20.0).sliding(0.0, 3.0);
 const SAFETY: Spec =
-    Spec::mm("Safety distance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0);
+    Spec::mm("Safety distance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0)
+        .sliding(0.0, 20.0);
 const INLET: Spec =
-    Spec::mm("Inlet extension", "Length of blank before the leading edge, along hub and shroud", 0.0, 200.0);
+    Spec::mm("Inlet extension", "Length of blank before the leading edge, along hub and shroud", 0.0, 200.0)
+        .sliding(0.0, 50.0);
 
-/// Draws the plunge fields.
-pub fn plunge(ui: &mut Ui, setup: &mut Setup) {
+/// Draws the plunge fields; `chosen` is the setup of the latest plan, with everything filled in.
+pub fn plunge(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
+    let first = chosen.and_then(|chosen| chosen.tools.first());
     let default = Setup::default().plunge;
     form(ui, "plunge fields", |ui| {
         let label = ui.label("Axis policy").on_hover_text("How the axes of the \"after\" plan are made");
         let policy = &mut setup.plunge.axis;
-        ComboBox::from_id_salt("axis policy")
-            .selected_text(policy_label(*policy))
-            .show_ui(ui, |ui| {
-                for choice in POLICIES {
-                    ui.selectable_value(policy, choice, policy_label(choice))
-                        .on_hover_text(policy_tip(choice));
-                }
-            })
-            .response
-            .labelled_by(label.id);
+        ui.horizontal(|ui| {
+            ComboBox::from_id_salt("axis policy")
+                .width(104.0)
+                .selected_text(policy_label(*policy))
+                .show_ui(ui, |ui| {
+                    for choice in POLICIES {
+                        ui.selectable_value(policy, choice, policy_label(choice))
+                            .on_hover_text(policy_tip(choice));
+                    }
+                })
+                .response
+                .labelled_by(label.id);
+            if *policy != default.axis && fields::reset_dot(ui, "Axis policy") {
+                *policy = default.axis;
+            }
+        });
         ui.end_row();
-        fields::optional_row(ui, &mut setup.plunge.step, &STEP, "auto");
-        fields::optional_row(ui, &mut setup.plunge.row_spacing, &ROW_SPACING, "auto");
+        let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
+        fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
+        fields::optional_row(ui, &mut setup.plunge.row_spacing, &ROW_SPACING, spacing);
         fields::angle_row(ui, &mut setup.plunge.max_tilt, default.max_tilt, &TILT);
         fields::angle_row(ui, &mut setup.plunge.max_axis_change, default.max_axis_change, &CHANGE);
         fields::row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);

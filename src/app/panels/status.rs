@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, state: &State, activity: &Activity) -> bool {
 }
 
 fn message(ui: &mut Ui, state: &State, activity: &Activity) {
-    let text = match (&state.notice, &state.planned) {
+    let text = match (&state.notice, &state.results.planned) {
         (Some(notice), _) => {
             let text = RichText::new(&notice.text);
             match notice.tone {

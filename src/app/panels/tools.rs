@@ -7,10 +7,11 @@ use crate::part::{Setup, Tool};
 
 use super::fields::{self, Spec};
 
-const DIAMETER: Spec = Spec::mm("Diameter", "", 0.5, 200.0);
+const DIAMETER: Spec = Spec::mm("Diameter", "", 0.5, 200.0).sliding(4.0, 50.0);
 const CORNER: Spec = Spec::mm("Corner radius", "", 0.0, 100.0);
 const INSERT: Spec =
-    Spec::mm("Insert width", "Radial width of the bottom edges; nothing cuts inside", 0.1, 100.0);
+    Spec::mm("Insert width", "Radial width of the bottom edges; nothing cuts inside", 0.1, 100.0)
+        .sliding(0.5, 25.0);
 const OVERHANG: Spec = Spec::mm("Overhang", "Free length from tip to holder", 1.0, 1000.0);
 const FEED: Spec = Spec::plain("Plunge feed", " mm/min", 10_000.0);
 const SPINDLE: Spec = Spec::plain("Spindle", " /min", 100_000.0);
@@ -22,6 +23,7 @@ const S: Spec = Spec {
     greatest: 1.0,
     speed: 0.005,
     decimals: 3,
+    slide: None,
 };
 
 /// Draws the panel; `chosen` is the setup of the latest plan, with everything filled in.
@@ -147,6 +149,7 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
             });
         });
     }
+    borders(ui, &mut setup.plunge.sections);
     if let Some(k) = remove {
         setup.plunge.sections.remove(k);
     }
@@ -156,6 +159,35 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
         setup.plunge.sections.push(SectionSetup { tool, from, to: (from - 0.3).max(0.0), feed: None });
     }
 }
+
+/// Sliders for the borders: where one section ends and the next begins, both move.
+fn borders(ui: &mut Ui, sections: &mut [SectionSetup]) {
+    for k in 0..sections.len() {
+        let joined = sections.get(k + 1).is_some_and(|next| next.from == sections[k].to);
+        let name = if joined {
+            format!("Border {} | {}", k + 1, k + 2)
+        } else {
+            format!("End of section {}", k + 1)
+        };
+        ui.horizontal(|ui| {
+            let label = ui.label(name);
+            let low = sections.get(k + 1).filter(|_| joined).map_or(0.0, |next| next.to + LEAST_SECTION);
+            let high = (sections[k].from - LEAST_SECTION).max(low);
+            ui.spacing_mut().slider_width = 96.0;
+            let (response, moved) = fields::slider(ui, sections[k].to, low..=high, 0.005);
+            response.labelled_by(label.id);
+            if let Some(to) = moved {
+                sections[k].to = to;
+                if joined {
+                    sections[k + 1].from = to;
+                }
+            }
+        });
+    }
+}
+
+/// Shortest section a slider leaves, in s.
+const LEAST_SECTION: f64 = 0.02;
 
 fn s_box(ui: &mut Ui, value: &mut f64) -> egui::Response {
     ui.spacing_mut().interact_size.x = 44.0;

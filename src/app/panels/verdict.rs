@@ -4,8 +4,9 @@
 use egui::{RichText, Ui};
 
 use crate::job::Summary;
+use crate::plunge::PlungePlan;
 
-use super::super::planned::{Planned, Side};
+use super::super::planned::Side;
 use super::super::state::State;
 use super::super::theme::{self, Condition};
 
@@ -14,18 +15,24 @@ const LEAST_SHOWN: f64 = 0.0005;
 
 /// Draws the line.
 pub fn show(ui: &mut Ui, state: &State) {
-    let Some(planned) = &state.planned else {
+    let Some((before, after)) = state.on(Side::Before).zip(state.on(Side::After)) else {
         ui.label(RichText::new("No plan yet").weak());
         return;
     };
-    let (before, after) = (&planned.result(Side::Before).summary, &planned.result(Side::After).summary);
-    interferential(ui, planned, before, after);
+    if state.out_of_date() {
+        let text = RichText::new("Out of date:").color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text("The setup was edited after this plan");
+    }
+    let plan = after.plan();
+    let planned = after.planned;
+    let (before, after) = (&planned.result(before.policy).summary, &planned.result(after.policy).summary);
+    interferential(ui, plan, before, after);
     if after.blocked > 0 {
         let text =
             RichText::new(format!("{} blocked", after.blocked)).color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("Positions that could not get the axis the policy asks for");
     }
-    let dropped = planned.plan(Side::After).dropped.len();
+    let dropped = plan.dropped.len();
     if dropped > 0 {
         let text = RichText::new(format!("{dropped} left out")).color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("Positions for which no place clears the blades");
@@ -56,7 +63,7 @@ pub fn show(ui: &mut Ui, state: &State) {
     );
 }
 
-fn interferential(ui: &mut Ui, planned: &Planned, before: &Summary, after: &Summary) {
+fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summary) {
     let sound = after.interferential == 0;
     let colour = if sound { Condition::Sound } else { Condition::Interferential }.text(ui.visuals());
     let text = format!("Interferential {} to {}", before.interferential, after.interferential);
@@ -70,7 +77,7 @@ fn interferential(ui: &mut Ui, planned: &Planned, before: &Summary, after: &Summ
         after.max_contact_depth,
     );
     ui.label(RichText::new(text).strong().color(colour)).on_hover_text(depths);
-    if !planned.result(Side::After).plan.settled {
+    if !plan.settled {
         let text = RichText::new("not settled").color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("The planner's loop stopped before it came to rest");
     }

@@ -1,0 +1,144 @@
+//! The window's own files: projects opened lately, and copies that survive a crash. Runs without a home too; then
+//! nothing of this is kept.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use crate::formats::InputError;
+use crate::formats::project_file::EXTENSION;
+use crate::formats::write::write_whole;
+
+/// Projects that are remembered.
+const MOST_RECENTS: usize = 10;
+
+/// Where the window keeps its own files.
+#[derive(Clone, Debug)]
+pub struct Home {
+    folder: PathBuf,
+    /// This session's copy: its name is never that of another session or of a file of the user.
+    copy: PathBuf,
+}
+
+impl Home {
+    /// A home in `folder`, which need not exist yet.
+    pub fn new(folder: PathBuf) -> Self {
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_nanos();
+        let copy = folder.join("recovery").join(format!("{}-{now}.{EXTENSION}", std::process::id()));
+        Self { folder, copy }
+    }
+
+    /// Where this session's copy goes.
+    pub fn copy(&self) -> &Path {
+        &self.copy
+    }
+
+    /// Writes this session's copy.
+    ///
+    /// # Errors
+    /// When the folder cannot be made or written.
+    pub fn write_copy(&self, text: &str) -> Result<(), InputError> {
+        if let Some(folder) = self.copy.parent() {
+            // The write below says what is wrong where this fails.
+            let _ = std::fs::create_dir_all(folder);
+        }
+        write_whole(&self.copy, text.as_bytes())
+    }
+
+    /// Removes this session's copy: what it held is saved, or given up.
+    pub fn drop_copy(&self) {
+        // There may be none.
+        let _ = std::fs::remove_file(&self.copy);
+    }
+
+    /// Copies that sessions left behind which ended without closing, latest first.
+    pub fn left_behind(&self) -> Vec<PathBuf> {
+        let Some(folder) = self.copy.parent() else { return Vec::new() };
+        let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut found: Vec<(SystemTime, PathBuf)> = files
+            .filter_map(|entry| {
+                let path = entry.path();
+                let changed = entry.metadata().and_then(|data| data.modified()).ok()?;
+                let ours = path.extension().is_some_and(|e| e == EXTENSION) && path != self.copy;
+                (ours && !is_in_use(&path, changed)).then_some((changed, path))
+            })
+            .collect();
+        found.sort_by(|a, b| b.cmp(a));
+        found.into_iter().map(|(_, path)| path).collect()
+    }
+
+    /// Projects opened lately, latest first; those that are gone are left out.
+    pub fn recents(&self) -> Vec<PathBuf> {
+        let text = std::fs::read_to_string(self.list()).unwrap_or_default();
+        let paths: Vec<PathBuf> = serde_json::from_str(&text).unwrap_or_default();
+        paths.into_iter().filter(|path| path.is_file()).take(MOST_RECENTS).collect()
+    }
+
+    /// Puts a project at the head of the list; returns the list.
+    pub fn note_recent(&self, path: &Path) -> Vec<PathBuf> {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let mut recents = self.recents();
+        recents.retain(|known| *known != path);
+        recents.insert(0, path);
+        recents.truncate(MOST_RECENTS);
+        let text = serde_json::to_string_pretty(&recents).unwrap_or_default();
+        let _ = std::fs::create_dir_all(&self.folder);
+        // A list that cannot be written is a list less, no fault of the user's work.
+        let _ = write_whole(&self.list(), text.as_bytes());
+        recents
+    }
+
+    fn list(&self) -> PathBuf {
+        self.folder.join("recent.json")
+    }
+}
+
+/// Whether the session that writes a copy still runs. Its process number is in the name; where the system does not
+/// tell which processes run, a copy nobody touched for a while is nobody's.
+fn is_in_use(path: &Path, changed: SystemTime) -> bool {
+    const FORGOTTEN: Duration = Duration::from_secs(300);
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let process: Option<u32> = name.split('-').next().and_then(|number| number.parse().ok());
+    match process {
+        Some(process) if Path::new("/proc/self").exists() => {
+            process != std::process::id() && Path::new("/proc").join(process.to_string()).exists()
+        }
+        _ => changed.elapsed().is_ok_and(|age| age < FORGOTTEN),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_of_sessions_that_ended_badly_are_found_and_no_others() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let home = Home::new(folder.path().to_owned());
+        home.write_copy("mine").expect("writes");
+        assert!(home.left_behind().is_empty(), "its own is in use");
+        let recovery = folder.path().join("recovery");
+        std::fs::write(recovery.join("4194304999-1.vanecut"), "crashed").expect("writes");
+        std::fs::write(recovery.join("1-1.vanecut"), "of process 1, which always runs").expect("writes");
+        std::fs::write(recovery.join("notes.txt"), "of somebody").expect("writes");
+        assert_eq!(home.left_behind(), [recovery.join("4194304999-1.vanecut")]);
+        home.drop_copy();
+        assert!(!home.copy().exists());
+    }
+
+    #[test]
+    fn recents_are_in_order_without_doubles_and_without_those_that_are_gone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let home = Home::new(folder.path().join("home"));
+        let file = |name: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "x").expect("writes");
+            path
+        };
+        let (a, b) = (file("a.vanecut"), file("b.vanecut"));
+        home.note_recent(&a);
+        home.note_recent(&b);
+        assert_eq!(home.note_recent(&a), [a.clone(), b.clone()]);
+        std::fs::remove_file(&b).expect("removes");
+        assert_eq!(home.recents(), [a]);
+    }
+}

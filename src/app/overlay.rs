@@ -1,0 +1,320 @@
+//! What floats over the 3D view: which plan is shown, layers, legend, what a measurement says.
+
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Align2, Color32, ComboBox, DragValue, FontId, Pos2, Rect, RichText, Stroke, Ui};
+
+use crate::gpu::camera::Camera;
+use crate::gpu::scene::FloorColours;
+
+use super::command::Command;
+use super::look::{Across, Arrangement, Layers, Look};
+use super::panels::setup::policy_label;
+use super::planned::Side;
+use super::state::State;
+use super::theme;
+
+/// Puts `content` on a backing of its own at `at`.
+fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
+    let fill = theme::overlay(ui.visuals());
+    ui.scope_builder(egui::UiBuilder::new().max_rect(at), |ui| {
+        egui::Frame::new().fill(fill).inner_margin(4).corner_radius(4).show(ui, content).inner
+    })
+    .inner
+}
+
+/// What the switch in the upper left corner asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// One side alone.
+    Side(Side),
+    /// Both, in this way.
+    Arrange(Arrangement),
+}
+
+/// Switch between before, after and both.
+pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<Choice> {
+    let mut chosen = None;
+    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 10.0), egui::vec2(230.0, 30.0)).intersect(rect);
+    floating(ui, at, |ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.horizontal(|ui| {
+            let one = look.arrangement == Arrangement::One;
+            for side in [Side::Before, Side::After] {
+                let button = egui::Button::selectable(one && look.side == side, side.label());
+                if ui.add(button).on_hover_text(Command::BeforeAfter.tip_with_keys(ui.ctx())).clicked() {
+                    chosen = Some(Choice::Side(side));
+                }
+            }
+            for (arrangement, name, command) in
+                [(Arrangement::Both, "Both", Command::SideBySide), (Arrangement::Wipe, "Wipe", Command::Wipe)]
+            {
+                let button = egui::Button::selectable(look.arrangement == arrangement, name);
+                if ui.add(button).on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+                    chosen = Some(Choice::Arrange(arrangement));
+                }
+            }
+        });
+    });
+    chosen
+}
+
+/// Which policy a side shows, below the switch; a list where several were planned.
+pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut State, side: Side) {
+    let (Some(now), Some(planned)) = (state.policy(side), state.results.planned.clone()) else { return };
+    let at = Rect::from_min_size(corner, egui::vec2(150.0, 28.0));
+    floating(ui, at, |ui| {
+        let name = match side {
+            Side::Before => "Policy before",
+            Side::After => "Policy after",
+        };
+        let policies = planned.outcome.policies();
+        if policies.len() < 3 {
+            ui.label(RichText::new(policy_label(now)).weak()).on_hover_text(name);
+            return;
+        }
+        let mut choice = now;
+        let list =
+            ComboBox::from_id_salt(name).width(96.0).selected_text(policy_label(now)).show_ui(ui, |ui| {
+                for result in &policies {
+                    ui.selectable_value(&mut choice, result.plan.policy, policy_label(result.plan.policy));
+                }
+            });
+        list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+        if choice != now {
+            state.look.policies[side as usize] = Some(choice);
+            state.show(state.look.side);
+        }
+    });
+}
+
+/// Mark of a plan that the edited setup has left behind: a word and an edge.
+pub fn out_of_date(ui: &mut Ui, rect: Rect) {
+    let orange = theme::Condition::Blocked;
+    ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
+    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(200.0, 26.0));
+    floating(ui, at, |ui| {
+        let text = RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
+        ui.label(text).on_hover_text("The setup was edited after this plan; plan again (F5)");
+    });
+}
+
+/// Names of what can colour the floor.
+const FLOORS: [(FloorColours, &str); 3] = [
+    (FloorColours::Residual, "Stock left"),
+    (FloorColours::Interference, "Contact of the core"),
+    (FloorColours::Plain, "No colours"),
+];
+
+/// Menu of layers, in the upper right corner of the view.
+pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
+    let at = Rect::from_min_max(
+        rect.right_top() + egui::vec2(-68.0, 10.0),
+        rect.right_top() + egui::vec2(-10.0, 40.0),
+    );
+    floating(ui, at, |ui| {
+        let stay = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+        MenuButton::new("Layers").config(stay).ui(ui, |ui| {
+            for (shown, command) in switches(layers) {
+                ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+            }
+            ui.separator();
+            ui.label("Floor");
+            for (floor, name) in FLOORS {
+                ui.radio_value(&mut layers.floor, floor, name);
+            }
+        });
+    });
+}
+
+/// The layers with the commands that switch them.
+pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 7] {
+    [
+        (&mut layers.hub, Command::Hub),
+        (&mut layers.blades, Command::Blades),
+        (&mut layers.shroud, Command::Shroud),
+        (&mut layers.cutters, Command::Cutters),
+        (&mut layers.axes, Command::Axes),
+        (&mut layers.holders, Command::Holders),
+        (&mut layers.links, Command::Links),
+    ]
+}
+
+/// The views that are wanted most, in the lower right corner of the view.
+pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
+    let mut chosen = None;
+    let size = egui::vec2(66.0, 54.0);
+    let at = Rect::from_min_size(rect.right_bottom() - size - egui::vec2(10.0, 10.0), size);
+    floating(ui, at, |ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for (name, command) in [("Wheel", Command::ViewIso), ("Channel", Command::ViewChannel)] {
+            let button = egui::Button::new(name).min_size(egui::vec2(58.0, 22.0));
+            if ui.add(button).on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+                chosen = Some(command);
+            }
+        }
+    });
+    chosen
+}
+
+/// What the cursor points at: stock on the hub, mm, on the side it is over and on the other one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Values {
+    /// On the side under the cursor.
+    pub here: Option<f32>,
+    /// At the same place of the other side, where both are shown.
+    pub other: Option<(Side, f32)>,
+}
+
+/// Legend at the lower left: the colour bar, its ends in mm to be dragged or typed, and the value under the cursor.
+pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
+    let difference = state.look.difference;
+    let shown = state.look.layers.hub && (difference || state.look.layers.floor == FloorColours::Residual);
+    if state.results.planned.is_none() || !shown {
+        return;
+    }
+    // The buttons of the views stand to the right.
+    let width = (rect.width() - 120.0).clamp(60.0, 220.0);
+    let at =
+        Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 72.0), egui::vec2(width + 16.0, 62.0));
+    floating(ui, at, |ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(4.0, 2.0);
+        ui.set_width(width);
+        let head = if difference { "More stock after than before" } else { "Stock on hub" };
+        let value = values.here.filter(|_| width > 170.0).map(|stock| match values.other {
+            Some((side, other)) => format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()),
+            None => format!("{stock:.2} mm here"),
+        });
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(head).size(12.0));
+            if let Some(value) = value {
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.label(RichText::new(value).size(12.0));
+                });
+            }
+        });
+        let (bar, _) = ui.allocate_exact_size(egui::vec2(width, 8.0), egui::Sense::hover());
+        let steps = 48;
+        for k in 0..steps {
+            let at = |k: i32| egui::lerp(bar.left()..=bar.right(), k as f32 / steps as f32);
+            let part =
+                Rect::from_min_max(egui::pos2(at(k), bar.top()), egui::pos2(at(k + 1) + 0.5, bar.bottom()));
+            let share = (f64::from(k) + 0.5) / f64::from(steps);
+            let colour = if difference { theme::difference(share) } else { theme::stock(share) };
+            ui.painter().rect_filled(part, 0.0, colour);
+        }
+        ends(ui, state, difference);
+    });
+}
+
+fn end_field(value: &mut f32, from: f32, to: f32) -> DragValue<'_> {
+    let field = DragValue::new(value).speed(0.02).range(from..=to).max_decimals(2).suffix(" mm");
+    field.clamp_existing_to_range(false)
+}
+
+/// The ends of the scale.
+fn ends(ui: &mut Ui, state: &mut State, difference: bool) {
+    let (mut low, mut high) = state.range();
+    let before = (low, high);
+    let least = 0.05;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().interact_size.x = 40.0;
+        if difference {
+            ui.label(RichText::new(format!("−{high:.2} mm")).size(12.0));
+        } else {
+            let field = ui.add(end_field(&mut low, -10.0, high - least));
+            named(&field, "Low end of the scale", low);
+            field.on_hover_text("Drag or type: stock at the low end of the colours");
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let field = ui.add(end_field(&mut high, low + least, 100.0));
+            named(&field, "High end of the scale", high);
+            field.on_hover_text("Drag or type: stock at the high end of the colours, and above");
+            if state.look.range.is_some() && ui.small_button("Fit scale").clicked() {
+                state.look.range = None;
+            } else if (low, high) != before {
+                state.look.range = Some((low, high));
+            }
+        });
+    });
+}
+
+fn named(response: &egui::Response, name: &str, value: f32) {
+    response.widget_info(|| {
+        let mut info = egui::WidgetInfo::drag_value(true, f64::from(value));
+        info.label = Some(name.to_owned());
+        info
+    });
+}
+
+/// Where the section plane lies: which way, how far, which half.
+pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
+    let Some(section) = &mut look.section else { return };
+    let width = (rect.width() - 20.0).min(300.0);
+    let at = Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 138.0), egui::vec2(width, 58.0));
+    let mut close = false;
+    floating(ui, at, |ui| {
+        ui.set_width(width - 8.0);
+        let title = ui
+            .horizontal(|ui| {
+                let title = ui.label("Section plane");
+                ComboBox::from_id_salt("section plane")
+                    .width(96.0)
+                    .selected_text(section.across.label())
+                    .show_ui(ui, |ui| {
+                        for across in Across::ALL {
+                            ui.selectable_value(&mut section.across, across, across.label());
+                        }
+                    })
+                    .response
+                    .labelled_by(title.id);
+                ui.checkbox(&mut section.flipped, "Flip").on_hover_text("Leaves out the other half");
+                close = ui.small_button("Close").clicked();
+                title
+            })
+            .inner;
+        ui.spacing_mut().slider_width = width - 90.0;
+        ui.add(egui::Slider::new(&mut section.offset, -reach..=reach).suffix(" mm").max_decimals(1))
+            .labelled_by(title.id);
+    });
+    if close {
+        look.section = None;
+    }
+}
+
+/// Points and distances of a measurement.
+pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], under: Option<glam::Vec3>) {
+    let size = glam::vec2(rect.width(), rect.height());
+    let place = |p: glam::Vec3| camera.project(p, size).map(|q| rect.min + egui::vec2(q.x, q.y));
+    let painter = ui.painter_at(rect);
+    let colour = theme::accent(ui.visuals());
+    let ends: Vec<glam::Vec3> = points.iter().copied().chain(under.filter(|_| points.len() == 1)).collect();
+    for p in ends.iter().filter_map(|&p| place(p)) {
+        painter.circle_filled(p, 3.5, colour);
+    }
+    let text = match ends[..] {
+        [a, b] => {
+            if let (Some(p), Some(q)) = (place(a), place(b)) {
+                painter.line_segment([p, q], Stroke::new(2.0, colour));
+            }
+            distance_words(a, b)
+        }
+        _ => "Click two points to measure (Esc ends)".to_owned(),
+    };
+    let at = egui::pos2(rect.center().x, rect.min.y + 56.0);
+    let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
+    let back = Rect::from_center_size(at, galley.size() + egui::vec2(12.0, 6.0));
+    painter.rect_filled(back, 4.0, theme::overlay(ui.visuals()));
+    painter.galley(back.min + egui::vec2(6.0, 3.0), galley, Color32::PLACEHOLDER);
+}
+
+/// Distance of two points with its parts, mm.
+pub fn distance_words(a: glam::Vec3, b: glam::Vec3) -> String {
+    let d = b - a;
+    format!("{:.2} mm  Δx {:.2}  Δy {:.2}  Δz {:.2}", d.length(), d.x, d.y, d.z)
+}
+
+/// A line in the middle of the view, e.g. why there is no picture.
+pub fn message(ui: &Ui, rect: Rect, text: &str) {
+    let colour: Color32 = ui.visuals().weak_text_color();
+    ui.painter_at(rect).text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(14.0), colour);
+}

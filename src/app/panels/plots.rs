@@ -1,0 +1,141 @@
+//! Plots along the row of the selected position: tilt, contact, stock, step. A click selects.
+
+use egui::{Align2, FontId, Pos2, Rect, Sense, Stroke, Ui, Vec2};
+
+use crate::plunge::inspect::{row_of, step_before};
+
+use super::super::planned::condition;
+use super::super::state::State;
+use super::super::theme::{self, Condition};
+
+/// Height of the plots, points.
+pub const HEIGHT: f32 = 92.0;
+
+/// Plots narrower than this show no range, points.
+const NARROW: f32 = 112.0;
+
+/// One curve: name, unit, whether its scale begins at 0, values.
+struct Curve {
+    name: &'static str,
+    /// Its name where there is little room.
+    short: &'static str,
+    unit: &'static str,
+    from_zero: bool,
+    values: Vec<f64>,
+}
+
+/// Draws the plots; a click on one selects the position there.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let Some(shown) = state.shown() else { return };
+    let plan = shown.plan();
+    let index = state.look.selected.unwrap_or(0);
+    let row = row_of(plan, index);
+    if row.is_empty() {
+        return;
+    }
+    let curve = |name, short, unit, from_zero, value: &dyn Fn(usize) -> f64| Curve {
+        name,
+        short,
+        unit,
+        from_zero,
+        values: row.clone().map(value).collect(),
+    };
+    let at = |k: usize| &plan.positions[k];
+    let curves = [
+        curve("α", "α", "°", false, &|k| at(k).alpha.to_degrees()),
+        curve("Contact", "C", " mm", true, &|k| at(k).contact.depth),
+        curve("Stock", "St", " mm", true, &|k| f64::from(shown.stock(k))),
+        curve("Step", "Sp", " mm", true, &|k| step_before(plan, k)),
+    ];
+    let faulty: Vec<bool> = row.clone().map(|k| condition(at(k)) == Condition::Interferential).collect();
+    let mut clicked = None;
+    let gap = 6.0;
+    let width = ((ui.available_width() - 3.0 * gap) / 4.0).max(20.0);
+    let height = ui.available_height().min(HEIGHT);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = gap;
+        for curve in &curves {
+            let chosen =
+                row.contains(&index).then(|| index - row.start).filter(|_| state.look.selected.is_some());
+            if let Some(k) = plot(ui, Vec2::new(width, height), curve, &faulty, chosen) {
+                clicked = Some(row.start + k);
+            }
+        }
+    });
+    if clicked.is_some() {
+        state.look.select(clicked);
+    }
+}
+
+fn plot(ui: &mut Ui, size: Vec2, curve: &Curve, faulty: &[bool], chosen: Option<usize>) -> Option<usize> {
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let title = format!("{} along the row", curve.name);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &title));
+    let visuals = ui.visuals();
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
+    let finite = || curve.values.iter().copied().filter(|v| v.is_finite());
+    let (mut low, mut high) =
+        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    if curve.from_zero {
+        low = low.min(0.0);
+    }
+    if !(high - low).is_finite() {
+        return None;
+    }
+    if high - low < 1e-9 {
+        high = low + 1.0;
+    }
+    let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, 18.0), rect.max - egui::vec2(5.0, 6.0));
+    let last = (curve.values.len() - 1).max(1) as f32;
+    let place = |k: usize, v: f64| -> Pos2 {
+        let y = ((v - low) / (high - low)) as f32;
+        egui::pos2(inner.left() + inner.width() * k as f32 / last, inner.bottom() - inner.height() * y)
+    };
+    if low < 0.0 && high > 0.0 {
+        let zero = place(0, 0.0).y;
+        let ends = [egui::pos2(inner.left(), zero), egui::pos2(inner.right(), zero)];
+        painter.line_segment(ends, Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.5)));
+    }
+    let accent = theme::accent(visuals);
+    if let Some(k) = chosen {
+        let x = place(k, low).x;
+        let line = [egui::pos2(x, inner.top()), egui::pos2(x, inner.bottom())];
+        painter.line_segment(line, Stroke::new(1.0, accent));
+    }
+    let ink = visuals.text_color();
+    let mut piece: Vec<Pos2> = Vec::new();
+    for (k, &v) in curve.values.iter().enumerate() {
+        if v.is_finite() {
+            piece.push(place(k, v));
+        } else {
+            painter.line(std::mem::take(&mut piece), Stroke::new(1.3, ink));
+        }
+    }
+    painter.line(piece, Stroke::new(1.3, ink));
+    for (k, &v) in curve.values.iter().enumerate().filter(|(k, v)| v.is_finite() && faulty[*k]) {
+        painter.circle_filled(place(k, v), 2.5, Condition::Interferential.mark());
+    }
+    let font = FontId::proportional(11.0);
+    let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());
+    let text = match value {
+        Some(v) => format!("{v:.2}{}", curve.unit),
+        // In a narrow plot the name alone has room.
+        None if rect.width() < NARROW => String::new(),
+        None => format!("{low:.1} to {high:.1}{}", curve.unit),
+    };
+    let name = if value.is_some() && rect.width() < NARROW { curve.short } else { curve.name };
+    painter.text(rect.min + egui::vec2(5.0, 3.0), Align2::LEFT_TOP, name, font.clone(), ink);
+    let at = rect.right_top() + egui::vec2(-5.0, 3.0);
+    painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
+    let near = |at: Pos2| {
+        let share = (at.x - inner.left()) / inner.width().max(1.0);
+        ((share * last).round().clamp(0.0, last) as usize).min(curve.values.len() - 1)
+    };
+    let tip = response.hover_pos().map(near).and_then(|k| Some((k, *curve.values.get(k)?)));
+    if let Some((k, v)) = tip {
+        response.clone().on_hover_text_at_pointer(format!("{} of the row: {v:.3}{}", k + 1, curve.unit));
+    }
+    let picks = response.clicked() || response.dragged();
+    response.interact_pointer_pos().filter(|_| picks).map(near)
+}

@@ -1,0 +1,110 @@
+//! The timeline: how far the cut has come, to be scrubbed and played.
+
+use egui::{Button, Rect, Sense, Slider, Stroke, Ui};
+
+use super::super::command::Command;
+use super::super::planned::condition;
+use super::super::state::State;
+use super::super::theme::Condition;
+
+/// Height of the panel, points.
+pub const HEIGHT: f32 = 34.0;
+
+/// Draws the timeline; returns the command that was pressed.
+pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
+    let count = state.position_count();
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        let playing = state.look.playing.is_some();
+        for command in
+            [Command::ToBlank, Command::StepBack, Command::Play, Command::StepForward, Command::ToEnd]
+        {
+            if icon(ui, command, playing, count > 0) {
+                chosen = Some(command);
+            }
+        }
+        let cut = state.look.cut.unwrap_or(count);
+        let text = match (count, state.look.cut) {
+            (0, _) => "no positions".to_owned(),
+            (_, None) => format!("all {count}"),
+            (_, Some(cut)) => format!("{cut} of {count}"),
+        };
+        let words = 74.0;
+        ui.spacing_mut().slider_width = (ui.available_width() - words - 8.0).max(20.0);
+        let mut now = cut;
+        let slider = Slider::new(&mut now, 0..=count.max(1))
+            .show_value(false)
+            .handle_shape(egui::style::HandleShape::Rect { aspect_ratio: 0.4 });
+        let response = ui.add_enabled(count > 0, slider);
+        response.widget_info(|| egui::WidgetInfo::slider(count > 0, cut as f64, "Timeline"));
+        ticks(ui, response.rect, state);
+        if now != cut {
+            state.look.playing = None;
+            state.set_cut(Some(now));
+        }
+        ui.add_space(4.0);
+        ui.label(text);
+    });
+    chosen
+}
+
+/// Marks above the slider where the core meets stock.
+fn ticks(ui: &Ui, rect: Rect, state: &State) {
+    let Some(shown) = state.shown() else { return };
+    let positions = &shown.plan().positions;
+    let inset = rect.height() * 0.2;
+    let place =
+        |k: usize| egui::lerp(rect.left() + inset..=rect.right() - inset, k as f32 / positions.len() as f32);
+    for (k, position) in positions.iter().enumerate() {
+        let of = condition(position);
+        if of != Condition::Sound {
+            let x = place(k + 1);
+            let line = [egui::pos2(x, rect.top() - 2.0), egui::pos2(x, rect.top() + 3.0)];
+            ui.painter().line_segment(line, Stroke::new(1.0, of.mark()));
+        }
+    }
+}
+
+/// A button with a drawn sign: the fonts have none of these.
+fn icon(ui: &mut Ui, command: Command, playing: bool, enabled: bool) -> bool {
+    let size = egui::vec2(24.0, 22.0);
+    let response = ui.add_enabled(enabled, Button::new("").min_size(size).sense(Sense::click()));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, command.label()));
+    let visuals = ui.style().interact(&response);
+    let ink = if enabled { visuals.fg_stroke.color } else { ui.visuals().weak_text_color() };
+    let (middle, painter) = (response.rect.center(), ui.painter());
+    let triangle = |x: f32, way: f32| {
+        let at = |dx: f32, dy: f32| middle + egui::vec2(x + dx * way, dy);
+        let corners = vec![at(-3.0, -5.0), at(4.0, 0.0), at(-3.0, 5.0)];
+        painter.add(egui::Shape::convex_polygon(corners, ink, Stroke::NONE));
+    };
+    let bar = |x: f32| {
+        let at = Rect::from_center_size(middle + egui::vec2(x, 0.0), egui::vec2(2.0, 10.0));
+        painter.rect_filled(at, 0.0, ink);
+    };
+    match command {
+        Command::ToBlank => {
+            bar(-5.0);
+            triangle(1.0, -1.0);
+        }
+        Command::ToEnd => {
+            bar(5.0);
+            triangle(-1.0, 1.0);
+        }
+        Command::StepBack => {
+            bar(4.0);
+            triangle(-1.0, -1.0);
+        }
+        Command::StepForward => {
+            bar(-4.0);
+            triangle(1.0, 1.0);
+        }
+        _ if playing => {
+            bar(-2.5);
+            bar(2.5);
+        }
+        _ => triangle(0.0, 1.0),
+    }
+    response.on_hover_text(command.tip_with_keys(ui.ctx())).clicked()
+}

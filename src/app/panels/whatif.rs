@@ -1,0 +1,102 @@
+//! What-if sets: setups that were kept, side by side with what they come to.
+
+use egui::{Grid, RichText, TextEdit, Ui};
+
+use crate::formats::write_setup;
+use crate::part::Setup;
+
+use super::super::command::Command;
+use super::super::results::Figures;
+use super::super::state::State;
+use super::super::theme::Condition;
+use super::verdict::duration;
+
+/// Draws the table; returns the command that was pressed.
+pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
+    let keep = ui.button(Command::KeepSet.label());
+    let chosen =
+        keep.on_hover_text(Command::KeepSet.tip_with_keys(ui.ctx())).clicked().then_some(Command::KeepSet);
+    if state.document.edited.sets.is_empty() {
+        ui.label(RichText::new("Keep a setup to compare others with it").weak());
+        return chosen;
+    }
+    let (mut used, mut removed) = (None, None);
+    let heads = [
+        ("Pos.", "Number of plunges"),
+        ("Interf.", "Plunges whose core meets stock"),
+        ("Stock mm", "Mean and 95th percentile of what is left on the hub"),
+        ("Time", "One channel, from plunge feeds and rapids"),
+    ];
+    Grid::new("what-if sets").num_columns(4).min_col_width(46.0).spacing([8.0, 2.0]).show(ui, |ui| {
+        for (head, tip) in heads {
+            ui.label(RichText::new(head).weak()).on_hover_text(tip);
+        }
+        ui.end_row();
+        cells(ui, state.results.figures(&state.document.edited.setup));
+        ui.label(RichText::new("now").weak());
+        ui.end_row();
+    });
+    let edited = &mut state.document.edited;
+    for (k, set) in edited.sets.iter_mut().enumerate() {
+        ui.separator();
+        ui.horizontal(|ui| {
+            let field = ui.add(TextEdit::singleline(&mut set.name).desired_width(110.0));
+            let name = format!("Name of set {}", k + 1);
+            field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
+            field.on_hover_text(differences(&edited.setup, &set.setup));
+            if small(ui, set.setup != edited.setup, "Use", &format!("Use {}", set.name)) {
+                used = Some(k);
+            }
+            if small(ui, true, "×", &format!("Remove {}", set.name)) {
+                removed = Some(k);
+            }
+        });
+        Grid::new(("what-if", k)).num_columns(4).min_col_width(46.0).spacing([8.0, 2.0]).show(ui, |ui| {
+            cells(ui, state.results.figures(&set.setup));
+            ui.end_row();
+        });
+    }
+    let edited = &mut state.document.edited;
+    if let Some(set) = used.and_then(|k| edited.sets.get(k)) {
+        edited.setup = set.setup.clone();
+    }
+    if let Some(k) = removed {
+        edited.sets.remove(k);
+    }
+    chosen
+}
+
+fn small(ui: &mut Ui, enabled: bool, text: &str, name: &str) -> bool {
+    let response = ui.add_enabled(enabled, egui::Button::new(text).small());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
+    response.on_hover_text(name).clicked()
+}
+
+fn cells(ui: &mut Ui, figures: Option<Figures>) {
+    let Some(f) = figures else {
+        for _ in 0..4 {
+            ui.label(RichText::new("-").weak()).on_hover_text("Not planned yet: use the set to plan it");
+        }
+        return;
+    };
+    ui.label(f.positions.to_string());
+    let of = if f.interferential == 0 { Condition::Sound } else { Condition::Interferential };
+    ui.label(RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())));
+    ui.label(format!("{:.2}/{:.2}", f.residual_mean, f.residual_p95));
+    ui.label(duration(f.time));
+}
+
+/// What a set has that the setup in work has not, line by line as setup files say it.
+fn differences(now: &Setup, set: &Setup) -> String {
+    let (now, set) = (write_setup(now), write_setup(set));
+    let new = |text: &str, other: &str| -> Vec<String> {
+        let known: Vec<&str> = other.lines().collect();
+        text.lines().filter(|line| line.contains('=') && !known.contains(line)).map(str::to_owned).collect()
+    };
+    let lines = new(&set, &now);
+    match (lines.is_empty(), new(&now, &set).is_empty()) {
+        (true, true) => "The setup in work".to_owned(),
+        (true, false) => "Without what the setup in work adds".to_owned(),
+        _ => format!("Differs from the setup in work:\n{}", lines.join("\n")),
+    }
+}

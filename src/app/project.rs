@@ -1,0 +1,328 @@
+//! The project: what is open as a file and back, copies that survive a crash, and the question before something
+//! unsaved would be lost.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use egui::{Context, Modal, RichText, Ui};
+
+use crate::formats::project_file::{
+    EXTENSION, PartPlace, Project, StoredFigures, StoredSet, Viewpoint, write_project,
+};
+use crate::gpu::camera::{Camera, Projection};
+
+use super::App;
+use super::dialogs::Purpose;
+use super::document::{Edited, WhatIf};
+use super::engine::PartSource;
+use super::files::WriteTask;
+use super::home::Home;
+use super::results::Figures;
+use super::state::{Problem, State};
+
+/// A copy is written this long after the last change.
+const COPY_AFTER: Duration = Duration::from_secs(2);
+
+/// What waits until something unsaved is saved or given up.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Pending {
+    /// Begin anew.
+    New,
+    /// Open a file.
+    Open(PathBuf),
+    /// Open a part.
+    OpenPart(PartSource),
+    /// Close the window.
+    Quit,
+}
+
+/// What is kept of the session besides the state.
+#[derive(Default)]
+pub(super) struct Session {
+    home: Option<Home>,
+    /// What the copy on the disk holds.
+    copied: Option<Edited>,
+    /// What was edited last, and when: copies wait until it rests.
+    edited: Option<(Edited, f64)>,
+    pending: Option<Pending>,
+    /// What to do once the project is written.
+    after_saving: Option<Pending>,
+    /// Set once closing is agreed.
+    closing: bool,
+}
+
+impl Session {
+    /// Whether a question is open.
+    pub(super) fn is_asking(&self) -> bool {
+        self.pending.is_some()
+    }
+}
+
+impl From<&Figures> for StoredFigures {
+    fn from(f: &Figures) -> Self {
+        let Figures { positions, interferential, residual_mean, residual_p95, uncut_share, time } = *f;
+        Self { positions, interferential, residual_mean, residual_p95, uncut_share, time }
+    }
+}
+
+impl From<&StoredFigures> for Figures {
+    fn from(f: &StoredFigures) -> Self {
+        let StoredFigures { positions, interferential, residual_mean, residual_p95, uncut_share, time } = *f;
+        Self { positions, interferential, residual_mean, residual_p95, uncut_share, time }
+    }
+}
+
+/// The project that is open; `None` while no part is.
+fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
+    let part = state.document.part.as_ref()?;
+    let edited = &state.document.edited;
+    let place = match &part.source {
+        PartSource::File(path) => PartPlace::File(path.clone()),
+        PartSource::Sample(name) => PartPlace::Sample(name.clone()),
+    };
+    let sets = edited.sets.iter().map(|set| StoredSet {
+        name: set.name.clone(),
+        setup: set.setup.clone(),
+        figures: state.results.figures(&set.setup).as_ref().map(StoredFigures::from),
+    });
+    Some(Project {
+        part: place,
+        part_hash: part.hash,
+        setup: edited.setup.clone(),
+        sets: sets.collect(),
+        viewpoint: camera.as_ref().map(viewpoint),
+        original: None,
+    })
+}
+
+fn viewpoint(camera: &Camera) -> Viewpoint {
+    Viewpoint {
+        target: camera.target.to_array(),
+        yaw: camera.yaw,
+        pitch: camera.pitch,
+        distance: camera.distance,
+        parallel: camera.projection == Projection::Orthographic,
+    }
+}
+
+/// What a project holds to be edited.
+pub(super) fn edited_of(project: &Project) -> Edited {
+    let sets = project.sets.iter().map(|set| WhatIf { name: set.name.clone(), setup: set.setup.clone() });
+    Edited { setup: project.setup.clone(), sets: sets.collect() }
+}
+
+/// Where a project's part is.
+pub(super) fn source_of(project: &Project) -> PartSource {
+    match &project.part {
+        PartPlace::File(path) => PartSource::File(path.clone()),
+        PartPlace::Sample(name) => PartSource::Sample(name.clone()),
+    }
+}
+
+impl App {
+    /// Keeps recent projects and copies that survive a crash in `folder`.
+    pub fn set_home(&mut self, folder: PathBuf) {
+        let home = Home::new(folder);
+        self.state.recents = home.recents();
+        self.state.recoverable = home.left_behind();
+        self.session.home = Some(home);
+    }
+
+    /// Does something that closes what is open: at once, or after the user was asked what becomes of it.
+    pub(super) fn guarded(&mut self, ctx: &Context, pending: Pending) {
+        if self.state.document.is_unsaved() {
+            self.session.pending = Some(pending);
+        } else {
+            self.go_on(ctx, pending);
+        }
+    }
+
+    fn go_on(&mut self, ctx: &Context, pending: Pending) {
+        match pending {
+            Pending::New => {
+                self.state.close();
+                self.work.planner_cancel();
+                self.hover = None;
+            }
+            Pending::Open(path) => self.open_file(path),
+            Pending::OpenPart(source) => self.open_files(Some(source), None),
+            Pending::Quit => {
+                self.session.closing = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+        if let Some(home) = &self.session.home {
+            home.drop_copy();
+        }
+        self.session.copied = None;
+    }
+
+    /// Asks before the window closes over something unsaved.
+    pub(super) fn watch_closing(&mut self, ctx: &Context) {
+        if ctx.input(|input| input.viewport().close_requested()) && !self.session.closing {
+            if self.state.document.is_unsaved() {
+                ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+                self.session.pending = Some(Pending::Quit);
+            } else if let Some(home) = &self.session.home {
+                home.drop_copy();
+            }
+        }
+    }
+
+    /// Draws the question, while it is open.
+    pub(super) fn ask_unsaved(&mut self, ui: &Ui) {
+        let Some(pending) = self.session.pending.clone() else { return };
+        let (mut save, mut discard, mut cancel) = (false, false, false);
+        let modal = Modal::new(egui::Id::unique("unsaved")).show(ui.ctx(), |ui| {
+            ui.set_width(320.0);
+            ui.label(RichText::new("Save the changes of this project?").strong());
+            ui.label("What is not saved is lost.");
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                save = ui.button("Save").clicked();
+                discard = ui.button("Do not save").clicked();
+                cancel = ui.button("Keep working").clicked();
+            });
+        });
+        if save {
+            self.session.pending = None;
+            self.session.after_saving = Some(pending);
+            self.save_project(ui.ctx());
+        } else if discard {
+            self.session.pending = None;
+            self.go_on(ui.ctx(), pending);
+        } else if cancel || modal.should_close() {
+            self.session.pending = None;
+        }
+    }
+
+    /// Saves the project where it is, or asks where it should go.
+    pub(super) fn save_project(&mut self, ctx: &Context) {
+        match self.state.document.path.clone() {
+            Some(path) => self.write_project(path),
+            None => self.dialogs.ask(ctx, Purpose::SaveProject, self.suggest_project()),
+        }
+    }
+
+    /// Name offered for the project.
+    pub(super) fn suggest_project(&self) -> String {
+        let name = self.state.document.part.as_ref().map_or("project", |part| part.impeller.name.as_str());
+        format!("{name}.{EXTENSION}")
+    }
+
+    /// Writes the project to `path`.
+    pub(super) fn write_project(&mut self, path: PathBuf) {
+        let path = if path.extension().is_none() { path.with_extension(EXTENSION) } else { path };
+        if let Some(project) = project(&self.state, self.view.current()) {
+            let text = write_project(&project, &path);
+            self.write(WriteTask::Project(path, text, Box::new(self.state.document.edited.clone())));
+        }
+    }
+
+    /// A project is on the disk.
+    pub(super) fn note_saved(&mut self, ctx: &Context, path: PathBuf, edited: Edited) {
+        self.note_recent(&path);
+        self.state.document.note_saved(path, edited);
+        if !self.state.document.is_unsaved() {
+            if let Some(home) = &self.session.home {
+                home.drop_copy();
+            }
+            self.session.copied = None;
+            if let Some(pending) = self.session.after_saving.take() {
+                self.go_on(ctx, pending);
+            }
+        }
+    }
+
+    /// Puts a project at the head of the recent ones.
+    pub(super) fn note_recent(&mut self, path: &Path) {
+        if let Some(home) = &self.session.home {
+            self.state.recents = home.note_recent(path);
+        }
+    }
+
+    /// Puts everything a project holds besides part and setup in its place; the part is open already.
+    pub(super) fn take_project(&mut self, path: PathBuf, project: &Project) {
+        for set in &project.sets {
+            if let Some(figures) = &set.figures {
+                self.state.results.note(set.setup.clone(), figures.into());
+            }
+        }
+        let framing = self.pictures.as_ref().and_then(|pictures| pictures.framing());
+        if let Some((v, framing)) = project.viewpoint.zip(framing) {
+            let mut camera = Camera::standard(crate::gpu::View::Iso, framing, 1.0);
+            camera.target = v.target.into();
+            (camera.yaw, camera.pitch, camera.distance) = (v.yaw, v.pitch, v.distance);
+            camera.projection = if v.parallel { Projection::Orthographic } else { Projection::Perspective };
+            self.view.restore(camera);
+        }
+        let part = self.state.document.part.as_ref();
+        if part.is_some_and(|part| part.hash != project.part_hash) {
+            self.state.fault(Problem::new(
+                format!("{}: the part changed since the project was saved", path.display()),
+                "check setup and sets, then save the project again",
+            ));
+        }
+        let recovered = self.state.recoverable.contains(&path);
+        if recovered {
+            self.state.document.path.clone_from(&project.original);
+            self.state.document.mark_unsaved();
+            self.state.done("Recovered what the last session had not saved; save it to keep it");
+            self.copy_now();
+            // Its content is this session's now, and in this session's copy.
+            if self.session.copied.is_some() {
+                self.drop_recoverable(&path);
+            }
+        } else {
+            self.note_recent(&path);
+        }
+    }
+
+    /// Gives up what a session left behind.
+    pub(super) fn drop_recoverable(&mut self, path: &Path) {
+        self.state.recoverable.retain(|known| known != path);
+        // It may be gone already.
+        let _ = std::fs::remove_file(path);
+    }
+
+    /// Writes the copy that survives a crash, once the changes have come to rest. To be called once a frame.
+    pub(super) fn keep_copy(&mut self, ctx: &Context) {
+        if self.session.home.is_none() || !self.state.document.is_unsaved() {
+            return;
+        }
+        let now = ctx.input(|input| input.time);
+        let edited = &self.state.document.edited;
+        if self.session.copied.as_ref() == Some(edited) {
+            return;
+        }
+        match &self.session.edited {
+            Some((last, since)) if last == edited => {
+                let rest = COPY_AFTER.as_secs_f64() - (now - since);
+                if rest <= 0.0 {
+                    self.copy_now();
+                } else {
+                    ctx.request_repaint_after(Duration::from_secs_f64(rest));
+                }
+            }
+            _ => {
+                self.session.edited = Some((edited.clone(), now));
+                ctx.request_repaint_after(COPY_AFTER);
+            }
+        }
+    }
+
+    /// Writes the copy that survives a crash. Small, and so rare that the window may wait for it.
+    pub(super) fn copy_now(&mut self) {
+        let Some(home) = &self.session.home else { return };
+        let Some(mut project) = project(&self.state, self.view.current()) else { return };
+        project.original.clone_from(&self.state.document.path);
+        match home.write_copy(&write_project(&project, home.copy())) {
+            Ok(()) => self.session.copied = Some(self.state.document.edited.clone()),
+            Err(error) => {
+                // Said once: the next try comes with the next change.
+                self.session.copied = Some(self.state.document.edited.clone());
+                self.state.fault(Problem::from(&error));
+            }
+        }
+    }
+}

@@ -1,0 +1,360 @@
+//! The middle of the window: one or two 3D views under one camera, and what floats over them.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::{CursorIcon, Pos2, Rect, Response, Sense, Stroke, Ui};
+use glam::Vec3;
+
+use crate::gpu::camera::Camera;
+use crate::gpu::cutters::CutterFilter;
+use crate::gpu::palette::ColourMap;
+use crate::gpu::scene::{FloorColours, SceneOptions, SectionPlane};
+use crate::plunge::inspect::feed_direction;
+
+use super::App;
+use super::cube;
+use super::export::device_problem;
+use super::look::{Across, Arrangement, Section};
+use super::overlay::{self, Choice, Values};
+use super::panels::part;
+use super::picture::{Content, FloorStock};
+use super::planned::Side;
+use super::state::State;
+use super::theme;
+use super::view3d::{self, Hit, pixel};
+
+/// A still picture becomes smooth this long after the last move.
+const SMOOTH_AFTER: Duration = Duration::from_millis(150);
+
+/// What the screen adds to a picture.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Glass {
+    /// Physical pixels per point.
+    pub scale: f32,
+    /// Light or dark.
+    pub theme: crate::gpu::Theme,
+    /// Size of the middle of the window, points.
+    pub size: egui::Vec2,
+}
+
+/// Where a side is drawn.
+struct Pane {
+    side: Side,
+    /// Where its mouse and its labels are.
+    rect: Rect,
+    /// Part of `rect` that shows it.
+    visible: Rect,
+    response: Response,
+}
+
+impl App {
+    /// Draws the middle of the window.
+    pub(super) fn viewport(&mut self, ui: &mut Ui) {
+        if self.state.document.part.is_none() {
+            ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
+            if let Some(wish) = part::empty_state(ui, &self.state, &self.engine.samples) {
+                self.grant(ui.ctx(), wish);
+            }
+            return;
+        }
+        let whole = ui.available_rect_before_wrap();
+        ui.allocate_rect(whole, Sense::hover());
+        let dark = ui.visuals().dark_mode;
+        self.glass = Glass {
+            scale: ui.pixels_per_point(),
+            theme: if dark { crate::gpu::Theme::Dark } else { crate::gpu::Theme::Light },
+            size: whole.size(),
+        };
+        let panes = self.panes(ui, whole);
+        let Some(framing) = self.pictures.as_ref().and_then(|pictures| pictures.framing().cloned()) else {
+            overlay::message(ui, whole, "This device draws no 3D view; everything else works");
+            return;
+        };
+        let size = panes[0].rect.size();
+        self.view.camera(&framing, size);
+        if std::mem::take(&mut self.state.look.fly) {
+            self.fly_to_selection(ui.input(|i| i.time));
+        }
+        if self.view.advance(ui.input(|i| i.time)) {
+            ui.ctx().request_repaint();
+        }
+        let before = self.view.current();
+        for pane in &panes {
+            self.mouse(ui, pane);
+        }
+        let camera = self.view.camera(&framing, size);
+        let moving = Some(camera) != before || panes.iter().any(|pane| pane.response.dragged());
+        for pane in &panes {
+            self.draw(ui, pane, camera, moving);
+        }
+        self.note_first_picture();
+        self.over(ui, whole, &panes, camera);
+    }
+
+    /// The views of the arrangement, with their accessible names.
+    fn panes(&mut self, ui: &mut Ui, whole: Rect) -> Vec<Pane> {
+        match self.state.look.arrangement {
+            Arrangement::One => {
+                let response = view3d::area(ui, whole, "3D view");
+                vec![Pane { side: self.state.look.side, rect: whole, visible: whole, response }]
+            }
+            Arrangement::Both => {
+                let (left, right) = whole.split_left_right_at_fraction(0.5);
+                [(Side::Before, left, "3D view, before"), (Side::After, right, "3D view, after")]
+                    .map(|(side, rect, name)| {
+                        let rect = rect.shrink2(egui::vec2(0.5, 0.0));
+                        Pane { side, rect, visible: rect, response: view3d::area(ui, rect, name) }
+                    })
+                    .into()
+            }
+            Arrangement::Wipe => {
+                let response = view3d::area(ui, whole, "3D view");
+                let border = self.wipe_handle(ui, whole);
+                let (left, right) = whole.split_left_right_at_x(border);
+                [(Side::Before, left), (Side::After, right)]
+                    .map(|(side, visible)| Pane { side, rect: whole, visible, response: response.clone() })
+                    .into()
+            }
+        }
+    }
+
+    /// The border of the wipe, to be dragged; returns where it is.
+    fn wipe_handle(&mut self, ui: &mut Ui, whole: Rect) -> f32 {
+        let x = egui::lerp(whole.left()..=whole.right(), self.state.look.wipe);
+        let at = Rect::from_center_size(egui::pos2(x, whole.center().y), egui::vec2(10.0, whole.height()));
+        let response = ui.interact(at, ui.scope_id().with("wipe"), Sense::drag());
+        let share = f64::from(self.state.look.wipe);
+        response.widget_info(|| egui::WidgetInfo::slider(true, share, "Border of the wipe"));
+        if response.dragged() {
+            let moved = self.state.look.wipe + response.drag_delta().x / whole.width().max(1.0);
+            self.state.look.wipe = moved.clamp(0.02, 0.98);
+        }
+        response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+        egui::lerp(whole.left()..=whole.right(), self.state.look.wipe)
+    }
+
+    fn mouse(&mut self, ui: &Ui, pane: &Pane) {
+        let here = |at: Pos2| pane.visible.contains(at);
+        if let Some(at) = ui.input(|i| i.pointer.press_origin().or(i.pointer.hover_pos()))
+            && !here(at)
+        {
+            return;
+        }
+        let options = self.options(pane.side);
+        let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
+            return;
+        };
+        let size = pane.rect.size();
+        let clicked =
+            self.view.mouse(ui, &pane.response, |camera, at| picture.hit(camera, &options, at, size));
+        let Some((at, camera)) = clicked.zip(self.view.current()) else { return };
+        let at = pixel(pane.rect, at);
+        if let Some(points) = &mut self.state.look.measure {
+            if points.len() >= 2 {
+                points.clear();
+            }
+            points.extend(picture.hit(&camera, &options, at, size).point);
+            return;
+        }
+        match picture.pick(&camera, &options, at, size) {
+            Ok(position) => {
+                if self.state.look.side != pane.side {
+                    self.state.show(pane.side);
+                }
+                self.state.look.select(position);
+            }
+            Err(error) => self.state.fault(device_problem(&error)),
+        }
+    }
+
+    fn draw(&mut self, ui: &Ui, pane: &Pane, camera: Camera, moving: bool) {
+        let content = self.content(pane.side);
+        let options = self.options(pane.side);
+        let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
+            return;
+        };
+        picture.load(content);
+        // The very first picture is a fast one too: something to see comes before something smooth.
+        let moving = moving || !picture.has_drawn();
+        let scale = ui.pixels_per_point();
+        let size = [(pane.rect.width() * scale).round() as u32, (pane.rect.height() * scale).round() as u32];
+        if let Some(texture) = picture.show(camera, options, size, moving) {
+            let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            ui.painter_at(pane.visible).image(texture, pane.rect, all, egui::Color32::WHITE);
+        }
+        if picture.is_draft() {
+            ui.ctx().request_repaint_after(SMOOTH_AFTER);
+        }
+    }
+
+    /// What a side's picture shows of the plan.
+    pub(super) fn content(&self, side: Side) -> Option<Content> {
+        let shown = self.state.on(side)?;
+        let other = self.state.policy(side.other());
+        let floor = match (self.state.look.cut, other) {
+            (_, Some(other)) if self.state.look.difference && side == Side::After => {
+                FloorStock::MoreThan(other)
+            }
+            (Some(_), _) => {
+                let heights = self.scrubbed.heights(shown.planned, shown.policy);
+                heights.map_or(FloorStock::Final, FloorStock::Heights)
+            }
+            (None, _) => FloorStock::Final,
+        };
+        Some(Content { planned: Arc::clone(shown.planned), policy: shown.policy, floor })
+    }
+
+    /// What floats over the views.
+    fn over(&mut self, ui: &mut Ui, whole: Rect, panes: &[Pane], camera: Camera) {
+        let values = self.values_under_cursor(panes, &camera);
+        if panes.len() > 1 {
+            let x = panes[1].visible.left();
+            let line = Stroke::new(2.0, theme::accent(ui.visuals()));
+            ui.painter().line_segment([egui::pos2(x, whole.top()), egui::pos2(x, whole.bottom())], line);
+        }
+        if self.state.out_of_date() {
+            overlay::out_of_date(ui, whole);
+        }
+        if let Some(points) = self.state.look.measure.clone() {
+            let under = self.hover.as_ref().and_then(|hover| hover.hit.point);
+            for pane in panes {
+                overlay::measurement(ui, pane.rect, &camera, &points, under);
+            }
+        }
+        overlay::legend(ui, whole, &mut self.state, values);
+        match overlay::side_switch(ui, whole, &self.state.look) {
+            Some(Choice::Side(side)) => {
+                self.state.look.arrangement = Arrangement::One;
+                self.state.show(side);
+            }
+            Some(Choice::Arrange(arrangement)) => self.arrange(arrangement),
+            None => {}
+        }
+        for pane in panes {
+            let corner = pane.visible.left_top() + egui::vec2(10.0, 44.0);
+            overlay::policy(ui, corner, &mut self.state, pane.side);
+        }
+        overlay::layers(ui, whole, &mut self.state.look.layers);
+        let reach = camera.bounds.1;
+        overlay::section_bar(ui, whole, &mut self.state.look, reach);
+        if let Some(command) = overlay::view_buttons(ui, whole) {
+            self.obey(ui.ctx(), command);
+        }
+        let corner = whole.right_top() + egui::vec2(-42.0, 84.0);
+        if whole.height() > 300.0
+            && let Some(direction) = cube::show(ui, corner, &camera)
+        {
+            self.view.look_from(direction);
+        }
+    }
+
+    /// Shares the middle in this way, or not any more where it did.
+    pub(super) fn arrange(&mut self, arrangement: Arrangement) {
+        let look = &mut self.state.look;
+        look.arrangement = if look.arrangement == arrangement { Arrangement::One } else { arrangement };
+        self.hover = None;
+    }
+
+    /// Values under the cursor; asked for again only when the cursor or the picture moved.
+    fn values_under_cursor(&mut self, panes: &[Pane], camera: &Camera) -> Values {
+        let at = |pane: &&Pane| {
+            let at = pane.response.hover_pos().filter(|_| !pane.response.dragged())?;
+            pane.visible.contains(at).then_some(at)
+        };
+        let Some((pane, at)) = panes.iter().find_map(|pane| Some((pane, at(&pane)?))) else {
+            self.hover = None;
+            return Values::default();
+        };
+        let known =
+            self.hover.filter(|hover| hover.at == at && hover.side == pane.side && hover.camera == *camera);
+        let hover = known.or_else(|| {
+            let options = self.options(pane.side);
+            let pictures = self.pictures.as_mut()?;
+            let hit = pictures.side(pane.side)?.hit(camera, &options, pixel(pane.rect, at), pane.rect.size());
+            let other = (panes.len() > 1)
+                .then(|| hit.point.filter(|_| hit.stock.is_some()))
+                .flatten()
+                .and_then(|point| pictures.side(pane.side.other())?.stock_at(point));
+            Some(Hover { at, side: pane.side, camera: *camera, hit, other })
+        });
+        self.hover = hover;
+        let Some(hover) = hover else { return Values::default() };
+        if let Some(position) = hover.hit.position {
+            pane.response.clone().on_hover_text_at_pointer(format!("Position {}", position + 1));
+        }
+        Values { here: hover.hit.stock, other: hover.other.map(|stock| (pane.side.other(), stock)) }
+    }
+
+    /// Brings the selected position into view, unless it is there already.
+    pub(super) fn fly_to_selection(&mut self, time: f64) {
+        let Some(shown) = self.state.shown() else { return };
+        let Some(position) = self.state.selected() else { return };
+        let radius = shown.plan().sections.get(position.section).map_or(10.0, |s| s.tool.radius());
+        let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
+        let (tip, axis): (Vec3, Vec3) = (to(position.tip.coords.into()), to(position.axis.into()));
+        let center = tip + axis * radius as f32;
+        self.view.fly_to(center, 5.0 * radius as f32, axis, time);
+    }
+
+    /// What the renderer is told of a side.
+    pub(super) fn options(&self, side: Side) -> SceneOptions {
+        let (state, look) = (&self.state, &self.state.look);
+        let layers = look.layers;
+        let difference = look.difference && side == Side::After;
+        let (low, high) = state.range();
+        let count = state.on(side).map_or(0, |shown| shown.plan().positions.len());
+        SceneOptions {
+            show_hub: layers.hub,
+            show_blades: layers.blades,
+            show_shroud: layers.shroud,
+            show_cutters: if layers.cutters { CutterFilter::All } else { CutterFilter::Hidden },
+            show_axes: layers.axes,
+            show_holders: layers.holders,
+            show_links: layers.links,
+            show_floor_colours: if difference { FloorColours::Values } else { layers.floor },
+            map: if difference { ColourMap::Difference } else { ColourMap::Cividis },
+            range_mm: if difference { (-high, high) } else { (low, high) },
+            theme: self.glass.theme,
+            at: look.cut.filter(|&cut| cut < count || cut == 0),
+            selected: look.selected.filter(|_| side == look.side),
+            pixel_scale: self.glass.scale,
+            section: look.section.and_then(|section| section_plane(state, section)),
+            ..SceneOptions::default()
+        }
+    }
+}
+
+/// What is under the cursor, and where it was asked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hover {
+    at: Pos2,
+    side: Side,
+    camera: Camera,
+    hit: Hit,
+    other: Option<f32>,
+}
+
+/// The plane in the frame of the part; `None` where there is no position to lay it through.
+fn section_plane(state: &State, section: Section) -> Option<SectionPlane> {
+    let part = &state.document.part.as_ref()?.impeller;
+    let (normal, through) = match section.across {
+        Across::X => (Vec3::X, Vec3::ZERO),
+        Across::Y => (Vec3::Y, Vec3::ZERO),
+        Across::Z => {
+            let middle = 0.5 * (part.hub.point(0.0).z + part.hub.point(1.0).z);
+            (Vec3::Z, Vec3::Z * middle as f32)
+        }
+        Across::Row => {
+            let plan = state.shown()?.plan();
+            let k = state.look.selected.unwrap_or(plan.positions.len() / 2);
+            let position = plan.positions.get(k)?;
+            let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
+            let feed = to(feed_direction(part, plan, k).into());
+            (feed.cross(to(position.axis.into())), to(position.tip.coords.into()))
+        }
+    };
+    let normal = if section.flipped { -normal } else { normal };
+    let moved = if section.flipped { -section.offset } else { section.offset };
+    Some(SectionPlane { normal, offset: normal.dot(through) + moved })
+}

@@ -1,0 +1,290 @@
+//! A look at one position of a finished plan: the cut through its axis along its row, as lines in the plane of the
+//! section. Only reads plans; nothing here decides anything.
+//!
+//! Rounded corners of earlier cutters are left out; of the position's own cutter they are drawn.
+//!
+//! Frame of the section: x along the feed of the row, y along the axis of the cutter, the tip at (0, 0); mm.
+
+use super::plan::{PlungePlan, Position};
+use crate::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, norm2};
+use crate::part::{Blank, Impeller, Tool};
+
+/// A point of the section: (x, y), mm.
+pub type Place = [f64; 2];
+
+/// The cut through the axis of a position, along its row.
+#[derive(Clone, Debug)]
+pub struct SectionView {
+    /// Origin of the section: the tip.
+    pub tip: Point,
+    /// Unit axis, direction of y.
+    pub axis: Vector,
+    /// Unit direction of x: where the row goes to, at right angles to the axis.
+    pub feed: Vector,
+    /// The finished hub.
+    pub hub: Vec<Place>,
+    /// What must stay on it.
+    pub allowance: Vec<Place>,
+    /// Stock as this position finds it: top of what stands on the hub, after all earlier positions.
+    pub before: Vec<Place>,
+    /// The same after this position.
+    pub after: Vec<Place>,
+    /// Stock inside the core's column above the bottom, as stretches of y at an x: what the dead centre meets.
+    pub contact: Vec<(f64, [f64; 2])>,
+    /// The bottom of the cutter, seen from above.
+    pub patch: Vec<PatchCell>,
+    /// The cutter.
+    pub tool: Tool,
+    /// Angle between hub normal and axis in the section's own plane, rad: positive when the axis leans forward.
+    pub lean: f64,
+    /// Step from the position before in the same row: distance of the axes at the hub, mm; 0 at the first.
+    pub step: f64,
+    /// Stock left above the hub where this cutter worked: greatest height along y within its radius, mm.
+    pub left: f64,
+}
+
+/// A cell of the bottom disc.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PatchCell {
+    /// Along the feed, mm.
+    pub x: f64,
+    /// Across it, mm.
+    pub across: f64,
+    /// How far above the bottom stock reaches there, mm; 0 where there is none.
+    pub depth: f64,
+}
+
+/// Samples along x.
+const SAMPLES: usize = 241;
+/// The section reaches this many radii to either side.
+const REACH: f64 = 2.2;
+/// Cells of the patch across the core.
+const PATCH: usize = 25;
+/// Steps of a search for a surface, and how near counts as there, mm.
+const MAX_STEPS: usize = 96;
+const NEAR: f64 = 1e-4;
+
+/// Cuts through position `index` of `plan`, with `allowance` mm to stay on the hub; `None` where the plan has no such
+/// position.
+pub fn section_view(
+    part: &Impeller,
+    blank: &Blank,
+    allowance: f64,
+    plan: &PlungePlan,
+    index: usize,
+) -> Option<SectionView> {
+    let position = plan.positions.get(index)?;
+    let tool = &plan.sections.get(position.section)?.tool;
+    let (axis, tip) = (position.axis, position.tip);
+    let feed = feed_direction(part, plan, index);
+    let side = axis.cross(&feed);
+    let radius = tool.radius();
+    let reach = REACH * radius;
+    let earlier = earlier_cutters(plan, index, 2.0 * reach);
+    let cutter = tool.placed(tip, axis);
+    let column = Lines { part, blank, axis, earlier: &earlier };
+    let at = |x: f64, across: f64| tip + feed * x + side * across;
+
+    let mut view = SectionView {
+        tip,
+        axis,
+        feed,
+        hub: Vec::with_capacity(SAMPLES),
+        allowance: Vec::new(),
+        before: Vec::with_capacity(SAMPLES),
+        after: Vec::with_capacity(SAMPLES),
+        contact: Vec::new(),
+        patch: Vec::new(),
+        tool: tool.clone(),
+        lean: 0.0,
+        step: step_before(plan, index),
+        left: 0.0,
+    };
+    for i in 0..SAMPLES {
+        let x = reach * (2.0 * i as f64 / (SAMPLES - 1) as f64 - 1.0);
+        let origin = at(x, 0.0);
+        let Some(hub) = column.hub(&origin, 0.0, reach) else { continue };
+        view.hub.push([x, hub]);
+        view.allowance.extend(column.hub(&origin, allowance, reach).map(|y| [x, y]));
+        let mut stock = column.stock(&origin, hub, reach);
+        view.before.push([x, first_top(&stock, hub)]);
+        if x.abs() <= tool.core_radius() {
+            let met = stock.iter().filter(|s| s[1] > 0.0).map(|s| (x, [s[0].max(0.0), s[1]]));
+            view.contact.extend(met);
+        }
+        let taken = cutter.column_interval(radius, &origin, &axis);
+        remove(&mut stock, taken.map(|(low, high)| (low.max(view.bottom(x)), high)));
+        let top = first_top(&stock, hub);
+        view.after.push([x, top]);
+        if x.abs() < radius {
+            view.left = view.left.max(top - hub);
+        }
+    }
+    view.lean = lean(&view.hub);
+    let core = tool.core_radius();
+    for i in 0..PATCH {
+        for j in 0..PATCH {
+            let of = |k: usize| core * (2.0 * (k as f64 + 0.5) / PATCH as f64 - 1.0);
+            let (x, across) = (of(i), of(j));
+            if norm2(x, across) > core {
+                continue;
+            }
+            let origin = at(x, across);
+            let hub = column.hub(&origin, 0.0, reach).unwrap_or(-reach);
+            let top = column.stock(&origin, hub, reach).last().map_or(0.0, |s| s[1].max(0.0));
+            view.patch.push(PatchCell { x, across, depth: top });
+        }
+    }
+    Some(view)
+}
+
+impl SectionView {
+    /// Height of the cutter's bottom at `x` within its radius, mm: 0 but for a rounded corner.
+    pub fn bottom(&self, x: f64) -> f64 {
+        let corner = self.tool.corner_radius;
+        let beyond = (x.abs() - (self.tool.radius() - corner)).clamp(0.0, corner);
+        corner - (corner * corner - beyond * beyond).max(0.0).sqrt()
+    }
+
+    /// Deepest stock over the core, mm.
+    pub fn contact_depth(&self) -> f64 {
+        self.patch.iter().map(|cell| cell.depth).fold(0.0, f64::max)
+    }
+}
+
+/// Where the row goes to at position `index`, at right angles to its axis.
+pub fn feed_direction(part: &Impeller, plan: &PlungePlan, index: usize) -> Vector {
+    let position = &plan.positions[index];
+    let neighbour = |k: Option<usize>| {
+        let other = plan.positions.get(k?)?;
+        (other.section == position.section && other.row == position.row).then_some(other)
+    };
+    let (before, after) = (neighbour(index.checked_sub(1)), neighbour(Some(index + 1)));
+    let along = match (before, after) {
+        (Some(a), Some(b)) => b.tip - a.tip,
+        (Some(a), None) => position.tip - a.tip,
+        (None, Some(b)) => b.tip - position.tip,
+        // Alone in its row: along the meridian, towards the inlet.
+        (None, None) => {
+            let theta = position.tip.y.atan2(position.tip.x);
+            let tangent = part.hub.at(position.s).tangent;
+            -tangent.direction_at_angle(theta)
+        }
+    };
+    let flat = along - position.axis * along.dot(&position.axis);
+    if flat.norm() > 1e-9 { flat.normalize() } else { crate::geometry::frame_about(&position.axis).0 }
+}
+
+/// Step to position `index` from the one before it in its row: the larger of the distances of the axes at both
+/// tips, mm; 0 at the first of a row.
+pub fn step_before(plan: &PlungePlan, index: usize) -> f64 {
+    let Some(here) = plan.positions.get(index) else { return 0.0 };
+    let Some(before) = index.checked_sub(1).and_then(|k| plan.positions.get(k)) else { return 0.0 };
+    if before.section != here.section || before.row != here.row {
+        return 0.0;
+    }
+    let off = |p: &Position, q: &Position| {
+        let d = q.tip - p.tip;
+        (d - p.axis * d.dot(&p.axis)).norm()
+    };
+    off(before, here).max(off(here, before))
+}
+
+/// The row that position `index` belongs to: indices of its first and one past its last position.
+pub fn row_of(plan: &PlungePlan, index: usize) -> std::ops::Range<usize> {
+    let Some(here) = plan.positions.get(index) else { return 0..0 };
+    let same = |p: &&Position| p.section == here.section && p.row == here.row;
+    let start = index - plan.positions[..index].iter().rev().take_while(same).count();
+    let end = index + plan.positions[index..].iter().take_while(same).count();
+    start..end
+}
+
+/// Cutters of the positions before `index` that come near its column.
+fn earlier_cutters(plan: &PlungePlan, index: usize, reach: f64) -> Vec<CutterSolid> {
+    let here = &plan.positions[index];
+    let placed = plan.positions[..index].iter().filter_map(|p| {
+        let tool = &plan.sections.get(p.section)?.tool;
+        Some(tool.placed(p.tip, p.axis))
+    });
+    // Axes differ by some ten degrees over a channel's depth; further away than this none is met.
+    placed.filter(|c| (c.tip - here.tip).norm() < 4.0 * reach + c.radius).collect()
+}
+
+/// Lines along the axis of the position.
+struct Lines<'a> {
+    part: &'a Impeller,
+    blank: &'a Blank,
+    axis: Vector,
+    earlier: &'a [CutterSolid],
+}
+
+impl Lines<'_> {
+    /// Height at which the line through `origin` meets the hub, raised by `offset`, if it does within `reach`.
+    fn hub(&self, origin: &Point, offset: f64, reach: f64) -> Option<f64> {
+        descend(self.part.hub.curve(), offset, origin, &self.axis, reach)
+    }
+
+    /// Stretches of stock on the line, lowest first: from the hub up to the blank, less what earlier cutters took.
+    fn stock(&self, origin: &Point, hub: f64, reach: f64) -> Vec<[f64; 2]> {
+        let high = hub + 40.0 * reach;
+        let Some(top) = self.blank.highest_inside(origin, &self.axis, hub, high, &mut None) else {
+            return Vec::new();
+        };
+        let mut stock = vec![[hub, top]];
+        for cutter in self.earlier {
+            remove(&mut stock, cutter.column_interval(cutter.radius, origin, &self.axis));
+        }
+        stock
+    }
+}
+
+/// Takes an interval out of stretches that are in order.
+fn remove(stock: &mut Vec<[f64; 2]>, taken: Option<(f64, f64)>) {
+    let Some((low, high)) = taken else { return };
+    let old = std::mem::take(stock);
+    for [a, b] in old {
+        if high <= a || low >= b {
+            stock.push([a, b]);
+            continue;
+        }
+        if low > a {
+            stock.push([a, low]);
+        }
+        if high < b {
+            stock.push([high, b]);
+        }
+    }
+}
+
+/// Top of what stands on the hub.
+fn first_top(stock: &[[f64; 2]], hub: f64) -> f64 {
+    stock.first().filter(|s| s[0] <= hub + 1e-6).map_or(hub, |s| s[1])
+}
+
+/// Height at which a line comes down onto the surface of revolution at `offset` from `curve`: sphere tracing, as the
+/// distance to the curve never exceeds that to the surface along the line. `None` beyond the ends of the curve.
+fn descend(curve: &MeridionalCurve, offset: f64, origin: &Point, axis: &Vector, reach: f64) -> Option<f64> {
+    let mut h = 0.5 * reach;
+    let (mut guess, _) = curve.project(Meridional::of(&(origin + axis * h)));
+    for _ in 0..MAX_STEPS {
+        let (t, d) = curve.project_near(Meridional::of(&(origin + axis * h)), guess, 2.0 * reach);
+        guess = t;
+        let above = d - offset;
+        if above.abs() < NEAR {
+            let inside = t > 1e-6 && t < curve.length() - 1e-6;
+            return inside.then_some(h);
+        }
+        h -= above;
+        if h < -2.0 * reach {
+            return None;
+        }
+    }
+    None
+}
+
+/// Angle between the normal of a line of the section at x = 0 and y, rad.
+fn lean(hub: &[Place]) -> f64 {
+    let Some(at) = hub.iter().position(|p| p[0] >= 0.0) else { return 0.0 };
+    let (a, b) = (hub[at.saturating_sub(2)], hub[(at + 2).min(hub.len() - 1)]);
+    (b[1] - a[1]).atan2(b[0] - a[0])
+}

@@ -1,0 +1,175 @@
+//! The project: saved, opened again, asked for before it is lost, recovered after a crash.
+
+use std::path::Path;
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::dialogs::Purpose;
+use vanecut::app::state::Tone;
+use vanecut::formats::project_file::read_project;
+
+use crate::fake;
+use crate::harness::{Window, settle, snapshot_ui, window, with_sample};
+
+fn save_as(window: &mut Window, path: &Path) {
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, path.to_owned());
+    settle(window);
+    let notice = window.state().state().notice.clone().expect("a word about it");
+    assert_eq!(notice.tone, Tone::Done, "{notice:?}");
+}
+
+fn edit_step(window: &mut Window, step: f64) {
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(step);
+    window.run_steps(3);
+    settle(window);
+}
+
+#[test]
+fn a_project_opens_as_it_was_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tuning.vanecut");
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    first.state_mut().set_home(folder.path().join("home"));
+    edit_step(&mut first, 6.0);
+    first.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
+    first.key_press(egui::Key::Num4);
+    first.run_steps(3);
+    edit_step(&mut first, 8.0);
+    assert!(first.state().state().document.is_unsaved());
+    first.get_by_label("not saved yet •");
+    save_as(&mut first, &path);
+    assert!(!first.state().state().document.is_unsaved());
+    first.get_by_label("tuning");
+    let camera = first.state().camera().expect("a camera");
+
+    let mut second = window(engine);
+    second.state_mut().set_home(folder.path().join("home"));
+    second.run_steps(2);
+    second.get_by_label("tuning").click();
+    second.run_steps(2);
+    settle(&mut second);
+    let document = &second.state().state().document;
+    assert_eq!(document.edited, first.state().state().document.edited, "setup and sets");
+    assert!(!document.is_unsaved() && document.path.as_deref() == Some(path.as_path()));
+    let again = second.state().camera().expect("a camera");
+    assert!(
+        (again.yaw - camera.yaw).abs() < 1e-5 && (again.distance - camera.distance).abs() < 1e-2,
+        "the view"
+    );
+    let state = second.state().state();
+    assert!(state.results.figures(&state.document.edited.sets[0].setup).is_some(), "figures of the set");
+    assert!(state.problems.is_empty(), "{:?}", state.problems);
+    // Saved again without asking where.
+    edit_step(&mut second, 9.0);
+    second.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
+    second.run_steps(2);
+    settle(&mut second);
+    assert_eq!(read_project(&path).expect("reads").setup.plunge.step, Some(9.0));
+}
+
+#[test]
+fn a_part_that_changed_since_is_noticed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let part = folder.path().join("wheel.toml");
+    let text = include_str!("../../assets/parts/impeller532.toml");
+    std::fs::write(&part, text).expect("writes");
+    let path = folder.path().join("p.vanecut");
+    let (engine, _) = fake::engine();
+    let mut first = window(engine.clone());
+    first.state_mut().open_path(part.clone());
+    settle(&mut first);
+    save_as(&mut first, &path);
+    std::fs::write(&part, text.replace("blades = 17", "blades = 15")).expect("writes");
+    let mut second = window(engine.clone());
+    second.state_mut().open_path(path.clone());
+    settle(&mut second);
+    let problems = second.state().state().problems.clone();
+    assert!(problems.iter().any(|p| p.what.contains("the part changed")), "{problems:?}");
+    std::fs::remove_file(&part).expect("removes");
+    let mut third = window(engine);
+    third.state_mut().open_path(path);
+    settle(&mut third);
+    let problems = third.state().state().problems.clone();
+    assert!(problems.iter().any(|p| p.what.contains("wheel.toml") && !p.cure.is_empty()), "{problems:?}");
+}
+
+#[test]
+fn unsaved_changes_are_asked_for_before_they_are_lost() {
+    let (engine, _) = fake::engine();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.vanecut");
+    let mut window = with_sample(engine);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
+    window.run_steps(3);
+    eprintln!(
+        "DEBUG {:?} {:?}",
+        window.state().state().document.is_unsaved(),
+        window.state().state().document.edited
+    );
+    assert!(window.state().state().document.part.is_none(), "nothing to lose: closed at once");
+    window.get_by_label("pump6").click();
+    window.run_steps(2);
+    settle(&mut window);
+    save_as(&mut window, &path);
+    edit_step(&mut window, 6.0);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
+    window.run_steps(3);
+    window.get_by_label("Save the changes of this project?");
+    window.get_by_role_and_label(Role::Button, "Keep working").click();
+    window.run_steps(3);
+    assert!(window.state().state().document.part.is_some(), "still open");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Save").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert_eq!(read_project(&path).expect("reads").setup.plunge.step, Some(6.0), "saved");
+    assert!(window.state().state().document.part.is_none(), "and closed");
+    snapshot_ui(&mut window, "empty_again");
+}
+
+#[test]
+fn a_crash_loses_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let project = folder.path().join("p.vanecut");
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    first.state_mut().set_home(home.clone());
+    save_as(&mut first, &project);
+    let saved = std::fs::read(&project).expect("reads");
+    edit_step(&mut first, 6.5);
+    // The harness takes a quarter of a second per picture; the copy comes after two seconds of rest.
+    first.run_steps(14);
+    let recovery = home.join("recovery");
+    let copies = || -> Vec<_> {
+        std::fs::read_dir(&recovery).into_iter().flatten().flatten().map(|e| e.path()).collect()
+    };
+    let copy = copies().pop().expect("a copy");
+    assert_eq!(std::fs::read(&project).expect("reads"), saved, "the project itself is untouched");
+    // The crash: the file of a process that is gone.
+    let orphan = recovery.join("4194304999-7.vanecut");
+    std::fs::rename(&copy, &orphan).expect("renames");
+    drop(first);
+
+    let mut second = window(engine.clone());
+    second.state_mut().set_home(home.clone());
+    second.run_steps(2);
+    second.get_by_label("The last session ended without saving");
+    second.get_by_label("Recover it").click();
+    second.run_steps(2);
+    settle(&mut second);
+    let document = &second.state().state().document;
+    assert_eq!(document.edited.setup.plunge.step, Some(6.5), "what was edited is there");
+    assert!(document.is_unsaved(), "and not saved yet");
+    assert_eq!(document.path.as_deref(), Some(project.as_path()), "it knows where it belongs");
+    assert_eq!(std::fs::read(&project).expect("reads"), saved, "the project itself is still untouched");
+    assert!(!orphan.exists() && copies().len() == 1, "this session keeps the copy now: {:?}", copies());
+    second.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
+    second.run_steps(2);
+    settle(&mut second);
+    assert_eq!(read_project(&project).expect("reads").setup.plunge.step, Some(6.5), "saved where it belongs");
+    assert!(copies().is_empty(), "nothing is left to recover");
+}

@@ -1,0 +1,99 @@
+//! Section inspector, plots along the row and the timeline.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+use crate::fake;
+use crate::harness::{press, settle, snapshot_view, with_sample};
+
+#[test]
+fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 760.0));
+    window.run_steps(3);
+    window.key_press(egui::Key::B);
+    window.key_press(egui::Key::N);
+    window.run_steps(4);
+    settle(&mut window);
+    let k = window.state().state().look.selected.expect("a fault");
+    window.get_by_label(&format!("Section through position {}", k + 1));
+    window.get_by_label_contains("step ");
+    snapshot_view(&mut window, "section");
+    window.get_by_label("Figures").click();
+    window.run_steps(3);
+    window.get_by_label("Tip x y z");
+}
+
+#[test]
+fn a_click_on_a_plot_selects_the_position_there() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 760.0));
+    window.run_steps(3);
+    let rect = window.get_by_label("α along the row").rect();
+    press(&mut window, rect.right_center() - egui::vec2(6.0, 0.0));
+    window.run_steps(3);
+    let last = window.state().state().position_count() / 2 - 1;
+    assert_eq!(window.state().state().look.selected, Some(last), "the end of the first row");
+    for name in ["Contact", "Stock", "Step"] {
+        window.get_by_label(&format!("{name} along the row"));
+    }
+}
+
+#[test]
+fn the_timeline_shows_the_stock_as_it_is_then() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    let count = window.state().state().position_count();
+    window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(10.0);
+    window.run_steps(2);
+    settle(&mut window);
+    let look = &window.state().state().look;
+    assert_eq!((look.cut, look.selected), (Some(10), Some(9)), "what was cut last is selected");
+    window.get_by_label(&format!("10 of {count}"));
+    snapshot_view(&mut window, "timeline");
+    window.key_press(egui::Key::ArrowRight);
+    window.run_steps(2);
+    assert_eq!(window.state().state().look.cut, Some(11), "one more");
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::ArrowLeft);
+    window.run_steps(2);
+    assert_eq!(window.state().state().look.cut, Some(0), "it ends at the blank");
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::ArrowRight);
+    window.run_steps(2);
+    assert_eq!(window.state().state().look.cut, Some(count), "and at the end");
+    window.run_steps(4);
+    window.get_by_label(&format!("Position {}", count - 2)).click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.cut, Some(count - 2), "the table moves it too");
+    window.get_by_role_and_label(Role::Button, "To the end").click();
+    window.run_steps(2);
+    assert_eq!(window.state().state().look.cut, None);
+}
+
+#[test]
+fn play_runs_to_the_end_and_rests_there() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let count = window.state().state().position_count();
+    window.get_by_role_and_label(Role::Button, "Play").click();
+    window.step();
+    window.step();
+    assert!(window.state().state().look.playing.is_some(), "it plays");
+    for _ in 0..40 {
+        window.step();
+    }
+    let look = &window.state().state().look;
+    assert_eq!((look.playing, look.cut), (None, Some(count)), "the end");
+    window.key_press(egui::Key::Space);
+    window.step();
+    window.step();
+    assert!(window.state().state().look.playing.is_some(), "space plays again, from the blank");
+    window.key_press(egui::Key::Space);
+    window.step();
+    window.step();
+    let cut = window.state().state().look.cut;
+    assert!(window.state().state().look.playing.is_none() && cut < Some(count), "and stops: {cut:?}");
+}

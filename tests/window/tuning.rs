@@ -1,0 +1,114 @@
+//! Tuning: sliders that are followed live, what-if sets, the palette.
+
+use std::sync::atomic::Ordering;
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+use crate::fake;
+use crate::harness::{settle, snapshot_view, with_sample};
+
+#[test]
+fn a_slider_is_followed_live_and_stale_results_say_so() {
+    let (engine, slow) = fake::engine();
+    let mut window = with_sample(engine);
+    let before = window.state().state().position_count();
+    slow.store(true, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::Slider, "Step").set_value_accesskit(5.0);
+    window.run_steps(3);
+    assert!(window.state().is_busy(), "planning by itself");
+    window.get_by_label("Out of date");
+    window.get_by_label("Out of date:");
+    assert_eq!(window.state().state().position_count(), before, "the old result stays meanwhile");
+    // A newer value supersedes the running plan.
+    window.get_by_role_and_label(Role::Slider, "Step").set_value_accesskit(4.0);
+    window.run_steps(3);
+    slow.store(false, Ordering::SeqCst);
+    settle(&mut window);
+    assert!(!window.state().state().out_of_date(), "the newest value is planned");
+    assert_eq!(window.state().state().position_count(), 80, "160 mm in steps of 4 mm, two rows");
+    assert!(window.query_by_label("Out of date").is_none());
+    window.get_by_label("Reset step").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert_eq!(window.state().state().position_count(), before, "the dot resets, and that is followed too");
+}
+
+#[test]
+fn dragging_a_slider_plans_drafts_and_a_full_plan_at_the_end() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let rect = window.get_by_role_and_label(Role::Slider, "Step").rect();
+    let cells = |window: &crate::harness::Window| {
+        let planned = window.state().state().results.planned.clone().expect("planned");
+        planned.setup.plunge.step
+    };
+    window.drag_at(rect.left_center() + egui::vec2(4.0, 0.0));
+    window.run_steps(1);
+    window.hover_at(rect.center());
+    window.run_steps(2);
+    settle(&mut window);
+    let held = cells(&window);
+    assert!(held.is_some(), "planned while the button is down");
+    window.drop_at(rect.center());
+    window.run_steps(2);
+    settle(&mut window);
+    assert_eq!(cells(&window), window.state().state().document.edited.setup.plunge.step);
+    assert!(!window.state().state().out_of_date());
+}
+
+#[test]
+fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1000.0));
+    window.run_steps(2);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);
+    window.run_steps(3);
+    settle(&mut window);
+    window.get_by_label("Keep as what-if set").click();
+    window.run_steps(10);
+    let sets = window.state().state().document.edited.sets.clone();
+    assert_eq!(sets.iter().map(|set| set.setup.plunge.step).collect::<Vec<_>>(), [None, Some(5.0)]);
+    for set in &sets {
+        assert!(window.state().state().results.figures(&set.setup).is_some(), "both were planned");
+    }
+    snapshot_view(&mut window, "what_if");
+    window.get_by_label("Use Set 1").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "the first set is in work");
+    window.run_steps(8);
+    window.get_by_label("Remove Set 2").click();
+    window.run_steps(8);
+    assert_eq!(window.state().state().document.edited.sets.len(), 1);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(2);
+    assert_eq!(window.state().state().document.edited.sets, sets, "undo brings it back");
+}
+
+#[test]
+fn the_palette_finds_and_runs_commands() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(3);
+    window.event(egui::Event::Text("side by".to_owned()));
+    window.run_steps(3);
+    snapshot_view(&mut window, "palette");
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    use vanecut::app::look::Arrangement;
+    assert_eq!(window.state().state().look.arrangement, Arrangement::Both, "the first that was found");
+    assert!(window.query_by_role_and_label(Role::TextInput, "Search a command").is_none(), "and it is gone");
+    for name in ["3D view, before", "3D view, after"] {
+        window.get_by_label(name);
+    }
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(2);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
+    assert!(window.query_by_role_and_label(Role::TextInput, "Search a command").is_none(), "Esc closes it");
+}
