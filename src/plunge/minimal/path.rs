@@ -214,7 +214,7 @@ impl PathSearch<'_> {
     fn reach(&self, tilt: usize, place: &Place, here: &Here) -> Option<State> {
         let mut candidates = place.tilts[tilt].iter().flatten();
         let candidate = candidates.find_map(|c| self.candidates.cleared(c, place))?;
-        let column = self.candidates.column(&candidate);
+        let column = self.candidates.column(&candidate.station);
         let mut search = ContactSearch::default();
         let mut best: Option<State> = None;
         let mut consider = |cost_before: f64, before: Option<(usize, usize)>| {

@@ -1,7 +1,7 @@
 //! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
 //! direction that leaves less.
 
-use super::{CandidateMaker, Crossing, PathSearch};
+use super::{CandidateMaker, Crossing, ExtraSearch, Floor, PathSearch};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
 use crate::part::Tool;
@@ -13,6 +13,13 @@ use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::sections::{ridge_spacing, tool_of};
 
+/// Times more plunges are looked for, each time beside all those before.
+const EXTRA_ROUNDS: usize = 2;
+/// How far apart they are tried along the channel, in step limits, and into how many parts they divide the way between
+/// two rows.
+const EXTRA_STEP: f64 = 0.5;
+/// See [`EXTRA_STEP`].
+const EXTRA_ROWS: usize = 4;
 /// What a place without any axis costs beside one that leaves a thick layer, mm.
 const COST_OF_MISSED: f64 = 30.0;
 /// Layer whose square weighs as much as itself, in cutter radii.
@@ -40,14 +47,89 @@ impl Planner<'_> {
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let fed = |feed: Feed| self.fed(index, grounds, earlier, feed, monitor);
-        match self.setup.plunge.sections[index].feed {
-            Some(feed) => Ok(fed(feed)?.0),
+        let mut cut = match self.setup.plunge.sections[index].feed {
+            Some(feed) => fed(feed)?.0,
             None => {
                 let (inward, outward) = rayon::join(|| fed(Feed::Inward), || fed(Feed::Outward));
                 let (inward, outward) = (inward?, outward?);
-                Ok(if outward.1 < inward.1 { outward.0 } else { inward.0 })
+                if outward.1 < inward.1 { outward.0 } else { inward.0 }
+            }
+        };
+        self.add_extras(index, grounds, &mut cut, monitor)?;
+        Ok(cut)
+    }
+
+    /// Adds plunges where the rows of a section left the most, at most as many as there are.
+    fn add_extras(
+        &self,
+        index: usize,
+        grounds: &[Ground],
+        cut: &mut SectionCut,
+        monitor: &Monitor,
+    ) -> Result<(), PlanError> {
+        let stock = &self.setup.stock;
+        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
+        let top = BlankTop::new(&self.blank);
+        let scale = SCALE_RADII * tool.radius();
+        let allowances = (stock.hub_allowance, stock.blade_allowance);
+        let all: usize = cut.rows.iter().map(|row| row.len()).sum();
+        let mut budgets: Vec<usize> = Vec::new();
+        let mut floors: Vec<Floor> = Vec::new();
+        for ground in grounds {
+            let floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
+            budgets.push(all / grounds.len());
+            floors.push(floor);
+        }
+        for _ in 0..EXTRA_ROUNDS {
+            let mut added = 0;
+            for ((ground, budget), floor) in grounds.iter().zip(&mut budgets).zip(&floors) {
+                let mut floor = floor.clone();
+                for column in &cut.columns {
+                    floor.cut(self.part, column);
+                }
+                let lambdas = between_rows(&self.with_rows_beside_walls(
+                    &ground.lane,
+                    &ground.stretch,
+                    tool,
+                    &ground.rows,
+                ));
+                let makers: Vec<RowMaker> = lambdas
+                    .iter()
+                    .map(|&lambda| self.row_maker(ground, tool, (lambda, lambdas.len()), cut.feed, monitor))
+                    .collect();
+                let candidates = |maker| CandidateMaker {
+                    maker,
+                    finished: &self.finished,
+                    top: &top,
+                    hub_allowance: stock.hub_allowance,
+                    blade_allowance: stock.blade_allowance,
+                    max_tilt: self.setup.plunge.max_tilt,
+                    scale,
+                    floor: &|_| None,
+                    sideways: f64::INFINITY,
+                };
+                let ends = self.row_ends(index, &ground.stretch, cut.feed.inward());
+                let step = EXTRA_STEP * makers[0].step_limit / self.part.hub.length();
+                let count = ((ends.1 - ends.0).abs() / step).ceil().clamp(1.0, 4000.0);
+                let at = |i: usize| ends.0 + (ends.1 - ends.0) * i as f64 / count;
+                let search = ExtraSearch {
+                    rows: makers.iter().map(candidates).collect(),
+                    places: (0..=count as usize).map(at).collect(),
+                    tool,
+                    blank: &self.blank,
+                };
+                let rows = search.stations(&mut floor, &cut.columns, *budget)?;
+                for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
+                    *budget -= stations.len().min(*budget);
+                    added += stations.len();
+                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, monitor)?;
+                }
+            }
+            if added == 0 {
+                break;
             }
         }
+        Ok(())
     }
 
     /// The section fed one way, and what it costs.
@@ -196,6 +278,18 @@ impl Planner<'_> {
             })
             .collect()
     }
+}
+
+/// The λ of `rows` and of more between them.
+fn between_rows(rows: &[f64]) -> Vec<f64> {
+    let mut lambdas = rows.to_vec();
+    for pair in rows.windows(2) {
+        for k in 1..EXTRA_ROWS {
+            lambdas.push(pair[0] + (pair[1] - pair[0]) * k as f64 / EXTRA_ROWS as f64);
+        }
+    }
+    lambdas.sort_by(f64::total_cmp);
+    lambdas
 }
 
 /// Places s of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub and shroud for
