@@ -55,10 +55,8 @@ impl Candidate {
 
 /// Ways to lean sideways at one tilt.
 const LEANS: usize = 3;
-/// Shares of the way from the row's own lean to upright: of rows, and of single positions.
+/// Their shares of the way from the row's own lean to upright.
 const UPRIGHT_SHARES: [f64; LEANS] = [1.0, 0.5, 0.0];
-/// See [`UPRIGHT_SHARES`].
-const FAN_SHARES: [f64; 5] = [1.0, 0.7, 0.4, 0.0, 1.4];
 
 /// What one place offers.
 #[derive(Clone, Copy, Debug)]
@@ -159,13 +157,19 @@ impl CandidateMaker<'_> {
         Some(place)
     }
 
-    /// Stations at `s_hub` with feed `tilts` (rad), each leaning sideways by all [`FAN_SHARES`]; blades not looked at.
-    pub fn fan(&self, s_hub: f64, tilts: impl Iterator<Item = f64>) -> Vec<Station> {
+    /// Stations at `s_hub` with feed `tilts` (rad), each with all `shares` of the way to upright across the row; blades not
+    /// looked at.
+    pub fn fan<const N: usize>(
+        &self,
+        s_hub: f64,
+        tilts: impl Iterator<Item = f64>,
+        shares: &[f64; N],
+    ) -> Vec<Station> {
         let Some(Stand { conventional, frame, upright, reference }) = self.stand(s_hub) else {
             return Vec::new();
         };
         tilts
-            .flat_map(|tilt| self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), FAN_SHARES))
+            .flat_map(|tilt| self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), *shares))
             .flatten()
             .filter_map(|ends| self.within_tilt(ends, &reference))
             .map(|station| Station { s_shroud_conventional: conventional.s_shroud, ..station })

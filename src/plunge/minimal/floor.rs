@@ -7,13 +7,22 @@ use crate::plunge::contact::Column;
 use crate::plunge::ground::Stretch;
 
 /// Edge of a cell in cutter radii.
-const CELL_RADII: f64 = 0.16;
+const CELL_RADII: f64 = 0.2;
 /// Most cells of a stretch along it, and across.
 const MAX_CELLS: usize = 400;
 /// How far from its tip a cutter is looked at, in radii: the flank may reach stock on a hub that rises beside it.
 const REACH_RADII: f64 = 1.25;
 /// Layers thicker than this, in radii, count as this thick: where nothing was cut the stock is as high as the channel.
 const THICKEST_RADII: f64 = 1.0;
+
+/// What a plunge would take.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gain {
+    /// By how much the floor costs less, mm³.
+    pub cost: f64,
+    /// By how much some cell would be lowered, at most, mm.
+    pub drop: f64,
+}
 
 /// One cell.
 #[derive(Clone, Copy, Debug)]
@@ -106,12 +115,6 @@ impl Floor {
         e + e * e / self.scale
     }
 
-    /// What all cells together cost, mm³, and their area, mm².
-    pub fn left(&self) -> (f64, f64) {
-        let cells = self.rows.iter().flat_map(|row| &row.cells);
-        cells.fold((0.0, 0.0), |sum, c| (sum.0 + c.area * self.cost(c.height), sum.1 + c.area))
-    }
-
     /// Rows and cells of them that `cutter` may reach.
     fn under(&self, part: &Impeller, cutter: &CutterSolid) -> impl Iterator<Item = (usize, usize, usize)> {
         let foot = crate::geometry::Meridional::of(&cutter.tip);
@@ -150,28 +153,21 @@ impl Floor {
         (high > 0.0 && low < cell.height).then_some(low)
     }
 
-    /// By how much one more plunge of `cutter` would lower what the cells cost, mm³.
-    pub fn gain(&self, part: &Impeller, cutter: &CutterSolid) -> f64 {
-        let mut gain = 0.0;
+    /// What one more plunge of `cutter` would take.
+    pub fn gain(&self, part: &Impeller, cutter: &CutterSolid) -> Gain {
+        let mut gain = Gain::default();
         for (i, from, to) in self.under(part, cutter) {
             for cell in &self.rows[i].cells[from..to] {
                 // The least a cutter leaves is the allowance.
                 if cell.height > self.allowance
                     && let Some(low) = Self::entry(cell, cutter)
                 {
-                    gain += cell.area * (self.cost(cell.height) - self.cost(low));
+                    gain.cost += cell.area * (self.cost(cell.height) - self.cost(low));
+                    gain.drop = gain.drop.max(cell.height - low);
                 }
             }
         }
         gain
-    }
-
-    /// What can be gained at most around `point`, within the reach of a cutter of `radius`, mm³.
-    pub fn at_most(&self, part: &Impeller, cutter: &CutterSolid) -> f64 {
-        self.under(part, cutter)
-            .flat_map(|(i, from, to)| &self.rows[i].cells[from..to])
-            .map(|cell| cell.area * self.cost(cell.height))
-            .sum()
     }
 
     /// Takes away what a plunge removes.

@@ -14,7 +14,7 @@ use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::sections::{ridge_spacing, tool_of};
 
 /// Times more plunges are looked for, each time beside all those before.
-const EXTRA_ROUNDS: usize = 2;
+const EXTRA_ROUNDS: usize = 3;
 /// How far apart they are tried along the channel, in step limits, and into how many parts they divide the way between
 /// two rows.
 const EXTRA_STEP: f64 = 0.5;
@@ -72,61 +72,47 @@ impl Planner<'_> {
         let top = BlankTop::new(&self.blank);
         let scale = SCALE_RADII * tool.radius();
         let allowances = (stock.hub_allowance, stock.blade_allowance);
-        let all: usize = cut.rows.iter().map(|row| row.len()).sum();
-        let mut budgets: Vec<usize> = Vec::new();
-        let mut floors: Vec<Floor> = Vec::new();
+        let most: usize = cut.rows.iter().map(|row| row.len()).sum();
         for ground in grounds {
-            let floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
-            budgets.push(all / grounds.len());
-            floors.push(floor);
-        }
-        for _ in 0..EXTRA_ROUNDS {
-            let mut added = 0;
-            for ((ground, budget), floor) in grounds.iter().zip(&mut budgets).zip(&floors) {
-                let mut floor = floor.clone();
-                for column in &cut.columns {
-                    floor.cut(self.part, column);
+            let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
+            for column in &cut.columns {
+                floor.cut(self.part, column);
+            }
+            let rows = self.with_rows_beside_walls(&ground.lane, &ground.stretch, tool, &ground.rows);
+            let lambdas = between_rows(&rows);
+            let maker =
+                |&lambda: &f64| self.row_maker(ground, tool, (lambda, lambdas.len()), cut.feed, monitor);
+            let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
+            let Some(first) = makers.first() else { continue };
+            let (start, end) = self.row_ends(index, &ground.stretch, cut.feed.inward());
+            let step = EXTRA_STEP * first.step_limit / self.part.hub.length();
+            let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
+            let places: Vec<f64> =
+                (0..=count).map(|i| start + (end - start) * i as f64 / count as f64).collect();
+            let candidates = |maker| CandidateMaker {
+                maker,
+                finished: &self.finished,
+                top: &top,
+                hub_allowance: stock.hub_allowance,
+                blade_allowance: stock.blade_allowance,
+                max_tilt: self.setup.plunge.max_tilt,
+                scale,
+                floor: &|_| None,
+                sideways: f64::INFINITY,
+            };
+            let candidates: Vec<CandidateMaker> = makers.iter().map(candidates).collect();
+            let mut search = ExtraSearch::new(&candidates, &places, floor, &self.blank);
+            let mut budget = most / grounds.len();
+            for _ in 0..EXTRA_ROUNDS {
+                let rows = search.stations(&cut.columns, budget)?;
+                let added: usize = rows.iter().map(Vec::len).sum();
+                if added == 0 {
+                    break;
                 }
-                let lambdas = between_rows(&self.with_rows_beside_walls(
-                    &ground.lane,
-                    &ground.stretch,
-                    tool,
-                    &ground.rows,
-                ));
-                let makers: Vec<RowMaker> = lambdas
-                    .iter()
-                    .map(|&lambda| self.row_maker(ground, tool, (lambda, lambdas.len()), cut.feed, monitor))
-                    .collect();
-                let candidates = |maker| CandidateMaker {
-                    maker,
-                    finished: &self.finished,
-                    top: &top,
-                    hub_allowance: stock.hub_allowance,
-                    blade_allowance: stock.blade_allowance,
-                    max_tilt: self.setup.plunge.max_tilt,
-                    scale,
-                    floor: &|_| None,
-                    sideways: f64::INFINITY,
-                };
-                let ends = self.row_ends(index, &ground.stretch, cut.feed.inward());
-                let step = EXTRA_STEP * makers[0].step_limit / self.part.hub.length();
-                let count = ((ends.1 - ends.0).abs() / step).ceil().clamp(1.0, 4000.0);
-                let at = |i: usize| ends.0 + (ends.1 - ends.0) * i as f64 / count;
-                let search = ExtraSearch {
-                    rows: makers.iter().map(candidates).collect(),
-                    places: (0..=count as usize).map(at).collect(),
-                    tool,
-                    blank: &self.blank,
-                };
-                let rows = search.stations(&mut floor, &cut.columns, *budget)?;
+                budget -= added;
                 for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
-                    *budget -= stations.len().min(*budget);
-                    added += stations.len();
                     self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, monitor)?;
                 }
-            }
-            if added == 0 {
-                break;
             }
         }
         Ok(())
