@@ -67,6 +67,11 @@ pub struct Place {
 }
 
 impl Place {
+    /// What the cheapest candidate costs, if there is any.
+    pub fn cheapest(&self, scale: f64) -> Option<f64> {
+        self.tilts.iter().filter_map(|tilt| Some(tilt[0].as_ref()?.cost(0.0, scale))).reduce(f64::min)
+    }
+
     /// The least angle between axes of the same tilt here and at `next`, rad; 0 when there are none.
     pub fn least_turn(&self, next: &Place) -> f64 {
         let turn = |j: usize| Some(self.tilts[j][0]?.station.axis.angle(&next.tilts[j][0]?.station.axis));

@@ -20,6 +20,8 @@ const EXTRA_ROUNDS: usize = 3;
 const EXTRA_STEP: f64 = 0.5;
 /// See [`EXTRA_STEP`].
 const EXTRA_ROWS: usize = 4;
+/// A section fed inwards that costs no more than so many times the least is not tried outwards.
+const GOOD_ENOUGH: f64 = 1.2;
 /// What a place without any axis costs beside one that leaves a thick layer, mm.
 const COST_OF_MISSED: f64 = 30.0;
 /// Layer whose square weighs as much as itself, in cutter radii.
@@ -32,6 +34,14 @@ const WEDGE_RADII: f64 = 0.2;
 const MOST_LIFT: f64 = 0.8;
 /// Lift of a row's first position from which on the row is entered from the side, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
+
+/// A section fed one way.
+struct Fed {
+    cut: SectionCut,
+    /// What it costs, and what it could not cost less than.
+    cost: f64,
+    least: f64,
+}
 
 impl Planner<'_> {
     /// Plans section `index` on its `grounds` after the plunges of `earlier`, in the direction its setup asks for or else
@@ -46,14 +56,17 @@ impl Planner<'_> {
         earlier: &[Column],
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
-        let fed = |feed: Feed| self.fed(index, grounds, earlier, feed, monitor);
-        let mut cut = match self.setup.plunge.sections[index].feed {
-            Some(feed) => fed(feed)?.0,
-            None => {
-                let (inward, outward) = rayon::join(|| fed(Feed::Inward), || fed(Feed::Outward));
-                let (inward, outward) = (inward?, outward?);
-                if outward.1 < inward.1 { outward.0 } else { inward.0 }
+        let fed = |feed: Feed, limit: f64| self.fed(index, grounds, earlier, feed, limit, monitor);
+        let asked = self.setup.plunge.sections[index].feed;
+        let first = fed(asked.unwrap_or(Feed::Inward), f64::INFINITY)?;
+        let other = match &first {
+            Some(first) if asked.is_none() && first.cost > GOOD_ENOUGH * first.least => {
+                fed(Feed::Outward, first.cost)?
             }
+            _ => None,
+        };
+        let Some(Fed { mut cut, .. }) = other.or(first) else {
+            return Ok(SectionCut { feed: Feed::Inward, rows: Vec::new(), columns: earlier.to_vec() });
         };
         self.add_extras(index, grounds, &mut cut, monitor)?;
         Ok(cut)
@@ -118,21 +131,22 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// The section fed one way, and what it costs.
+    /// The section fed one way; `None` when it costs `limit` or more.
     fn fed(
         &self,
         index: usize,
         grounds: &[Ground],
         earlier: &[Column],
         feed: Feed,
+        limit: f64,
         monitor: &Monitor,
-    ) -> Result<(SectionCut, f64), PlanError> {
+    ) -> Result<Option<Fed>, PlanError> {
         let stock = &self.setup.stock;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let inward = feed.inward();
         let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.to_vec() };
-        let mut cost = 0.0;
+        let (mut cost, mut least) = (0.0, 0.0);
         for ground in grounds {
             let Ground { stretch, lane, rows, .. } = ground;
             let (start, end) = self.row_ends(index, stretch, inward);
@@ -168,14 +182,18 @@ impl Planner<'_> {
                     path = search.path(&places, start, &cut.columns)?;
                 }
                 let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
+                least += path.least;
                 cost += path.cost + COST_OF_MISSED * ((end - reached) / step).abs();
+                if cost >= limit {
+                    return Ok(None);
+                }
                 let mut stations: Vec<Station> =
                     path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
                 fill_steps(&maker, &search.candidates, &mut stations);
                 self.cut_split(stations, lambda, tool, &mut cut, monitor)?;
             }
         }
-        Ok((cut, cost))
+        Ok(Some(Fed { cut, cost, least }))
     }
 
     /// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, as several rows where the axis
