@@ -21,7 +21,7 @@ const TILT_FROM_DEG: f64 = -9.0;
 const TILT_STEP_DEG: f64 = 3.0;
 const TILTS: usize = 10;
 /// Least gain of a plunge, as the thickness of a layer under the whole of its bottom, in cutter radii.
-const LEAST_GAIN_RADII: f64 = 0.001;
+const LEAST_GAIN_RADII: f64 = 0.0006;
 /// Most a plunge may stop short, as a share of what it would lower the stock by, and in cutter radii.
 const MOST_LIFT_SHARE: f64 = 0.7;
 /// See [`MOST_LIFT_SHARE`].
@@ -130,12 +130,17 @@ impl<'a> ExtraSearch<'a> {
         Self { rows, blank, floor, heap: BinaryHeap::from(pool), waiting: Vec::new(), least }
     }
 
-    /// Up to `most` stations by rows of the pool, each row in cutting order, all of them free after the plunges of
-    /// `columns`.
+    /// Up to `most` stations by rows of the pool that take `times` the least or more, each row in cutting order, all of
+    /// them free after the plunges of `columns`.
     ///
     /// # Errors
     /// When the work is cancelled.
-    pub fn stations(&mut self, columns: &[Column], most: usize) -> Result<Vec<Vec<Station>>, Cancelled> {
+    pub fn stations(
+        &mut self,
+        columns: &[Column],
+        most: usize,
+        times: f64,
+    ) -> Result<Vec<Vec<Station>>, Cancelled> {
         let mut found: Vec<Vec<(f64, Station)>> = vec![Vec::new(); self.rows.len()];
         let Some(RowMaker { part, monitor, inward, tool, .. }) = self.rows.first().map(|row| row.maker)
         else {
@@ -146,7 +151,8 @@ impl<'a> ExtraSearch<'a> {
         let mut count = 0;
         while let Some(mut extra) = self.heap.pop() {
             monitor.check()?;
-            if extra.gain < self.least || count >= most {
+            if extra.gain < times * self.least || count >= most {
+                self.heap.push(extra);
                 break;
             }
             if !extra.checked {

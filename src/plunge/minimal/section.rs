@@ -13,8 +13,9 @@ use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::sections::{ridge_spacing, tool_of};
 
-/// Times more plunges are looked for, each time beside all those before.
-const EXTRA_ROUNDS: usize = 3;
+/// Rounds in which more plunges are looked for, each beside all those before, by what a plunge has to take, in least
+/// gains: what takes most comes first, as it frees others.
+const EXTRA_ROUNDS: [f64; 3] = [4.0, 2.0, 1.0];
 /// How far apart they are tried along the channel, in step limits, and into how many parts they divide the way between
 /// two rows.
 const EXTRA_STEP: f64 = 0.5;
@@ -116,13 +117,9 @@ impl Planner<'_> {
             let candidates: Vec<CandidateMaker> = makers.iter().map(candidates).collect();
             let mut search = ExtraSearch::new(&candidates, &places, floor, &self.blank);
             let mut budget = most / grounds.len();
-            for _ in 0..EXTRA_ROUNDS {
-                let rows = search.stations(&cut.columns, budget)?;
-                let added: usize = rows.iter().map(Vec::len).sum();
-                if added == 0 {
-                    break;
-                }
-                budget -= added;
+            for times in EXTRA_ROUNDS {
+                let rows = search.stations(&cut.columns, budget, times)?;
+                budget -= rows.iter().map(Vec::len).sum::<usize>();
                 for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
                     self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, monitor)?;
                 }
