@@ -138,7 +138,9 @@ fn contact_up_to(
         for i in 0..count {
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let origin = line(rho, phi);
-            let (entry, highest) = stock.on_line(&origin, axis);
+            // Only of the rim it matters how far below the bottom a line that is free of stock enters.
+            let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
+            let (entry, highest) = stock.on_line(&origin, axis, deep);
             depth = depth.max(highest);
             if depth > enough {
                 return CoreContact { depth, area_share: area };
@@ -167,7 +169,7 @@ fn contact_up_to(
             rim[i].1 + step,
             1e-4,
         );
-        depth = depth.max(stock.on_line(&line(column.core_radius, phi), axis).1);
+        depth = depth.max(stock.on_line(&line(column.core_radius, phi), axis, 0.0).1);
     }
     CoreContact { depth, area_share: area }
 }
@@ -241,9 +243,9 @@ impl StockLines<'_> {
         self.blank.is_solid(Meridional::of(point), &mut self.warm)
     }
 
-    /// (height from which on something is already removed, or any below [`DEEP_ENTRY`], highest stock) on the line from the bottom
+    /// (height from which on something is already removed, or any below `deep` where no stock is left, highest stock) on the line from the bottom
     /// upwards, mm above it; infinite and 0 where there is none.
-    fn on_line(&mut self, origin: &Point, direction: &Vector) -> (f64, f64) {
+    fn on_line(&mut self, origin: &Point, direction: &Vector, deep: f64) -> (f64, f64) {
         let mut open = [(0.0f64, self.top); STRETCHES];
         let mut count = 1;
         let mut first = f64::INFINITY;
@@ -253,7 +255,7 @@ impl StockLines<'_> {
                 first = first.min(low);
             }
             if count == 0 {
-                if first < DEEP_ENTRY {
+                if first <= deep {
                     break;
                 }
                 continue;

@@ -75,6 +75,11 @@ pub(super) struct CutRow {
 }
 
 impl CutRow {
+    /// Number of its positions.
+    pub fn len(&self) -> usize {
+        self.placed.iter().flatten().count()
+    }
+
     /// The same positions in the same order, a new row wherever the axis turns by more than `limit` (rad) from one
     /// that stayed to the next.
     pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {

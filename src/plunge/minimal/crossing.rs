@@ -39,7 +39,7 @@ impl Crossing<'_> {
             let maker = RowMaker { lambda, ..goal.clone() };
             let candidates = CandidateMaker { maker: &maker, ..self.search.candidates.clone() };
             let Some((candidate, lift)) = self.best(&candidates, stations.last(), &columns) else { continue };
-            columns.push(candidates.column(&candidate).lifted(lift));
+            columns.push(candidates.column(&candidate.station).lifted(lift));
             stations.push(candidate.station);
         }
         Ok(stations)
@@ -60,7 +60,7 @@ impl Crossing<'_> {
             if before.is_some_and(|b| b.axis.angle(&candidate.station.axis) > self.search.max_axis_change) {
                 continue;
             }
-            let column = candidates.column(&candidate);
+            let column = candidates.column(&candidate.station);
             let lift = search.depth(&column, columns.iter(), self.search.blank, f64::INFINITY);
             let cost = candidate.cost(lift, candidates.scale);
             if best.is_none_or(|b| cost < b.0) {
