@@ -505,11 +505,14 @@ impl OnLayer<'_> {
         );
         if let (Some(a), Some(b)) = (before.last().copied(), after.first().copied()) {
             let arc: Vec<LayerPoint> = points.iter().copied().filter(|p| p.x < settled).collect();
-            before.extend(self.arc(&arc, a, b));
+            let mut round = vec![a];
+            round.extend(self.arc(&arc, a, b));
+            round.push(b);
+            let mended = self.mended(round);
+            before.extend(&mended[1..mended.len() - 1]);
         }
         before.extend(after);
-        let mut mended = self.mended(before);
-        self.push_wall(WallName::Splitter, Region::Inlet, &mut mended, made);
+        self.push_wall(WallName::Splitter, Region::Inlet, &mut before, made);
     }
 
     /// The positions with others between them where the straight way would come too near to a blade.
