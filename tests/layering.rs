@@ -12,16 +12,19 @@ const ROOMS: [(&str, &[&str]); 13] = [
     ("plunge", &["geometry", "part", "monitor"]),
     ("flank", &["geometry", "part", "plunge", "monitor"]),
     ("residual", &["geometry", "part", "plunge", "monitor"]),
-    ("formats", &["geometry", "part", "plunge"]),
-    ("verify", &["geometry", "part", "plunge", "residual", "formats"]),
-    ("job", &["geometry", "part", "plunge", "residual", "formats", "verify", "monitor"]),
-    ("gpu", &["geometry", "part", "plunge", "residual", "formats", "verify", "job", "monitor"]),
-    ("app", &["geometry", "part", "plunge", "residual", "formats", "verify", "job", "monitor", "gpu"]),
+    ("formats", &["geometry", "part", "plunge", "flank"]),
+    ("verify", &["geometry", "part", "plunge", "flank", "residual", "formats"]),
+    ("job", &["geometry", "part", "plunge", "flank", "residual", "formats", "verify", "monitor"]),
+    ("gpu", &["geometry", "part", "plunge", "flank", "residual", "formats", "verify", "job", "monitor"]),
+    (
+        "app",
+        &["geometry", "part", "plunge", "flank", "residual", "formats", "verify", "job", "monitor", "gpu"],
+    ),
     (
         "cli",
         &[
-            "geometry", "part", "assess", "plunge", "residual", "formats", "verify", "job", "monitor", "gpu",
-            "app",
+            "geometry", "part", "assess", "plunge", "flank", "residual", "formats", "verify", "job",
+            "monitor", "gpu", "app",
         ],
     ),
 ];

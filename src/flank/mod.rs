@@ -1,4 +1,27 @@
-//! Flank milling: cutters beside the walls and across the floor of a passage.
+//! The flank region planner (paper B): layers of constant depth, regions, and curves that are true offsets of the walls.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`choice`] | the cutter |
+//! | [`interval`] | distance of neighbouring curves |
+//! | [`layer`] | the surfaces, geodesics on them |
+//! | [`border`] | the walls on a layer, and the fans that leave them |
+//! | [`chart`] | distances from the walls over a layer |
+//! | [`schemes`] | curves: isoparametric, by layers, by regions, balanced |
+//! | [`curves`] | all layers of a channel, and how the schemes compare |
+//! | [`wall`] | cutters beside the walls: the axes of the curves along them |
+//! | [`fixed_axis`] | the inner curves: as few fixed axes as possible |
+//! | [`path`] | order, links and flights: from curves to a program |
 
+pub mod border;
+pub mod chart;
+pub mod choice;
+pub mod curves;
 pub mod fixed_axis;
+pub mod interval;
+pub mod layer;
+pub mod path;
+pub mod schemes;
 pub mod wall;
+
+pub use curves::{CurveSource, FlankCurves, FlankError};

@@ -1,5 +1,7 @@
 //! The blank: the turned body between hub and shroud, from the line of leading edges to the rim.
 
+use rayon::prelude::*;
+
 use super::impeller::Impeller;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2};
 
@@ -229,13 +231,12 @@ impl CoarseHeights {
     fn new(curve: &MeridionalCurve, r_max: f64, z_range: (f64, f64)) -> Self {
         let cells = (Self::NODES - 1) as f64;
         let spacing = (r_max / cells, (z_range.1 - z_range.0) / cells);
-        let mut heights = Vec::with_capacity(Self::NODES * Self::NODES);
-        for i in 0..Self::NODES {
-            for j in 0..Self::NODES {
-                let node = Meridional { r: spacing.0 * i as f64, z: z_range.0 + spacing.1 * j as f64 };
-                heights.push(curve.project(node).1);
-            }
-        }
+        let height = |node: usize| {
+            let (i, j) = (node / Self::NODES, node % Self::NODES);
+            let node = Meridional { r: spacing.0 * i as f64, z: z_range.0 + spacing.1 * j as f64 };
+            curve.project(node).1
+        };
+        let heights = (0..Self::NODES * Self::NODES).into_par_iter().with_min_len(64).map(height).collect();
         Self { heights, z_from: z_range.0, spacing }
     }
 

@@ -4,7 +4,7 @@
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::contact::{BlankTop, Column};
-use crate::plunge::lane::AxisEnds;
+use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 
 /// Feed tilts looked at: from, to and apart, degrees. Positive leans towards the uncut side.
@@ -204,8 +204,7 @@ impl CandidateMaker<'_> {
     fn axes(&self, s_hub: f64, s_shroud: f64, frame: &Frame, upright: &Upright) -> [Option<AxisEnds>; LEANS] {
         let maker = self.maker;
         let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return [None; LEANS] };
-        let wall_row = maker.lambda == 0.0 || maker.lambda == 1.0;
-        if wall_row || self.sideways <= 0.0 {
+        if is_wall(maker.lambda) || self.sideways <= 0.0 {
             return [Some(ends), None, None];
         }
         let w = maker.lane.shroud_point(&ends);
@@ -228,8 +227,7 @@ impl CandidateMaker<'_> {
 
     /// Whether the cutter of a station keeps clear of the blades.
     pub fn allowed(&self, station: &Station) -> bool {
-        let lambda = self.maker.lambda;
-        let slack = if lambda == 0.0 || lambda == 1.0 { DRAFT_SLACK } else { 0.0 };
+        let slack = if is_wall(self.maker.lambda) { DRAFT_SLACK } else { 0.0 };
         self.finished.clears(&self.maker.cutter(station), self.blade_allowance - slack)
     }
 

@@ -238,7 +238,7 @@ impl PathSearch<'_> {
                 && let Some(state) = &here.states[k][j]
                 && count < LOOK_BACK
             {
-                passed[count] = lifted(&state.column, state.lift);
+                passed[count] = state.column.lifted(state.lift);
                 count += 1;
                 at = state.before;
             }
@@ -313,14 +313,6 @@ impl PathSearch<'_> {
             },
         )
     }
-}
-
-/// The column of a plunge that stops `lift` mm short.
-fn lifted(column: &Column, lift: f64) -> Column {
-    let mut column = *column;
-    column.cutter.tip += column.cutter.axis * lift;
-    column.top -= lift;
-    column
 }
 
 /// Distance of the point `height` mm above the tip of `cutter` from the axis of `other`.

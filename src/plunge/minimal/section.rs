@@ -9,9 +9,9 @@ use crate::part::setup::Feed;
 use crate::plunge::contact::{BlankTop, Column};
 use crate::plunge::cycle::{PlanError, Planner, Row, SectionCut};
 use crate::plunge::ground::{Ground, RowGround, Stretch};
-use crate::plunge::lane::{AxisEnds, Lane};
+use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
-use crate::plunge::sections::{step_limit, tool_of};
+use crate::plunge::sections::{ridge_spacing, tool_of};
 
 /// What a place without any axis costs beside one that leaves a thick layer, mm.
 const COST_OF_MISSED: f64 = 30.0;
@@ -25,8 +25,6 @@ const WEDGE_RADII: f64 = 0.2;
 const MOST_LIFT: f64 = 0.8;
 /// Lift of a row's first position from which on the row is entered from the side, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
-/// Neighbouring axes may stand this far apart at the shroud before a ridge stays between them, in radii.
-const RIDGE_RADII: f64 = 1.9;
 
 impl Planner<'_> {
     /// Plans section `index` on its `grounds` after the plunges of `earlier`, in the direction its setup asks for or else
@@ -64,25 +62,16 @@ impl Planner<'_> {
         let stock = &self.setup.stock;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
-        let inward = if feed == Feed::Inward { 1.0 } else { -1.0 };
+        let inward = feed.inward();
         let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.to_vec() };
         let mut cost = 0.0;
-        for Ground { stretch, lane, hub, rows } in grounds {
+        for ground in grounds {
+            let Ground { stretch, lane, rows, .. } = ground;
             let (start, end) = self.row_ends(index, stretch, inward);
             let rows = self.with_rows_beside_walls(lane, stretch, tool, rows);
             let sideways = self.sideways(lane, stretch, tool, &rows);
             for (row, &lambda) in rows.iter().enumerate() {
-                let wall_row = lambda == 0.0 || lambda == 1.0 || rows.len() == 1;
-                let maker = RowMaker {
-                    part: self.part,
-                    lane,
-                    hub,
-                    tool,
-                    lambda,
-                    inward,
-                    step_limit: step_limit(&self.setup.plunge, tool, wall_row),
-                    monitor,
-                };
+                let maker = self.row_maker(ground, tool, (lambda, rows.len()), feed, monitor);
                 let search = PathSearch {
                     candidates: CandidateMaker {
                         maker: &maker,
@@ -100,25 +89,14 @@ impl Planner<'_> {
                 };
                 let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
                 let (places, step) = places(&maker, start + run_up, start, end);
-                let turned = self.setup.plunge.max_axis_change;
+                let lambda = stretch.lambda_in_channel(lambda);
                 let mut path = search.path(&places, start, &cut.columns)?;
-                let lambda_of =
-                    |lambda: f64| stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
                 if let Some((first, lift)) = path.steps.first()
                     && row > 0
                     && *lift > CROSSING_RADII * tool.radius()
                 {
-                    let crossing = Crossing {
-                        candidates: &search.candidates,
-                        from: rows[row - 1],
-                        s: first.ends.s_hub,
-                        blank: &self.blank,
-                        max_axis_change: turned,
-                    };
-                    let stations = crossing.stations(&cut.columns)?;
-                    let row = Row { stations, lambda: lambda_of(lambda), rounds: 1, settled: true };
-                    let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
-                    cut.rows.extend(row.split_where_axes_turn(turned));
+                    let crossing = Crossing { search: &search, from: rows[row - 1], s: first.ends.s_hub };
+                    self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, &mut cut, monitor)?;
                     path = search.path(&places, start, &cut.columns)?;
                 }
                 let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
@@ -126,12 +104,26 @@ impl Planner<'_> {
                 let mut stations: Vec<Station> =
                     path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
                 fill_steps(&maker, &search.candidates, &mut stations);
-                let row = Row { stations, lambda: lambda_of(lambda), rounds: 1, settled: true };
-                let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
-                cut.rows.extend(row.split_where_axes_turn(turned));
+                self.cut_split(stations, lambda, tool, &mut cut, monitor)?;
             }
         }
         Ok((cut, cost))
+    }
+
+    /// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, as several rows where the axis
+    /// turns too much.
+    fn cut_split(
+        &self,
+        stations: Vec<Station>,
+        lambda: f64,
+        tool: &Tool,
+        cut: &mut SectionCut,
+        monitor: &Monitor,
+    ) -> Result<(), PlanError> {
+        let row = Row { stations, lambda, rounds: 1, settled: true };
+        let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
+        cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
+        Ok(())
     }
 
     /// What row `row` has to clear at `s`: from half way to the row before it (or the wall's foot) to half way to the
@@ -195,7 +187,7 @@ impl Planner<'_> {
         let widest = (0..=8)
             .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
             .fold(0.0, |widest: f64, (_, shroud)| widest.max(shroud));
-        let slack = |i: usize| (RIDGE_RADII * tool.radius() - widest * (rows[i + 1] - rows[i])).max(0.0);
+        let slack = |i: usize| (ridge_spacing(tool) - widest * (rows[i + 1] - rows[i])).max(0.0);
         (0..rows.len())
             .map(|i| {
                 let before: f64 = (0..i).map(slack).sum();
@@ -234,10 +226,7 @@ fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<
         let mut filled: Vec<Station> = Vec::with_capacity(stations.len());
         for pair in stations.windows(2) {
             filled.push(pair[0]);
-            let apart = (pair[1].ends.s_hub - pair[0].ends.s_hub).abs() * maker.part.hub.length();
-            if maker.spacing(&pair[0], &pair[1]) > maker.step_limit * (1.0 + 1e-9)
-                && apart > 0.02 * maker.step_limit
-            {
+            if maker.needs_another(&pair[0], &pair[1], pair[1].ends.s_hub - pair[0].ends.s_hub) {
                 filled.extend(between(maker, candidates, &pair[0].ends, &pair[1].ends));
             }
         }
@@ -254,7 +243,7 @@ fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<
 fn between(maker: &RowMaker, candidates: &CandidateMaker, a: &AxisEnds, b: &AxisEnds) -> Option<Station> {
     let middle = |x: f64, y: f64| 0.5 * (x + y);
     let (s_hub, s_shroud) = (middle(a.s_hub, b.s_hub), middle(a.s_shroud, b.s_shroud));
-    let ends = if maker.lambda == 0.0 || maker.lambda == 1.0 {
+    let ends = if is_wall(maker.lambda) {
         maker.lane.row_axis(maker.lambda, s_hub, s_shroud)?
     } else {
         AxisEnds {
