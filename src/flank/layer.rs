@@ -193,6 +193,29 @@ impl Layer {
         cos * cos * here.normal.r / here.point.r.max(1e-9) - sin * sin * here.curvature
     }
 
+    /// Greatest normal curvature of the layer at `x` in any direction, 1/mm, whichever way it bends.
+    pub fn sharpest_bend(&self, x: f64) -> f64 {
+        let here = self.curve.at(x);
+        (here.normal.r / here.point.r.max(1e-9)).abs().max(here.curvature.abs())
+    }
+
+    /// The meridional curve of the layer, run on straight by `beyond` mm at both ends, through points about `step` mm
+    /// apart.
+    pub fn run_on(&self, beyond: f64, step: f64) -> MeridionalCurve {
+        let (from, to) = (self.from - beyond, self.to + beyond);
+        let count = ((to - from) / step).ceil().clamp(64.0, 600.0) as usize;
+        let at = |k: usize| self.curve.point(from + (to - from) * k as f64 / count as f64);
+        // Towards the axis it ends before it gets there.
+        let points: Vec<Meridional> =
+            (0..=count).map(at).filter(|p| p.r > 1e-3 * self.radius(self.from).0.max(1.0)).collect();
+        let middle = self.curve.at(0.5 * (self.from + self.to));
+        let outer = Meridional {
+            r: middle.point.r + 0.01 * self.to * middle.normal.r,
+            z: middle.point.z + 0.01 * self.to * middle.normal.z,
+        };
+        MeridionalCurve::through(&points).facing(outer)
+    }
+
     /// Follows a geodesic from `start` under `heading` (rad from the meridian towards growing y) for `length` mm. Ends
     /// early where the layer comes too near to the axis.
     pub fn geodesic(&self, start: LayerPoint, heading: f64, length: f64) -> (LayerPoint, f64) {

@@ -8,7 +8,7 @@
 use super::chart::Region;
 use super::layer::{Layer, LayerPoint};
 use super::schemes::Role;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Tool};
 use crate::plunge::choice::estimate::RAPID_FEED;
@@ -66,8 +66,8 @@ pub struct Pass {
 const RAMP: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Longest piece of a curve that a ramp runs to and fro on, mm.
 const RAMP_LENGTH: f64 = 25.0;
-/// A link over the layer is at most this many intervals long.
-const LONGEST_LINK: f64 = 6.0;
+/// Greatest turn of the axis on a link, rad.
+const MOST_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Spacing of positions along a link, mm.
 const LINK_STEP: f64 = 2.0;
 /// Rounds in which the ends of a flight are raised until it is clear.
@@ -79,6 +79,8 @@ const FLIGHT_LOOKS: f64 = 0.25;
 pub struct PathMaker<'a> {
     /// The cutter.
     pub tool: &'a Tool,
+    /// Feed along curves and links, mm/min.
+    pub feed: f64,
     /// The blank, to fly above.
     pub blank: &'a Blank,
     /// Distance of the cutter above the blank before a rapid, mm.
@@ -97,8 +99,8 @@ pub struct LayerPasses<'a> {
     pub interval: f64,
     /// In any order.
     pub passes: Vec<Pass>,
-    /// Whether a place of the layer is free for the cutter's axis.
-    pub free: Box<dyn Fn(LayerPoint) -> bool + Sync + 'a>,
+    /// Whether a cutter over a place of the layer keeps clear of the walls.
+    pub fits: Box<dyn Fn(LayerPoint, &CutterSolid) -> bool + Sync + 'a>,
 }
 
 impl PathMaker<'_> {
@@ -133,19 +135,17 @@ struct Writer<'a> {
     top: RetractSurface<'a>,
     moves: Vec<FlankMove>,
     /// Where the cutter stands on a layer: at the end of which pass.
-    at: Option<(usize, LayerPoint, Vector)>,
+    at: Option<(usize, LayerPoint)>,
     /// Moves that end above the beginning of a pass and come from above the end of another.
     flights: Vec<usize>,
 }
 
 impl Writer<'_> {
     fn cut(&mut self, layer: &LayerPasses, pass: &Pass) {
-        let link = self.link(layer, pass);
         // Begin where the cutter is, else at an end beyond the part.
-        let reversed = match &link {
-            Some((_, reversed)) => *reversed,
-            None => !pass.open[0] && pass.open[1],
-        };
+        let open_end = usize::from(!pass.open[0] && pass.open[1]);
+        let link = self.link(layer, pass, open_end);
+        let reversed = link.as_ref().map_or(open_end, |(_, end)| *end) == 1;
         let positions: Vec<(Point, Vector)> =
             if reversed { pass.positions.iter().rev().copied().collect() } else { pass.positions.clone() };
         let (first, last) = if reversed { (1, 0) } else { (0, 1) };
@@ -176,48 +176,71 @@ impl Writer<'_> {
             }
         }
         self.moves.extend(positions.iter().skip(1).map(|&p| about(MoveKind::Cut, p)));
-        let end = positions[positions.len() - 1].1;
-        self.at = Some((layer.number, pass.ends[last], end));
+        self.at = Some((layer.number, pass.ends[last]));
     }
 
-    /// The way from where the cutter is to the nearer end of `pass` over the layer, and whether that is its last one;
-    /// `None` when it is too long, not free, or asks for another axis.
-    fn link(&self, layer: &LayerPasses, pass: &Pass) -> Option<(Vec<(Point, Vector)>, bool)> {
-        let (number, at, axis) = self.at?;
+    /// The way from where the cutter is to an end of `pass` over the layer, and which one; `None` when it is not free, turns
+    /// the axis far, or takes longer than the flight to the end `flown_to`.
+    fn link(
+        &self,
+        layer: &LayerPasses,
+        pass: &Pass,
+        flown_to: usize,
+    ) -> Option<(Vec<(Point, Vector)>, usize)> {
+        let (number, at) = self.at?;
+        let from = self.moves.last()?;
         if number != layer.number {
             return None;
         }
-        let length = |end: usize| layer.layer.step(at, pass.ends[end]);
-        let end = if length(1) < length(0) { 1 } else { 0 };
-        let positions = &pass.positions;
-        let target = if end == 0 { positions[0] } else { positions[positions.len() - 1] };
-        let long = length(end);
-        if long > LONGEST_LINK * layer.interval || axis.angle(&target.1) > 1e-9 {
-            return None;
-        }
-        let count = (long / LINK_STEP).ceil().max(1.0) as usize;
-        let mut way = Vec::with_capacity(count);
-        for k in 1..=count {
-            let p = at.lerp(pass.ends[end], k as f64 / count as f64);
-            if !(layer.free)(p) {
+        let position = |end: usize| match end {
+            0 => pass.positions[0],
+            _ => pass.positions[pass.positions.len() - 1],
+        };
+        let flight = self.flight_time((from.tip, from.axis), position(flown_to), pass.open[flown_to]);
+        let mut ends = [0, 1].map(|end| (layer.layer.step(at, pass.ends[end]), end));
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ends.into_iter().find_map(|(long, end)| {
+            let target = position(end);
+            if long / self.maker.feed > flight || from.axis.angle(&target.1) > MOST_TURN {
                 return None;
             }
+            Some((self.way(layer, (at, from), (pass.ends[end], target), long)?, end))
+        })
+    }
+
+    /// Positions from one place of the layer to another, if they are free.
+    fn way(
+        &self,
+        layer: &LayerPasses,
+        (at, from): (LayerPoint, &FlankMove),
+        (to, target): (LayerPoint, (Point, Vector)),
+        long: f64,
+    ) -> Option<Vec<(Point, Vector)>> {
+        let tool = self.maker.tool;
+        let plain = |p: LayerPoint, axis: &Vector| {
             let (contact, normal) = layer.layer.point_and_normal(p);
-            way.push((self.maker.tool.tip_at_contact(&contact, &normal, &axis), axis));
-        }
-        // Ends of curves carry what positions keep from the surface; the way between them does so as well.
-        let from = self.moves.last()?.tip;
-        let start = layer.layer.point_and_normal(at);
-        let lift = |tip: Point, plain: Point| (tip - plain).dot(&axis);
-        let (a, b) = (
-            lift(from, self.maker.tool.tip_at_contact(&start.0, &start.1, &axis)),
-            lift(target.0, way[count - 1].0),
-        );
-        for (k, (tip, _)) in way.iter_mut().enumerate() {
-            *tip += axis * (a + (b - a) * (k + 1) as f64 / count as f64);
-        }
-        way[count - 1] = target;
-        Some((way, end == 1))
+            tool.tip_at_contact(&contact, &normal, axis)
+        };
+        // What both ends keep from the layer the way between them keeps as well.
+        let offset = [from.tip - plain(at, &from.axis), target.0 - plain(to, &target.1)];
+        let count = (long / LINK_STEP).ceil().max(1.0) as usize;
+        (1..=count)
+            .map(|k| {
+                let share = k as f64 / count as f64;
+                let p = at.lerp(to, share);
+                let axis = (from.axis + (target.1 - from.axis) * share).normalize();
+                let tip = plain(p, &axis) + offset[0] * (1.0 - share) + offset[1] * share;
+                (layer.fits)(p, &tool.placed(tip, axis)).then_some((tip, axis))
+            })
+            .collect()
+    }
+
+    /// Time out of the part, over it, and down again to a position, min.
+    fn flight_time(&self, from: (Point, Vector), to: (Point, Vector), open: bool) -> f64 {
+        let (up, down) = (self.above(from), self.above(to));
+        let flown = (up - from.0).norm() + (down - up).norm();
+        let ramp = if open { 0.0 } else { self.maker.layer_depth / RAMP.tan() };
+        flown / RAPID_FEED + ((down - to.0).norm() + ramp) / self.maker.feed
     }
 
     /// Down along the first piece of a curve, to and fro, from the height of the layer above.

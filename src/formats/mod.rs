@@ -5,6 +5,7 @@
 //! multiple of the file. Limits: 64 MiB a file, 1,000,000 points, 1,000 blades, |x| ≤ 1,000,000 mm.
 
 pub mod apt;
+pub mod flank_file;
 pub mod geomturbo;
 pub mod native;
 pub mod part_file;
