@@ -346,5 +346,9 @@ fn line_fragment(in: LineOut) -> @location(0) vec4f {
     if in.colour <= WALL_EDGE && cut_off(in.world) {
         discard;
     }
+    // A colour of its own, or a number in the table.
+    if (in.colour & 0x80000000u) != 0u {
+        return vec4f(unpack4x8unorm(in.colour).rgb, 1.0);
+    }
     return vec4f(frame.lines[in.colour].rgb, 1.0);
 }

@@ -109,7 +109,7 @@ pub struct VerifyArgs {
 /// `vanecut render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Part, or a plan.json
+    /// Part, a plan.json, or a flank.json
     pub source: PathBuf,
     /// PNG to write
     #[arg(short, long)]
@@ -120,10 +120,11 @@ pub struct RenderArgs {
     /// iso, front, top, channel or section:K
     #[arg(long, default_value = "iso")]
     pub view: String,
-    /// residual, interference or plain; absent: residual for a plan, plain for a part
+    /// residual, interference or plain; absent: residual for a plan, plain for a part. Of a flank plan: layer, region or
+    /// feed; absent: layer
     #[arg(long)]
     pub show: Option<String>,
-    /// State after this many positions
+    /// State after this many positions; of a flank plan with --show feed, moves
     #[arg(long)]
     pub at: Option<usize>,
     /// Cutters: all, faulty or none; absent: what suits --show

@@ -10,6 +10,7 @@ mod open;
 mod plan;
 mod plot;
 mod render;
+mod render_flank;
 mod report;
 mod verify;
 

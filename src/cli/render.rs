@@ -7,8 +7,10 @@ use glam::UVec2;
 use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
 use super::plot::escaped;
-use super::{Failure, open, plan, report};
+use super::{Failure, open, plan, render_flank, report};
+use crate::formats::flank_file::{is_flank, read_flank_bytes};
 use crate::formats::plan_file::read_plan;
+use crate::formats::source::{name_of, read_bytes};
 use crate::formats::write::write_whole;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View,
@@ -33,6 +35,14 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let size = parse_size(&args.size)?;
     let view: View = args.view.parse().map_err(|e| Failure::Input(format!("--view: {e}")))?;
     let is_plan = args.source.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    if is_plan {
+        let bytes = read_bytes(&args.source)?;
+        if is_flank(&bytes) {
+            let plan = read_flank_bytes(&name_of(&args.source), &bytes)?;
+            write_whole(&args.output, &render_flank::picture(args, &plan, view, size)?)?;
+            return Ok(());
+        }
+    }
     let colours: FloorColours = match &args.show {
         Some(word) => word.parse().map_err(|e| Failure::Input(format!("--show: {e}")))?,
         None if is_plan => FloorColours::Residual,

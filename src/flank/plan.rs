@@ -16,8 +16,10 @@ use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 
 use super::chart::WallName;
 
-/// Greatest over- and undercut of the walls that the fits of their axes aim at, mm.
-const WALL_TOLERANCE: f64 = 0.0035;
+/// Overcuts that the axes along a wall may make, mm: the first with which the undercut stays below the last of them.
+const WALL_TOLERANCES: [f64; 3] = [5e-4, 0.0025, 0.0045];
+/// Undercut that asks for the next of them, mm.
+const MOST_UNDERCUT: f64 = 0.005;
 /// Greatest distance between positions along a wall, mm, and how far the way between them may be off the wall's bend.
 const WALL_STEP: f64 = 4.0;
 const WALL_CHORD: f64 = 5e-4;
@@ -229,7 +231,7 @@ fn milled_walls(
         tool,
         blade_allowance: setup.stock.blade_allowance,
         hub_allowance: setup.stock.hub_allowance,
-        tolerance: WALL_TOLERANCE,
+        tolerance: WALL_TOLERANCES[0],
         extension: setup.flank.extension_of(tool).max(1e-3),
         step: WALL_STEP,
         chord_error: WALL_CHORD,
@@ -246,7 +248,19 @@ fn milled_walls(
         .into_par_iter()
         .filter(|_| !monitor.is_cancelled())
         .filter_map(|(wall, region, passage, number)| {
-            let axes = WallAxes::fit(part, channel, passage, number, &milling)?;
+            let mut axes = WallAxes::fit(part, channel, passage, number, &milling)?;
+            for &tolerance in &WALL_TOLERANCES[1..] {
+                if axes.max_undercut <= MOST_UNDERCUT || monitor.is_cancelled() {
+                    break;
+                }
+                axes = WallAxes::fit(
+                    part,
+                    channel,
+                    passage,
+                    number,
+                    &WallMilling { tolerance, ..milling.clone() },
+                )?;
+            }
             Some(MilledWall { wall, region, axes })
         })
         .collect()

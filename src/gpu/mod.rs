@@ -3,6 +3,7 @@
 pub mod camera;
 pub mod cutters;
 pub mod device;
+pub mod flank;
 pub mod floor;
 pub mod image;
 pub mod mesh;

@@ -269,6 +269,10 @@ impl Renderer {
             pass.set_vertex_buffer(0, scene.edges.slice(..));
             pass.draw(0..6, 0..scene.edge_count);
         }
+        if let Some((buffer, count)) = &scene.paths {
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..6, 0..*count);
+        }
         if let Some(buffer) = self.cutter_lines.buffer.as_ref().filter(|_| self.cutter_lines.count > 0) {
             pass.set_vertex_buffer(0, buffer.slice(..));
             pass.draw(0..6, 0..self.cutter_lines.count);

@@ -11,7 +11,7 @@ use super::camera::{Camera, Ray};
 use super::cutters::{self, Cutter, CutterChoice, CutterFilter, UnitCutter};
 use super::device::Gpu;
 use super::floor;
-use super::mesh::{Mesh, turn};
+use super::mesh::{Mesh, Segment, turn};
 use super::palette::{ColourMap, Theme};
 use super::part_mesh::{BladeMesh, PartMesh};
 use super::view::{Frame, Framing};
@@ -253,6 +253,8 @@ pub struct Scene {
     pub(super) pieces: Vec<Piece>,
     pub(super) edges: wgpu::Buffer,
     pub(super) edge_count: u32,
+    /// Curves or moves of a flank plan.
+    pub(super) paths: Option<(wgpu::Buffer, u32)>,
     pub(super) floor: Option<FloorPart>,
     pub(super) cutters: Vec<Cutter>,
     framing: Framing,
@@ -291,6 +293,7 @@ impl Scene {
             pieces: builder.pieces,
             edges: vertex_buffer(gpu, "edges", &part.edges),
             edge_count: part.edges.len() as u32,
+            paths: None,
             floor: None,
             cutters: Vec::new(),
             framing,
@@ -329,6 +332,12 @@ impl Scene {
             gpu.queue.write_buffer(&floor.residual.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
             floor.mesh = mesh;
         }
+    }
+
+    /// Shows lines in the channel, such as those of [`super::flank::lines`]; none hides them.
+    pub fn set_paths(&mut self, gpu: &Gpu, lines: &[Segment]) {
+        let buffer = || (vertex_buffer(gpu, "paths", lines), lines.len() as u32);
+        self.paths = (!lines.is_empty()).then(buffer);
     }
 
     /// What the standard views aim at.
