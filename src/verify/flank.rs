@@ -59,8 +59,10 @@ pub struct FlankVerdict {
     pub faults: Vec<Fault>,
 }
 
-/// How far a cut may come below an allowance, mm: straight ways between positions cut a little off.
-const TOLERANCE: f64 = 1e-3;
+/// How far a cut may come below the hub's allowance, mm: straight ways between positions cut a little off.
+const HUB_TOLERANCE: f64 = 1e-3;
+/// The same at the blades, where the cylinder that fits a twisted wall best cuts up to 5 µm too deep.
+const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
 /// Turn of the axis in one move that is too much for a controller to interpolate as it was meant, rad.
 const MOST_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
@@ -222,11 +224,11 @@ impl FlankVerdict {
             }
         };
         fault(
-            hub < stock.hub_allowance - TOLERANCE,
+            hub < stock.hub_allowance - HUB_TOLERANCE,
             format!("comes {hub:.4} mm near the hub; the allowance is {} mm", stock.hub_allowance),
         );
         fault(
-            blade < stock.blade_allowance - TOLERANCE,
+            blade < stock.blade_allowance - BLADE_TOLERANCE,
             format!("comes {blade:.4} mm near a blade; the allowance is {} mm", stock.blade_allowance),
         );
         fault(holder, "the holder runs into a blade or the hub".to_owned());

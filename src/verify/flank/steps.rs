@@ -1,9 +1,9 @@
 //! From a program's moves to steps of a cutter in the frame of channel 1.
 
+use super::super::Fault;
 use super::super::plunges::tool_of;
-use super::super::{Fault, channel_of};
 use crate::formats::apt::{ClProgram, Motion};
-use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Channel, Impeller, Setup, Tool};
 
 /// A straight move of a cutter: tip linear, axis linear and normalised, as a controller does it.
@@ -97,24 +97,40 @@ pub(super) fn steps_of(
 
 /// Turns every stretch of cuts, with the rapids that lead to it, into channel 1.
 fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
-    let mut start = 0;
+    let (mut start, mut last) = (0, 0);
     while start < steps.len() {
         let rapids = steps[start..].iter().take_while(|s| s.feed.is_none()).count();
         let cuts = steps[start + rapids..].iter().take_while(|s| s.feed.is_some()).count();
         let end = start + rapids + cuts;
-        // Beyond the leading edge a cut may seem to lie in a neighbouring channel: most of it decides.
         let looked_at = if cuts > 0 { start + rapids..end } else { start..end };
         let stride = (looked_at.len() / 15).max(1);
-        let mut votes: Vec<i64> =
-            steps[looked_at].iter().step_by(stride).map(|s| channel_of(part, channel, &s.to.0)).collect();
+        let tips = steps[looked_at].iter().step_by(stride).map(|s| &s.to.0);
+        let mut votes: Vec<i64> = tips.filter_map(|tip| channel_at(part, channel, tip)).collect();
         votes.sort_unstable();
-        let count = |v: &i64| votes.iter().filter(|w| *w == v).count();
-        let channel = votes.iter().copied().max_by_key(|v| (count(v), -v.abs(), *v)).unwrap_or(0);
-        let back = -part.pitch() * channel as f64;
+        let count = |v: i64| votes.iter().filter(|w| **w == v).count();
+        // Where nothing else tells, a cut is in the channel of the one before.
+        last = votes.iter().copied().max_by_key(|&v| (count(v), v == last)).unwrap_or(last);
+        let back = -part.pitch() * last as f64;
         let turned = |(p, a): (Point, Vector)| (rotate_z(&p, back), rotate_vector_z(&a, back));
         for step in &mut steps[start..end] {
-            (step.channel, step.from, step.to) = (channel, turned(step.from), turned(step.to));
+            (step.channel, step.from, step.to) = (last, turned(step.from), turned(step.to));
         }
         start = end;
     }
+}
+
+/// By how many pitches a tip lies ahead of channel 1; `None` beyond leading edge and rim, where no walls tell.
+fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
+    let here = Meridional::of(tip);
+    let (t, height) = part.hub.curve().project(here);
+    let s = part.hub.s_at(t);
+    if !(0.0..=1.0).contains(&s) {
+        return None;
+    }
+    let depth = part.hub.point(s).distance(part.shroud.point(s));
+    let [low, high] = channel.full.wall_angles(part, s, (height / depth).clamp(0.0, 1.0))?;
+    let ahead = ((tip.y.atan2(tip.x) - 0.5 * (low + high)) / part.pitch()).round() as i64;
+    let count = part.blade_count as i64;
+    let turns = ahead.rem_euclid(count);
+    Some(if turns > count / 2 { turns - count } else { turns })
 }
