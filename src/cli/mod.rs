@@ -5,6 +5,7 @@ mod args;
 mod assess;
 mod assess_pictures;
 mod bench;
+mod bench_frames;
 mod open;
 mod plan;
 mod plot;

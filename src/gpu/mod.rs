@@ -5,6 +5,7 @@ pub mod cutters;
 pub mod device;
 pub mod floor;
 pub mod image;
+pub mod legend;
 pub mod mesh;
 pub mod palette;
 pub mod part_mesh;
