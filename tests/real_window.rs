@@ -113,4 +113,18 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
         }
     }
     assert!(matches!(program.0.try_wait(), Ok(None)), "the program still runs");
+    // Left alone it does nothing: less than a tenth of one core.
+    until(60, "rest", || {
+        let before = ticks(program.0.id())?;
+        std::thread::sleep(Duration::from_secs(3));
+        let used = ticks(program.0.id())? - before;
+        (used < 30).then_some(())
+    });
+}
+
+/// Processor time of a process so far, in hundredths of a second.
+fn ticks(process: u32) -> Option<u64> {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
+    Some(fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?)
 }

@@ -12,15 +12,27 @@ fn two_scalings_in_both_themes_show_the_same() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.key_press(egui::Key::Num4);
-    window.set_size(egui::vec2(880.0, 560.0));
     for (theme, name) in [(egui::Theme::Dark, "dark"), (egui::Theme::Light, "light")] {
         window.ctx.set_theme(theme);
         for scale in [1.0, 1.5] {
             window.set_pixels_per_point(scale);
+            window.set_size(egui::vec2(880.0, 560.0) * scale);
+            window.run_steps(2);
+            let points = window.ctx.content_rect().size();
+            assert!((points.x - 880.0).abs() < 1.0, "{points}");
             window.run_steps(6);
             snapshot_view(&mut window, &format!("{name}_at_{}", scale * 100.0));
         }
     }
+}
+
+#[test]
+fn at_rest_nothing_is_drawn() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.run_steps(20);
+    assert!(window.run_ok().is_some_and(|steps| steps <= 2), "it comes to rest");
+    assert!(!window.ctx.has_requested_repaint(), "and asks for nothing more");
 }
 
 #[test]
