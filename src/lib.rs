@@ -8,6 +8,7 @@
 //! | [`part`] | impeller, channel, blank, tools, setup |
 //! | [`assess`] | machinability before any plan: twist, bend, depth, width, reach |
 //! | [`plunge`] | the plunge planner, one file per stage of paper A, and contact of the core |
+//! | [`flank`] | the flank region planner: layers, regions, curves, and the cutters along them |
 //! | [`residual`] | the heightfield of stock left on the hub, and its CPU kernel |
 //! | [`verify`] | checks any cutter-location program against a part |
 //! | [`formats`] | readers and writers of part, setup, CL and plan files |
@@ -25,6 +26,7 @@ pub mod app;
 pub mod assess;
 #[cfg(feature = "window")]
 pub mod cli;
+pub mod flank;
 pub mod formats;
 pub mod geometry;
 #[cfg(feature = "gpu")]

@@ -358,6 +358,24 @@ fn the_samples_are_valid() {
     assert_eq!(read_plan_bytes("a", s.plan.as_bytes()).unwrap().plan.positions.len(), 12);
 }
 
+#[test]
+fn a_plan_file_from_before_plunges_could_stop_short_is_read() {
+    let written = &SAMPLES.plan;
+    let whole = read_plan_bytes("a", written.as_bytes()).unwrap().plan;
+    let mut file: serde_json::Value = serde_json::from_str(written).unwrap();
+    for position in file["positions"].as_array_mut().unwrap() {
+        let position = position.as_object_mut().unwrap();
+        for key in ["lift", "held"] {
+            assert!(position.remove(key).is_some(), "{key} is written today");
+        }
+    }
+    let old = read_plan_bytes("a", file.to_string().as_bytes()).unwrap().plan;
+    assert_eq!(old.positions.len(), whole.positions.len());
+    for (old, new) in old.positions.iter().zip(&whole.positions) {
+        assert_eq!((old.tip, old.axis, old.lift, old.held), (new.tip, new.axis, 0.0, None));
+    }
+}
+
 /// Reads the set with file `which` replaced.
 fn read_turbogrid(files: &[String; 4], which: usize, bytes: &[u8]) -> Option<PartDescription> {
     let folder = tempfile::tempdir().unwrap();

@@ -4,29 +4,33 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in order, each with the rooms it may look into besides itself.
-const ROOMS: [(&str, &[&str]); 12] = [
+const ROOMS: [(&str, &[&str]); 13] = [
     ("monitor", &[]),
     ("geometry", &[]),
     ("part", &["geometry"]),
     ("assess", &["geometry", "part"]),
     ("plunge", &["geometry", "part", "monitor"]),
+    ("flank", &["geometry", "part", "plunge", "monitor"]),
     ("residual", &["geometry", "part", "plunge", "monitor"]),
-    ("formats", &["geometry", "part", "plunge"]),
-    ("verify", &["geometry", "part", "plunge", "residual", "formats"]),
-    ("job", &["geometry", "part", "plunge", "residual", "formats", "verify", "monitor"]),
-    ("gpu", &["geometry", "part", "plunge", "residual", "formats", "verify", "job", "monitor"]),
-    ("app", &["geometry", "part", "plunge", "residual", "formats", "verify", "job", "monitor", "gpu"]),
+    ("formats", &["geometry", "part", "plunge", "flank"]),
+    ("verify", &["geometry", "part", "plunge", "flank", "residual", "formats"]),
+    ("job", &["geometry", "part", "plunge", "flank", "residual", "formats", "verify", "monitor"]),
+    ("gpu", &["geometry", "part", "plunge", "flank", "residual", "formats", "verify", "job", "monitor"]),
+    (
+        "app",
+        &["geometry", "part", "plunge", "flank", "residual", "formats", "verify", "job", "monitor", "gpu"],
+    ),
     (
         "cli",
         &[
-            "geometry", "part", "assess", "plunge", "residual", "formats", "verify", "job", "monitor", "gpu",
-            "app",
+            "geometry", "part", "assess", "plunge", "flank", "residual", "formats", "verify", "job",
+            "monitor", "gpu", "app",
         ],
     ),
 ];
 /// Rooms of the core.
-const CORE: [&str; 9] =
-    ["monitor", "geometry", "part", "assess", "plunge", "residual", "formats", "verify", "job"];
+const CORE: [&str; 10] =
+    ["monitor", "geometry", "part", "assess", "plunge", "flank", "residual", "formats", "verify", "job"];
 /// What the core may not know.
 const OUTSIDE: [&str; 9] = ["egui", "eframe", "wgpu", "winit", "glam", "rfd", "bytemuck", "pollster", "naga"];
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use vanecut::formats::part_file::read_part;
 use vanecut::geometry::CutterSolid;
-use vanecut::part::{Channel, Impeller, SideProbe};
+use vanecut::part::{BladeSide, Channel, Impeller, SideProbe};
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
@@ -42,4 +42,64 @@ fn nearest_is_never_beaten_by_a_dense_scan() {
             }
         }
     }
+}
+
+/// Distance of `cutter` from the place of `side` that pattern search finds from (`u`, `v`) on.
+fn refined(cutter: &CutterSolid, side: &BladeSide, (u, v): (f64, f64)) -> f64 {
+    let at = |u: f64, v: f64| cutter.distance(&side.point(u, v.clamp(0.0, 1.0)));
+    let (mut best, mut step) = ((at(u, v), u, v), 1e-3);
+    while step > 1e-9 {
+        let mut moved = false;
+        for (du, dv) in [
+            (1.0, 0.0),
+            (-1.0, 0.0),
+            (0.0, 1.0),
+            (0.0, -1.0),
+            (1.0, 1.0),
+            (-1.0, -1.0),
+            (1.0, -1.0),
+            (-1.0, 1.0),
+        ] {
+            let (u, v) = (best.1 + step * du, best.2 + step * dv);
+            if at(u, v) < best.0 {
+                (best, moved) = ((at(u, v), u, v), true);
+            }
+        }
+        if !moved {
+            step *= 0.5;
+        }
+    }
+    best.0
+}
+
+#[test]
+fn what_is_near_the_edge_of_the_bottom_is_met_to_a_tenth_of_a_micrometre() {
+    let part = sample("impeller532.toml");
+    let channel = Channel::of(&part);
+    let mut beside_the_edge = 0;
+    for (k, side) in channel.sides.iter().enumerate() {
+        let probe = SideProbe::new(side, 0.0, 1.0);
+        for i in 0..200 {
+            let x = f64::from(i) / 200.0;
+            let lambda = 0.3 + 0.4 * (7.0 * x).fract();
+            let Some(m) = channel.full.point(&part, 0.05 + 0.9 * x, lambda, 0.0) else { continue };
+            let Some(w) = channel.full.point(&part, 0.9 * x, 0.5, 1.0) else { continue };
+            let axis = (w.point - m.point).normalize();
+            let mut cutter = CutterSolid { tip: m.point + axis, axis, radius: 5.0, corner_radius: 0.0 };
+            for _ in 0..30 {
+                let near = probe.nearest(&cutter, 0.0, 1.0);
+                let d = near.point - cutter.tip;
+                let across = d - axis * d.dot(&axis);
+                cutter.tip += across.normalize() * (near.distance - 0.5);
+            }
+            let near = probe.nearest(&cutter, 0.0, 1.0);
+            if !(0.1..1.0).contains(&near.distance) {
+                continue;
+            }
+            beside_the_edge += i32::from((near.point - cutter.tip).dot(&axis) < 0.0);
+            let least = refined(&cutter, side, (near.u, near.v));
+            assert!(near.distance - least < 1e-7, "side {k}, {i}: {} instead of {least}", near.distance);
+        }
+    }
+    assert!(beside_the_edge > 20, "{beside_the_edge} looked at below the bottom");
 }

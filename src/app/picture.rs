@@ -11,7 +11,7 @@ use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::floor::value_mesh;
 use crate::gpu::part_mesh::PartMesh;
-use crate::gpu::renderer::{Picture as Pixels, Renderer};
+use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
 use crate::gpu::scene::{Scene, SceneOptions};
 use crate::gpu::view::Framing;
 use crate::part::{AxisPolicy, Impeller};
@@ -220,9 +220,9 @@ impl Picture {
     ) -> Option<TextureId> {
         let samples = if moving { 1 } else { 4 };
         let options = SceneOptions { draft: moving, ..options };
-        // A processor that draws has a quarter of the pixels to draw while the hand moves.
-        let coarse = moving && self.gpu.is_software();
-        let size = if coarse { size.map(|side| (side / 2).max(1)) } else { size };
+        let whole = size;
+        let size = if moving { draft_size(&self.gpu, size.into()).to_array() } else { size };
+        let coarse = size != whole;
         let look = Drawn { camera, options, size, samples, generation: self.generation };
         if self.drawn == Some(look) {
             return self.texture.map(|(id, _)| id);

@@ -19,6 +19,8 @@ pub struct Arguments {
 pub enum Command {
     /// Plunge plan of a part: plan.json and plunge.apt
     Plan(PlanArgs),
+    /// Flank plan of a part, layer by layer: flank.json and flank.apt
+    Flank(FlankArgs),
     /// Machinability of a part: twist, bend, depth, width, largest cutter, reach
     Assess(AssessArgs),
     /// Check any APT program against a part
@@ -52,6 +54,25 @@ pub struct PlanArgs {
     /// Write report.html with pictures as well
     #[arg(long)]
     pub report: bool,
+}
+
+/// `vanecut flank`.
+#[derive(Debug, Args)]
+pub struct FlankArgs {
+    /// Part: .toml, .geomTurbo or TurboGrid .inf
+    pub part: PathBuf,
+    /// Setup file; `-` reads it from standard input
+    #[arg(long)]
+    pub setup: Option<PathBuf>,
+    /// isoparametric, layers, regions or balanced; absent: what the setup says
+    #[arg(long)]
+    pub scheme: Option<String>,
+    /// Folder for flank.json and flank.apt
+    #[arg(short, long, default_value = ".")]
+    pub output: PathBuf,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `vanecut assess`.

@@ -7,7 +7,7 @@ use glam::UVec2;
 use super::Failure;
 use super::bench::{line, median};
 use crate::gpu::part_mesh::PartMesh;
-use crate::gpu::{Camera, Gpu, Renderer, Scene, SceneOptions, View};
+use crate::gpu::{Camera, Gpu, Renderer, Scene, SceneOptions, View, draft_size};
 use crate::job::PlanOutcome;
 
 /// Pictures per measurement.
@@ -24,8 +24,7 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     for (what, draft) in [("still", false), ("dragged", true)] {
         for view in [View::Iso, View::Channel] {
             let mut camera = Camera::standard(view, scene.framing(), size.x as f32 / size.y as f32);
-            // The window draws coarsely on a processor while the hand moves.
-            let size = if draft && gpu.is_software() { size / 2 } else { size };
+            let size = if draft { draft_size(gpu, size) } else { size };
             let options = SceneOptions { draft, range_mm: (0.0, 4.0), ..SceneOptions::default() };
             let seconds = median(|| {
                 for _ in 0..PICTURES {

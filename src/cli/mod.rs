@@ -6,6 +6,7 @@ mod assess;
 mod assess_pictures;
 mod bench;
 mod bench_frames;
+mod flank;
 mod open;
 mod plan;
 mod plot;
@@ -115,6 +116,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         }
         None => crate::app::run(arguments.file).map_err(|e| Failure::Work(e.to_string())),
         Some(Command::Plan(a)) => plan::run(&a),
+        Some(Command::Flank(a)) => flank::run(&a),
         Some(Command::Assess(a)) => assess::run(&a),
         Some(Command::Verify(a)) => verify::run(&a),
         Some(Command::Render(a)) => render::run(&a),

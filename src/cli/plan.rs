@@ -69,9 +69,17 @@ pub fn outcome(
         compare,
         field_cells: FIELD_CELLS,
     };
+    watched(|monitor| job::run(&request, monitor)).map_err(|error| match error {
+        JobError::Cancelled => Failure::Work("cancelled".to_owned()),
+        JobError::Setup(fault) => setup.failure(&fault),
+    })
+}
+
+/// Runs a job, with its progress on a terminal.
+pub fn watched<T>(job: impl FnOnce(&Monitor) -> T) -> T {
     let monitor = Monitor::default();
     let done = AtomicBool::new(false);
-    let result = std::thread::scope(|scope| {
+    std::thread::scope(|scope| {
         if std::io::stderr().is_terminal() {
             scope.spawn(|| {
                 while !done.load(Ordering::Relaxed) {
@@ -81,13 +89,9 @@ pub fn outcome(
                 eprint!("\r                 \r");
             });
         }
-        let result = job::run(&request, &monitor);
+        let result = job(&monitor);
         done.store(true, Ordering::Relaxed);
         result
-    });
-    result.map_err(|error| match error {
-        JobError::Cancelled => Failure::Work("cancelled".to_owned()),
-        JobError::Setup(fault) => setup.failure(&fault),
     })
 }
 

@@ -5,6 +5,7 @@
 //! multiple of the file. Limits: 64 MiB a file, 1,000,000 points, 1,000 blades, |x| ≤ 1,000,000 mm.
 
 pub mod apt;
+pub mod flank_file;
 pub mod geomturbo;
 pub mod native;
 pub mod part_file;
@@ -20,7 +21,7 @@ pub mod write;
 pub use apt::{ClProgram, ClTool, ClWarning, Motion, Move, read_apt, read_apt_bytes, write_apt};
 pub use native::write_native;
 pub use part_file::{read_part, read_part_bytes};
-pub use setup_file::{axis_policy, read_setup, read_setup_bytes, write_setup};
+pub use setup_file::{axis_policy, flank_scheme, read_setup, read_setup_bytes, write_setup};
 pub use write::write_whole;
 
 /// A fault in something a user gave us. Shown as `FILE:LINE: what; cure`.

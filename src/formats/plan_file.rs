@@ -47,8 +47,11 @@ struct PositionFile {
     alpha: f64,
     contact_depth: f64,
     contact_area: f64,
+    /// Files of earlier versions have none.
+    #[serde(default)]
     lift: f64,
     blocked: Option<Blocked>,
+    #[serde(default)]
     held: Option<Held>,
     hub_clearance: f64,
     blade_clearance: f64,

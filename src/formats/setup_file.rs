@@ -28,7 +28,9 @@ use std::path::Path;
 use super::InputError;
 use super::source::{name_of, read_bytes};
 use super::table::{Document, Range, Section, degrees_text, nearest, quoted};
-use crate::part::setup::{AxisPolicy, Feed, FlankSetup, PlungeSetup, SectionSetup, Setup, Stock};
+use crate::part::setup::{
+    AxisPolicy, Feed, FlankScheme, FlankSetup, PlungeSetup, SectionSetup, Setup, Stock,
+};
 use crate::part::tool::Tool;
 use crate::plunge::sections::SetupPlace;
 
@@ -104,6 +106,7 @@ pub fn line_of(bytes: &[u8], place: &SetupPlace) -> usize {
             SetupPlace::Part => root.line_of("part"),
             SetupPlace::Stock(key) => root.table("stock")?.and_then(|stock| stock.line_of(key)),
             SetupPlace::Plunge(key) => plunge.and_then(|plunge| plunge.line_of(key)),
+            SetupPlace::Flank(key) => root.table("flank")?.and_then(|flank| flank.line_of(key)),
             SetupPlace::Tool(number) => tool_line(number)?,
             SetupPlace::Section { index, tool } => {
                 let sections = plunge.map_or(Ok(Vec::new()), |plunge| plunge.tables("section"))?;
@@ -270,12 +273,32 @@ fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputErr
 }
 
 fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
-    table.check_keys(&["tool", "layer_depth", "allowed_error"])?;
+    table.check_keys(&["tool", "scheme", "layer_depth", "allowed_error", "extension", "feed"])?;
+    if let Some(scheme) = table.string("scheme")? {
+        flank.scheme =
+            flank_scheme(scheme.value).map_err(|(what, cure)| table.fault_at(scheme.at, what, cure))?;
+    }
     // No look at the list of tools: a setup for plunging may leave the flank tool to a later day.
     flank.tool = table.whole("tool", 1, MAX_NUMBER)?.map(|tool| tool.value);
     flank.layer_depth = table.number_or("layer_depth", LENGTH, flank.layer_depth)?;
     flank.allowed_error = table.number_or("allowed_error", LENGTH, flank.allowed_error)?;
+    flank.extension = table.number("extension", ALLOWANCE)?.map(|x| x.value);
+    flank.feed = table.number("feed", RATE)?.map(|x| x.value);
     Ok(())
+}
+
+/// The scheme of this name.
+///
+/// # Errors
+/// What is wrong and what to do, when there is none.
+pub fn flank_scheme(name: &str) -> Result<FlankScheme, (String, String)> {
+    FlankScheme::ALL.into_iter().find(|scheme| scheme.name() == name).ok_or_else(|| {
+        let near = nearest(name, &FlankScheme::ALL.map(FlankScheme::name)).unwrap_or("");
+        (
+            format!("{} is no scheme of flank curves", super::source::shown(name)),
+            format!("use \"isoparametric\", \"layers\", \"regions\" or \"balanced\" (the nearest name is `{near}`)"),
+        )
+    })
 }
 
 /// Writes a setup as a file that reads back equal (angles that came from degrees too; others to the
@@ -332,8 +355,16 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     if let Some(tool) = setup.flank.tool {
         writeln!(out, "tool = {tool}")?;
     }
+    writeln!(out, "scheme = \"{}\"", setup.flank.scheme.name())?;
     writeln!(out, "layer_depth = {:?}", setup.flank.layer_depth)?;
-    writeln!(out, "allowed_error = {:?}", setup.flank.allowed_error)
+    writeln!(out, "allowed_error = {:?}", setup.flank.allowed_error)?;
+    if let Some(extension) = setup.flank.extension {
+        writeln!(out, "extension = {extension:?}")?;
+    }
+    if let Some(feed) = setup.flank.feed {
+        writeln!(out, "feed = {feed:?}")?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

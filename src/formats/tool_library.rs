@@ -1,4 +1,4 @@
-//! The tool library that cutters are chosen from where a setup names none: `assets/tools/plunge.toml`, part of the
+//! The tool libraries that cutters are chosen from where a setup names none: `assets/tools/*.toml`, part of the
 //! program, read like the `[[tool]]` tables of a setup.
 
 use std::sync::LazyLock;
@@ -6,8 +6,9 @@ use std::sync::LazyLock;
 use super::setup_file::read_tools_bytes;
 use crate::part::Tool;
 
-/// The file, as text.
+/// The files, as text.
 const PLUNGE: &str = include_str!("../../assets/tools/plunge.toml");
+const FLANK: &str = include_str!("../../assets/tools/flank.toml");
 
 /// Plunge cutters, in the order of the file.
 ///
@@ -20,9 +21,30 @@ pub fn plunge_cutters() -> &'static [Tool] {
     &TOOLS
 }
 
+/// Ball-end mills, in the order of the file.
+///
+/// # Panics
+/// Never: a test reads the file.
+pub fn flank_cutters() -> &'static [Tool] {
+    static TOOLS: LazyLock<Vec<Tool>> = LazyLock::new(|| {
+        read_tools_bytes("assets/tools/flank.toml", FLANK.as_bytes()).expect("the library is sound")
+    });
+    &TOOLS
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn flank_cutters_are_balls_with_numbers_of_their_own() {
+        let tools = flank_cutters();
+        assert!(tools.len() > 20);
+        for tool in tools {
+            assert_eq!(tool.corner_radius, tool.radius(), "tool {} is a ball", tool.number);
+            assert!(plunge_cutters().iter().all(|t| t.number != tool.number), "tool {}", tool.number);
+        }
+    }
 
     #[test]
     fn cutters_are_sound_and_cover_small_and_large_wheels() {

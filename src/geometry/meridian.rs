@@ -9,6 +9,8 @@ use super::{Meridional, norm2};
 pub struct MeridionalCurve {
     /// Power-basis coefficients of equally long segments.
     segments: Vec<[[f64; 2]; 4]>,
+    /// Points at equal distances, where a projection looks first.
+    looks: Vec<[f64; 2]>,
     step: f64,
     per_step: f64,
     length: f64,
@@ -31,7 +33,13 @@ pub struct CurvePoint {
 
 /// Newton step in arc length, mm, after which a projection needs no other: the error is of the order of its
 /// square, that of the distance of the order of the error's square.
-const PROJECTION_STEP: f64 = 1e-6;
+const PROJECTION_STEP: f64 = 1e-4;
+/// The same where steps are held back near a centre of curvature: there the error falls by no more than a share.
+const HELD_BACK_STEP: f64 = 1e-6;
+/// Least share of the squared speed that a step divides by.
+const LEAST_BEND: f64 = 0.25;
+/// Stretches between the places at which a projection looks first.
+const LOOKS: usize = 48;
 
 impl MeridionalCurve {
     /// Takes over a curve of any parametrisation. `segments` of equal arc length are interpolated
@@ -85,7 +93,10 @@ impl MeridionalCurve {
             })
             .collect();
         let step = length / count as f64;
-        Self { segments, step, per_step: 1.0 / step, length, side: 1.0 }
+        let mut curve = Self { segments, looks: Vec::new(), step, per_step: 1.0 / step, length, side: 1.0 };
+        let looks = LOOKS.min(count);
+        curve.looks = (0..=looks).map(|i| curve.raw(length * i as f64 / looks as f64).0).collect();
+        curve
     }
 
     /// The same curve with its normal pointing to the side of `outside`.
@@ -164,19 +175,16 @@ impl MeridionalCurve {
 
     /// Nearest point within the ends: (arc length t, signed distance in mm, positive on the outer side).
     pub fn project(&self, to: Meridional) -> (f64, f64) {
-        let count = 48.min(self.segments.len());
-        let mut best = (f64::INFINITY, 0.0);
-        for i in 0..=count {
-            let t = self.length * i as f64 / count as f64;
-            let (c, x) = self.segment(t);
-            let along = |k: usize| c[0][k] + x * (c[1][k] + x * (c[2][k] + x * c[3][k]));
-            let (dr, dz) = (along(0) - to.r, along(1) - to.z);
+        let mut best = (f64::INFINITY, 0);
+        for (i, p) in self.looks.iter().enumerate() {
+            let (dr, dz) = (p[0] - to.r, p[1] - to.z);
             let d = dr * dr + dz * dz;
             if d < best.0 {
-                best = (d, t);
+                best = (d, i);
             }
         }
-        self.project_near(to, best.1, self.length / count as f64)
+        let apart = self.length / (self.looks.len() - 1) as f64;
+        self.project_near(to, apart * best.1 as f64, apart)
     }
 
     /// As [`Self::project`], searching only within `reach` mm of arc length about `guess`.
@@ -189,11 +197,16 @@ impl MeridionalCurve {
             let squared_speed = d1[0] * d1[0] + d1[1] * d1[1];
             let along = dr * d1[0] + dz * d1[1];
             let bend = squared_speed - (dr * d2[0] + dz * d2[1]);
-            let next = (t + along / bend.max(0.25 * squared_speed)).clamp(low, high);
-            let moved = (next - t).abs();
+            let least_bend = LEAST_BEND * squared_speed;
+            let next = (t + along / bend.max(least_bend)).clamp(low, high);
+            let moved = next - t;
             t = next;
-            if moved < PROJECTION_STEP {
-                break;
+            if moved.abs() < if bend < least_bend { HELD_BACK_STEP } else { PROJECTION_STEP } {
+                // So near by, the curve is its parabola.
+                let rest = |k: usize, d: f64| d - moved * (d1[k] + 0.5 * moved * d2[k]);
+                let (dr, dz) = (rest(0, dr), rest(1, dz));
+                let across = dz * (d1[0] + moved * d2[0]) - dr * (d1[1] + moved * d2[1]);
+                return (t, norm2(dr, dz).copysign(self.side * across));
             }
         }
         let (p, d1, _) = self.raw(t);

@@ -77,14 +77,27 @@ pub fn least_around<const SAMPLES: usize>(mut f: impl FnMut(f64) -> (f64, f64), 
             continue;
         }
         let from = step * i as f64;
-        let slope = |x: f64| {
-            let (value, slope) = f(x);
-            least = least.min(value);
-            slope
-        };
-        let guess = from + step * a.1 / (a.1 - b.1);
-        root_from(slope, (from, a.1), (from + step, b.1), guess, 1e-5);
+        least = least.min(least_in_dip(&mut f, (from, a.1), (from + step, b.1), 1e-5));
     }
+    least
+}
+
+/// Least value of `f`, an argument to (value, slope), between `from` and `to`, (argument, slope) where it falls and where
+/// it rises. The argument is met to `tolerance`.
+pub fn least_in_dip(
+    mut f: impl FnMut(f64) -> (f64, f64),
+    from: (f64, f64),
+    to: (f64, f64),
+    tolerance: f64,
+) -> f64 {
+    let mut least = f64::INFINITY;
+    let slope = |x: f64| {
+        let (value, slope) = f(x);
+        least = least.min(value);
+        slope
+    };
+    let guess = from.0 + (to.0 - from.0) * from.1 / (from.1 - to.1);
+    root_from(slope, from, to, guess, tolerance);
     least
 }
 

@@ -23,7 +23,7 @@ pub use cutters::CutterFilter;
 pub use device::{Gpu, GpuError, device_descriptor, pick_adapter};
 pub use image::encode_png;
 pub use palette::{ColourMap, Theme};
-pub use renderer::{Picture, Renderer};
+pub use renderer::{Picture, Renderer, draft_size};
 pub use residual::ResidualKernel;
 pub use scene::{FloorColours, Pick, Scene, SceneOptions, SectionPlane};
 pub use view::View;

@@ -70,6 +70,11 @@ impl Stream {
     }
 }
 
+/// Size of a picture in motion in place of `size`: a processor that draws has a sixth of the pixels to draw.
+pub fn draft_size(gpu: &Gpu, size: UVec2) -> UVec2 {
+    if gpu.is_software() { (size * 2 / 5).max(UVec2::ONE) } else { size }
+}
+
 /// Facets of a cutter, and of one in motion.
 const FACETS: usize = 24;
 const DRAFT_FACETS: usize = 10;

@@ -1,6 +1,7 @@
 //! The planning job that window and command line share: request in, result out, progress and
 //! cancel between.
 
+pub mod flank;
 pub mod summary;
 pub mod worker;
 

@@ -1,7 +1,12 @@
 //! The blank: the turned body between hub and shroud, from the line of leading edges to the rim.
 
+use rayon::prelude::*;
+
 use super::impeller::Impeller;
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2};
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search};
+
+/// The border of the blank on a line is met to this, mm.
+const BORDER_TOLERANCE: f64 = 1e-6;
 
 /// A turned blank. Its outline runs along the hub, up the rim (a straight line between the trailing
 /// edges), back along the shroud, and down the line of leading edges.
@@ -174,16 +179,23 @@ impl Blank {
             above = Some(h);
             h = (h - stride.max(clear)).max(low);
         }
-        let Some(mut outside) = above else { return Some(h) };
-        for _ in 0..24 {
-            let middle = 0.5 * (h + outside);
-            if room(middle).is_none() {
-                h = middle;
-            } else {
-                outside = middle;
+        let Some(outside) = above else { return Some(h) };
+        // How far out of the blank, smooth but where two bounds meet: its root is the border.
+        let mut solid = h;
+        let mut out = |h: f64| {
+            let point = Meridional::of(&(origin + direction * h));
+            let out = self.above_shroud(point, warm).max(-self.ends_depth(point));
+            if out < 0.0 {
+                solid = solid.max(h);
             }
+            out
+        };
+        let (inside, outside) = ((h, out(h)), (outside, out(outside)));
+        if inside.1 < 0.0 && outside.1 > 0.0 {
+            let guess = inside.0 + (outside.0 - inside.0) * inside.1 / (inside.1 - outside.1);
+            search::root_from(out, inside, outside, guess, BORDER_TOLERANCE);
         }
-        Some(h)
+        Some(solid)
     }
 
     /// The part of a line that can be in the blank at all: within its height and outer cylinder.
@@ -229,13 +241,12 @@ impl CoarseHeights {
     fn new(curve: &MeridionalCurve, r_max: f64, z_range: (f64, f64)) -> Self {
         let cells = (Self::NODES - 1) as f64;
         let spacing = (r_max / cells, (z_range.1 - z_range.0) / cells);
-        let mut heights = Vec::with_capacity(Self::NODES * Self::NODES);
-        for i in 0..Self::NODES {
-            for j in 0..Self::NODES {
-                let node = Meridional { r: spacing.0 * i as f64, z: z_range.0 + spacing.1 * j as f64 };
-                heights.push(curve.project(node).1);
-            }
-        }
+        let height = |node: usize| {
+            let (i, j) = (node / Self::NODES, node % Self::NODES);
+            let node = Meridional { r: spacing.0 * i as f64, z: z_range.0 + spacing.1 * j as f64 };
+            curve.project(node).1
+        };
+        let heights = (0..Self::NODES * Self::NODES).into_par_iter().with_min_len(64).map(height).collect();
         Self { heights, z_from: z_range.0, spacing }
     }
 

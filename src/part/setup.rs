@@ -41,6 +41,16 @@ pub enum Feed {
     Outward,
 }
 
+impl Feed {
+    /// +1 when rows run inwards, −1 when they run outwards.
+    pub fn inward(self) -> f64 {
+        match self {
+            Self::Inward => 1.0,
+            Self::Outward => -1.0,
+        }
+    }
+}
+
 /// `[stock]`: allowances and clearances, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stock {
@@ -86,15 +96,62 @@ pub struct PlungeSetup {
     pub sections: Vec<SectionSetup>,
 }
 
+/// How the flank planner fills the channel with curves (paper B and ours).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FlankScheme {
+    /// Isoparametric layers and curves through the whole channel: what commercial modules plan.
+    Isoparametric,
+    /// Layers of constant depth, isoparametric curves region by region.
+    Layers,
+    /// Paper B: layers of constant depth, and in each region fans of offsets from both walls.
+    Regions,
+    /// Ours: as few offsets as keep every gap within the interval.
+    Balanced,
+}
+
+impl FlankScheme {
+    /// All of them, from the longest to ours.
+    pub const ALL: [Self; 4] = [Self::Isoparametric, Self::Layers, Self::Regions, Self::Balanced];
+
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Isoparametric => "isoparametric",
+            Self::Layers => "layers",
+            Self::Regions => "regions",
+            Self::Balanced => "balanced",
+        }
+    }
+}
+
 /// `[flank]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlankSetup {
-    /// Number of the tool.
+    /// Number of the tool; absent: chosen for the part.
     pub tool: Option<u32>,
+    /// Scheme of the result.
+    pub scheme: FlankScheme,
     /// Depth of a layer, mm.
     pub layer_depth: f64,
     /// Allowed scallop, mm.
     pub allowed_error: f64,
+    /// How far curves run on beyond leading and trailing edge, mm along the meridian; absent: the cutter's radius.
+    pub extension: Option<f64>,
+    /// Feed of the curves, mm/min; absent: 0.016 diameters a turn.
+    pub feed: Option<f64>,
+}
+
+impl FlankSetup {
+    /// Feed along the curves with `tool`, mm/min.
+    pub fn feed_of(&self, tool: &Tool) -> f64 {
+        self.feed.unwrap_or(0.016 * tool.diameter * tool.spindle)
+    }
+
+    /// Extension of the curves with `tool`, mm.
+    pub fn extension_of(&self, tool: &Tool) -> f64 {
+        self.extension.unwrap_or(tool.radius())
+    }
 }
 
 /// A whole setup. [`Setup::default`] is what an empty file means.
@@ -132,7 +189,14 @@ impl Default for Setup {
                 max_tilt: 45f64.to_radians(),
                 sections: Vec::new(),
             },
-            flank: FlankSetup { tool: None, layer_depth: 3.0, allowed_error: 0.25 },
+            flank: FlankSetup {
+                tool: None,
+                scheme: FlankScheme::Balanced,
+                layer_depth: 3.0,
+                allowed_error: 0.25,
+                extension: None,
+                feed: None,
+            },
         }
     }
 }

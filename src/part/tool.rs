@@ -41,4 +41,13 @@ impl Tool {
     pub fn placed(&self, tip: Point, axis: Vector) -> CutterSolid {
         CutterSolid { tip, axis, radius: self.radius(), corner_radius: self.corner_radius }
     }
+
+    /// Tip of the cutter with unit `axis` that touches a surface at `contact` with its corner, or with the rim of its
+    /// bottom; `normal` is the unit normal of the surface, out of the stock.
+    pub fn tip_at_contact(&self, contact: &Point, normal: &Vector, axis: &Vector) -> Point {
+        let (rim, corner) = (self.radius() - self.corner_radius, self.corner_radius);
+        let across = normal - axis * normal.dot(axis);
+        let outwards = across.try_normalize(1e-9).unwrap_or_else(Vector::zeros);
+        contact + normal * corner + outwards * rim - axis * corner
+    }
 }

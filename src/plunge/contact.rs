@@ -23,6 +23,13 @@ impl Column {
     pub fn new(cutter: CutterSolid, core_radius: f64, blank: &BlankTop) -> Self {
         Self { cutter, core_radius, top: blank.above(&cutter, core_radius) }
     }
+
+    /// The column of a plunge that stops `lift` mm short.
+    pub fn lifted(mut self, lift: f64) -> Self {
+        self.cutter.tip += self.cutter.axis * lift;
+        self.top -= lift;
+        self
+    }
 }
 
 /// Finds how far up core columns can meet stock.
@@ -58,6 +65,8 @@ const CORNER_TOLERANCE: f64 = 1e-9;
 /// Contact a plan may have, mm: well below the tolerance of the verdict, so that rounding in a CL file or
 /// another checker's samples do not tip it.
 const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
+/// An entry this far below the bottom, mm, is as good as one further below.
+const DEEP_ENTRY: f64 = -0.2;
 /// Height above the bottom, mm, at which stock counts for the contact area.
 const AREA_HEIGHT: f64 = 0.02;
 
@@ -129,7 +138,9 @@ fn contact_up_to(
         for i in 0..count {
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let origin = line(rho, phi);
-            let (entry, highest) = stock.on_line(&origin, axis);
+            // Only of the rim it matters how far below the bottom a line that is free of stock enters.
+            let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
+            let (entry, highest) = stock.on_line(&origin, axis, deep);
             depth = depth.max(highest);
             if depth > enough {
                 return CoreContact { depth, area_share: area };
@@ -149,7 +160,7 @@ fn contact_up_to(
     let step = std::f64::consts::TAU / count as f64;
     for i in 0..count {
         let (before, here, after) = (rim[(i + count - 1) % count].0, rim[i].0, rim[(i + 1) % count].0);
-        if here < before || here < after || here < -0.2 || !here.is_finite() {
+        if here < before || here < after || here < DEEP_ENTRY || !here.is_finite() {
             continue;
         }
         let (phi, _) = search::minimum(
@@ -158,7 +169,7 @@ fn contact_up_to(
             rim[i].1 + step,
             1e-4,
         );
-        depth = depth.max(stock.on_line(&line(column.core_radius, phi), axis).1);
+        depth = depth.max(stock.on_line(&line(column.core_radius, phi), axis, 0.0).1);
     }
     CoreContact { depth, area_share: area }
 }
@@ -232,9 +243,9 @@ impl StockLines<'_> {
         self.blank.is_solid(Meridional::of(point), &mut self.warm)
     }
 
-    /// (height from which on something is already removed, highest stock) on the line from the bottom
+    /// (height from which on something is already removed, or any below `deep` where no stock is left, highest stock) on the line from the bottom
     /// upwards, mm above it; infinite and 0 where there is none.
-    fn on_line(&mut self, origin: &Point, direction: &Vector) -> (f64, f64) {
+    fn on_line(&mut self, origin: &Point, direction: &Vector, deep: f64) -> (f64, f64) {
         let mut open = [(0.0f64, self.top); STRETCHES];
         let mut count = 1;
         let mut first = f64::INFINITY;
@@ -244,6 +255,9 @@ impl StockLines<'_> {
                 first = first.min(low);
             }
             if count == 0 {
+                if first <= deep {
+                    break;
+                }
                 continue;
             }
             let mut kept = [(0.0, 0.0); STRETCHES];

@@ -9,8 +9,8 @@ use super::ground::Ground;
 use super::links::raise_links;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
 use super::retract::RetractSurface;
-use super::row::{RowMaker, Station};
-use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, step_limit, too_many, tool_of};
+use super::row::Station;
+use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many, tool_of};
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::setup::{AxisPolicy, Feed};
@@ -75,6 +75,11 @@ pub(super) struct CutRow {
 }
 
 impl CutRow {
+    /// Number of its positions.
+    pub fn len(&self) -> usize {
+        self.placed.iter().flatten().count()
+    }
+
     /// The same positions in the same order, a new row wherever the axis turns by more than `limit` (rad) from one
     /// that stayed to the next.
     pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
@@ -306,27 +311,18 @@ impl<'a> Planner<'a> {
     ) -> Result<Vec<Row>, PlanError> {
         let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
-        let inward = if section.feed == Some(Feed::Outward) { -1.0 } else { 1.0 };
+        let feed = section.feed.unwrap_or(Feed::Inward);
         let mut rows = Vec::new();
-        for Ground { stretch, lane, hub, rows: row_grounds } in grounds {
-            let made: Vec<Result<Row, PlanError>> = row_grounds
+        for ground in grounds {
+            let made: Vec<Result<Row, PlanError>> = ground
+                .rows
                 .par_iter()
-                .map(|ground| {
-                    let lambda = ground.lambda;
-                    let wall_row = lambda == 0.0 || lambda == 1.0 || row_grounds.len() == 1;
-                    let maker = RowMaker {
-                        part: self.part,
-                        lane,
-                        hub,
-                        tool,
-                        lambda,
-                        inward,
-                        step_limit: step_limit(&self.setup.plunge, tool, wall_row),
-                        monitor,
-                    };
-                    let ends = self.row_ends(index, stretch, inward);
-                    let mut row = self.row(&maker, ground, ends, policy, earlier, monitor)?;
-                    row.lambda = stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
+                .map(|row_ground| {
+                    let place = (row_ground.lambda, ground.rows.len());
+                    let maker = self.row_maker(ground, tool, place, feed, monitor);
+                    let ends = self.row_ends(index, &ground.stretch, feed.inward());
+                    let mut row = self.row(&maker, row_ground, ends, policy, earlier, monitor)?;
+                    row.lambda = ground.stretch.lambda_in_channel(row_ground.lambda);
                     Ok(row)
                 })
                 .collect();

@@ -6,11 +6,12 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::cycle::{PlanError, Planner};
-use super::lane::Lane;
-use super::row::Station;
-use super::sections::{SetupFault, row_spacing, tool_of};
+use super::lane::{Lane, is_wall};
+use super::row::{RowMaker, Station};
+use super::sections::{SetupFault, ridge_spacing, row_spacing, step_limit, tool_of};
 use super::slotting::DepthSurface;
-use crate::part::setup::SectionSetup;
+use crate::monitor::Monitor;
+use crate::part::setup::{Feed, SectionSetup};
 use crate::part::{Passage, Tool};
 
 /// Air between the core and the rim at the start of a row, mm.
@@ -74,6 +75,11 @@ impl Stretch<'_> {
     /// s at a share of the way from the outlet end to the inlet end.
     pub fn s_at(&self, share: f64) -> f64 {
         self.from + (self.to - self.from) * share
+    }
+
+    /// λ across the whole channel of a row at `lambda` across the stretch.
+    pub fn lambda_in_channel(&self, lambda: f64) -> f64 {
+        self.lambdas.0 + lambda * (self.lambdas.1 - self.lambdas.0)
     }
 }
 
@@ -170,7 +176,7 @@ impl<'a> Planner<'a> {
         let mut widest = 0.0f64;
         for (i, width) in widths.into_iter().enumerate() {
             let (hub, shroud) = width.ok_or_else(|| self.misfit(tool, stretch.s_at(i as f64 / 8.0)))?;
-            gaps = gaps.max(hub / spacing).max(shroud / (1.9 * tool.radius()));
+            gaps = gaps.max(hub / spacing).max(shroud / ridge_spacing(tool));
             widest = widest.max(hub);
         }
         if widest < 0.1 * tool.radius() {
@@ -207,6 +213,28 @@ impl<'a> Planner<'a> {
             }
         }
         (start, end)
+    }
+
+    /// What makes the stations of the row at `lambda`, one of `rows` of the ground.
+    pub(super) fn row_maker<'r>(
+        &'r self,
+        ground: &'r Ground<'r>,
+        tool: &'r Tool,
+        (lambda, rows): (f64, usize),
+        feed: Feed,
+        monitor: &'r Monitor,
+    ) -> RowMaker<'r> {
+        let wall_row = is_wall(lambda) || rows == 1;
+        RowMaker {
+            part: self.part,
+            lane: &ground.lane,
+            hub: &ground.hub,
+            tool,
+            lambda,
+            inward: feed.inward(),
+            step_limit: step_limit(&self.setup.plunge, tool, wall_row),
+            monitor,
+        }
     }
 
     pub(super) fn misfit(&self, tool: &Tool, s: f64) -> PlanError {

@@ -80,6 +80,11 @@ impl FitState {
     }
 }
 
+/// Whether a row at `lambda` runs along one of its passage's walls.
+pub fn is_wall(lambda: f64) -> bool {
+    lambda == 0.0 || lambda == 1.0
+}
+
 /// How far the side lean of a fitted axis may leave the plain offset of the ruling.
 const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 /// Clearance is met to this, mm, always on the safe side.
@@ -370,7 +375,7 @@ impl<'a> Lane<'a> {
 
     /// The axis at `lambda` between the axes of both walls.
     fn between(&self, lambda: f64, axis: impl Fn(usize) -> Option<AxisEnds>) -> Option<AxisEnds> {
-        if lambda == 0.0 || lambda == 1.0 {
+        if is_wall(lambda) {
             return axis(lambda as usize);
         }
         let (low, high) = (axis(0)?, axis(1)?);
@@ -389,6 +394,6 @@ impl<'a> Lane<'a> {
     /// A row's axis made exact: an axis at a wall, its bottom `lift` mm above M, rests at the
     /// allowance; others are good as they are.
     pub fn settled(&self, lambda: f64, ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
-        if lambda == 0.0 || lambda == 1.0 { self.push_clear(lambda as usize, ends, lift) } else { Some(ends) }
+        if is_wall(lambda) { self.push_clear(lambda as usize, ends, lift) } else { Some(ends) }
     }
 }

@@ -35,12 +35,19 @@ pub struct NearBottom {
 }
 
 impl NearBottom {
+    /// Before anything was looked at.
+    pub const NOWHERE: Self = Self {
+        clearance: f64::INFINITY,
+        point: Point::new(0.0, 0.0, 0.0),
+        foot: Meridional { r: 0.0, z: 0.0 },
+    };
+
     /// Looks for it on a dense rim and rings, independent of how the retract height was found.
     pub fn of(cutter: &CutterSolid, blank: &Blank) -> Self {
         let flat = cutter.radius - cutter.corner_radius;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
         let mut warm = None;
-        let mut nearest = Self { clearance: f64::INFINITY, point: centre, foot: Meridional::default() };
+        let mut nearest = Self::NOWHERE;
         let mut distance = |point: Point| {
             let (clearance, foot) = blank.nearest_top(Meridional::of(&point), &mut warm);
             if clearance < nearest.clearance {

@@ -187,6 +187,13 @@ impl RowMaker<'_> {
         across(self.lane.hub_point(&b.ends)).max(across(self.lane.shroud_point(&b.ends)))
     }
 
+    /// Whether a position is missing between `a` and `b`, which stand `apart` in s: the step limit is passed, and there
+    /// is room for one.
+    pub fn needs_another(&self, a: &Station, b: &Station, apart: f64) -> bool {
+        self.spacing(a, b) > self.step_limit * (1.0 + 1e-9)
+            && apart.abs() * self.part.hub.length() > 0.02 * self.step_limit
+    }
+
     /// Stage 2: inserts isoparametric stations wherever the spacing exceeds the step limit (fig. 6).
     /// Returns how many.
     pub fn inspect_steps(&self, optimised: &[Station], conventional: &mut Vec<Station>) -> usize {
@@ -197,14 +204,11 @@ impl RowMaker<'_> {
             if i + 1 == conventional.len() || self.monitor.is_cancelled() {
                 continue;
             }
-            let spacing = self.spacing(&optimised[i], &optimised[i + 1]);
-            let apart = (conventional[i + 1].ends.s_hub - conventional[i].ends.s_hub).abs();
-            if spacing <= self.step_limit * (1.0 + 1e-9)
-                || apart * self.part.hub.length() < 0.02 * self.step_limit
-            {
+            let (a, b) = (conventional[i].ends.s_hub, conventional[i + 1].ends.s_hub);
+            if !self.needs_another(&optimised[i], &optimised[i + 1], b - a) {
                 continue;
             }
-            let middle = 0.5 * (conventional[i].ends.s_hub + conventional[i + 1].ends.s_hub);
+            let middle = 0.5 * (a + b);
             if let Some(station) = self.isoparametric(middle) {
                 refined.push(station);
                 inserted += 1;

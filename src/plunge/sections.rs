@@ -18,6 +18,8 @@ pub enum SetupPlace {
     Stock(&'static str),
     /// A key of `[plunge]`.
     Plunge(&'static str),
+    /// A key of `[flank]`.
+    Flank(&'static str),
     /// The tool of this number.
     Tool(u32),
     /// A section by its index; its tool where the setup leaves the sections to us.
@@ -191,6 +193,11 @@ pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
 /// Upper limit of the spacing of rows, mm.
 pub fn row_spacing(plunge: &PlungeSetup, tool: &Tool) -> f64 {
     plunge.row_spacing.unwrap_or(4.0 / 3.0 * tool.radius())
+}
+
+/// How far apart neighbouring axes may stand at the shroud before a ridge stays between them, mm.
+pub fn ridge_spacing(tool: &Tool) -> f64 {
+    1.9 * tool.radius()
 }
 
 /// Refuses a setup whose plan would have more than [`MAX_POSITIONS`] positions, by a low estimate.

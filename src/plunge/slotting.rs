@@ -7,6 +7,7 @@
 //! count as well, and so do the circles in which the surface ends: together the whole disc.
 
 use crate::geometry::{Circle, Meridional, MeridionalCurve, Point, Vector, norm2, search};
+use crate::part::Tool;
 
 /// A surface of revolution that a flat bottom may touch but not enter, offset to its outer side.
 #[derive(Clone, Debug)]
@@ -164,9 +165,17 @@ impl<'a> DepthSurface<'a> {
         }
         self.bulge_touch(on_axis, axis, radius, middle, &mut consider);
         for edge in &self.edges {
-            self.edge_touch(*edge, on_axis, axis, radius, &mut consider);
+            let known = best.map_or(f64::NEG_INFINITY, |b| b.height);
+            best = self.edge_touch(*edge, on_axis, axis, radius, known).or(best);
         }
         best
+    }
+
+    /// Tip of `tool` on the line through `on_axis` along `axis` (unit), lowered until its bottom touches the surface, which
+    /// is offset by what shall stay under the cutter plus the corner radius. `None` when the bottom misses the surface.
+    pub fn tip(&self, tool: &Tool, on_axis: &Point, axis: &Vector) -> Option<Point> {
+        let touch = self.touch(on_axis, axis, tool.radius() - tool.corner_radius)?;
+        Some(on_axis + axis * (touch.height - tool.corner_radius))
     }
 
     /// Whether a hit is on the stretch that counts; beyond it the surface runs on straight.
@@ -367,15 +376,16 @@ impl<'a> DepthSurface<'a> {
         }
     }
 
-    /// A circle about Z that the disc must clear by the offset, also from beside.
+    /// Touch of a circle about Z that the disc must clear by the offset, also from beside, where it is higher than
+    /// `known` mm.
     fn edge_touch(
         &self,
         edge: Meridional,
         on_axis: &Point,
         axis: &Vector,
         radius: f64,
-        consider: &mut dyn FnMut(f64, &dyn Fn() -> Touch),
-    ) {
+        known: f64,
+    ) -> Option<Touch> {
         let limit = radius + self.offset;
         // (distance from the axis, height along it) of a point.
         let seen = |point: &Point| {
@@ -383,7 +393,6 @@ impl<'a> DepthSurface<'a> {
             let height = d.dot(axis);
             ((d.norm_squared() - height * height).max(0.0).sqrt(), height)
         };
-        let at = |theta: f64| seen(&edge.at_angle(theta));
         // The circle's point nearest to the axis, by going back and forth twice.
         let beside = |p: &Point| {
             let scale = edge.r / norm2(p.x, p.y).max(1e-9);
@@ -394,11 +403,25 @@ impl<'a> DepthSurface<'a> {
             near = beside(&(on_axis + axis * seen(&near).1));
         }
         if seen(&near).0 > 1.5 * limit + 1.0 {
-            return;
+            return None;
         }
-        let theta = near.y.atan2(near.x);
-        let lift = |theta: f64| {
-            let (distance, height) = at(theta);
+        // The arc that counts is `half` wide on either side of it; no place of it is higher than this.
+        let half = (1.6 * limit / edge.r).min(std::f64::consts::PI);
+        let (toward, aside) = (near.x * axis.x + near.y * axis.y, near.x * axis.y - near.y * axis.x);
+        let off = aside.abs().atan2(toward) - half;
+        let highest = norm2(toward, aside) * if off > 0.0 { off.cos() } else { 1.0 };
+        if highest + (edge.z - on_axis.z) * axis.z - on_axis.x * axis.x - on_axis.y * axis.y + self.offset
+            <= known
+        {
+            return None;
+        }
+        let (sin, cos) = (near.y / edge.r, near.x / edge.r);
+        let at = |turn: f64| {
+            let (s, c) = turn.sin_cos();
+            Point::new(edge.r * (cos * c - sin * s), edge.r * (sin * c + cos * s), edge.z)
+        };
+        let lift = |point: &Point| {
+            let (distance, height) = seen(point);
             let beside = (distance - radius).max(0.0);
             if beside >= self.offset.max(1e-12) {
                 // Out of reach: a slope back towards the reach keeps the search going.
@@ -406,27 +429,32 @@ impl<'a> DepthSurface<'a> {
             }
             height + (self.offset * self.offset - beside * beside).max(0.0).sqrt()
         };
-        let half = (1.6 * limit / edge.r).min(std::f64::consts::PI);
-        let steps = 32;
-        let sample = |i: usize| theta - half + 2.0 * half * i as f64 / steps as f64;
-        let best = (0..=steps).max_by(|&a, &b| lift(sample(a)).total_cmp(&lift(sample(b)))).unwrap_or(0);
-        let (low, high) = (sample(best.saturating_sub(1)), sample((best + 1).min(steps)));
-        let (refined, value) = search::minimum(|x| -lift(x), low, high, 1e-9);
-        let (theta, height) =
-            if -value >= lift(sample(best)) { (refined, -value) } else { (sample(best), lift(sample(best))) };
-        if at(theta).0 - radius < self.offset.max(1e-12) {
-            consider(height, &|| {
-                let point = edge.at_angle(theta);
-                let plane = on_axis + axis * height;
-                let nearest = {
-                    let d = point - plane;
-                    let flat = d - axis * d.dot(axis);
-                    let n = flat.norm();
-                    if n > radius { plane + flat * (radius / n) } else { plane + flat }
-                };
-                let (arc, _) = self.curve.project(edge);
-                Touch { height, point: nearest, arc }
-            });
+        // Samples evenly along the arc, each turned on from the one before.
+        const STEPS: usize = 32;
+        let step = 2.0 * half / STEPS as f64;
+        let (s, c) = step.sin_cos();
+        let mut place = at(-half);
+        let mut best = (0, f64::NEG_INFINITY);
+        for i in 0..=STEPS {
+            let here = lift(&place);
+            if here >= best.1 {
+                best = (i, here);
+            }
+            place = Point::new(place.x * c - place.y * s, place.x * s + place.y * c, place.z);
         }
+        let turn = |i: usize| step * i as f64 - half;
+        let (low, high) = (turn(best.0.saturating_sub(1)), turn((best.0 + 1).min(STEPS)));
+        let (refined, value) = search::minimum(|x| -lift(&at(x)), low, high, 1e-9);
+        let (turn, height) = if -value >= best.1 { (refined, -value) } else { (turn(best.0), best.1) };
+        let point = at(turn);
+        if height <= known || seen(&point).0 - radius >= self.offset.max(1e-12) {
+            return None;
+        }
+        let plane = on_axis + axis * height;
+        let d = point - plane;
+        let flat = d - axis * d.dot(axis);
+        let n = flat.norm();
+        let nearest = if n > radius { plane + flat * (radius / n) } else { plane + flat };
+        Some(touch_at(height, &nearest, self.curve.project(edge).0))
     }
 }

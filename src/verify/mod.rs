@@ -2,10 +2,12 @@
 //!
 //! Nothing here knows how a program was planned: it looks at cutters where the program puts them.
 
+mod flank;
 mod plunges;
 
 use rayon::prelude::*;
 
+pub use flank::{FlankVerdict, is_flank, verify_flank};
 pub use plunges::{Cut, cuts_of};
 
 use crate::formats::apt::ClProgram;
@@ -27,6 +29,18 @@ pub struct Fault {
     pub line: usize,
     /// What is wrong.
     pub what: String,
+}
+
+impl Fault {
+    fn before_tool(line: usize) -> Self {
+        Self { line, what: "cuts before any tool is loaded; add LOADTL and CUTTER before it".to_owned() }
+    }
+
+    fn without_diameter(line: usize, tool: &Tool) -> Self {
+        let what =
+            format!("tool {} has the diameter {}; give CUTTER/ its diameter", tool.number, tool.diameter);
+        Self { line, what }
+    }
 }
 
 /// What a program does to the part.

@@ -46,23 +46,14 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
     for (index, step) in program.moves.iter().enumerate() {
         let Some(number) = step.tool else {
             if matches!(step.motion, Motion::Feed(_)) && index > 0 {
-                return Err(Fault {
-                    line: step.line,
-                    what: "cuts before any tool is loaded; add LOADTL and CUTTER before it".to_owned(),
-                });
+                return Err(Fault::before_tool(step.line));
             }
             previous = Some(step);
             continue;
         };
         let tool = &tools[number];
         if tool.diameter <= 0.0 {
-            return Err(Fault {
-                line: step.line,
-                what: format!(
-                    "tool {} has the diameter {}; give CUTTER/ its diameter",
-                    tool.number, tool.diameter
-                ),
-            });
+            return Err(Fault::without_diameter(step.line, tool));
         }
         let at = |p: Point, axis| tool.placed(p, axis);
         let changed = last_tool.is_some_and(|t| t != number);
@@ -123,7 +114,8 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
     Ok(cuts)
 }
 
-fn tool_of(tool: &crate::formats::apt::ClTool, setup: &Setup) -> Tool {
+/// The tool of a program, completed by the setup.
+pub(super) fn tool_of(tool: &crate::formats::apt::ClTool, setup: &Setup) -> Tool {
     let known =
         setup.tools.iter().find(|t| t.number == tool.number && (t.diameter - tool.diameter).abs() < 1e-6);
     let insert_width =

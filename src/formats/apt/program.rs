@@ -1,7 +1,24 @@
-//! A plunge plan as a cutter-location program.
+//! Plans as cutter-location programs.
 
 use super::{ClProgram, ClTool, Motion, Move};
+use crate::flank::{FlankMove, path::MoveKind};
+use crate::part::Tool;
 use crate::plunge::PlungePlan;
+
+impl ClTool {
+    /// The cutter as a program describes it.
+    fn of(tool: &Tool) -> Self {
+        Self {
+            number: tool.number,
+            diameter: tool.diameter,
+            corner_radius: tool.corner_radius,
+            insert_width: Some(tool.insert_width),
+            overhang: Some(tool.overhang),
+            feed: Some(tool.plunge_feed),
+            spindle: Some(tool.spindle),
+        }
+    }
+}
 
 impl ClProgram {
     /// The program of a plan: per plunge in rapid to the retract point, at the plunge feed to the tip,
@@ -12,15 +29,7 @@ impl ClProgram {
             let Some(tool) = plan.sections.get(position.section).map(|section| &section.tool) else {
                 continue;
             };
-            let cutter = ClTool {
-                number: tool.number,
-                diameter: tool.diameter,
-                corner_radius: tool.corner_radius,
-                insert_width: Some(tool.insert_width),
-                overhang: Some(tool.overhang),
-                feed: Some(tool.plunge_feed),
-                spindle: Some(tool.spindle),
-            };
+            let cutter = ClTool::of(tool);
             let known = program.tools.iter().position(|t| *t == cutter);
             let index = known.unwrap_or_else(|| {
                 program.tools.push(cutter);
@@ -40,5 +49,21 @@ impl ClProgram {
             }));
         }
         program
+    }
+
+    /// The program of a flank plan: its moves with one `tool`, those that are not rapid at `feed` mm/min.
+    pub fn of_flank(part: &str, tool: &Tool, feed: f64, moves: &[FlankMove]) -> Self {
+        let moves = moves.iter().map(|m| Move {
+            motion: match m.kind {
+                MoveKind::Rapid => Motion::Rapid,
+                MoveKind::Approach | MoveKind::Cut | MoveKind::Link => Motion::Feed(Some(feed)),
+            },
+            tip: m.tip,
+            axis: m.axis,
+            tool: Some(0),
+            line: 0,
+        });
+        let cutter = ClTool { feed: Some(feed), ..ClTool::of(tool) };
+        Self { part: part.to_owned(), tools: vec![cutter], moves: moves.collect(), ..Self::default() }
     }
 }

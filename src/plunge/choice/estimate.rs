@@ -4,7 +4,7 @@
 use super::fit::{Fit, Rules};
 use crate::part::Tool;
 use crate::part::setup::PlungeSetup;
-use crate::plunge::sections::{row_spacing, step_limit};
+use crate::plunge::sections::{ridge_spacing, row_spacing, step_limit};
 use crate::plunge::survey::{Across, Survey};
 
 /// Rapid feed assumed for time estimates, mm/min.
@@ -128,7 +128,7 @@ impl Estimator<'_> {
     /// Gaps between rows, as the planner places them: no ridge on the hub, none at the shroud.
     fn gaps(&self, tool: &Tool, across: &Across) -> f64 {
         let room = |width: f64| self.rules.room(width) - tool.diameter;
-        (room(across.hub) / row_spacing(self.plunge, tool)).max(room(across.shroud) / (1.9 * tool.radius()))
+        (room(across.hub) / row_spacing(self.plunge, tool)).max(room(across.shroud) / ridge_spacing(tool))
     }
 
     /// Time of one plunge with its way back and the link to the next, s.

@@ -4,7 +4,7 @@
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::contact::{BlankTop, Column};
-use crate::plunge::lane::AxisEnds;
+use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 
 /// Feed tilts looked at: from, to and apart, degrees. Positive leans towards the uncut side.
@@ -55,6 +55,8 @@ impl Candidate {
 
 /// Ways to lean sideways at one tilt.
 const LEANS: usize = 3;
+/// Their shares of the way from the row's own lean to upright.
+const UPRIGHT_SHARES: [f64; LEANS] = [1.0, 0.5, 0.0];
 
 /// What one place offers.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +67,11 @@ pub struct Place {
 }
 
 impl Place {
+    /// What the cheapest candidate costs, if there is any.
+    pub fn cheapest(&self, scale: f64) -> Option<f64> {
+        self.tilts.iter().filter_map(|tilt| Some(tilt[0].as_ref()?.cost(0.0, scale))).reduce(f64::min)
+    }
+
     /// The least angle between axes of the same tilt here and at `next`, rad; 0 when there are none.
     pub fn least_turn(&self, next: &Place) -> f64 {
         let turn = |j: usize| Some(self.tilts[j][0]?.station.axis.angle(&next.tilts[j][0]?.station.axis));
@@ -116,22 +123,34 @@ struct Upright {
     height: f64,
 }
 
+impl Upright {
+    /// s of W for a feed tilt, rad.
+    fn tilted(&self, tilt: f64) -> f64 {
+        self.s_shroud + tilt.tan() / self.tilt_by_s
+    }
+}
+
+/// What all axes at a place are made from.
+struct Stand {
+    conventional: AxisEnds,
+    frame: Frame,
+    upright: Upright,
+    /// The conventional axis.
+    reference: Vector,
+}
+
 /// Step of s for slopes.
 const SLOPE_STEP: f64 = 2e-3;
 
 impl CandidateMaker<'_> {
     /// What there is at `s_hub`; `None` where the cutter does not fit at all.
     pub fn at(&self, s_hub: f64) -> Option<Place> {
-        let conventional = self.isoparametric(s_hub)?;
-        let frame = self.frame(&conventional)?;
-        let upright = self.upright(&conventional, &frame)?;
-        let (_, reference) = self.maker.lane.line(&conventional);
+        let Stand { conventional, frame, upright, reference } = self.stand(s_hub)?;
         let mut place =
             Place { tilts: [[None; LEANS]; TILTS], floor: self.floor_points(&conventional, &frame)? };
         for (j, candidates) in place.tilts.iter_mut().enumerate() {
             let tilt = (TILT_FROM_DEG + TILT_STEP_DEG * j as f64).to_radians();
-            let s_shroud = upright.s_shroud + tilt.tan() / upright.tilt_by_s;
-            let axes = self.axes(s_hub, s_shroud, &frame, &upright);
+            let axes = self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), UPRIGHT_SHARES);
             *candidates = axes.map(|ends| {
                 let candidate = self.lowered(ends?, &place.floor, &reference)?;
                 let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
@@ -141,6 +160,34 @@ impl CandidateMaker<'_> {
             candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         }
         Some(place)
+    }
+
+    /// Stations at `s_hub` with feed `tilts` (rad), each with all `shares` of the way to upright across the row; blades not
+    /// looked at.
+    pub fn fan<const N: usize>(
+        &self,
+        s_hub: f64,
+        tilts: impl Iterator<Item = f64>,
+        shares: &[f64; N],
+    ) -> Vec<Station> {
+        let Some(Stand { conventional, frame, upright, reference }) = self.stand(s_hub) else {
+            return Vec::new();
+        };
+        tilts
+            .flat_map(|tilt| self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), *shares))
+            .flatten()
+            .filter_map(|ends| self.within_tilt(ends, &reference))
+            .map(|station| Station { s_shroud_conventional: conventional.s_shroud, ..station })
+            .collect()
+    }
+
+    /// What all axes at `s_hub` are made from.
+    fn stand(&self, s_hub: f64) -> Option<Stand> {
+        let conventional = self.isoparametric(s_hub)?;
+        let frame = self.frame(&conventional)?;
+        let upright = self.upright(&conventional, &frame)?;
+        let (_, reference) = self.maker.lane.line(&conventional);
+        Some(Stand { conventional, frame, upright, reference })
     }
 
     /// Ends of the conventional axis at `s_hub`.
@@ -199,14 +246,20 @@ impl CandidateMaker<'_> {
         })
     }
 
-    /// Axes with W at `s_shroud`, best first: the row's own one at a wall; between walls as upright across the row as the
-    /// neighbouring rows allow, half of it, and the row's own.
-    fn axes(&self, s_hub: f64, s_shroud: f64, frame: &Frame, upright: &Upright) -> [Option<AxisEnds>; LEANS] {
+    /// Axes at `s_hub` with W at `s_shroud`: the row's own one at a wall; between walls one for each of `shares` of the way
+    /// from the row's own to as upright across the row as `sideways` allows.
+    fn axes<const N: usize>(
+        &self,
+        s_shroud: f64,
+        (s_hub, frame, upright): (f64, &Frame, &Upright),
+        shares: [f64; N],
+    ) -> [Option<AxisEnds>; N] {
         let maker = self.maker;
-        let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return [None; LEANS] };
-        let wall_row = maker.lambda == 0.0 || maker.lambda == 1.0;
-        if wall_row || self.sideways <= 0.0 {
-            return [Some(ends), None, None];
+        let mut only = [None; N];
+        let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return only };
+        only[0] = Some(ends);
+        if is_wall(maker.lambda) || self.sideways <= 0.0 {
+            return only;
         }
         let w = maker.lane.shroud_point(&ends);
         let lean = (w - maker.lane.hub_point(&ends)).dot(&frame.across);
@@ -216,9 +269,9 @@ impl CandidateMaker<'_> {
         let by_s = upright.tilt_by_s * upright.height;
         let gain = turn.dot(&frame.across);
         if gain.abs() < 0.2 * turn.norm() {
-            return [Some(ends), None, None];
+            return only;
         }
-        [1.0, 0.5, 0.0].map(|share| {
+        shares.map(|share| {
             let angle = share * most / gain;
             let s_shroud = s_shroud - angle * turn.dot(&frame.feed) / by_s;
             let ends = maker.lane.row_axis(maker.lambda, s_hub, s_shroud)?;
@@ -228,17 +281,18 @@ impl CandidateMaker<'_> {
 
     /// Whether the cutter of a station keeps clear of the blades.
     pub fn allowed(&self, station: &Station) -> bool {
-        let lambda = self.maker.lambda;
-        let slack = if lambda == 0.0 || lambda == 1.0 { DRAFT_SLACK } else { 0.0 };
+        let slack = if is_wall(self.maker.lambda) { DRAFT_SLACK } else { 0.0 };
         self.finished.clears(&self.maker.cutter(station), self.blade_allowance - slack)
     }
 
     fn lowered(&self, ends: AxisEnds, floor: &FloorPoints, reference: &Vector) -> Option<Candidate> {
+        Some(self.candidate(self.within_tilt(ends, reference)?, floor))
+    }
+
+    /// The station of an axis no further than the greatest tilt from `reference`.
+    fn within_tilt(&self, ends: AxisEnds, reference: &Vector) -> Option<Station> {
         let (_, axis) = self.maker.lane.line(&ends);
-        if axis.angle(reference) > self.max_tilt {
-            return None;
-        }
-        Some(self.candidate(self.maker.lowered(ends), floor))
+        (axis.angle(reference) <= self.max_tilt).then(|| self.maker.lowered(ends))
     }
 
     fn candidate(&self, station: Station, floor: &FloorPoints) -> Candidate {
@@ -256,10 +310,10 @@ impl CandidateMaker<'_> {
             .then(|| self.candidate(station, &place.floor))
     }
 
-    /// The candidate as contact sees it, its core a little wider than it is.
-    pub fn column(&self, candidate: &Candidate) -> Column {
+    /// The column of a station as contact sees it, its core a little wider than it is.
+    pub fn column(&self, station: &Station) -> Column {
         let core_radius = WIDER_CORE * self.maker.tool.core_radius() + DRAFT_SLACK;
-        Column::new(self.maker.cutter(&candidate.station), core_radius, self.top)
+        Column::new(self.maker.cutter(station), core_radius, self.top)
     }
 
     /// The floor that the row has to clear around a place.

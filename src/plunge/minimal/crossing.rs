@@ -3,8 +3,8 @@
 //! before it, in steps no wider than the inserts.
 
 use super::candidate::{Candidate, CandidateMaker};
+use super::path::PathSearch;
 use crate::monitor::Cancelled;
-use crate::part::Blank;
 use crate::plunge::contact::{Column, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
@@ -14,15 +14,11 @@ const STEP_SHARE: f64 = 0.6;
 /// What a crossing needs.
 pub struct Crossing<'a> {
     /// Of the row that is to be reached.
-    pub candidates: &'a CandidateMaker<'a>,
+    pub search: &'a PathSearch<'a>,
     /// λ of the row it comes from, which is cut already.
     pub from: f64,
     /// Where along the channel.
     pub s: f64,
-    /// The blank.
-    pub blank: &'a Blank,
-    /// Largest angle between neighbouring axes, rad.
-    pub max_axis_change: f64,
 }
 
 impl Crossing<'_> {
@@ -31,7 +27,7 @@ impl Crossing<'_> {
     /// # Errors
     /// When the work is cancelled.
     pub fn stations(&self, earlier: &[Column]) -> Result<Vec<Station>, Cancelled> {
-        let goal = self.candidates.maker;
+        let goal = self.search.candidates.maker;
         let foot = |lambda: f64| Some(goal.lane.hub_point(&goal.lane.isoparametric(lambda, self.s)?));
         let (Some(from), Some(to)) = (foot(self.from), foot(goal.lambda)) else { return Ok(Vec::new()) };
         let count = ((to - from).norm() / (STEP_SHARE * goal.step_limit)).ceil().clamp(1.0, 200.0) as usize;
@@ -41,11 +37,9 @@ impl Crossing<'_> {
             goal.monitor.check()?;
             let lambda = self.from + (goal.lambda - self.from) * i as f64 / count as f64;
             let maker = RowMaker { lambda, ..goal.clone() };
-            let candidates = CandidateMaker { maker: &maker, ..self.candidates.clone() };
+            let candidates = CandidateMaker { maker: &maker, ..self.search.candidates.clone() };
             let Some((candidate, lift)) = self.best(&candidates, stations.last(), &columns) else { continue };
-            let mut column = candidates.column(&candidate);
-            column.cutter.tip += column.cutter.axis * lift;
-            columns.push(Column { top: column.top - lift, ..column });
+            columns.push(candidates.column(&candidate.station).lifted(lift));
             stations.push(candidate.station);
         }
         Ok(stations)
@@ -63,11 +57,11 @@ impl Crossing<'_> {
         let mut best: Option<(f64, Candidate, f64)> = None;
         for cheapest in place.tilts.iter().filter_map(|tilt| tilt[0]) {
             let Some(candidate) = candidates.cleared(&cheapest, &place) else { continue };
-            if before.is_some_and(|b| b.axis.angle(&candidate.station.axis) > self.max_axis_change) {
+            if before.is_some_and(|b| b.axis.angle(&candidate.station.axis) > self.search.max_axis_change) {
                 continue;
             }
-            let column = candidates.column(&candidate);
-            let lift = search.depth(&column, columns.iter(), self.blank, f64::INFINITY);
+            let column = candidates.column(&candidate.station);
+            let lift = search.depth(&column, columns.iter(), self.search.blank, f64::INFINITY);
             let cost = candidate.cost(lift, candidates.scale);
             if best.is_none_or(|b| cost < b.0) {
                 best = Some((cost, candidate, lift));

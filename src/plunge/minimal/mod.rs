@@ -8,9 +8,13 @@
 
 mod candidate;
 mod crossing;
+mod extras;
+mod floor;
 mod path;
 mod section;
 
 pub use candidate::CandidateMaker;
 pub use crossing::Crossing;
+pub use extras::ExtraSearch;
+pub use floor::Floor;
 pub use path::PathSearch;

@@ -34,6 +34,8 @@ pub struct Path {
     pub steps: Vec<(Station, f64)>,
     /// What it costs: the sum over its positions.
     pub cost: f64,
+    /// What no path could cost less than, by blades and contact or without them.
+    pub least: f64,
 }
 
 /// A candidate reached, on the cheapest way to it.
@@ -111,7 +113,13 @@ impl PathSearch<'_> {
             }
             states.push(reached);
         }
-        Ok(self.traced(&places, &states, last))
+        let least: f64 = places
+            .iter()
+            .filter(|(s, _)| (start - s) * inward >= -1e-9)
+            .filter_map(|(_, place)| place.as_ref()?.cheapest(self.candidates.scale))
+            .map(|cost| cost + COST_PER_POSITION)
+            .sum();
+        Ok(Path { least, ..self.traced(&places, &states, last) })
     }
 
     /// What there is at every s, and between two of them where the axes turn too much on the way.
@@ -214,7 +222,7 @@ impl PathSearch<'_> {
     fn reach(&self, tilt: usize, place: &Place, here: &Here) -> Option<State> {
         let mut candidates = place.tilts[tilt].iter().flatten();
         let candidate = candidates.find_map(|c| self.candidates.cleared(c, place))?;
-        let column = self.candidates.column(&candidate);
+        let column = self.candidates.column(&candidate.station);
         let mut search = ContactSearch::default();
         let mut best: Option<State> = None;
         let mut consider = |cost_before: f64, before: Option<(usize, usize)>| {
@@ -238,7 +246,7 @@ impl PathSearch<'_> {
                 && let Some(state) = &here.states[k][j]
                 && count < LOOK_BACK
             {
-                passed[count] = lifted(&state.column, state.lift);
+                passed[count] = state.column.lifted(state.lift);
                 count += 1;
                 at = state.before;
             }
@@ -280,7 +288,7 @@ impl PathSearch<'_> {
     fn traced(&self, places: &[(f64, Option<Place>)], states: &[States], last: Option<usize>) -> Path {
         let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
         let end = last.and_then(|k| (0..TILTS).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
-        let mut path = Path { steps: Vec::new(), cost: end.as_ref().map_or(0.0, cost) };
+        let mut path = Path { cost: end.as_ref().map_or(0.0, cost), ..Path::default() };
         let mut at = end;
         while let Some((k, j)) = at
             && let Some(state) = &states[k][j]
@@ -313,14 +321,6 @@ impl PathSearch<'_> {
             },
         )
     }
-}
-
-/// The column of a plunge that stops `lift` mm short.
-fn lifted(column: &Column, lift: f64) -> Column {
-    let mut column = *column;
-    column.cutter.tip += column.cutter.axis * lift;
-    column.top -= lift;
-    column
 }
 
 /// Distance of the point `height` mm above the tip of `cutter` from the axis of `other`.

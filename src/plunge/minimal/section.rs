@@ -1,7 +1,7 @@
 //! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
 //! direction that leaves less.
 
-use super::{CandidateMaker, Crossing, PathSearch};
+use super::{CandidateMaker, Crossing, ExtraSearch, Floor, PathSearch};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
 use crate::part::Tool;
@@ -9,10 +9,20 @@ use crate::part::setup::Feed;
 use crate::plunge::contact::{BlankTop, Column};
 use crate::plunge::cycle::{PlanError, Planner, Row, SectionCut};
 use crate::plunge::ground::{Ground, RowGround, Stretch};
-use crate::plunge::lane::{AxisEnds, Lane};
+use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
-use crate::plunge::sections::{step_limit, tool_of};
+use crate::plunge::sections::{ridge_spacing, tool_of};
 
+/// Rounds in which more plunges are looked for, each beside all those before, by what a plunge has to take, in least
+/// gains: what takes most comes first, as it frees others.
+const EXTRA_ROUNDS: [f64; 3] = [4.0, 2.0, 1.0];
+/// How far apart they are tried along the channel, in step limits, and into how many parts they divide the way between
+/// two rows.
+const EXTRA_STEP: f64 = 0.5;
+/// See [`EXTRA_STEP`].
+const EXTRA_ROWS: usize = 4;
+/// A section fed inwards that costs no more than so many times the least is not tried outwards.
+const GOOD_ENOUGH: f64 = 1.2;
 /// What a place without any axis costs beside one that leaves a thick layer, mm.
 const COST_OF_MISSED: f64 = 30.0;
 /// Layer whose square weighs as much as itself, in cutter radii.
@@ -25,8 +35,14 @@ const WEDGE_RADII: f64 = 0.2;
 const MOST_LIFT: f64 = 0.8;
 /// Lift of a row's first position from which on the row is entered from the side, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
-/// Neighbouring axes may stand this far apart at the shroud before a ridge stays between them, in radii.
-const RIDGE_RADII: f64 = 1.9;
+
+/// A section fed one way.
+struct Fed {
+    cut: SectionCut,
+    /// What it costs, and what it could not cost less than.
+    cost: f64,
+    least: f64,
+}
 
 impl Planner<'_> {
     /// Plans section `index` on its `grounds` after the plunges of `earlier`, in the direction its setup asks for or else
@@ -41,48 +57,100 @@ impl Planner<'_> {
         earlier: &[Column],
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
-        let fed = |feed: Feed| self.fed(index, grounds, earlier, feed, monitor);
-        match self.setup.plunge.sections[index].feed {
-            Some(feed) => Ok(fed(feed)?.0),
-            None => {
-                let (inward, outward) = rayon::join(|| fed(Feed::Inward), || fed(Feed::Outward));
-                let (inward, outward) = (inward?, outward?);
-                Ok(if outward.1 < inward.1 { outward.0 } else { inward.0 })
+        let fed = |feed: Feed, limit: f64| self.fed(index, grounds, earlier, feed, limit, monitor);
+        let asked = self.setup.plunge.sections[index].feed;
+        let first = fed(asked.unwrap_or(Feed::Inward), f64::INFINITY)?;
+        let other = match &first {
+            Some(first) if asked.is_none() && first.cost > GOOD_ENOUGH * first.least => {
+                fed(Feed::Outward, first.cost)?
             }
-        }
+            _ => None,
+        };
+        let Some(Fed { mut cut, .. }) = other.or(first) else {
+            return Ok(SectionCut { feed: Feed::Inward, rows: Vec::new(), columns: earlier.to_vec() });
+        };
+        self.add_extras(index, grounds, &mut cut, monitor)?;
+        Ok(cut)
     }
 
-    /// The section fed one way, and what it costs.
+    /// Adds plunges where the rows of a section left the most, at most as many as there are.
+    fn add_extras(
+        &self,
+        index: usize,
+        grounds: &[Ground],
+        cut: &mut SectionCut,
+        monitor: &Monitor,
+    ) -> Result<(), PlanError> {
+        let stock = &self.setup.stock;
+        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
+        let top = BlankTop::new(&self.blank);
+        let scale = SCALE_RADII * tool.radius();
+        let allowances = (stock.hub_allowance, stock.blade_allowance);
+        let most: usize = cut.rows.iter().map(|row| row.len()).sum();
+        for ground in grounds {
+            let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
+            for column in &cut.columns {
+                floor.cut(self.part, column);
+            }
+            let rows = self.with_rows_beside_walls(&ground.lane, &ground.stretch, tool, &ground.rows);
+            let lambdas = between_rows(&rows);
+            let maker =
+                |&lambda: &f64| self.row_maker(ground, tool, (lambda, lambdas.len()), cut.feed, monitor);
+            let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
+            let Some(first) = makers.first() else { continue };
+            let (start, end) = self.row_ends(index, &ground.stretch, cut.feed.inward());
+            let step = EXTRA_STEP * first.step_limit / self.part.hub.length();
+            let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
+            let places: Vec<f64> =
+                (0..=count).map(|i| start + (end - start) * i as f64 / count as f64).collect();
+            let candidates = |maker| CandidateMaker {
+                maker,
+                finished: &self.finished,
+                top: &top,
+                hub_allowance: stock.hub_allowance,
+                blade_allowance: stock.blade_allowance,
+                max_tilt: self.setup.plunge.max_tilt,
+                scale,
+                floor: &|_| None,
+                sideways: f64::INFINITY,
+            };
+            let candidates: Vec<CandidateMaker> = makers.iter().map(candidates).collect();
+            let mut search = ExtraSearch::new(&candidates, &places, floor, &self.blank);
+            let mut budget = most / grounds.len();
+            for times in EXTRA_ROUNDS {
+                let rows = search.stations(&cut.columns, budget, times)?;
+                budget -= rows.iter().map(Vec::len).sum::<usize>();
+                for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
+                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, monitor)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The section fed one way; `None` when it costs `limit` or more.
     fn fed(
         &self,
         index: usize,
         grounds: &[Ground],
         earlier: &[Column],
         feed: Feed,
+        limit: f64,
         monitor: &Monitor,
-    ) -> Result<(SectionCut, f64), PlanError> {
+    ) -> Result<Option<Fed>, PlanError> {
         let stock = &self.setup.stock;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
-        let inward = if feed == Feed::Inward { 1.0 } else { -1.0 };
+        let inward = feed.inward();
         let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.to_vec() };
-        let mut cost = 0.0;
-        for Ground { stretch, lane, hub, rows } in grounds {
+        let (mut cost, mut least) = (0.0, 0.0);
+        for ground in grounds {
+            let Ground { stretch, lane, rows, .. } = ground;
             let (start, end) = self.row_ends(index, stretch, inward);
             let rows = self.with_rows_beside_walls(lane, stretch, tool, rows);
             let sideways = self.sideways(lane, stretch, tool, &rows);
             for (row, &lambda) in rows.iter().enumerate() {
-                let wall_row = lambda == 0.0 || lambda == 1.0 || rows.len() == 1;
-                let maker = RowMaker {
-                    part: self.part,
-                    lane,
-                    hub,
-                    tool,
-                    lambda,
-                    inward,
-                    step_limit: step_limit(&self.setup.plunge, tool, wall_row),
-                    monitor,
-                };
+                let maker = self.row_maker(ground, tool, (lambda, rows.len()), feed, monitor);
                 let search = PathSearch {
                     candidates: CandidateMaker {
                         maker: &maker,
@@ -100,38 +168,45 @@ impl Planner<'_> {
                 };
                 let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
                 let (places, step) = places(&maker, start + run_up, start, end);
-                let turned = self.setup.plunge.max_axis_change;
+                let lambda = stretch.lambda_in_channel(lambda);
                 let mut path = search.path(&places, start, &cut.columns)?;
-                let lambda_of =
-                    |lambda: f64| stretch.lambdas.0 + lambda * (stretch.lambdas.1 - stretch.lambdas.0);
                 if let Some((first, lift)) = path.steps.first()
                     && row > 0
                     && *lift > CROSSING_RADII * tool.radius()
                 {
-                    let crossing = Crossing {
-                        candidates: &search.candidates,
-                        from: rows[row - 1],
-                        s: first.ends.s_hub,
-                        blank: &self.blank,
-                        max_axis_change: turned,
-                    };
-                    let stations = crossing.stations(&cut.columns)?;
-                    let row = Row { stations, lambda: lambda_of(lambda), rounds: 1, settled: true };
-                    let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
-                    cut.rows.extend(row.split_where_axes_turn(turned));
+                    let crossing = Crossing { search: &search, from: rows[row - 1], s: first.ends.s_hub };
+                    self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, &mut cut, monitor)?;
                     path = search.path(&places, start, &cut.columns)?;
                 }
                 let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
+                least += path.least;
                 cost += path.cost + COST_OF_MISSED * ((end - reached) / step).abs();
+                if cost >= limit {
+                    return Ok(None);
+                }
                 let mut stations: Vec<Station> =
                     path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
                 fill_steps(&maker, &search.candidates, &mut stations);
-                let row = Row { stations, lambda: lambda_of(lambda), rounds: 1, settled: true };
-                let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
-                cut.rows.extend(row.split_where_axes_turn(turned));
+                self.cut_split(stations, lambda, tool, &mut cut, monitor)?;
             }
         }
-        Ok((cut, cost))
+        Ok(Some(Fed { cut, cost, least }))
+    }
+
+    /// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, as several rows where the axis
+    /// turns too much.
+    fn cut_split(
+        &self,
+        stations: Vec<Station>,
+        lambda: f64,
+        tool: &Tool,
+        cut: &mut SectionCut,
+        monitor: &Monitor,
+    ) -> Result<(), PlanError> {
+        let row = Row { stations, lambda, rounds: 1, settled: true };
+        let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
+        cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
+        Ok(())
     }
 
     /// What row `row` has to clear at `s`: from half way to the row before it (or the wall's foot) to half way to the
@@ -195,7 +270,7 @@ impl Planner<'_> {
         let widest = (0..=8)
             .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
             .fold(0.0, |widest: f64, (_, shroud)| widest.max(shroud));
-        let slack = |i: usize| (RIDGE_RADII * tool.radius() - widest * (rows[i + 1] - rows[i])).max(0.0);
+        let slack = |i: usize| (ridge_spacing(tool) - widest * (rows[i + 1] - rows[i])).max(0.0);
         (0..rows.len())
             .map(|i| {
                 let before: f64 = (0..i).map(slack).sum();
@@ -204,6 +279,18 @@ impl Planner<'_> {
             })
             .collect()
     }
+}
+
+/// The λ of `rows` and of more between them.
+fn between_rows(rows: &[f64]) -> Vec<f64> {
+    let mut lambdas = rows.to_vec();
+    for pair in rows.windows(2) {
+        for k in 1..EXTRA_ROWS {
+            lambdas.push(pair[0] + (pair[1] - pair[0]) * k as f64 / EXTRA_ROWS as f64);
+        }
+    }
+    lambdas.sort_by(f64::total_cmp);
+    lambdas
 }
 
 /// Places s of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub and shroud for
@@ -234,10 +321,7 @@ fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<
         let mut filled: Vec<Station> = Vec::with_capacity(stations.len());
         for pair in stations.windows(2) {
             filled.push(pair[0]);
-            let apart = (pair[1].ends.s_hub - pair[0].ends.s_hub).abs() * maker.part.hub.length();
-            if maker.spacing(&pair[0], &pair[1]) > maker.step_limit * (1.0 + 1e-9)
-                && apart > 0.02 * maker.step_limit
-            {
+            if maker.needs_another(&pair[0], &pair[1], pair[1].ends.s_hub - pair[0].ends.s_hub) {
                 filled.extend(between(maker, candidates, &pair[0].ends, &pair[1].ends));
             }
         }
@@ -254,7 +338,7 @@ fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<
 fn between(maker: &RowMaker, candidates: &CandidateMaker, a: &AxisEnds, b: &AxisEnds) -> Option<Station> {
     let middle = |x: f64, y: f64| 0.5 * (x + y);
     let (s_hub, s_shroud) = (middle(a.s_hub, b.s_hub), middle(a.s_shroud, b.s_shroud));
-    let ends = if maker.lambda == 0.0 || maker.lambda == 1.0 {
+    let ends = if is_wall(maker.lambda) {
         maker.lane.row_axis(maker.lambda, s_hub, s_shroud)?
     } else {
         AxisEnds {

@@ -1,0 +1,233 @@
+//! `vanecut flank`.
+
+use std::sync::Arc;
+
+use serde_json::{Map, Value, json};
+
+use super::args::FlankArgs;
+use super::plan::{check_folder, make_folder, watched};
+use super::report::number;
+use super::{Failure, open, say};
+use crate::flank::FlankPlan;
+use crate::formats::apt::{ClProgram, write_apt};
+use crate::formats::flank_file::write_flank;
+use crate::formats::setup_file::flank_scheme;
+use crate::formats::write::write_together;
+use crate::job::JobError;
+use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
+use crate::part::{FlankScheme, Impeller};
+
+/// Plans, writes the files, prints the figures.
+pub fn run(args: &FlankArgs) -> Result<(), Failure> {
+    let (description, part) = open::part(&args.part)?;
+    let mut setup = open::setup(args.setup.as_deref(), &args.part)?;
+    if let Some(name) = &args.scheme {
+        setup.setup.flank.scheme =
+            flank_scheme(name).map_err(|(what, cure)| Failure::Input(format!("--scheme: {what}; {cure}")))?;
+    }
+    check_folder(&args.output)?;
+    let request = FlankRequest { part: Arc::new(part), setup: setup.setup.clone() };
+    let outcome =
+        watched(|monitor| FlankJob::default().run(&request, monitor)).map_err(|error| match error {
+            JobError::Cancelled => Failure::Work("cancelled".to_owned()),
+            JobError::Setup(fault) => setup.failure(&fault),
+        })?;
+    let plan = &outcome.plan;
+    let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, plan.feed, &plan.moves);
+    make_folder(&args.output)?;
+    let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
+    write_together(&[
+        (json.clone(), write_flank(&description, &outcome.setup, plan).as_bytes()),
+        (apt.clone(), write_apt(&program).as_bytes()),
+    ])?;
+    if args.json {
+        say(&format!("{}\n", Value::Object(object(&outcome))))
+    } else {
+        say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))
+    }
+}
+
+/// Regions of a channel.
+fn region_count(part: &Impeller) -> usize {
+    if part.splitters.is_empty() { 1 } else { 3 }
+}
+
+/// Distance of neighbouring curves on the lowest layer, mm.
+fn interval(plan: &FlankPlan) -> f64 {
+    plan.curves.layers.first().map_or(f64::NAN, |layer| layer.interval)
+}
+
+/// Length of curves that no axis reaches, mm.
+fn left_out(plan: &FlankPlan) -> f64 {
+    plan.left_out.iter().map(|stretch| stretch.length).sum()
+}
+
+fn object(outcome: &FlankOutcome) -> Map<String, Value> {
+    let (part, plan) = (&outcome.part, &outcome.plan);
+    let curves = &plan.curves;
+    let scheme = curves.scheme;
+    let of = |scheme: FlankScheme| &curves.totals[scheme as usize];
+    let mut map = Map::new();
+    let mut put = |key: &str, value: Value| {
+        map.insert(key.to_owned(), value);
+    };
+    put("part", json!(part.name));
+    put("blades", json!(part.blade_count));
+    put("splitters", json!(part.splitters.len() * part.blade_count));
+    put("channels", json!(1));
+    put("scheme", json!(scheme));
+    put("tool", json!(plan.tool));
+    put("reason", json!(plan.reason));
+    put("layers", json!(curves.layers.len()));
+    put("regions", json!(region_count(part)));
+    put("curves", json!(of(scheme).curves));
+    put("interval", number(interval(plan)));
+    put("length", number(of(scheme).length));
+    for other in FlankScheme::ALL {
+        put(&format!("length_{}", other.name()), number(of(other).length));
+    }
+    put("floor_length", number(curves.floor_length));
+    put("seam_length", number(curves.seam_length));
+    put("area", number(curves.area));
+    put("largest_gap_over_interval", number(of(scheme).coverage.largest_gap));
+    put("wide_area_share", number(curves.wide_share(scheme)));
+    put("max_overcut", number(plan.max_overcut()));
+    put("max_undercut", number(plan.max_undercut()));
+    put("positions", json!(plan.positions()));
+    put("fixed_axes", json!(plan.axes.len()));
+    put("left_out_length", number(left_out(plan)));
+    put(
+        "left_out",
+        Value::Array(
+            plan.left_out
+                .iter()
+                .map(|l| {
+                    json!({
+                        "layer": l.layer + 1, "region": l.region, "length": l.length, "why": l.why,
+                    })
+                })
+                .collect(),
+        ),
+    );
+    put("feed", number(plan.feed));
+    put("cut_length", number(plan.times.cut_length));
+    put("link_length", number(plan.times.link_length));
+    put("rapid_length", number(plan.times.rapid_length));
+    put("cut_time", number(plan.times.cut_time));
+    put("link_time", number(plan.times.link_time));
+    put("rapid_time", number(plan.times.rapid_time));
+    put("time_estimate", number(plan.times.total()));
+    // The isoparametric layers are measured only where they are asked for.
+    let measured = |s: FlankScheme| s != FlankScheme::Isoparametric || s == scheme;
+    let by_scheme: Map<String, Value> = FlankScheme::ALL
+        .iter()
+        .map(|&s| {
+            let figures = of(s);
+            let gap = if measured(s) { figures.coverage.largest_gap } else { f64::NAN };
+            let wide = if measured(s) { curves.wide_share(s) } else { f64::NAN };
+            (
+                s.name().to_owned(),
+                json!({
+                    "curves": figures.curves,
+                    "length": figures.length,
+                    "largest_gap_over_interval": number(gap),
+                    "wide_area_share": number(wide),
+                }),
+            )
+        })
+        .collect();
+    put("by_scheme", Value::Object(by_scheme));
+    put(
+        "by_layer",
+        Value::Array(
+            curves
+                .layers
+                .iter()
+                .enumerate()
+                .map(|(number, layer)| {
+                    json!({
+                        "layer": number + 1,
+                        "height": layer.layer.height,
+                        "interval": layer.interval,
+                        "curves": layer.curves.len(),
+                        "length": layer.figures[scheme as usize].length,
+                    })
+                })
+                .collect(),
+        ),
+    );
+    put("elapsed", number(outcome.elapsed));
+    map
+}
+
+fn text(outcome: &FlankOutcome) -> String {
+    let (part, plan) = (&outcome.part, &outcome.plan);
+    let curves = &plan.curves;
+    let mut text = format!(
+        "{}: {} layers, {} region{}, {} curves; cutter D {} R {}, {:.3} mm between curves at the hub\n",
+        part.name,
+        curves.layers.len(),
+        region_count(part),
+        if region_count(part) == 1 { "" } else { "s" },
+        curves.totals[curves.scheme as usize].curves,
+        plan.tool.diameter,
+        plan.tool.corner_radius,
+        interval(plan),
+    );
+    if let Some(reason) = &plan.reason {
+        text += &format!("cutter: {reason}\n");
+    }
+    text += "scheme         curves     length mm   of isoparametric   widest gap   wide area %\n";
+    for scheme in FlankScheme::ALL {
+        let figures = &curves.totals[scheme as usize];
+        let measured = scheme != FlankScheme::Isoparametric || scheme == curves.scheme;
+        let (gap, wide) = if measured {
+            (
+                format!("{:.3}", figures.coverage.largest_gap),
+                format!("{:.3}", 100.0 * curves.wide_share(scheme)),
+            )
+        } else {
+            ("-".to_owned(), "-".to_owned())
+        };
+        text += &format!(
+            "{:13}{:8}{:14.1}{:18.3}{gap:>13}{wide:>14}{}\n",
+            scheme.name(),
+            figures.curves,
+            figures.length,
+            figures.length / curves.totals[0].length,
+            if scheme == curves.scheme { "  < written" } else { "" },
+        );
+    }
+    text += &format!(
+        "floor {:.1} mm, seams {:.1} mm: {} is {:.3} of floor and half the seams\n",
+        curves.floor_length,
+        curves.seam_length,
+        curves.scheme.name(),
+        curves.totals[curves.scheme as usize].length / (curves.floor_length + 0.5 * curves.seam_length),
+    );
+    text += &format!(
+        "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept\n",
+        plan.max_overcut(),
+        plan.max_undercut()
+    );
+    text += &format!(
+        "{} positions, {} fixed axes; {:.0} mm cut at {:.0} mm/min, {:.0} mm links and approaches, {:.0} mm rapid: {:.1} + {:.1} + {:.1} min\n",
+        plan.positions(),
+        plan.axes.len(),
+        plan.times.cut_length,
+        plan.feed,
+        plan.times.link_length,
+        plan.times.rapid_length,
+        plan.times.cut_time / 60.0,
+        plan.times.link_time / 60.0,
+        plan.times.rapid_time / 60.0,
+    );
+    for height in &curves.empty {
+        text += &format!("nothing is planned {height} mm above the hub: the cutter fits nowhere there\n");
+    }
+    for left in &plan.left_out {
+        text +=
+            &format!("left out: {:.1} mm of curves of layer {}, {}\n", left.length, left.layer + 1, left.why);
+    }
+    text
+}

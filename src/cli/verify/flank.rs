@@ -1,0 +1,75 @@
+//! What `vanecut verify` prints of flank programs.
+
+use serde_json::{Map, Value, json};
+
+use crate::cli::report::number;
+use crate::part::Impeller;
+use crate::verify::FlankVerdict;
+
+/// The object of `--json`: every key that a plunge program has, null where it says nothing of this one.
+pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Value> {
+    let layer = &verdict.layer;
+    let mut map = Map::new();
+    let mut put = |key: &str, value: Value| {
+        map.insert(key.to_owned(), value);
+    };
+    put("kind", json!("flank"));
+    put("part", json!(part.name));
+    put("blades", json!(part.blade_count));
+    put("splitters", json!(part.splitters.len() * part.blade_count));
+    put("channels", json!(verdict.channels));
+    put("positions", json!(verdict.positions));
+    for key in
+        ["rows", "sections", "interferential", "max_contact_depth", "blocked", "held", "settled", "rounds"]
+    {
+        put(key, Value::Null);
+    }
+    put("residual_mean", number(layer.mean.into()));
+    put("residual_p95", number(layer.p95.into()));
+    put("residual_max", number(layer.max.into()));
+    put("uncut_share", number(layer.uncut_share.into()));
+    put("unreachable_share", number(layer.unreachable_share.into()));
+    put("max_overcut", number(verdict.max_overcut));
+    put("max_undercut", number(verdict.max_undercut));
+    put("uncovered_share", number(verdict.uncovered_share));
+    put("min_hub_clearance", number(verdict.min_hub_clearance));
+    put("min_blade_clearance", number(verdict.min_blade_clearance));
+    put("min_retract_clearance", number(verdict.min_retract_clearance));
+    put("max_axis_change", number(verdict.max_axis_change.to_degrees()));
+    put("cut_length", number(verdict.cut_length));
+    put("rapid_length", number(verdict.rapid_length));
+    put("time_estimate", number(verdict.time_estimate));
+    put("by_section", json!([]));
+    map
+}
+
+/// The same for people.
+pub(super) fn text(verdict: &FlankVerdict) -> String {
+    let channels = if verdict.channels == 1 { "channel" } else { "channels" };
+    let mut text = format!(
+        "flank program: {} moves under feed in {} {channels}, {:.0} mm; {:.0} mm in rapid; about {:.0} min\n",
+        verdict.positions,
+        verdict.channels,
+        verdict.cut_length,
+        verdict.rapid_length,
+        verdict.time_estimate / 60.0
+    );
+    text += &format!(
+        "floor: {:.2} % left higher than allowed; layer {:.2} mm, 95 % below {:.2} mm\n",
+        100.0 * verdict.uncovered_share,
+        verdict.layer.mean,
+        verdict.layer.p95
+    );
+    text += &if verdict.max_undercut.is_finite() {
+        format!("walls: {:.4} mm over, {:.4} mm under\n", verdict.max_overcut, verdict.max_undercut)
+    } else {
+        format!("walls: not milled; {:.4} mm over\n", verdict.max_overcut)
+    };
+    text += &format!(
+        "least clearance: hub {:.4} mm, blades {:.4} mm; axis turns up to {:.1}° a move\n",
+        verdict.min_hub_clearance,
+        verdict.min_blade_clearance,
+        verdict.max_axis_change.to_degrees()
+    );
+    text
+}

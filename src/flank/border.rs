@@ -1,0 +1,270 @@
+//! The walls of the channel on a layer, and the fans of geodesics that leave them at right angles: where a fan has gone a
+//! certain way lies the true offset of the wall.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::layer::{Layer, LayerPoint};
+use crate::geometry::wrap_angle;
+use crate::part::{BladeSide, Channel, Impeller};
+
+/// A wall as a line on the layer.
+#[derive(Clone, Debug)]
+pub struct Border {
+    /// The wall within the channel and its extension beyond both ends, in order of the rays.
+    pub points: Vec<LayerPoint>,
+    /// Where rays leave, and under which heading (rad): at right angles to the wall, into the passage; round about a
+    /// nose several from one place.
+    rays: Vec<(LayerPoint, f64)>,
+}
+
+/// The walls of a channel on a layer.
+#[derive(Clone, Debug)]
+pub struct Borders {
+    /// At λ = 0.
+    pub low: Border,
+    /// At λ = 1.
+    pub high: Border,
+    /// Around the splitter, from its trailing edge along the side that faces `low`, round the nose and back.
+    pub splitter: Option<Splitter>,
+}
+
+/// The splitter on a layer.
+#[derive(Clone, Debug)]
+pub struct Splitter {
+    /// The whole outline.
+    pub border: Border,
+    /// x of the foremost point of its nose, mm.
+    pub nose: LayerPoint,
+    /// The sides that face `low` and `high`, x growing.
+    pub sides: [Vec<LayerPoint>; 2],
+}
+
+/// Lines u at which a flank is traced.
+const FLANK_LINES: usize = 80;
+/// Lines u of each side of a splitter, denser towards its nose.
+const NOSED_LINES: usize = 70;
+/// A wall that turns by more than this between two points sends out more than one ray there, rad.
+const RAY_TURN: f64 = 0.12;
+/// Spacing of the points of an extension, mm.
+const EXTENSION_STEP: f64 = 2.0;
+
+impl Border {
+    /// A wall through `points`, x growing with them or round a nose; rays leave to the left of it as seen from the side of
+    /// the channel: towards growing heading.
+    fn new(layer: &Layer, points: Vec<LayerPoint>, side: f64) -> Self {
+        let headings: Vec<f64> = points.windows(2).map(|p| layer.heading(p[0], p[1])).collect();
+        let mut rays = Vec::with_capacity(points.len() + 32);
+        for (i, &p) in points.iter().enumerate() {
+            let before = if i > 0 { headings[i - 1] } else { headings[0] };
+            let after = before + wrap_angle(headings.get(i).copied().unwrap_or(before) - before);
+            let turn = after - before;
+            // Away from the passage the wall opens a gap between two rays; towards it they cross, and one does.
+            let count = if -turn * side > RAY_TURN { (turn.abs() / RAY_TURN).ceil() as usize } else { 0 };
+            if count > 0 {
+                for k in 0..=count {
+                    rays.push((p, before + turn * k as f64 / count as f64 + side * FRAC_PI_2));
+                }
+                continue;
+            }
+            // The slope of the parabola through three points.
+            let (a, b) = (
+                if i > 0 { layer.step(points[i - 1], p) } else { 1.0 },
+                points.get(i + 1).map_or(1.0, |&q| layer.step(p, q)),
+            );
+            let heading = before + turn * a / (a + b);
+            rays.push((p, heading + side * FRAC_PI_2));
+        }
+        Self { points, rays }
+    }
+
+    /// The places all rays have reached after `length` mm.
+    pub fn offset(&self, layer: &Layer, length: f64) -> Vec<LayerPoint> {
+        self.rays.iter().map(|&(p, heading)| layer.geodesic(p, heading, length).0).collect()
+    }
+
+    /// Rows of places after each of the `lengths`, which grow.
+    pub fn fan(&self, layer: &Layer, lengths: &[f64]) -> Vec<Vec<LayerPoint>> {
+        let mut rows = vec![Vec::with_capacity(self.rays.len()); lengths.len()];
+        for &(start, heading) in &self.rays {
+            let (mut p, mut psi, mut gone) = (start, heading, 0.0);
+            for (row, &length) in rows.iter_mut().zip(lengths) {
+                (p, psi) = layer.geodesic(p, psi, length - gone);
+                gone = length;
+                row.push(p);
+            }
+        }
+        rows
+    }
+
+    /// y of the border at `x`, where x grows along it; the nearest end's beyond them.
+    pub fn y_at(&self, x: f64) -> f64 {
+        y_at(&self.points, x)
+    }
+}
+
+/// y of a line at `x`, where x grows along it; the nearest end's beyond them.
+pub fn y_at(line: &[LayerPoint], x: f64) -> f64 {
+    let after = line.partition_point(|p| p.x < x);
+    if after == 0 {
+        return line.first().map_or(0.0, |p| p.y);
+    }
+    if after == line.len() {
+        return line[after - 1].y;
+    }
+    let (a, b) = (line[after - 1], line[after]);
+    a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x).max(1e-12)
+}
+
+impl Borders {
+    /// The walls of `channel` on `layer`, each extended as a geodesic `beyond` mm beyond the layer's ends, and further
+    /// where its rays need that to reach over the whole channel. `None` where a wall does not cross the layer.
+    pub fn of(part: &Impeller, channel: &Channel, layer: &Layer, beyond: f64) -> Option<Self> {
+        let [a, b] = &channel.full.walls;
+        let low = flank(layer, a.side(), 0.0)?;
+        let high = flank(layer, b.side(), 0.0)?;
+        // The wall at λ = 1 follows the other within a pitch.
+        let middle = 0.5 * (layer.from + layer.to);
+        let gap = y_at(&high, middle) - y_at(&low, middle);
+        let pitch = part.pitch().abs();
+        let shift = wrap_angle(gap - 0.5 * pitch) + 0.5 * pitch - gap;
+        let high: Vec<LayerPoint> = high.iter().map(|p| LayerPoint { x: p.x, y: p.y + shift }).collect();
+        if [layer.from, middle, layer.to].iter().any(|&x| y_at(&high, x) <= y_at(&low, x)) {
+            return None;
+        }
+        let splitter = channel.beside_splitter.len() == 2 && !part.splitters.is_empty();
+        let nosed = splitter.then(|| outline(layer, &part.splitters[0], (&low, &high), beyond)).flatten();
+        let reach = |line: &[LayerPoint], end: usize, x: f64| {
+            let next = if end == 0 { 1 } else { end - 1 };
+            let slope = layer.heading(line[end.min(next)], line[end.max(next)]).tan().abs().min(3.0);
+            let width = layer.radius(x).0 * (y_at(&high, x) - y_at(&low, x));
+            beyond + slope * width
+        };
+        let extend = |line: &[LayerPoint]| {
+            let n = line.len() - 1;
+            extended(layer, line, [reach(line, 0, layer.from), reach(line, n, layer.to)])
+        };
+        let (low, high) = (extend(&low), extend(&high));
+        Some(Self {
+            low: Border::new(layer, low, 1.0),
+            high: Border::new(layer, high, -1.0),
+            splitter: nosed,
+        })
+    }
+}
+
+/// The line of a flank within the layer's ends, x growing.
+fn flank(layer: &Layer, side: &BladeSide, near: f64) -> Option<Vec<LayerPoint>> {
+    let first = side.u_knots()[0];
+    let traced = |from: f64, to: f64| {
+        let lines = (0..=FLANK_LINES).map(|i| from + (to - from) * i as f64 / FLANK_LINES as f64);
+        growing(layer.trace(side, lines, near))
+    };
+    let fits = |line: &Vec<LayerPoint>| line.len() >= 3 && line[1].x < layer.to;
+    // A layer that ends beside the nose lies where the flank runs on straight before it.
+    let line = Some(traced(first, 1.0))
+        .filter(fits)
+        .or_else(|| Some(traced(first - 0.2, first + 0.1)).filter(fits))?;
+    Some(until(line, layer.to))
+}
+
+/// Points up to the first beyond `to`, and that one.
+fn until(points: Vec<LayerPoint>, to: f64) -> Vec<LayerPoint> {
+    let end = points.iter().position(|p| p.x >= to).map_or(points.len(), |i| i + 1);
+    let mut points = points;
+    points.truncate(end.max(3));
+    points
+}
+
+/// The points without those at which x does not grow.
+fn growing(points: Vec<LayerPoint>) -> Vec<LayerPoint> {
+    let mut kept: Vec<LayerPoint> = Vec::with_capacity(points.len());
+    for p in points {
+        if kept.last().is_none_or(|last| p.x > last.x + 1e-9) {
+            kept.push(p);
+        }
+    }
+    kept
+}
+
+/// The line, running on as a geodesic beyond its ends until `reach` mm beyond the layer's.
+fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2]) -> Vec<LayerPoint> {
+    let n = line.len();
+    let run = |from: LayerPoint, heading: f64, length: f64| {
+        let steps = (length / EXTENSION_STEP).ceil().max(1.0) as usize;
+        (1..=steps)
+            .map(|k| layer.geodesic(from, heading, length * k as f64 / steps as f64).0)
+            .collect::<Vec<LayerPoint>>()
+    };
+    let back = end_heading(layer, [line[0], line[1], line[2]]);
+    let ahead = end_heading(layer, [line[n - 1], line[n - 2], line[n - 3]]);
+    let behind = (line[0].x - layer.from).max(0.0) / (-back.cos()).max(0.3) + reach[0];
+    let missing = (layer.to - line[n - 1].x).max(0.0) / ahead.cos().max(0.3) + reach[1];
+    let mut points = run(line[0], back, behind);
+    points.reverse();
+    points.extend_from_slice(line);
+    points.extend(run(line[n - 1], ahead, missing));
+    points
+}
+
+/// Heading under which a line goes on beyond its end, the first of three points: the slope of the parabola through them.
+fn end_heading(layer: &Layer, [end, next, third]: [LayerPoint; 3]) -> f64 {
+    let (outer, inner) = (layer.heading(next, end), layer.heading(third, next));
+    let (a, b) = (layer.step(end, next), layer.step(next, third));
+    outer + wrap_angle(outer - inner) * a / (a + b).max(1e-12)
+}
+
+/// The splitter's outline on the layer; `None` where the layer ends before its nose.
+fn outline(
+    layer: &Layer,
+    blade: &crate::part::Blade,
+    (low, high): (&[LayerPoint], &[LayerPoint]),
+    beyond: f64,
+) -> Option<Splitter> {
+    let lines = || (0..=NOSED_LINES).map(|i| (i as f64 / NOSED_LINES as f64).powi(2));
+    let near = |p: &LayerPoint| 0.5 * (y_at(low, p.x) + y_at(high, p.x));
+    let side = |side: &BladeSide| {
+        let traced = layer.trace(side, lines(), 0.0);
+        let shift = traced.last().map_or(0.0, |p| near(p) + wrap_angle(p.y - near(p)) - p.y);
+        traced.into_iter().map(|p| LayerPoint { x: p.x, y: p.y + shift }).collect::<Vec<_>>()
+    };
+    // The side that faces `low` is the pressure side, as a channel begins at a suction side.
+    let (facing_low, facing_high) = (side(&blade.pressure), side(&blade.suction));
+    if facing_low.len() < 4 || facing_high.len() < 4 {
+        return None;
+    }
+    let nose = facing_low.iter().chain(&facing_high).copied().min_by(|a, b| a.x.total_cmp(&b.x))?;
+    if nose.x >= layer.to {
+        return None;
+    }
+    let (facing_low, facing_high) = (cut_at(facing_low, layer.to), cut_at(facing_high, layer.to));
+    let ahead = |line: &[LayerPoint]| {
+        let n = line.len();
+        let heading = match n {
+            2 => layer.heading(line[0], line[1]),
+            _ => end_heading(layer, [line[n - 1], line[n - 2], line[n - 3]]),
+        };
+        let length = beyond + (layer.to - line[n - 1].x).max(0.0) / heading.cos().max(0.3);
+        let steps = (length / EXTENSION_STEP).ceil().max(1.0) as usize;
+        let run = (1..=steps)
+            .map(|k| layer.geodesic(line[n - 1], heading, length * k as f64 / steps as f64).0)
+            .collect::<Vec<_>>();
+        [line, &run].concat()
+    };
+    let (facing_low, facing_high) = (ahead(&facing_low), ahead(&facing_high));
+    let mut points: Vec<LayerPoint> = facing_low.iter().rev().copied().collect();
+    points.extend(facing_high.iter().skip_while(|p| layer.step(**p, facing_low[0]) < 1e-9));
+    Some(Splitter {
+        border: Border::new(layer, points, 1.0),
+        nose,
+        sides: [growing(facing_low), growing(facing_high)],
+    })
+}
+
+/// Points up to the first beyond `to`, nose first.
+fn cut_at(points: Vec<LayerPoint>, to: f64) -> Vec<LayerPoint> {
+    let mut points = points;
+    let foremost = (0..points.len()).min_by(|&a, &b| points[a].x.total_cmp(&points[b].x)).unwrap_or(0);
+    let end = (foremost..points.len()).find(|&i| points[i].x >= to).map_or(points.len(), |i| i + 1);
+    points.truncate(end.max(2));
+    points
+}

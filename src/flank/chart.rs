@@ -1,0 +1,421 @@
+//! A chart of a layer: nodes over the channel with their geodesic distances from the walls.
+//!
+//! Distances come from the fans of the walls: between two neighbouring rays and two rows the distance is linear, and a
+//! node keeps the least that any such cell gives it, so that it holds behind focal points too.
+
+use super::border::{Border, Borders, y_at};
+use super::layer::{Layer, LayerPoint};
+
+/// Which wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WallName {
+    /// At λ = 0, a main blade's suction side.
+    Low,
+    /// At λ = 1, a main blade's pressure side.
+    High,
+    /// The splitter between them.
+    Splitter,
+}
+
+impl WallName {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Low, Self::High, Self::Splitter];
+
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// Part of a channel (paper B, fig. 6).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Region {
+    /// From the inlet to the splitter's leading edge; the whole channel without one.
+    Inlet,
+    /// Beside the splitter, at the main blade's suction side.
+    LowSide,
+    /// Beside the splitter, at the main blade's pressure side.
+    HighSide,
+}
+
+/// Nodes of a layer and what is known there.
+#[derive(Debug)]
+pub struct Chart<'a> {
+    /// The layer.
+    pub layer: &'a Layer,
+    /// Its walls.
+    pub borders: &'a Borders,
+    /// Distances from the walls that count as free, mm.
+    pub clear: f64,
+    rows: Vec<Row>,
+    columns: usize,
+    step: f64,
+    /// By wall, row by row, mm; infinite where no ray comes.
+    distances: [Vec<f64>; 3],
+    /// By wall, where its rays are after `clear`, `clear` + `interval`, `clear` + 2 `interval`, … mm.
+    offsets: [Vec<Vec<LayerPoint>>; 3],
+    /// Distance between neighbouring offsets, mm.
+    pub interval: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    x: f64,
+    radius: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Row {
+    fn y(&self, column: f64, columns: usize) -> f64 {
+        self.low + (self.high - self.low) * column / (columns - 1) as f64
+    }
+
+    fn column(&self, y: f64, columns: usize) -> f64 {
+        (y - self.low) / (self.high - self.low) * (columns - 1) as f64
+    }
+}
+
+/// One node.
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    /// Where it is.
+    pub point: LayerPoint,
+    /// Area it stands for, mm²: less at the edge of what the cutter's axis may reach, 0 beyond.
+    pub free_area: f64,
+    /// Place in the chart.
+    pub index: usize,
+}
+
+/// Most nodes along and across; finer charts would only cost.
+const MAX_NODES: usize = 1200;
+
+impl<'a> Chart<'a> {
+    /// Nodes about `spacing` mm apart over the layer and `beyond` mm beyond its ends; `clear` mm from a wall counts as
+    /// free. Rays are followed by steps of `interval` mm, the first of them `clear` long.
+    pub fn new(
+        layer: &'a Layer,
+        borders: &'a Borders,
+        clear: f64,
+        interval: f64,
+        spacing: f64,
+        beyond: f64,
+    ) -> Self {
+        let length = layer.to - layer.from;
+        let inside = ((length / spacing).ceil() as usize).clamp(2, MAX_NODES);
+        let step = length / inside as f64;
+        let outside = (beyond / step).ceil() as usize + 1;
+        let rows: Vec<Row> = (0..inside + 2 * outside)
+            .map(|i| {
+                let x = layer.from + (i as f64 + 0.5 - outside as f64) * step;
+                let radius = layer.radius(x).0.max(1e-6);
+                let (low, high) = (borders.low.y_at(x), borders.high.y_at(x));
+                Row { x, radius, low, high: high.max(low + 1e-9) }
+            })
+            .collect();
+        let widest = rows.iter().map(|r| r.radius * (r.high - r.low)).fold(0.0, f64::max);
+        let columns = ((widest / spacing).ceil() as usize).clamp(3, MAX_NODES);
+        let mut chart = Self {
+            layer,
+            borders,
+            clear,
+            columns,
+            step,
+            distances: std::array::from_fn(|_| vec![f64::INFINITY; rows.len() * columns]),
+            rows,
+            offsets: Default::default(),
+            interval,
+        };
+        let lengths: Vec<f64> = std::iter::once(0.0)
+            .chain((0..).map(|k| clear + interval * f64::from(k)).take_while(|l| *l < widest + interval))
+            .collect();
+        // The walls themselves: the first rays leave between two nodes.
+        for i in 0..chart.rows.len() {
+            chart.distances[0][i * columns] = 0.0;
+            chart.distances[1][(i + 1) * columns - 1] = 0.0;
+        }
+        let walls = [Some(&borders.low), Some(&borders.high), borders.splitter.as_ref().map(|s| &s.border)];
+        for (index, wall) in walls.into_iter().enumerate() {
+            if let Some(wall) = wall {
+                chart.spread(index, wall, &lengths);
+            }
+        }
+        chart.close_splitter();
+        chart
+    }
+
+    /// Nodes inside the splitter, and those next to its outline that lie before its first row of places.
+    fn close_splitter(&mut self) {
+        let Some(splitter) = &self.borders.splitter else { return };
+        let field = &mut self.distances[WallName::Splitter.index()];
+        for (i, row) in self.rows.iter().enumerate().filter(|(_, row)| row.x > splitter.nose.x - self.step) {
+            let margin = 2.0 * self.step / row.radius;
+            let [low, high] = [0, 1].map(|side: usize| y_at(&splitter.sides[side], row.x));
+            for j in 0..self.columns {
+                let y = row.y(j as f64, self.columns);
+                let here = &mut field[i * self.columns + j];
+                let inside = (low..=high).contains(&y);
+                if inside || here.is_infinite() && (low - margin..=high + margin).contains(&y) {
+                    *here = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Fills in the distances from one wall.
+    fn spread(&mut self, index: usize, wall: &Border, lengths: &[f64]) {
+        let fan = wall.fan(self.layer, lengths);
+        let places: Vec<Vec<(f64, f64)>> =
+            fan.iter().map(|row| row.iter().map(|p| self.place(*p)).collect()).collect();
+        let mut field = std::mem::take(&mut self.distances[index]);
+        for k in 1..places.len() {
+            let (near, far) = (&places[k - 1], &places[k]);
+            for j in 1..near.len() {
+                let [a, b, c, d] = [near[j - 1], near[j], far[j - 1], far[j]];
+                let (l, m) = (lengths[k - 1], lengths[k]);
+                self.fill(&mut field, [(a, l), (b, l), (c, m)]);
+                self.fill(&mut field, [(b, l), (d, m), (c, m)]);
+            }
+        }
+        self.distances[index] = field;
+        self.offsets[index] = fan.into_iter().skip(1).collect();
+    }
+
+    /// True offsets of a wall, `clear` mm from it and then by steps of the interval.
+    pub fn offsets(&self, wall: WallName) -> &[Vec<LayerPoint>] {
+        &self.offsets[wall.index()]
+    }
+
+    /// Row and column of a point, as fractions.
+    fn place(&self, p: LayerPoint) -> (f64, f64) {
+        let at = (p.x - self.rows[0].x) / self.step;
+        let last = self.rows.len() - 1;
+        let i = (at.floor().max(0.0) as usize).min(last - 1);
+        let share = (at - i as f64).clamp(0.0, 1.0);
+        let (a, b) = (&self.rows[i], &self.rows[i + 1]);
+        if !(0.0..=last as f64).contains(&at) {
+            let (low, high) = (self.borders.low.y_at(p.x), self.borders.high.y_at(p.x));
+            return (at, Row { low, high, ..*a }.column(p.y, self.columns));
+        }
+        let row =
+            Row { low: a.low + share * (b.low - a.low), high: a.high + share * (b.high - a.high), ..*a };
+        (at, row.column(p.y, self.columns))
+    }
+
+    fn fill(&self, field: &mut [f64], corners: [((f64, f64), f64); 3]) {
+        let [((ax, ay), la), ((bx, by), lb), ((cx, cy), lc)] = corners;
+        let (rows, columns) = (self.rows.len() as f64, self.columns as f64);
+        let low_row = ax.min(bx).min(cx).max(0.0).ceil();
+        let high_row = ax.max(bx).max(cx).min(rows - 1.0).floor();
+        let low_column = ay.min(by).min(cy).max(0.0).ceil();
+        let high_column = ay.max(by).max(cy).min(columns - 1.0).floor();
+        if !(low_row <= high_row && low_column <= high_column) {
+            return;
+        }
+        let twice = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+        if twice.abs() < 1e-12 {
+            return;
+        }
+        for i in low_row as usize..=high_row as usize {
+            for j in low_column as usize..=high_column as usize {
+                let (x, y) = (i as f64 - ax, j as f64 - ay);
+                let s = (x * (cy - ay) - y * (cx - ax)) / twice;
+                let t = ((bx - ax) * y - (by - ay) * x) / twice;
+                if s >= -1e-9 && t >= -1e-9 && s + t <= 1.0 + 1e-9 {
+                    let distance = la + s * (lb - la) + t * (lc - la);
+                    let here = &mut field[i * self.columns + j];
+                    *here = here.min(distance);
+                }
+            }
+        }
+    }
+
+    /// Distance of a point from a wall, mm; infinite where none of its rays comes, or there is no such wall.
+    pub fn distance(&self, wall: WallName, p: LayerPoint) -> f64 {
+        let (row, column) = self.place(p);
+        let field = &self.distances[wall.index()];
+        let (last_row, last_column) = (self.rows.len() - 2, self.columns - 2);
+        let i = (row.max(0.0) as usize).min(last_row);
+        let j = (column.max(0.0) as usize).min(last_column);
+        let (s, t) = (row - i as f64, column - j as f64);
+        let at = |i: usize, j: usize| field[i * self.columns + j];
+        let (a, b, c, d) = (at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1));
+        let value = (1.0 - s) * ((1.0 - t) * a + t * b) + s * ((1.0 - t) * c + t * d);
+        // Next to where no ray comes a mean would be none.
+        if value.is_finite() { value } else { a.min(b).min(c).min(d) }
+    }
+
+    /// Where a point lies; `None` inside the splitter.
+    pub fn region(&self, p: LayerPoint) -> Option<Region> {
+        let Some(splitter) = &self.borders.splitter else { return Some(Region::Inlet) };
+        if p.x < splitter.nose.x {
+            return Some(Region::Inlet);
+        }
+        if p.y < y_at(&splitter.sides[0], p.x) {
+            Some(Region::LowSide)
+        } else if p.y > y_at(&splitter.sides[1], p.x) {
+            Some(Region::HighSide)
+        } else {
+            None
+        }
+    }
+
+    /// By how much a point is free of all walls, mm: at 0 the cutter's axis is at the least distance. Negative inside
+    /// the splitter and beyond the walls.
+    pub fn freedom(&self, p: LayerPoint) -> f64 {
+        if self.region(p).is_none() {
+            return -self.clear;
+        }
+        let (_, column) = self.place(p);
+        if !(0.0..=(self.columns - 1) as f64).contains(&column) {
+            return -self.clear;
+        }
+        WallName::ALL.iter().map(|&w| self.distance(w, p)).fold(f64::INFINITY, f64::min) - self.clear
+    }
+
+    /// All nodes within the layer that the cutter's axis may reach.
+    pub fn free_nodes(&self) -> Vec<Node> {
+        let mut nodes = Vec::new();
+        for (i, row) in self.rows.iter().enumerate() {
+            if row.x < self.layer.from || row.x > self.layer.to {
+                continue;
+            }
+            let across = row.radius * (row.high - row.low) / (self.columns - 1) as f64;
+            for j in 0..self.columns {
+                let index = i * self.columns + j;
+                let least = self.distances.iter().map(|d| d[index]).fold(f64::INFINITY, f64::min);
+                let free = least - self.clear;
+                let blur = 0.5 * (self.step + across);
+                let share = (free / blur + 0.5).clamp(0.0, 1.0);
+                if share <= 0.0 || !least.is_finite() {
+                    continue;
+                }
+                let point = LayerPoint { x: row.x, y: row.y(j as f64, self.columns) };
+                if self.region(point).is_some() {
+                    nodes.push(Node { point, free_area: share * self.step * across, index });
+                }
+            }
+        }
+        nodes
+    }
+
+    /// Distance of every node from the nearest of the `curves`, mm, where it is below `reach`; infinite elsewhere.
+    pub fn nearest_curve<'c>(&self, curves: impl Iterator<Item = &'c [LayerPoint]>, reach: f64) -> Vec<f64> {
+        let mut nearest = vec![f64::INFINITY; self.rows.len() * self.columns];
+        for curve in curves {
+            for pair in curve.windows(2) {
+                self.stamp(&mut nearest, pair[0], pair[1], reach);
+            }
+        }
+        for d in &mut nearest {
+            *d = d.sqrt();
+        }
+        nearest
+    }
+
+    /// Squared distances from one short straight piece.
+    fn stamp(&self, nearest: &mut [f64], a: LayerPoint, b: LayerPoint, reach: f64) {
+        let row_of = |x: f64| (x - self.rows[0].x) / self.step;
+        let first = row_of(a.x.min(b.x) - reach).ceil().max(0.0) as usize;
+        let last = row_of(a.x.max(b.x) + reach).floor().min((self.rows.len() - 1) as f64);
+        if last < 0.0 {
+            return;
+        }
+        for i in first..=last as usize {
+            let row = &self.rows[i];
+            let aside = reach / row.radius;
+            let from = row.column(a.y.min(b.y) - aside, self.columns).ceil().max(0.0);
+            let to = row.column(a.y.max(b.y) + aside, self.columns).floor().min((self.columns - 1) as f64);
+            if !(from <= to) {
+                continue;
+            }
+            let middle_radius = 0.5 * (row.radius + self.layer.radius(0.5 * (a.x + b.x)).0);
+            let (dx, dy) = (b.x - a.x, middle_radius * (b.y - a.y));
+            let squared = (dx * dx + dy * dy).max(1e-18);
+            for j in from as usize..=to as usize {
+                let (px, py) = (row.x - a.x, middle_radius * (row.y(j as f64, self.columns) - a.y));
+                let t = ((px * dx + py * dy) / squared).clamp(0.0, 1.0);
+                let (ex, ey) = (px - t * dx, py - t * dy);
+                let here = &mut nearest[i * self.columns + j];
+                *here = here.min(ex * ex + ey * ey);
+            }
+        }
+    }
+
+    /// Length of the lines on which two walls are equally near, within the layer and where the cutter's axis may be, mm.
+    pub fn seam_length(&self) -> f64 {
+        let mut length = 0.0;
+        let mut last: Vec<(usize, usize, LayerPoint)> = Vec::new();
+        for (i, row) in self.rows.iter().enumerate() {
+            if row.x < self.layer.from || row.x > self.layer.to {
+                continue;
+            }
+            let at = |w: usize, j: usize| self.distances[w][i * self.columns + j];
+            let nearest = |j: usize| {
+                (0..3).filter(|&w| at(w, j).is_finite()).min_by(|&a, &b| at(a, j).total_cmp(&at(b, j)))
+            };
+            let mut here = Vec::new();
+            for j in 1..self.columns {
+                let (Some(a), Some(b)) = (nearest(j - 1), nearest(j)) else { continue };
+                if a == b {
+                    continue;
+                }
+                let (before, after) = (at(b, j - 1) - at(a, j - 1), at(b, j) - at(a, j));
+                let share = if (before - after).abs() > 1e-12 { before / (before - after) } else { 0.5 };
+                let column = (j - 1) as f64 + share.clamp(0.0, 1.0);
+                let point = LayerPoint { x: row.x, y: row.y(column, self.columns) };
+                if self.freedom(point) > 0.0 {
+                    here.push((a, b, point));
+                }
+            }
+            for (a, b, p) in &here {
+                let before = last.iter().filter(|(c, d, _)| c == a && d == b).map(|(_, _, q)| *q);
+                let step = before.map(|q| self.layer.step(q, *p)).fold(f64::INFINITY, f64::min);
+                // A seam that begins here has run half a row already.
+                length += if step.is_finite() { step } else { 0.5 * self.step };
+            }
+            last = here;
+        }
+        length
+    }
+
+    /// The pieces of `line` on which `keep` is not negative, cut where it passes zero.
+    pub fn clip(&self, line: &[LayerPoint], keep: impl Fn(LayerPoint) -> f64) -> Vec<Vec<LayerPoint>> {
+        let mut pieces: Vec<Vec<LayerPoint>> = Vec::new();
+        let mut open: Vec<LayerPoint> = Vec::new();
+        let mut last: Option<(LayerPoint, f64)> = None;
+        for &p in line {
+            let value = keep(p);
+            if let Some((q, before)) = last {
+                if (before >= 0.0) != (value >= 0.0) {
+                    let border = crossing(q, p, before >= 0.0, &keep);
+                    open.push(border);
+                    if before >= 0.0 {
+                        pieces.push(std::mem::take(&mut open));
+                    }
+                }
+            }
+            if value >= 0.0 {
+                open.push(p);
+            }
+            last = Some((p, value));
+        }
+        pieces.push(open);
+        pieces.retain(|piece| piece.len() >= 2 && self.layer.length(piece) > 1e-6);
+        pieces
+    }
+}
+
+/// Where between `a` and `b` the sign changes: by halving, as what is kept may jump.
+fn crossing(a: LayerPoint, b: LayerPoint, a_is_kept: bool, keep: &impl Fn(LayerPoint) -> f64) -> LayerPoint {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..24 {
+        let middle = 0.5 * (low + high);
+        if (keep(a.lerp(b, middle)) >= 0.0) == a_is_kept {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    a.lerp(b, if a_is_kept { low } else { high })
+}

@@ -1,0 +1,280 @@
+//! What a fixed axis must clear, as points and a table: quick, and on the safe side by a few hundredths of a millimetre.
+
+use crate::geometry::{Meridional, Point, Vector, norm2};
+use crate::part::{BladeSide, Impeller, Tool};
+
+/// Points of the blades, as near to each other as [`SPACING`] along u.
+#[derive(Debug)]
+pub(super) struct BladePoints {
+    points: Vec<Point>,
+    /// No side is nearer to a cylinder than its points are, less this, mm.
+    pub(super) slack: f64,
+}
+
+/// Axes within an angle of one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cone {
+    pub(super) axis: Vector,
+    /// rad.
+    pub(super) angle: f64,
+}
+
+/// Points that an axis of a cone could run into, seen from the centre of the cutter's corner.
+#[derive(Debug, Default)]
+pub(super) struct Near {
+    column: Vec<Block>,
+    holder: Vec<Block>,
+}
+
+/// Points that are looked at together.
+const LANES: usize = 16;
+type Row = [f32; LANES];
+
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    x: Row,
+    y: Row,
+    z: Row,
+}
+
+/// Shape of a cutter with its holder, mm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    pub(super) radius: f64,
+    pub(super) corner: f64,
+    pub(super) holder_radius: f64,
+    /// Height of the holder above the centre of the corner.
+    holder_from: f64,
+}
+
+/// Least distances of a cutter and its holder from points, mm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Least {
+    pub(super) cutter: f64,
+    pub(super) holder: f64,
+}
+
+/// Greatest distance of neighbouring points along u, mm, and lines of v.
+const SPACING: f64 = 2.0;
+const RULED_LINES: usize = 6;
+const BOWED_LINES: usize = 10;
+/// A point no cutter comes near to.
+const FAR: f32 = -1e6;
+
+impl BladePoints {
+    /// Of `sides`, for a cutter that stays `reach` mm from them with its axis.
+    pub(super) fn new(sides: &[BladeSide], reach: f64) -> Self {
+        let mut points = Vec::new();
+        let mut widest = 0.0f64;
+        for side in sides {
+            let lines = if side.is_ruled() { RULED_LINES } else { BOWED_LINES };
+            let along = |v: f64, k: u32| {
+                let u = f64::from(k) / 20.0;
+                (side.point(u + 0.05, v) - side.point(u, v)).norm()
+            };
+            let longest = (0..20).map(|k| along(0.0, k).max(along(1.0, k))).fold(0.0, f64::max);
+            let count = ((20.0 * longest / SPACING).ceil() as usize).clamp(20, 400);
+            widest = widest.max(20.0 * longest / count as f64);
+            for j in 0..lines {
+                let v = j as f64 / (lines - 1) as f64;
+                points.extend((0..=count).map(|i| side.point(i as f64 / count as f64, v)));
+            }
+        }
+        // Points far from each other first: most axes that are blocked show it early.
+        let stride = 37;
+        let count = points.len();
+        let spread = (0..stride).flat_map(|k| (k..count).step_by(stride)).map(|i| points[i]).collect();
+        Self { points: spread, slack: widest * widest / (8.0 * reach) }
+    }
+
+    /// Those that a cutter whose corner is centred at `centre` could come nearer to than `margin` mm with an axis of `cone`.
+    pub(super) fn near(&self, centre: &Point, cone: &Cone, shape: &Shape, margin: f64) -> Near {
+        let (sin, cos) = cone.angle.sin_cos();
+        let rim = shape.rim();
+        let (column, holder) = (shape.radius + rim + margin, shape.holder_radius + rim + margin);
+        let from = (shape.holder_from - rim).max(0.0).powi(2);
+        let mut near = Near::default();
+        let (mut column_lane, mut holder_lane) = (LANES, LANES);
+        for point in &self.points {
+            let d = point - centre;
+            // Distance from the axes of the cone, no more than it is.
+            let squared = d.norm_squared();
+            let along = d.dot(&cone.axis);
+            let across = (squared - along * along).max(0.0).sqrt();
+            let off = if cone.angle < 1.5 { across * cos - along * sin } else { 0.0 };
+            if off < column || squared < column * column {
+                push(&mut near.column, &mut column_lane, &d);
+            }
+            if squared > from && off < holder {
+                push(&mut near.holder, &mut holder_lane, &d);
+            }
+        }
+        near
+    }
+}
+
+fn push(blocks: &mut Vec<Block>, lane: &mut usize, d: &Vector) {
+    if *lane == LANES {
+        blocks.push(Block { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES] });
+        *lane = 0;
+    }
+    if let Some(block) = blocks.last_mut() {
+        (block.x[*lane], block.y[*lane], block.z[*lane]) = (d.x as f32, d.y as f32, d.z as f32);
+    }
+    *lane += 1;
+}
+
+impl Shape {
+    pub(super) fn of(tool: &Tool) -> Self {
+        Self {
+            radius: tool.radius(),
+            corner: tool.corner_radius,
+            holder_radius: 0.5 * tool.holder_diameter(),
+            holder_from: tool.overhang - tool.corner_radius,
+        }
+    }
+
+    /// Radius of the bottom without its corner, mm.
+    pub(super) fn rim(&self) -> f64 {
+        self.radius - self.corner
+    }
+}
+
+/// A line as the points see it.
+struct Ray {
+    axis: [f32; 3],
+    offset: [f32; 3],
+}
+
+impl Ray {
+    /// Height of a lane's point along the axis, and the square of its distance from it.
+    #[inline(always)]
+    fn seen(&self, block: &Block, k: usize) -> (f32, f32) {
+        let [ax, ay, az] = self.axis;
+        let [ox, oy, oz] = self.offset;
+        let (x, y, z) = (block.x[k] - ox, block.y[k] - oy, block.z[k] - oz);
+        let up = x * ax + y * ay + z * az;
+        (up, (x * x + y * y + z * z - up * up).max(0.0))
+    }
+}
+
+impl Near {
+    /// Least distances of a cutter with unit `axis` whose bottom's centre, a corner radius above its tip, is `offset` away
+    /// from where the points are seen from. Ends as soon as one of them is below `enough`.
+    pub(super) fn least(&self, shape: &Shape, axis: &Vector, offset: &Vector, enough: Least) -> Least {
+        let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
+        let ray = Ray { axis: single(axis), offset: single(offset) };
+        let cutter = if shape.rim() < 1e-6 {
+            self.column_least::<true>(shape, &ray, enough.cutter)
+        } else {
+            self.column_least::<false>(shape, &ray, enough.cutter)
+        };
+        let mut holder = [f32::MAX; LANES];
+        if cutter >= enough.cutter {
+            let from = shape.holder_from as f32;
+            for block in &self.holder {
+                for k in 0..LANES {
+                    let (up, radial) = ray.seen(block, k);
+                    holder[k] = holder[k].min(if up >= from { radial } else { f32::MAX });
+                }
+            }
+        }
+        Least { cutter, holder: f64::from(least(&holder)).sqrt() - shape.holder_radius }
+    }
+
+    fn column_least<const BALL: bool>(&self, shape: &Shape, ray: &Ray, enough: f64) -> f64 {
+        let rim = shape.rim() as f32;
+        let (mut beside, mut under) = ([f32::MAX; LANES], [f32::MAX; LANES]);
+        let distance = |beside: &Row, under: &Row| {
+            let beside = f64::from(least(beside)).sqrt() - shape.radius;
+            beside.min(f64::from(least(under)).sqrt() - shape.corner)
+        };
+        for blocks in self.column.chunks(4) {
+            for block in blocks {
+                for k in 0..LANES {
+                    let (up, radial) = ray.seen(block, k);
+                    let beyond = if BALL {
+                        radial
+                    } else {
+                        let beyond = (radial.sqrt() - rim).max(0.0);
+                        beyond * beyond
+                    };
+                    let (column, bottom) =
+                        if up >= 0.0 { (radial, f32::MAX) } else { (f32::MAX, beyond + up * up) };
+                    beside[k] = beside[k].min(column);
+                    under[k] = under[k].min(bottom);
+                }
+            }
+            if distance(&beside, &under) < enough {
+                break;
+            }
+        }
+        distance(&beside, &under)
+    }
+}
+
+fn least(row: &Row) -> f32 {
+    row.iter().copied().fold(f32::MAX, f32::min)
+}
+
+/// Distance from the hub over the meridional plane.
+#[derive(Debug)]
+pub(super) struct HubDistance {
+    from: Meridional,
+    spacing: f64,
+    columns: usize,
+    rows: usize,
+    distance: Vec<f32>,
+}
+
+/// Nodes along the longer side of the table.
+const NODES: f64 = 110.0;
+
+impl HubDistance {
+    pub(super) fn new(part: &Impeller, margin: f64) -> Self {
+        let curve = part.hub.curve();
+        let (mut low, mut high) =
+            (Meridional { r: f64::MAX, z: f64::MAX }, Meridional { r: f64::MIN, z: f64::MIN });
+        for path in [part.hub.curve(), part.shroud.curve()] {
+            for i in 0..=64 {
+                let p = path.point(path.length() * f64::from(i) / 64.0);
+                low = Meridional { r: low.r.min(p.r), z: low.z.min(p.z) };
+                high = Meridional { r: high.r.max(p.r), z: high.z.max(p.z) };
+            }
+        }
+        let from = Meridional { r: (low.r - margin).max(0.0), z: low.z - margin };
+        let (width, height) = (high.r + margin - from.r, high.z + margin - from.z);
+        let spacing = width.max(height) / NODES;
+        let (columns, rows) = ((width / spacing) as usize + 2, (height / spacing) as usize + 2);
+        let mut distance = Vec::with_capacity(columns * rows);
+        for i in 0..rows {
+            // Along a row the foot wanders slowly.
+            let mut warm: Option<f64> = None;
+            for j in 0..columns {
+                let p = Meridional { r: from.r + spacing * j as f64, z: from.z + spacing * i as f64 };
+                let (t, d) = match warm {
+                    Some(t) if j % 8 != 0 => curve.project_near(p, t, 4.0 * spacing),
+                    _ => curve.project(p),
+                };
+                warm = Some(t);
+                // Beyond its ends the hub has an edge, not a surface.
+                distance.push(if t <= 0.0 || t >= curve.length() { d.abs() } else { d } as f32);
+            }
+        }
+        Self { from, spacing, columns, rows, distance }
+    }
+
+    /// Signed distance of a point, mm, good to a few hundredths; infinite far from the part.
+    pub(super) fn at(&self, p: &Point) -> f64 {
+        let x = (norm2(p.x, p.y) - self.from.r) / self.spacing;
+        let y = (p.z - self.from.z) / self.spacing;
+        if !(x >= 0.0 && y >= 0.0 && x < (self.columns - 1) as f64 && y < (self.rows - 1) as f64) {
+            return f64::INFINITY;
+        }
+        let (i, j) = (y as usize, x as usize);
+        let (fx, fy) = (x - j as f64, y - i as f64);
+        let node = |i: usize, j: usize| f64::from(self.distance[i * self.columns + j]);
+        let row = |i: usize| node(i, j) + fx * (node(i, j + 1) - node(i, j));
+        row(i) + fy * (row(i + 1) - row(i))
+    }
+}

@@ -1,0 +1,401 @@
+//! The greedy search for runs: which axes suit the stations so far, and where none is left.
+
+use rayon::prelude::*;
+
+use super::scene::Cone;
+use super::{Contact, FixedAxes, FixedAxisSearch, FixedRun, Obstacle, Place, Spare, Unreachable};
+use crate::geometry::{Vector, frame_about};
+use crate::plunge::slotting::DepthSurface;
+
+/// An axis with the least it has to spare over the stations of a run, mm.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    axis: Vector,
+    spare: f64,
+}
+
+/// Angle between directions of the grid, rad.
+const GRID: f64 = 6.0 * std::f64::consts::PI / 180.0;
+/// Steps by which directions between those of the grid are looked for, rad.
+const STEPS: [f64; 3] = [0.5 * GRID, 0.25 * GRID, 0.125 * GRID];
+/// Axes that lack no more than this are where others are looked for between the nodes of the grid, mm.
+pub(super) const SEED_SPARE: f64 = 1.5;
+/// Most places from which they are looked for.
+const SEEDS: usize = 4;
+/// Places that decide first where to go from there.
+const DECIDING: usize = 6;
+/// Rounds of taking in another one that decides.
+const ROUNDS: usize = 12;
+/// Axes between those of the grid are looked for so far beyond the axes of a run, rad.
+const BEYOND: f64 = 1.5 * GRID;
+/// Axes whose quick distances may be too careful are measured, mm.
+const NEARLY: f64 = 0.3;
+/// Most axes of a run that are measured before it is cut short.
+const MEASURED: usize = 6;
+/// What an axis has to spare counts up to this many radii; beyond it the more upright axis is better.
+const ENOUGH_RADII: f64 = 1.0;
+
+pub(super) struct Greedy<'s, 'a> {
+    search: &'s FixedAxisSearch<'a>,
+    layer: &'s DepthSurface<'s>,
+    stations: Vec<Vec<Contact>>,
+    /// Whether the search looks at all contacts of a station. At first it looks at the two that are furthest apart: between
+    /// two walls others seldom decide. Measured in the end are all.
+    in_full: Vec<bool>,
+    /// The stations of the run in work, ready for the axes it may have.
+    places: Vec<Vec<Place>>,
+    grid: Vec<Vector>,
+    found: FixedAxes,
+}
+
+impl<'s, 'a> Greedy<'s, 'a> {
+    pub(super) fn new(
+        search: &'s FixedAxisSearch<'a>,
+        layer: &'s DepthSurface<'s>,
+        stations: Vec<Vec<Contact>>,
+    ) -> Self {
+        let places = stations.iter().map(|_| Vec::new()).collect();
+        let in_full = vec![false; stations.len()];
+        Self { search, layer, stations, in_full, places, grid: directions(), found: FixedAxes::default() }
+    }
+
+    pub(super) fn run(mut self) -> FixedAxes {
+        let mut from = 0;
+        while from < self.stations.len() {
+            let Some(start) = self.starting_at(from) else {
+                from += 1;
+                continue;
+            };
+            let (to, axes) = self.longest(from, start);
+            if let Some(last) = self.close(from, to, axes) {
+                from = last + 1;
+            }
+        }
+        self.found
+    }
+
+    /// Makes a station ready for axes of `cone`, or for all axes.
+    fn look_at(&mut self, station: usize, cone: Option<Cone>) {
+        let contacts = &self.stations[station];
+        let deciding: Vec<&Contact> =
+            if self.in_full[station] { contacts.iter().collect() } else { furthest_apart(contacts) };
+        let place = |contact: &&Contact| self.search.place(contact, cone);
+        self.places[station] = deciding.par_iter().map(place).collect();
+    }
+
+    /// Axes for the station alone, after contacts without any axis were taken out of it and named. `None` when nothing
+    /// is left of it.
+    fn starting_at(&mut self, station: usize) -> Option<Vec<Candidate>> {
+        if self.stations[station].is_empty() {
+            return None;
+        }
+        self.look_at(station, None);
+        if let Some(axes) = self.for_station(station) {
+            return Some(axes);
+        }
+        self.in_full[station] = true;
+        self.look_at(station, None);
+        let alone: Vec<Option<Obstacle>> =
+            self.places[station].par_iter().map(|place| self.blocked(place)).collect();
+        for why in [Obstacle::Blade, Obstacle::Hub, Obstacle::Holder, Obstacle::Tilt] {
+            let contacts: Vec<usize> = (0..alone.len()).filter(|&k| alone[k] == Some(why)).collect();
+            if !contacts.is_empty() {
+                self.found.unreachable.push(Unreachable { station, contacts, why });
+            }
+        }
+        let mut blocked = alone.iter();
+        self.stations[station].retain(|_| blocked.next().is_some_and(Option::is_none));
+        if self.stations[station].is_empty() {
+            self.places[station].clear();
+            return None;
+        }
+        self.look_at(station, None);
+        let some = alone.iter().any(Option::is_some);
+        let axes = if some { self.for_station(station) } else { None };
+        if axes.is_none() {
+            let contacts = (0..alone.len()).filter(|&k| alone[k].is_none()).collect();
+            self.drop_station(station, contacts);
+        }
+        axes
+    }
+
+    /// Names the contacts of a station as such that have no axis in common, and leaves the station out.
+    fn drop_station(&mut self, station: usize, contacts: Vec<usize>) {
+        self.found.unreachable.push(Unreachable { station, contacts, why: Obstacle::NoCommonAxis });
+        self.stations[station].clear();
+        self.places[station].clear();
+    }
+
+    /// Axes for all contacts of a station, those of the grid and, if need be, others.
+    fn for_station(&self, station: usize) -> Option<Vec<Candidate>> {
+        let places: Vec<&Place> = self.places[station].iter().collect();
+        let axes = self.suiting(&places);
+        if axes.iter().any(|c| c.spare >= 0.0) { Some(axes) } else { self.between(&axes, &places) }
+    }
+
+    /// Axes of the grid for some places, those that lack a little among them.
+    fn suiting(&self, places: &[&Place]) -> Vec<Candidate> {
+        let spare = |&axis: &Vector| Candidate { axis, spare: self.least(places, &axis, -SEED_SPARE) };
+        self.grid.par_iter().map(spare).filter(|c| c.spare > -SEED_SPARE).collect()
+    }
+
+    /// What stands in the way at a place that has no axis.
+    fn blocked(&self, place: &Place) -> Option<Obstacle> {
+        let axes = self.suiting(&[place]);
+        if axes.iter().any(|c| c.spare >= 0.0) || self.between(&axes, &[place]).is_some() {
+            return None;
+        }
+        let exact = |axis: &Vector| self.search.spare(place, axis, f64::NEG_INFINITY);
+        let nearest = self.grid.iter().map(exact).max_by(|a, b| a.amount.total_cmp(&b.amount));
+        Some(nearest.map_or(Obstacle::Tilt, |spare| spare.by))
+    }
+
+    /// The longest run from a station with its axes: its last station, and the axes of all of it.
+    fn longest(&mut self, from: usize, start: Vec<Candidate>) -> (usize, Vec<Candidate>) {
+        let mut axes = start;
+        let mut station = from + 1;
+        while station < self.stations.len() {
+            self.look_at(station, cone_of(&axes));
+            let places: Vec<&Place> = self.places[station].iter().collect();
+            let next: Vec<Candidate> = axes
+                .par_iter()
+                .map(|c| Candidate { spare: c.spare.min(self.least(&places, &c.axis, -SEED_SPARE)), ..*c })
+                .filter(|c| c.spare > -SEED_SPARE)
+                .collect();
+            if next.iter().any(|c| c.spare >= 0.0) {
+                axes = next;
+                station += 1;
+                continue;
+            }
+            // The newest station first: it is the one that axes fail at.
+            let run: Vec<&Place> = (from..=station).rev().flat_map(|k| &self.places[k]).collect();
+            if let Some(between) = self.between(&next, &run) {
+                axes = between;
+                station += 1;
+                continue;
+            }
+            // A station that has no axis at all does not end the run.
+            let contacts = self.stations[station].len();
+            if self.starting_at(station).is_some() && self.stations[station].len() == contacts {
+                break;
+            }
+            if self.stations[station].is_empty() {
+                station += 1;
+            }
+        }
+        (station - 1, axes)
+    }
+
+    /// Axes between those of the grid that suit `places`, looked for around the best of `axes`.
+    fn between(&self, axes: &[Candidate], places: &[&Place]) -> Option<Vec<Candidate>> {
+        let mut seeds = axes.to_vec();
+        seeds.sort_by(|a, b| b.spare.total_cmp(&a.spare));
+        seeds.truncate(SEEDS);
+        let suited = |seed: &Candidate| {
+            let found = self.suited(*seed, places)?;
+            // The quick distances may be too careful.
+            let free = found.spare >= 0.0 || self.is_free(places, &found.axis);
+            free.then_some(Candidate { spare: found.spare.max(0.0), ..found })
+        };
+        let free: Vec<Candidate> = seeds.par_iter().filter_map(suited).collect();
+        if free.is_empty() {
+            return None;
+        }
+        let around: Vec<Vector> =
+            free.iter().flat_map(|c| STEPS.iter().flat_map(|&s| ring(&c.axis, s))).collect();
+        let others =
+            around.par_iter().map(|&axis| Candidate { axis, spare: self.least(places, &axis, -SEED_SPARE) });
+        let others: Vec<Candidate> = others.filter(|c| c.spare > -SEED_SPARE).collect();
+        Some(free.into_iter().chain(others).collect())
+    }
+
+    /// An axis near `start` that suits all `places`, or nearly; the places that turn out to decide are followed.
+    fn suited(&self, start: Candidate, places: &[&Place]) -> Option<Candidate> {
+        let first = places.len().min(DECIDING);
+        let mut deciding: Vec<&Place> = places[..first].to_vec();
+        let mut best = Candidate { spare: self.least(&deciding, &start.axis, f64::NEG_INFINITY), ..start };
+        for _ in 0..ROUNDS {
+            best = self.climbed_over(best, &deciding, 0.0);
+            if best.spare < -NEARLY {
+                return None;
+            }
+            let wanted = best.spare.min(0.0);
+            let lacks = |place: &&&Place| self.search.spare(place, &best.axis, wanted).amount < wanted;
+            let Some(place) = places.iter().find(lacks) else { return Some(best) };
+            deciding.push(place);
+            best.spare = self.least(&deciding, &best.axis, f64::NEG_INFINITY);
+        }
+        None
+    }
+
+    /// The axis near `start` with the most to spare over `places`, up to `enough`: the places that decide are followed, the
+    /// others looked at in the end.
+    fn widest(&self, start: Candidate, places: &[&Place], enough: f64) -> Candidate {
+        let by_place = |axis: &Vector| -> Vec<(f64, usize)> {
+            let amount = |place: &&Place| self.search.spare(place, axis, f64::NEG_INFINITY).amount;
+            let mut all: Vec<(f64, usize)> =
+                places.par_iter().enumerate().map(|(k, p)| (amount(p), k)).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            all
+        };
+        let worst = |all: &[(f64, usize)]| all.first().map_or(f64::INFINITY, |w| w.0);
+        let mut all = by_place(&start.axis);
+        let mut best = Candidate { spare: worst(&all), ..start };
+        let mut deciding: Vec<&Place> = Vec::new();
+        for _ in 0..3 {
+            for &(_, k) in all.iter().take(DECIDING) {
+                if !deciding.iter().any(|known| std::ptr::eq(*known, places[k])) {
+                    deciding.push(places[k]);
+                }
+            }
+            let there = self.climbed_over(best, &deciding, enough);
+            all = by_place(&there.axis);
+            if worst(&all) <= best.spare {
+                break;
+            }
+            best = Candidate { spare: worst(&all), ..there };
+            if best.spare >= enough {
+                break;
+            }
+        }
+        best
+    }
+
+    fn climbed_over(&self, start: Candidate, places: &[&Place], enough: f64) -> Candidate {
+        let mut best = start;
+        for step in STEPS {
+            for _ in 0..6 {
+                let before = best.spare;
+                for axis in ring(&best.axis, step) {
+                    let spare = self.least(places, &axis, best.spare);
+                    if spare > best.spare {
+                        best = Candidate { axis, spare };
+                    }
+                }
+                if best.spare >= enough || best.spare <= before {
+                    break;
+                }
+            }
+        }
+        best
+    }
+
+    /// What an axis has to spare over places; anything below `enough` when it is below.
+    fn least(&self, places: &[&Place], axis: &Vector, enough: f64) -> f64 {
+        let mut least = f64::INFINITY;
+        for place in places {
+            let Spare { amount, .. } = self.search.spare(place, axis, enough);
+            least = least.min(amount);
+            if least < enough {
+                break;
+            }
+        }
+        least
+    }
+
+    fn is_free(&self, places: &[&Place], axis: &Vector) -> bool {
+        places
+            .iter()
+            .all(|place| self.search.measured(&place.contact, axis, self.layer, f64::INFINITY).is_ok())
+    }
+
+    /// Least distance from the blades over the stations of a run, or the first station at which it is not free.
+    fn measured(&self, from: usize, to: usize, axis: &Vector) -> Result<f64, usize> {
+        let stations: Vec<Result<f64, usize>> = (from..=to)
+            .into_par_iter()
+            .map(|station| {
+                let near =
+                    |least: f64, contact: &Contact| self.search.measured(contact, axis, self.layer, least);
+                self.stations[station].iter().try_fold(f64::INFINITY, near).map_err(|_| station)
+            })
+            .collect();
+        stations.into_iter().try_fold(f64::INFINITY, |least, station| Ok(station?.min(least)))
+    }
+
+    /// Takes the best axis of a run, measures it, and notes the run; returns its last station, which is an earlier one when
+    /// no axis holds what the quick distances promised. `None` when the run has to be looked for again, a station of it
+    /// with all its contacts.
+    fn close(&mut self, from: usize, to: usize, mut axes: Vec<Candidate>) -> Option<usize> {
+        let enough = ENOUGH_RADII * self.search.tool.radius();
+        let normal: Vector = (from..=to).flat_map(|k| &self.stations[k]).map(|contact| contact.normal).sum();
+        let worth = |c: &Candidate| c.spare.min(enough) - 1e-3 * c.axis.angle(&normal);
+        axes.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        axes.truncate(MEASURED);
+        if let Some(best) = axes.first().copied() {
+            let places: Vec<&Place> = (from..=to).rev().flat_map(|k| &self.places[k]).collect();
+            let better = if best.spare < enough { self.widest(best, &places, enough) } else { best };
+            axes.insert(0, better);
+        }
+        let mut furthest = (from, Vector::zeros());
+        for candidate in &axes {
+            match self.measured(from, to, &candidate.axis) {
+                Ok(clearance) => {
+                    self.found.runs.push(FixedRun { from, to, axis: candidate.axis, clearance });
+                    return Some(to);
+                }
+                Err(station) if !self.in_full[station] => {
+                    self.in_full[station] = true;
+                    return None;
+                }
+                Err(station) if station > furthest.0 => furthest = (station, candidate.axis),
+                Err(_) => {}
+            }
+        }
+        let (station, axis) = furthest;
+        if station == from {
+            self.drop_station(from, (0..self.stations[from].len()).collect());
+            return Some(from);
+        }
+        let clearance = self.measured(from, station - 1, &axis).unwrap_or(f64::NAN);
+        self.found.runs.push(FixedRun { from, to: station - 1, axis, clearance });
+        Some(station - 1)
+    }
+}
+
+/// The two contacts furthest from each other, or as many as there are.
+fn furthest_apart(contacts: &[Contact]) -> Vec<&Contact> {
+    let mut best = (-1.0, 0, 0);
+    for i in 0..contacts.len() {
+        for j in i + 1..contacts.len() {
+            let apart = (contacts[i].point - contacts[j].point).norm();
+            if apart > best.0 {
+                best = (apart, i, j);
+            }
+        }
+    }
+    match contacts {
+        [] => Vec::new(),
+        [only] => vec![only],
+        _ => vec![&contacts[best.1], &contacts[best.2]],
+    }
+}
+
+/// A cone that holds axes and those next to them; `None` when there are none.
+fn cone_of(axes: &[Candidate]) -> Option<Cone> {
+    let axis = axes.iter().map(|c| c.axis).sum::<Vector>().try_normalize(1e-6)?;
+    let widest = axes.iter().map(|c| c.axis.angle(&axis)).fold(0.0, f64::max);
+    Some(Cone { axis, angle: widest + BEYOND })
+}
+
+/// Directions all around, neighbours about [`GRID`] apart (a spiral of equal areas).
+fn directions() -> Vec<Vector> {
+    let count = (4.0 * std::f64::consts::PI / (GRID * GRID)).ceil();
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    (0..count as usize)
+        .map(|k| {
+            let z = 1.0 - (2.0 * k as f64 + 1.0) / count;
+            let (sin, cos) = (golden * k as f64).sin_cos();
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            Vector::new(r * cos, r * sin, z)
+        })
+        .collect()
+}
+
+/// Directions `angle` (rad) away from `axis`.
+fn ring(axis: &Vector, angle: f64) -> [Vector; 8] {
+    let (e1, e2) = frame_about(axis);
+    std::array::from_fn(|k| {
+        let (sin, cos) = (std::f64::consts::FRAC_PI_4 * k as f64).sin_cos();
+        (axis * angle.cos() + (e1 * cos + e2 * sin) * angle.sin()).normalize()
+    })
+}

@@ -1,0 +1,107 @@
+//! How far neighbouring curves may stand apart: cutter, allowed error and curvature of the surface (paper B, step 2 of
+//! the new tool path curves).
+
+use crate::part::Tool;
+
+/// Radius of curvature beyond which a surface counts as flat, mm.
+const FLAT_RADIUS: f64 = 1e7;
+
+/// Largest distance between neighbouring curves, mm along the surface, at which no more than `allowed_error` mm stays
+/// between them above a surface with the normal curvature `bulge` (1/mm, positive where it is convex) across the
+/// curves. The cutter stands along the normal. At most its diameter; 0 when nothing is allowed.
+///
+/// Seen across the curves the surface is a circle of radius 1/`bulge`. Half way between two positions, at arc length a
+/// from each, the point `allowed_error` above it is on the cutter: a ball, the rounded corner of a bull end, or the
+/// flat bottom.
+pub fn interval(tool: &Tool, allowed_error: f64, bulge: f64) -> f64 {
+    let (flat, corner) = (tool.radius() - tool.corner_radius, tool.corner_radius);
+    // Height of the cutter's profile at x from its axis.
+    let profile = |x: f64| {
+        let out = (x - flat).max(0.0).min(corner);
+        corner - (corner * corner - out * out).sqrt()
+    };
+    let radius = if bulge.abs() * FLAT_RADIUS < 1.0 { FLAT_RADIUS.copysign(bulge) } else { 1.0 / bulge };
+    // Height of the cutter above the point that the allowed error leaves at arc length a.
+    let above = |a: f64| {
+        let half = (0.5 * a / radius).sin();
+        let turn = a / radius;
+        let x = (radius + allowed_error) * turn.sin();
+        // y of the point, less cancellation: (ρ + e) cos φ − ρ = e cos φ − ρ (1 − cos φ).
+        let y = allowed_error * turn.cos() - 2.0 * radius * half * half;
+        (x, profile(x.abs()) - y)
+    };
+    // A flat bottom rests on its rim where the surface is hollow: the height there counts from the rim.
+    let lift = if radius < 0.0 { (0.5 * flat * flat / radius).abs() } else { 0.0 };
+    let (mut low, mut high) = (0.0, tool.radius());
+    let fits = |a: f64| {
+        let (x, above) = above(a);
+        x.abs() <= tool.radius() && above + lift <= 0.0
+    };
+    if fits(high) {
+        return 2.0 * high;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if fits(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low + high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tool(diameter: f64, corner_radius: f64) -> Tool {
+        Tool {
+            number: 1,
+            diameter,
+            corner_radius,
+            insert_width: 0.45 * diameter,
+            overhang: 50.0,
+            plunge_feed: 300.0,
+            spindle: 1200.0,
+        }
+    }
+
+    #[test]
+    fn a_ball_on_flat_ground_follows_the_scallop_formula() {
+        let (r, e) = (5.0, 0.25);
+        let flat = 2.0 * (2.0 * r * e - e * e as f64).sqrt();
+        assert!((interval(&tool(10.0, r), e, 0.0) - flat).abs() < 1e-6, "{flat}");
+    }
+
+    #[test]
+    fn a_ball_leaves_the_allowed_error_on_a_cylinder() {
+        // Two balls beside each other on a circle, and the height of their intersection above it.
+        for (rho, convex) in [(40.0, true), (77.0, true), (30.0, false)] {
+            let bulge = if convex { 1.0 / rho } else { -1.0 / rho };
+            let (r, e) = (5.0, 0.25);
+            let i = interval(&tool(10.0, r), e, bulge);
+            let turn: f64 = 0.5 * i / rho;
+            let centre: f64 = if convex { rho + r } else { rho - r };
+            // Distance from the circle's centre to where the balls meet, on the side of the surface.
+            let root = (r * r - (centre * turn.sin()).powi(2)).sqrt();
+            let cusp =
+                if convex { centre * turn.cos() - root - rho } else { rho - centre * turn.cos() - root };
+            assert!((cusp - e).abs() < 1e-6, "cusp {cusp} at {rho} {convex}, interval {i}");
+        }
+    }
+
+    #[test]
+    fn a_flat_end_covers_its_width_where_the_surface_is_flat_and_less_on_a_bulge() {
+        let flat = tool(10.0, 0.0);
+        assert!((interval(&flat, 0.25, 0.0) - 10.0).abs() < 1e-6);
+        let on_bulge = interval(&flat, 0.25, 1.0 / 20.0);
+        // cos φ = ρ / (ρ + e).
+        let expected = 2.0 * 20.0 * (20.0f64 / 20.25).acos();
+        assert!((on_bulge - expected).abs() < 1e-6, "{on_bulge} {expected}");
+        let bull = interval(&tool(10.0, 1.0), 0.25, 0.0);
+        let corner = 4.0 + (2.0f64 * 0.25 - 0.0625).sqrt();
+        assert!((bull - 2.0 * corner).abs() < 1e-6, "{bull}");
+        assert_eq!(interval(&tool(10.0, 5.0), 0.0, 0.01), 0.0);
+    }
+}

@@ -1,0 +1,332 @@
+//! A layer: a surface of revolution through the channel, and how walls and geodesics run on it.
+//!
+//! Points of a layer are (x, y): arc length along its meridional curve, mm, and angle about the rotation axis, rad,
+//! counted so that it grows from the wall at λ = 0 to the one at λ = 1.
+
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search, wrap_angle};
+use crate::part::{BladeSide, Impeller};
+
+/// A point of a layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayerPoint {
+    /// Arc length along the layer's meridional curve, mm.
+    pub x: f64,
+    /// Angle, rad.
+    pub y: f64,
+}
+
+impl LayerPoint {
+    /// The point at `share` of the way to `other`.
+    pub fn lerp(self, other: Self, share: f64) -> Self {
+        Self { x: self.x + (other.x - self.x) * share, y: self.y + (other.y - self.y) * share }
+    }
+}
+
+/// A surface of revolution on which curves are planned.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    curve: MeridionalCurve,
+    /// Arc lengths at which the channel begins (leading edge) and ends: at the rim, or where the layer leaves it at the
+    /// shroud.
+    pub from: f64,
+    /// See `from`.
+    pub to: f64,
+    /// Height above the hub, mm; of an isoparametric layer that at the leading edge.
+    pub height: f64,
+    /// Whether the layer ends at the shroud, before the rim.
+    pub cut_off: bool,
+    /// ±1: angles about the axis grow with y, or fall.
+    turn: f64,
+}
+
+/// Points of the meridional curve of a layer; the curve between them is a C2 spline.
+const CURVE_POINTS: usize = 120;
+/// How far before the leading edge a layer follows the hub at most, in lengths of the layer.
+const UPSTREAM: f64 = 0.2;
+/// Where less than this is left of the length of the hub, the layer's curve ends: further in the hub bends too much.
+const LEAST_STRETCH: f64 = 0.05;
+/// A layer shorter than this, mm, is none.
+const LEAST_LENGTH: f64 = 1e-3;
+
+impl Layer {
+    /// The layer `height` mm above the hub; `None` where the channel is nowhere that deep.
+    pub fn at_height(part: &Impeller, height: f64) -> Option<Self> {
+        let hub = part.hub.curve();
+        // From the leading edge's line to the rim's, found along the offset of the hub.
+        let at = |t: f64| hub.offset_derivative(t, height).0;
+        let beyond = |a: Meridional, b: Meridional| {
+            move |p: Meridional| (b.r - a.r) * (p.z - a.z) - (b.z - a.z) * (p.r - a.r)
+        };
+        let inlet = beyond(part.hub.point(0.0), part.shroud.point(0.0));
+        let outlet = beyond(part.hub.point(1.0), part.shroud.point(1.0));
+        let (start, end) = (part.hub.arc_at(0.0), part.hub.arc_at(1.0));
+        let reach = 2.0 * height + 0.1 * (end - start);
+        let mut from = border(|t| inlet(at(t)), start, reach);
+        let to = border(|t| outlet(at(t)), end, reach);
+        // Where the offset folds over itself it is no surface any more.
+        let count = 400;
+        let shroud = part.shroud.curve();
+        let depth_left = |t: f64| {
+            let p = at(t);
+            let (arc, d) = shroud.project(p);
+            // Beyond the ends of the shroud the lines of leading edge and rim bound the channel.
+            if arc <= 0.0 || arc >= shroud.length() { d.abs() } else { -d }
+        };
+        let sound = |t: f64| {
+            let stretch = 1.0 - height * hub.at(t).curvature;
+            stretch > LEAST_STRETCH
+        };
+        let mut cut_off = false;
+        let mut last = from;
+        let mut inside = false;
+        for i in 0..=count {
+            let t = from + (to - from) * f64::from(i) / f64::from(count);
+            let good = sound(t) && depth_left(t) > -1e-6;
+            match (inside, good) {
+                (false, true) => {
+                    from = t;
+                    inside = true;
+                }
+                (true, false) => {
+                    last = if sound(t) { search::root(&depth_left, last, t, 1e-9) } else { last };
+                    cut_off = true;
+                    break;
+                }
+                _ => {}
+            }
+            last = t;
+        }
+        if !inside || last - from < LEAST_LENGTH {
+            return None;
+        }
+        // Before the leading edge the layer follows the hub on, as far as there is one.
+        let mut ahead = 0;
+        let step = (last - from) / CURVE_POINTS as f64;
+        let most = (UPSTREAM * CURVE_POINTS as f64) as usize;
+        while ahead < most
+            && from - step * (ahead + 1) as f64 > 0.0
+            && sound(from - step * (ahead + 1) as f64)
+        {
+            ahead += 1;
+        }
+        let points: Vec<Meridional> =
+            (0..=CURVE_POINTS + ahead).map(|i| at(from + step * (i as f64 - ahead as f64))).collect();
+        let outer = hub.offset_derivative(0.5 * (from + last), height + 0.01 * hub.length()).0;
+        Self::through(part, &points, ahead, outer, height, cut_off)
+    }
+
+    /// The layer at the fraction `eta` of the way from hub to shroud, nowhere lower above the hub than `least`, mm.
+    pub fn isoparametric(part: &Impeller, eta: f64, least: f64) -> Option<Self> {
+        let hub = part.hub.curve();
+        let step = 1.0 / CURVE_POINTS as f64;
+        let upstream = part.hub.s_range().0.max(-UPSTREAM);
+        let ahead = (-upstream / step).floor().max(0.0) as usize;
+        let raised = |s: f64| {
+            let p = part.meridional(s, eta);
+            let (t, height) = hub.project(p);
+            if height < least { hub.offset_derivative(t, least).0 } else { p }
+        };
+        let points: Vec<Meridional> =
+            (0..=CURVE_POINTS + ahead).map(|i| raised(step * (i as f64 - ahead as f64))).collect();
+        let height = part.hub.point(0.0).distance(points[ahead]);
+        let outer = part.meridional(0.5, eta + 0.05);
+        Self::through(part, &points, ahead, outer, height, false)
+    }
+
+    /// Through `points`, of which `ahead` lie before the leading edge.
+    fn through(
+        part: &Impeller,
+        points: &[Meridional],
+        ahead: usize,
+        outer: Meridional,
+        height: f64,
+        cut_off: bool,
+    ) -> Option<Self> {
+        if points.windows(2).any(|p| !(p[0].distance(p[1]) > 1e-9) || p[0].r <= 0.0) {
+            return None;
+        }
+        let curve = MeridionalCurve::through(points).facing(outer);
+        let to = curve.length();
+        let from = if ahead == 0 { 0.0 } else { curve.project(points[ahead]).0 };
+        (to - from > LEAST_LENGTH).then(|| Self {
+            curve,
+            from,
+            to,
+            height,
+            cut_off,
+            turn: part.pitch().signum(),
+        })
+    }
+
+    /// Distance from the rotation axis at `x`, mm, and its slope.
+    #[inline]
+    pub fn radius(&self, x: f64) -> (f64, f64) {
+        let (p, d) = self.curve.offset_derivative(x, 0.0);
+        (p.r, d.r)
+    }
+
+    /// The point in the frame of the part.
+    pub fn point(&self, p: LayerPoint) -> Point {
+        self.curve.point(p.x).at_angle(self.turn * p.y)
+    }
+
+    /// The point and the unit normal there, away from the hub.
+    pub fn point_and_normal(&self, p: LayerPoint) -> (Point, Vector) {
+        let here = self.curve.at(p.x);
+        let theta = self.turn * p.y;
+        (here.point.at_angle(theta), here.normal.direction_at_angle(theta))
+    }
+
+    /// Where `point` stands over the layer, y next to `near`, and how high above it, mm; beyond its ends the layer runs on
+    /// straight. `guess` is an x close to it.
+    pub fn place(&self, point: &Point, near: f64, guess: Option<f64>) -> (LayerPoint, f64) {
+        let m = Meridional::of(point);
+        let length = self.curve.length();
+        let (x, d) = match guess {
+            Some(x) => self.curve.project_near(m, x.clamp(0.0, length), 0.2 * length),
+            None => self.curve.project(m),
+        };
+        let angle = self.turn * point.y.atan2(point.x);
+        let y = near + wrap_angle(angle - near);
+        if x > 0.0 && x < length {
+            return (LayerPoint { x, y }, d);
+        }
+        let here = self.curve.at(x);
+        let (dr, dz) = (m.r - here.point.r, m.z - here.point.z);
+        let along = dr * here.tangent.r + dz * here.tangent.z;
+        (LayerPoint { x: x + along, y }, dr * here.normal.r + dz * here.normal.z)
+    }
+
+    /// Length of the short way from `a` to `b`, mm: straight where r is that of its middle.
+    #[inline]
+    pub fn step(&self, a: LayerPoint, b: LayerPoint) -> f64 {
+        let (r, _) = self.radius(0.5 * (a.x + b.x));
+        norm2(b.x - a.x, r * (b.y - a.y))
+    }
+
+    /// Length of a chain of short ways, mm.
+    pub fn length(&self, points: &[LayerPoint]) -> f64 {
+        points.windows(2).map(|p| self.step(p[0], p[1])).sum()
+    }
+
+    /// Normal curvature of the layer across a direction that leans from the meridian by `slope` (rad), 1/mm, positive
+    /// where it is convex towards the channel: cos²β·n_r/r + sin²β·κ of the meridian.
+    pub fn bulge_across(&self, x: f64, slope: f64) -> f64 {
+        let here = self.curve.at(x);
+        let (sin, cos) = slope.sin_cos();
+        cos * cos * here.normal.r / here.point.r.max(1e-9) - sin * sin * here.curvature
+    }
+
+    /// Greatest normal curvature of the layer at `x` in any direction, 1/mm, whichever way it bends.
+    pub fn sharpest_bend(&self, x: f64) -> f64 {
+        let here = self.curve.at(x);
+        (here.normal.r / here.point.r.max(1e-9)).abs().max(here.curvature.abs())
+    }
+
+    /// The meridional curve of the layer, run on straight by `beyond` mm at both ends, through points about `step` mm
+    /// apart.
+    pub fn run_on(&self, beyond: f64, step: f64) -> MeridionalCurve {
+        let (from, to) = (self.from - beyond, self.to + beyond);
+        let count = ((to - from) / step).ceil().clamp(64.0, 600.0) as usize;
+        let at = |k: usize| self.curve.point(from + (to - from) * k as f64 / count as f64);
+        // Towards the axis it ends before it gets there.
+        let points: Vec<Meridional> =
+            (0..=count).map(at).filter(|p| p.r > 1e-3 * self.radius(self.from).0.max(1.0)).collect();
+        let middle = self.curve.at(0.5 * (self.from + self.to));
+        let outer = Meridional {
+            r: middle.point.r + 0.01 * self.to * middle.normal.r,
+            z: middle.point.z + 0.01 * self.to * middle.normal.z,
+        };
+        MeridionalCurve::through(&points).facing(outer)
+    }
+
+    /// Follows a geodesic from `start` under `heading` (rad from the meridian towards growing y) for `length` mm. Ends
+    /// early where the layer comes too near to the axis.
+    pub fn geodesic(&self, start: LayerPoint, heading: f64, length: f64) -> (LayerPoint, f64) {
+        // A hundredth of the radius of curvature a step keeps the fourth order scheme within nanometres.
+        let longest = (0.04 * self.radius(start.x).0).max(1e-6);
+        let steps = (length.abs() / longest).ceil().max(1.0);
+        let h = length / steps;
+        let rate = |x: f64, heading: f64| {
+            let (r, slope) = self.radius(x);
+            let r = r.max(1e-6);
+            let (sin, cos) = heading.sin_cos();
+            [cos, sin / r, -sin * slope / r]
+        };
+        let (mut x, mut y, mut psi) = (start.x, start.y, heading);
+        for _ in 0..steps as usize {
+            let a = rate(x, psi);
+            let b = rate(x + 0.5 * h * a[0], psi + 0.5 * h * a[2]);
+            let c = rate(x + 0.5 * h * b[0], psi + 0.5 * h * b[2]);
+            let d = rate(x + h * c[0], psi + h * c[2]);
+            let sum = |k: usize| h * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]) / 6.0;
+            (x, y, psi) = (x + sum(0), y + sum(1), psi + sum(2));
+        }
+        (LayerPoint { x, y }, psi)
+    }
+
+    /// Angle from the meridian of the short way from `a` to `b`, rad.
+    pub fn heading(&self, a: LayerPoint, b: LayerPoint) -> f64 {
+        let (r, _) = self.radius(0.5 * (a.x + b.x));
+        (r * (b.y - a.y)).atan2(b.x - a.x)
+    }
+
+    /// Where the lines u of a blade side cross the layer, as points with y next to `near`; lines that do not reach it
+    /// are left out.
+    pub fn trace(&self, side: &BladeSide, u: impl Iterator<Item = f64>, near: f64) -> Vec<LayerPoint> {
+        let mut guess: Option<(f64, f64)> = None;
+        let mut y = near;
+        let mut points = Vec::new();
+        for u in u {
+            let Some((v, p)) = self.crossing(side, u, guess) else { continue };
+            guess = Some((v, p.x));
+            y += wrap_angle(p.y - y);
+            points.push(LayerPoint { x: p.x, y });
+        }
+        points
+    }
+
+    fn crossing(&self, side: &BladeSide, u: f64, guess: Option<(f64, f64)>) -> Option<(f64, LayerPoint)> {
+        let (mut v, mut near) = guess.map_or((0.5, None), |(v, x)| (v, Some(x)));
+        for _ in 0..30 {
+            let (p, _, pv) = side.derivatives(u, v);
+            let (place, height) = self.place(&p, 0.0, near);
+            near = Some(place.x);
+            if height.abs() < 1e-9 {
+                return Some((v, place));
+            }
+            let normal = self.curve.at(place.x).normal;
+            let radial = (p.x * pv.x + p.y * pv.y) / norm2(p.x, p.y).max(1e-9);
+            let rate = radial * normal.r + pv.z * normal.z;
+            let step = height / rate;
+            if !step.is_finite() {
+                return None;
+            }
+            v -= step.clamp(-0.3, 0.3);
+            if !(-0.6..1.6).contains(&v) {
+                return None;
+            }
+        }
+        None
+    }
+}
+
+/// Root of `f` nearest to `around`, looked for within `reach` of it; `around` where there is none.
+fn border(f: impl Fn(f64) -> f64, around: f64, reach: f64) -> f64 {
+    let here = f(around);
+    if here == 0.0 {
+        return around;
+    }
+    let steps = 64;
+    for k in 1..=steps {
+        let d = reach * f64::from(k) / f64::from(steps);
+        let last = reach * f64::from(k - 1) / f64::from(steps);
+        for sign in [1.0, -1.0] {
+            let (a, b) = (around + sign * last, around + sign * d);
+            if f(a) * f(b) <= 0.0 {
+                return search::root(&f, a, b, 1e-9);
+            }
+        }
+    }
+    around
+}

@@ -1,0 +1,390 @@
+//! From curves to a program: positions of the cutter along every curve, their order, and the ways between them.
+//!
+//! Layers are cut from the top down, and in a layer region by region: first the inner curves of each fixed axis, side by
+//! side and to and fro, then the curves along the walls. A curve begins at an end that lies beyond the part where it has
+//! one, else the cutter ramps down along it. Between curves the cutter goes on over the layer under feed where that is
+//! short and free, else it leaves along its axis, flies above the blank, and comes down again.
+
+use super::chart::Region;
+use super::layer::{Layer, LayerPoint};
+use super::schemes::Role;
+use crate::geometry::{CutterSolid, Point, Vector};
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::{Blank, Tool};
+use crate::plunge::choice::estimate::RAPID_FEED;
+use crate::plunge::retract::{RetractSurface, bottom_clearance};
+
+/// How a move is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MoveKind {
+    /// At rapid speed, above the blank or along the cutter's own way out.
+    Rapid,
+    /// Down to the beginning of a curve, or along it while still descending, under feed.
+    Approach,
+    /// Along a curve.
+    Cut,
+    /// From one curve to the next over the layer, under feed.
+    Link,
+}
+
+/// A straight move to a position.
+#[derive(Clone, Copy, Debug)]
+pub struct FlankMove {
+    /// How.
+    pub kind: MoveKind,
+    /// Tip of the cutter at its end.
+    pub tip: Point,
+    /// Unit axis, tip → holder.
+    pub axis: Vector,
+    /// Layer it belongs to, 0 at the hub.
+    pub layer: usize,
+    /// Region it belongs to.
+    pub region: Region,
+    /// Whether the curve is one along a wall.
+    pub wall: bool,
+}
+
+/// One uninterrupted cut: a curve, or a piece of it under one axis.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    /// What the curve is for.
+    pub role: Role,
+    /// Where it lies.
+    pub region: Region,
+    /// Which of the region's fixed axes; walls come last.
+    pub group: usize,
+    /// Tip and axis along it.
+    pub positions: Vec<(Point, Vector)>,
+    /// Both ends on the layer.
+    pub ends: [LayerPoint; 2],
+    /// Whether the ends lie beyond the part.
+    pub open: [bool; 2],
+}
+
+/// Angle under which the cutter ramps down along a curve, rad.
+const RAMP: f64 = 3.0 * std::f64::consts::PI / 180.0;
+/// Longest piece of a curve that a ramp runs to and fro on, mm.
+const RAMP_LENGTH: f64 = 25.0;
+/// Greatest turn of the axis on a link, rad.
+const MOST_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// Spacing of positions along a link, mm.
+const LINK_STEP: f64 = 1.0;
+/// Rounds in which the ends of a flight are raised until it is clear.
+const MAX_ROUNDS: usize = 30;
+/// Flights are looked at in places: what they may lose between them, mm.
+const FLIGHT_MARGIN: f64 = 0.05;
+/// Spacing of looks along a flight, in cutter diameters.
+const FLIGHT_LOOKS: f64 = 0.25;
+
+/// What a program is written with.
+pub struct PathMaker<'a> {
+    /// The cutter.
+    pub tool: &'a Tool,
+    /// Feed along curves and links, mm/min.
+    pub feed: f64,
+    /// The blank, to fly above.
+    pub blank: &'a Blank,
+    /// Distance of the cutter above the blank before a rapid, mm.
+    pub safety_distance: f64,
+    /// Depth of a layer, mm: what a ramp goes down.
+    pub layer_depth: f64,
+}
+
+/// A layer's passes and what they run on.
+pub struct LayerPasses<'a> {
+    /// Number of the layer, 0 at the hub.
+    pub number: usize,
+    /// The surface.
+    pub layer: &'a Layer,
+    /// Distance of neighbouring curves, mm.
+    pub interval: f64,
+    /// In any order.
+    pub passes: Vec<Pass>,
+    /// Whether a cutter over a place of the layer keeps clear of the walls.
+    pub fits: Box<dyn Fn(LayerPoint, &CutterSolid) -> bool + Sync + 'a>,
+}
+
+impl PathMaker<'_> {
+    /// The program of all `layers`, given in cutting order.
+    ///
+    /// # Errors
+    /// When the work is cancelled.
+    pub fn program(&self, layers: &[LayerPasses], monitor: &Monitor) -> Result<Vec<FlankMove>, Cancelled> {
+        let top = RetractSurface::new(self.blank, self.safety_distance + self.tool.corner_radius);
+        let mut writer = Writer { maker: self, top, moves: Vec::new(), at: None, flights: Vec::new() };
+        for layer in layers {
+            let mut rest: Vec<&Pass> = layer.passes.iter().collect();
+            // Regions inlet first, in each the inner curves by axis and then the walls, side by side.
+            rest.sort_by(|a, b| {
+                let key = |p: &Pass| (p.region as usize, matches!(p.role, Role::Wall(_)), p.group);
+                let side = |p: &Pass| p.ends[0].y + p.ends[1].y;
+                key(a).cmp(&key(b)).then(side(a).total_cmp(&side(b)))
+            });
+            for pass in rest {
+                monitor.check()?;
+                writer.cut(layer, pass);
+            }
+        }
+        writer.leave();
+        writer.raise_flights(monitor)?;
+        Ok(writer.moves)
+    }
+}
+
+struct Writer<'a> {
+    maker: &'a PathMaker<'a>,
+    top: RetractSurface<'a>,
+    moves: Vec<FlankMove>,
+    /// Where the cutter stands on a layer: at the end of which pass.
+    at: Option<(usize, LayerPoint)>,
+    /// Moves that end above the beginning of a pass and come from above the end of another.
+    flights: Vec<usize>,
+}
+
+impl Writer<'_> {
+    fn cut(&mut self, layer: &LayerPasses, pass: &Pass) {
+        // Begin where the cutter is, else at an end beyond the part.
+        let open_end = usize::from(!pass.open[0] && pass.open[1]);
+        let link = self.link(layer, pass, open_end);
+        let reversed = link.as_ref().map_or(open_end, |(_, end)| *end) == 1;
+        let positions: Vec<(Point, Vector)> =
+            if reversed { pass.positions.iter().rev().copied().collect() } else { pass.positions.clone() };
+        let (first, last) = if reversed { (1, 0) } else { (0, 1) };
+        let about = |kind: MoveKind, (tip, axis): (Point, Vector)| FlankMove {
+            kind,
+            tip,
+            axis,
+            layer: layer.number,
+            region: pass.region,
+            wall: matches!(pass.role, Role::Wall(_)),
+        };
+        match link {
+            Some((way, _)) => self.moves.extend(way.into_iter().map(|p| about(MoveKind::Link, p))),
+            None => {
+                self.leave();
+                let (tip, axis) = positions[0];
+                let open = pass.open[first];
+                let ramp = if open { Vec::new() } else { self.ramp(&positions) };
+                let lowest = ramp.first().copied().unwrap_or((tip, axis));
+                let above = about(MoveKind::Rapid, (self.above(lowest), axis));
+                if !self.moves.is_empty() {
+                    self.flights.push(self.moves.len());
+                    self.moves.push(above);
+                }
+                self.moves.push(above);
+                self.moves.extend(ramp.into_iter().map(|p| about(MoveKind::Approach, p)));
+                self.moves.push(about(MoveKind::Approach, positions[0]));
+            }
+        }
+        self.moves.extend(positions.iter().skip(1).map(|&p| about(MoveKind::Cut, p)));
+        self.at = Some((layer.number, pass.ends[last]));
+    }
+
+    /// The way from where the cutter is to an end of `pass` over the layer, and which one; `None` when it is not free, turns
+    /// the axis far, or takes longer than the flight to the end `flown_to`.
+    fn link(
+        &self,
+        layer: &LayerPasses,
+        pass: &Pass,
+        flown_to: usize,
+    ) -> Option<(Vec<(Point, Vector)>, usize)> {
+        let (number, at) = self.at?;
+        let from = self.moves.last()?;
+        if number != layer.number {
+            return None;
+        }
+        let position = |end: usize| match end {
+            0 => pass.positions[0],
+            _ => pass.positions[pass.positions.len() - 1],
+        };
+        let flight = self.flight_time((from.tip, from.axis), position(flown_to), pass.open[flown_to]);
+        let mut ends = [0, 1].map(|end| (layer.layer.step(at, pass.ends[end]), end));
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ends.into_iter().find_map(|(long, end)| {
+            let target = position(end);
+            if long / self.maker.feed > flight || from.axis.angle(&target.1) > MOST_TURN {
+                return None;
+            }
+            Some((self.way(layer, (at, from), (pass.ends[end], target), long)?, end))
+        })
+    }
+
+    /// Positions from one place of the layer to another, if they are free.
+    fn way(
+        &self,
+        layer: &LayerPasses,
+        (at, from): (LayerPoint, &FlankMove),
+        (to, target): (LayerPoint, (Point, Vector)),
+        long: f64,
+    ) -> Option<Vec<(Point, Vector)>> {
+        let tool = self.maker.tool;
+        let plain = |p: LayerPoint, axis: &Vector| {
+            let (contact, normal) = layer.layer.point_and_normal(p);
+            tool.tip_at_contact(&contact, &normal, axis)
+        };
+        // What both ends keep from the layer the way between them keeps as well.
+        let offset = [from.tip - plain(at, &from.axis), target.0 - plain(to, &target.1)];
+        let count = (long / LINK_STEP).ceil().max(1.0) as usize;
+        (1..=count)
+            .map(|k| {
+                let share = k as f64 / count as f64;
+                let p = at.lerp(to, share);
+                let axis = (from.axis + (target.1 - from.axis) * share).normalize();
+                let tip = plain(p, &axis) + offset[0] * (1.0 - share) + offset[1] * share;
+                (layer.fits)(p, &tool.placed(tip, axis)).then_some((tip, axis))
+            })
+            .collect()
+    }
+
+    /// Time out of the part, over it, and down again to a position, min.
+    fn flight_time(&self, from: (Point, Vector), to: (Point, Vector), open: bool) -> f64 {
+        let (up, down) = (self.above(from), self.above(to));
+        let flown = (up - from.0).norm() + (down - up).norm();
+        let ramp = if open { 0.0 } else { self.maker.layer_depth / RAMP.tan() };
+        flown / RAPID_FEED + ((down - to.0).norm() + ramp) / self.maker.feed
+    }
+
+    /// Down along the first piece of a curve, to and fro, from the height of the layer above.
+    fn ramp(&self, positions: &[(Point, Vector)]) -> Vec<(Point, Vector)> {
+        let mut along = vec![0.0];
+        for pair in positions.windows(2) {
+            let next = along[along.len() - 1] + (pair[1].0 - pair[0].0).norm();
+            along.push(next);
+            if next >= RAMP_LENGTH {
+                break;
+            }
+        }
+        let (depth, reach) = (self.maker.layer_depth, along[along.len() - 1]);
+        if reach < 1e-6 {
+            let (tip, axis) = positions[0];
+            return vec![(tip + axis * depth, axis)];
+        }
+        let total = depth / RAMP.tan();
+        let mut way = vec![(positions[0].0 + positions[0].1 * depth, positions[0].1)];
+        let (mut at, mut gone, mut step) = (0usize, 0.0, 1isize);
+        while gone < total {
+            if at + 1 == along.len() {
+                step = -1;
+            } else if at == 0 {
+                step = 1;
+            }
+            let next = (at as isize + step) as usize;
+            gone += (along[next] - along[at]).abs();
+            at = next;
+            let (tip, axis) = positions[at];
+            way.push((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis));
+        }
+        // Back to the beginning at full depth.
+        way.extend((1..at).rev().map(|k| positions[k]));
+        way
+    }
+
+    /// Out along the axis until the bottom is clear of the blank.
+    fn leave(&mut self) {
+        let Some(&last) = self.moves.last() else { return };
+        if last.kind != MoveKind::Rapid {
+            let tip = self.above((last.tip, last.axis));
+            self.moves.push(FlankMove { kind: MoveKind::Rapid, tip, ..last });
+        }
+        self.at = None;
+    }
+
+    fn above(&self, (tip, axis): (Point, Vector)) -> Point {
+        let tool = self.maker.tool;
+        let mut above =
+            tip + axis * (self.top.height(&tip, &axis, tool.radius() - tool.corner_radius) + 1e-6);
+        for _ in 0..MAX_ROUNDS {
+            // Flat ends of the blank between its circles: go on until it is really clear.
+            let short =
+                self.maker.safety_distance - bottom_clearance(&tool.placed(above, axis), self.maker.blank);
+            if short <= 0.0 {
+                break;
+            }
+            above += axis * (1.5 * short + 1e-3);
+        }
+        above
+    }
+
+    /// Raises both ends of every flight until the bottom stays clear of the blank all the way.
+    fn raise_flights(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
+        let flights = std::mem::take(&mut self.flights);
+        for round in 0..MAX_ROUNDS {
+            let mut clear = true;
+            for &k in &flights {
+                monitor.check()?;
+                let short = self.maker.safety_distance + FLIGHT_MARGIN - self.flight_clearance(k);
+                if short > 0.0 {
+                    clear = false;
+                    let lift = (1.0 + 0.3 * round as f64) * short + 0.25 * self.maker.safety_distance + 1e-3;
+                    for end in [k - 1, k] {
+                        let axis = self.moves[end].axis;
+                        self.moves[end].tip += axis * lift;
+                    }
+                }
+            }
+            if clear {
+                break;
+            }
+        }
+        // A flight that was not raised ends where the way down begins.
+        self.moves.dedup_by(|b, a| b.kind == MoveKind::Rapid && a.tip == b.tip && a.axis == b.axis);
+        Ok(())
+    }
+
+    /// Least distance of the bottom from the blank on the way to move `k`, mm.
+    fn flight_clearance(&self, k: usize) -> f64 {
+        let (from, to) = (&self.moves[k - 1], &self.moves[k]);
+        let tool = self.maker.tool;
+        let looks =
+            ((to.tip - from.tip).norm() / (FLIGHT_LOOKS * tool.diameter)).ceil().clamp(1.0, 400.0) as usize;
+        (0..=looks)
+            .map(|i| {
+                let share = i as f64 / looks as f64;
+                let axis = (from.axis + (to.axis - from.axis) * share).normalize();
+                bottom_clearance(&tool.placed(from.tip + (to.tip - from.tip) * share, axis), self.maker.blank)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Lengths of a program and how long it takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Times {
+    /// Along curves, mm.
+    pub cut_length: f64,
+    /// Under feed between curves and down to them, mm.
+    pub link_length: f64,
+    /// In rapid, mm.
+    pub rapid_length: f64,
+    /// Time along curves, s.
+    pub cut_time: f64,
+    /// Time of links and approaches, s.
+    pub link_time: f64,
+    /// Time in rapid at 10 m/min, s.
+    pub rapid_time: f64,
+}
+
+impl Times {
+    /// Of `moves` at `feed` mm/min; accelerations are left out.
+    pub fn of(moves: &[FlankMove], feed: f64) -> Self {
+        let mut times = Self::default();
+        for pair in moves.windows(2) {
+            let length = (pair[1].tip - pair[0].tip).norm();
+            match pair[1].kind {
+                MoveKind::Cut => times.cut_length += length,
+                MoveKind::Approach | MoveKind::Link => times.link_length += length,
+                MoveKind::Rapid => times.rapid_length += length,
+            }
+        }
+        times.cut_time = 60.0 * times.cut_length / feed;
+        times.link_time = 60.0 * times.link_length / feed;
+        times.rapid_time = 60.0 * times.rapid_length / RAPID_FEED;
+        times
+    }
+
+    /// Time of the whole program, s.
+    pub fn total(&self) -> f64 {
+        self.cut_time + self.link_time + self.rapid_time
+    }
+}

@@ -1,0 +1,253 @@
+//! The whole flank plan of a channel: curves, the cutter along them, and the program.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::chart::{Chart, Region};
+use super::choice::ChosenTool;
+use super::curves::{CurveSource, FlankCurves, FlankError};
+use super::passes::{LayerAxes, LeftOut, PassMaker};
+use super::path::{FlankMove, LayerPasses, PathMaker, Times};
+use super::wall::{WallAxes, WallMilling};
+use crate::geometry::Vector;
+use crate::monitor::Monitor;
+use crate::part::{Blank, Channel, Impeller, Setup, Tool};
+
+use super::chart::WallName;
+
+/// Greatest over- and undercut of the walls that the fits of their axes aim at, mm.
+const WALL_TOLERANCE: f64 = 0.0035;
+/// Greatest distance between positions along a wall, mm, and how far the way between them may be off the wall's bend.
+const WALL_STEP: f64 = 4.0;
+const WALL_CHORD: f64 = 5e-4;
+
+/// One side of a blade, milled with the flank of the cutter.
+#[derive(Clone, Debug)]
+pub struct MilledWall {
+    /// Of which wall.
+    pub wall: WallName,
+    /// The passage beside it.
+    pub region: Region,
+    /// Axes along it, and what they leave.
+    pub axes: WallAxes,
+}
+
+/// A fixed axis of the inner curves.
+#[derive(Clone, Copy, Debug)]
+pub struct RegionAxis {
+    /// Layer, 0 at the hub.
+    pub layer: usize,
+    /// Region.
+    pub region: Region,
+    /// From where to where along the layer, mm.
+    pub from: f64,
+    /// See `from`.
+    pub to: f64,
+    /// Unit axis, tip → holder.
+    pub axis: Vector,
+    /// Least distance of the cutter from the blades, mm.
+    pub clearance: f64,
+}
+
+/// A flank plan of one channel.
+#[derive(Clone, Debug)]
+pub struct FlankPlan {
+    /// The cutter.
+    pub tool: Tool,
+    /// Why it was chosen; `None` where the setup names it.
+    pub reason: Option<String>,
+    /// The curves and how the schemes compare.
+    pub curves: Arc<FlankCurves>,
+    /// The walls.
+    pub walls: Arc<Vec<MilledWall>>,
+    /// Fixed axes by layer and region.
+    pub axes: Vec<RegionAxis>,
+    /// Stretches of curves that no axis reaches.
+    pub left_out: Vec<LeftOut>,
+    /// The program.
+    pub moves: Vec<FlankMove>,
+    /// Feed along curves, mm/min.
+    pub feed: f64,
+    /// Lengths and times.
+    pub times: Times,
+}
+
+impl FlankPlan {
+    /// Greatest cut below the blade allowance along the walls, mm.
+    pub fn max_overcut(&self) -> f64 {
+        self.walls.iter().map(|w| w.axes.max_overcut).fold(0.0, f64::max)
+    }
+
+    /// Greatest stock left above the blade allowance along the walls, mm.
+    pub fn max_undercut(&self) -> f64 {
+        self.walls.iter().map(|w| w.axes.max_undercut).fold(0.0, f64::max)
+    }
+
+    /// Number of positions under feed.
+    pub fn positions(&self) -> usize {
+        self.moves.iter().filter(|m| m.kind != super::path::MoveKind::Rapid).count()
+    }
+}
+
+/// Stages of the last plan, with what they were made from: what has not changed is not made again.
+#[derive(Debug, Default)]
+pub struct FlankStages {
+    curves: Option<(Setup, Tool, Arc<FlankCurves>)>,
+    walls: Option<(Setup, Tool, Arc<Vec<MilledWall>>)>,
+}
+
+/// The parts of a setup that curves depend on; others do not make them stale.
+fn curve_inputs(setup: &Setup) -> Setup {
+    let mut flank = setup.flank.clone();
+    (flank.feed, flank.tool) = (None, None);
+    let mut stock = setup.stock.clone();
+    stock.safety_distance = 0.0;
+    Setup { stock, flank, ..Setup::default() }
+}
+
+/// The parts of a setup that the axes along the walls depend on.
+fn wall_inputs(setup: &Setup) -> Setup {
+    let mut inputs = curve_inputs(setup);
+    let extension = inputs.flank.extension;
+    inputs.flank = Setup::default().flank;
+    inputs.flank.extension = extension;
+    inputs
+}
+
+/// Plans one channel of `part` with the cutter chosen; `stages` of an earlier plan of the same part are used again
+/// where nothing they depend on has changed.
+///
+/// # Errors
+/// [`FlankError::Cancelled`] soon after `monitor` is told so, [`FlankError::Setup`] when part and setup do not go
+/// together.
+pub fn plan(
+    part: &Impeller,
+    channel: &Channel,
+    setup: &Setup,
+    chosen: &ChosenTool,
+    stages: &mut FlankStages,
+    monitor: &Monitor,
+) -> Result<FlankPlan, FlankError> {
+    let tool = &chosen.tool;
+    let source = CurveSource { part, channel, setup, tool };
+    let known_curves = stages.curves.take().filter(|(s, t, _)| *s == curve_inputs(setup) && t == tool);
+    let known_walls = stages.walls.take().filter(|(s, t, _)| *s == wall_inputs(setup) && t == tool);
+    let (curves, walls) = rayon::join(
+        || match known_curves {
+            Some((_, _, curves)) => Ok(curves),
+            None => source.plan(monitor).map(Arc::new),
+        },
+        || match known_walls {
+            Some((_, _, walls)) => walls,
+            None => Arc::new(milled_walls(part, channel, setup, tool, monitor)),
+        },
+    );
+    let curves = curves?;
+    monitor.check()?;
+    stages.curves = Some((curve_inputs(setup), tool.clone(), curves.clone()));
+    stages.walls = Some((wall_inputs(setup), tool.clone(), walls.clone()));
+    monitor.report(0.3);
+
+    let maker = PassMaker::new(part, channel, setup, tool, &walls);
+    let clear = tool.radius() + setup.stock.blade_allowance;
+    let beyond = setup.flank.extension_of(tool) + LINK_SPACING;
+    let made: Vec<(Chart, LayerAxes)> = curves
+        .layers
+        .par_iter()
+        .enumerate()
+        .with_max_len(1)
+        .map(|(number, l)| {
+            monitor.check()?;
+            let chart = Chart::new(&l.layer, &l.borders, clear, l.interval, LINK_SPACING, beyond);
+            let made = maker.layer(number, l, &chart);
+            Ok((chart, made))
+        })
+        .collect::<Result<_, FlankError>>()?;
+    monitor.report(0.8);
+    let (charts, made): (Vec<Chart>, Vec<LayerAxes>) = made.into_iter().unzip();
+
+    let blank = Blank::of(part, setup.stock.inlet_extension);
+    let mut axes = Vec::new();
+    let mut left_out = Vec::new();
+    let mut layers: Vec<LayerPasses> = Vec::with_capacity(made.len());
+    for (made, (found, chart)) in made.into_iter().zip(curves.layers.iter().zip(&charts)) {
+        axes.extend(made.axes);
+        left_out.extend(made.left_out);
+        layers.push(LayerPasses {
+            number: layers.len(),
+            layer: &found.layer,
+            interval: found.interval,
+            passes: made.passes,
+            fits: Box::new(|p, cutter| {
+                chart.freedom(p) >= -LINK_SLACK && maker.finished.clears(cutter, setup.stock.blade_allowance)
+            }),
+        });
+    }
+    // From the top down.
+    layers.reverse();
+    let feed = setup.flank.feed_of(tool);
+    let path = PathMaker {
+        tool,
+        feed,
+        blank: &blank,
+        safety_distance: setup.stock.safety_distance,
+        layer_depth: setup.flank.layer_depth,
+    };
+    let moves = path.program(&layers, monitor)?;
+    monitor.report(1.0);
+    let times = Times::of(&moves, feed);
+    drop(layers);
+    drop(charts);
+    Ok(FlankPlan {
+        tool: tool.clone(),
+        reason: chosen.reason.clone(),
+        curves,
+        walls,
+        axes,
+        left_out,
+        moves,
+        feed,
+        times,
+    })
+}
+
+/// Spacing of the nodes of the charts that links are planned on, mm.
+const LINK_SPACING: f64 = 1.0;
+/// A link may come so much nearer to a wall than a curve, mm: the coarse chart errs by less.
+const LINK_SLACK: f64 = 0.05;
+
+/// All walls of the channel, fitted.
+fn milled_walls(
+    part: &Impeller,
+    channel: &Channel,
+    setup: &Setup,
+    tool: &Tool,
+    monitor: &Monitor,
+) -> Vec<MilledWall> {
+    let milling = WallMilling {
+        tool,
+        blade_allowance: setup.stock.blade_allowance,
+        hub_allowance: setup.stock.hub_allowance,
+        tolerance: WALL_TOLERANCE,
+        extension: setup.flank.extension_of(tool).max(1e-3),
+        step: WALL_STEP,
+        chord_error: WALL_CHORD,
+    };
+    let mut walls = vec![
+        (WallName::Low, Region::Inlet, &channel.full, 0),
+        (WallName::High, Region::Inlet, &channel.full, 1),
+    ];
+    if let [low, high] = channel.beside_splitter.as_slice() {
+        walls.push((WallName::Splitter, Region::LowSide, low, 1));
+        walls.push((WallName::Splitter, Region::HighSide, high, 0));
+    }
+    walls
+        .into_par_iter()
+        .filter(|_| !monitor.is_cancelled())
+        .filter_map(|(wall, region, passage, number)| {
+            let axes = WallAxes::fit(part, channel, passage, number, &milling)?;
+            Some(MilledWall { wall, region, axes })
+        })
+        .collect()
+}

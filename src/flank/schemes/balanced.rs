@@ -1,0 +1,64 @@
+//! One fan from one wall, the far wall's first curve, and an arc round the splitter's nose: nowhere wider than the
+//! interval, and with as few curves as that allows.
+//!
+//! Before the splitter no border is drawn across the channel. The fan of one main blade runs from the inlet into the
+//! passage beside it; the other blade's fan fills the rest, up to the last curve of the first fan that passes the nose on
+//! its own side. All curves run smoothly past the nose, and none needs a run-out within the channel.
+
+use super::{Curve, sound, within};
+use crate::flank::chart::{Chart, Region, WallName};
+
+/// Curves of a layer, with runs of `beyond` mm: the shorter of both ways to begin.
+pub fn balanced(chart: &Chart, beyond: f64) -> Vec<Curve> {
+    let length = |curves: &[Curve]| curves.iter().map(|c| c.length(chart.layer)).sum::<f64>();
+    let [a, b] = [WallName::Low, WallName::High].map(|main| fans(chart, beyond, main));
+    if length(&b) < length(&a) { b } else { a }
+}
+
+fn fans(chart: &Chart, beyond: f64, main: WallName) -> Vec<Curve> {
+    let (other, own_side) = match main {
+        WallName::Low => (WallName::High, Region::LowSide),
+        _ => (WallName::Low, Region::HighSide),
+    };
+    let clear = chart.clear;
+    let at = |k: usize| clear + chart.interval * k as f64;
+    // Number of the last curve of the main fan that passes the nose on its own side; without a splitter all do.
+    let last = chart.borders.splitter.as_ref().map(|splitter| {
+        let nose = chart.distance(main, splitter.nose);
+        if nose.is_finite() { ((nose - clear) / chart.interval).floor().max(0.0) as usize } else { 0 }
+    });
+    let mut curves = Vec::new();
+    for wall in [main, other, WallName::Splitter] {
+        for (k, line) in chart.offsets(wall).iter().enumerate() {
+            let pieces = chart.clip(line, |p| {
+                let Some(region) = chart.region(p) else { return -1.0 };
+                let free_of = |wall: WallName| chart.distance(wall, p) - clear;
+                let of_splitter = free_of(WallName::Splitter);
+                let keep = match (wall, region, last) {
+                    (WallName::Splitter, ..) if k > 0 => -1.0,
+                    (WallName::Splitter, ..) => free_of(main).min(free_of(other)),
+                    (w, Region::Inlet, None) if w == main || k == 0 => {
+                        free_of(if w == main { other } else { main })
+                    }
+                    (_, Region::Inlet, None) => -1.0,
+                    (w, Region::Inlet, Some(last)) if w == main => {
+                        if k <= last {
+                            free_of(other).min(of_splitter)
+                        } else {
+                            -1.0
+                        }
+                    }
+                    (_, Region::Inlet, Some(last)) => {
+                        let reached = if k == 0 { clear } else { at(last) };
+                        (chart.distance(main, p) - reached).min(of_splitter)
+                    }
+                    (w, side, _) if (w == main) == (side == own_side) => of_splitter,
+                    _ => -1.0,
+                };
+                keep.min(within(chart.layer, p, beyond)).min(sound(chart, wall, at(k), p))
+            });
+            curves.extend(pieces.into_iter().map(|points| Curve::new(chart, wall, k, points)));
+        }
+    }
+    curves
+}

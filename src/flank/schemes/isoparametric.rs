@@ -1,0 +1,144 @@
+//! Isoparametric curves: as many as the widest place asks for, each at its fraction of the way from wall to wall.
+
+use super::{Curve, Role};
+use crate::flank::border::{Borders, y_at};
+use crate::flank::chart::{Region, WallName};
+use crate::flank::layer::{Layer, LayerPoint};
+
+/// Distance between points of a curve, mm.
+const STEP: f64 = 2.0;
+
+/// The baseline of paper B, fig. 4: beside the splitter as many curves as the widest place of each passage asks for, each
+/// of them through the whole channel. First and last keep `clear` mm from the walls; `beyond` mm are run beyond the ends.
+pub fn isoparametric(layer: &Layer, borders: &Borders, clear: f64, interval: f64, beyond: f64) -> Vec<Curve> {
+    let passages = Passage::all(layer, borders, clear);
+    let whole = &passages[0];
+    let mut curves = Vec::new();
+    if passages.len() == 1 {
+        for share in whole.shares(interval) {
+            curves.push(whole.curve(share, layer.from - beyond, layer.to + beyond));
+        }
+        return curves;
+    }
+    for passage in &passages[1..] {
+        for share in passage.shares(interval) {
+            // Before the splitter at the fraction of the whole channel with which the curve passes its nose.
+            let nose = passage.from;
+            let fraction = whole.fraction(nose, passage.y(share, nose));
+            let mut curve = passage.curve(share, nose, layer.to + beyond);
+            if nose > layer.from {
+                let mut before = whole.curve(fraction, layer.from - beyond, nose).points;
+                before.pop();
+                curve.points.splice(0..0, before);
+            }
+            curves.push(curve);
+        }
+    }
+    curves
+}
+
+/// The same in each region by itself: as many curves as the widest place of the region asks for (paper B, fig. 7).
+pub fn isoparametric_by_region(
+    layer: &Layer,
+    borders: &Borders,
+    clear: f64,
+    interval: f64,
+    beyond: f64,
+) -> Vec<Curve> {
+    let passages = Passage::all(layer, borders, clear);
+    let mut curves = Vec::new();
+    for passage in &passages {
+        if passage.from >= passage.to {
+            continue;
+        }
+        let from = if passage.from <= layer.from { layer.from - beyond } else { passage.from };
+        let to = if passage.to >= layer.to { layer.to + beyond } else { passage.to };
+        curves.extend(passage.shares(interval).map(|share| passage.curve(share, from, to)));
+    }
+    curves
+}
+
+/// A stretch of the channel between two walls.
+struct Passage<'a> {
+    layer: &'a Layer,
+    low: &'a [LayerPoint],
+    high: &'a [LayerPoint],
+    clear: f64,
+    /// Where it begins and ends, x.
+    from: f64,
+    to: f64,
+    region: Region,
+    walls: [WallName; 2],
+}
+
+impl<'a> Passage<'a> {
+    /// The channel up to the splitter's nose, and the two passages beside it.
+    fn all(layer: &'a Layer, borders: &'a Borders, clear: f64) -> Vec<Self> {
+        use WallName::{High, Low, Splitter};
+        let nose = borders.splitter.as_ref().map(|s| s.nose.x.max(layer.from));
+        let passage =
+            |low, high, (from, to), region, walls| Self { layer, low, high, clear, from, to, region, walls };
+        let (low, high): (&[LayerPoint], &[LayerPoint]) = (&borders.low.points, &borders.high.points);
+        let ahead = (layer.from, nose.unwrap_or(layer.to));
+        let mut all = vec![passage(low, high, ahead, Region::Inlet, [Low, High])];
+        if let (Some(splitter), Some(nose)) = (&borders.splitter, nose) {
+            let [facing_low, facing_high] = &splitter.sides;
+            let beside = (nose, layer.to);
+            all.push(passage(low, facing_low, beside, Region::LowSide, [Low, Splitter]));
+            all.push(passage(facing_high, high, beside, Region::HighSide, [Splitter, High]));
+        }
+        all
+    }
+
+    /// y of the first and the last curve at `x`, and the cosine of their mean slope.
+    fn ends(&self, x: f64) -> ([f64; 2], f64) {
+        let r = self.layer.radius(x).0.max(1e-6);
+        let d = 0.25;
+        let cos = |line: &[LayerPoint]| {
+            let slope = r * (y_at(line, x + d) - y_at(line, x - d)) / (2.0 * d);
+            1.0 / (1.0 + slope * slope).sqrt()
+        };
+        let (a, b) = (cos(self.low), cos(self.high));
+        let reach = |cos: f64| self.clear / (r * cos.max(0.1));
+        ([y_at(self.low, x) + reach(a), y_at(self.high, x) - reach(b)], 0.5 * (a + b))
+    }
+
+    /// y at the fraction `share` of the way from the first curve to the last.
+    fn y(&self, share: f64, x: f64) -> f64 {
+        let [a, b] = self.ends(x).0;
+        a + share * (b - a)
+    }
+
+    /// The fraction at which y lies.
+    fn fraction(&self, x: f64, y: f64) -> f64 {
+        let [a, b] = self.ends(x).0;
+        (y - a) / (b - a)
+    }
+
+    /// Fractions of the curves that the widest place asks for; one in the middle where the cutter fits nowhere else.
+    fn shares(&self, interval: f64) -> impl Iterator<Item = f64> + use<> {
+        let width = |x: f64| {
+            let ([a, b], cos) = self.ends(x);
+            self.layer.radius(x).0 * (b - a) * cos
+        };
+        let widest = stations(self.from, self.to).map(width).fold(0.0, f64::max);
+        let count = (widest / interval).ceil() as usize;
+        (0..=count).map(move |k| if count > 0 { k as f64 / count as f64 } else { 0.5 })
+    }
+
+    fn curve(&self, share: f64, from: f64, to: f64) -> Curve {
+        let points = stations(from, to).map(|x| LayerPoint { x, y: self.y(share, x) }).collect();
+        let role = match share {
+            0.0 => Role::Wall(self.walls[0]),
+            1.0 => Role::Wall(self.walls[1]),
+            _ => Role::Inner,
+        };
+        Curve { role, region: self.region, points }
+    }
+}
+
+/// x of the points of a curve.
+fn stations(from: f64, to: f64) -> impl Iterator<Item = f64> {
+    let count = ((to - from) / STEP).ceil().max(1.0) as usize;
+    (0..=count).map(move |i| from + (to - from) * i as f64 / count as f64)
+}

@@ -1,0 +1,67 @@
+//! Ways to fill a layer with curves.
+
+mod balanced;
+mod isoparametric;
+mod regions;
+
+pub use balanced::balanced;
+pub use isoparametric::{isoparametric, isoparametric_by_region};
+pub use regions::regions;
+
+use super::chart::{Chart, Region, WallName};
+use super::layer::{Layer, LayerPoint};
+
+/// What a curve is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Along a wall, as near as the cutter may come: the blade is milled here with the flank of the cutter.
+    Wall(WallName),
+    /// Between the walls.
+    Inner,
+}
+
+/// A curve on a layer.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// What it is for.
+    pub role: Role,
+    /// Where its middle lies.
+    pub region: Region,
+    /// Its points, and runs beyond the layer's ends.
+    pub points: Vec<LayerPoint>,
+}
+
+impl Curve {
+    fn new(chart: &Chart, wall: WallName, number: usize, points: Vec<LayerPoint>) -> Self {
+        let role = if number == 0 { Role::Wall(wall) } else { Role::Inner };
+        let region = chart.region(points[points.len() / 2]).unwrap_or(Region::Inlet);
+        Self { role, region, points }
+    }
+
+    /// Length within the ends of the layer, mm.
+    pub fn length(&self, layer: &Layer) -> f64 {
+        self.points.windows(2).map(|p| layer.step(p[0], p[1]) * share_inside(layer, p[0].x, p[1].x)).sum()
+    }
+}
+
+/// Share of the way from `a` to `b` (x) that lies within the ends of the layer.
+fn share_inside(layer: &Layer, a: f64, b: f64) -> f64 {
+    let (low, high) = (a.min(b), a.max(b));
+    if high - low < 1e-12 {
+        return if (layer.from..=layer.to).contains(&low) { 1.0 } else { 0.0 };
+    }
+    ((high.min(layer.to) - low.max(layer.from)) / (high - low)).max(0.0)
+}
+
+/// Not negative within the layer and its runs of `beyond` mm at both ends, measured along the meridian.
+fn within(layer: &Layer, p: LayerPoint, beyond: f64) -> f64 {
+    (p.x - layer.from + beyond).min(layer.to + beyond - p.x)
+}
+
+/// An offset may come nearer to its wall by this many intervals: more than the chart errs by.
+const SOUND: f64 = 0.02;
+
+/// Not negative where an offset is no nearer to its own wall than it should be: behind focal points it is.
+fn sound(chart: &Chart, wall: WallName, offset: f64, p: LayerPoint) -> f64 {
+    chart.distance(wall, p) - offset + SOUND * chart.interval
+}

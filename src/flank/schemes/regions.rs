@@ -1,0 +1,38 @@
+//! The fans of paper B: in each region both walls are offset towards each other, and each offset is kept where its own
+//! wall is the nearer one. In the middle gaps of up to two intervals may stay.
+
+use super::{Curve, sound, within};
+use crate::flank::chart::{Chart, Region, WallName};
+
+/// Curves of a layer, with runs of `beyond` mm.
+pub fn regions(chart: &Chart, beyond: f64) -> Vec<Curve> {
+    let mut curves = Vec::new();
+    for wall in WallName::ALL {
+        for (k, line) in chart.offsets(wall).iter().enumerate() {
+            let own = chart.clear + chart.interval * k as f64;
+            let pieces = chart.clip(line, |p| {
+                let Some(region) = chart.region(p) else { return -1.0 };
+                let Some(other) = facing(wall, region) else { return -1.0 };
+                let mut keep = (chart.distance(other, p) - own).min(within(chart.layer, p, beyond));
+                if region == Region::Inlet {
+                    keep = keep.min(chart.distance(WallName::Splitter, p) - chart.clear);
+                }
+                keep.min(sound(chart, wall, own, p))
+            });
+            curves.extend(pieces.into_iter().map(|points| Curve::new(chart, wall, k, points)));
+        }
+    }
+    curves
+}
+
+/// The wall opposite to `wall` in a region; `None` where `wall` does not bound it.
+fn facing(wall: WallName, region: Region) -> Option<WallName> {
+    use Region::{HighSide, Inlet, LowSide};
+    use WallName::{High, Low, Splitter};
+    match (wall, region) {
+        (High, Inlet) | (Splitter, LowSide) => Some(Low),
+        (Low, Inlet) | (Splitter, HighSide) => Some(High),
+        (Low, LowSide) | (High, HighSide) => Some(Splitter),
+        (Splitter, Inlet) | (Low, HighSide) | (High, LowSide) => None,
+    }
+}

@@ -1,0 +1,215 @@
+//! `flank.json`: a flank plan with everything needed to show it again, part and setup included.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::InputError;
+use super::native::write_native;
+use super::part_file::read_part_bytes;
+use super::setup_file::{read_setup_bytes, write_setup};
+use super::source::{name_of, read_bytes};
+use crate::flank::chart::{Region, WallName};
+use crate::flank::schemes::Role;
+use crate::flank::{FlankMove, FlankPlan, MoveKind};
+use crate::geometry::{Point, Vector};
+use crate::part::{FlankScheme, Impeller, PartDescription, Setup};
+
+/// Version of the file; readers refuse newer ones.
+const VERSION: u32 = 1;
+/// Positions and points are written to this, mm.
+const DECIMALS: f64 = 1e6;
+/// Axes are written to this.
+const AXIS_DECIMALS: f64 = 1e9;
+
+#[derive(Serialize, Deserialize)]
+struct FlankFile {
+    vanecut_flank: u32,
+    /// The part in the native format.
+    part: String,
+    /// The setup with the cutter filled in.
+    setup: String,
+    scheme: FlankScheme,
+    /// Feed along the curves, mm/min.
+    feed: f64,
+    layers: Vec<LayerFile>,
+    moves: Vec<MoveFile>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct LayerFile {
+    /// mm above the hub.
+    height: f64,
+    /// Distance of neighbouring curves, mm.
+    interval: f64,
+    curves: Vec<CurveFile>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct CurveFile {
+    wall: bool,
+    region: Region,
+    points: Vec<[f64; 3]>,
+}
+
+/// kind, layer, region, along a wall, tip, axis.
+type MoveFile = (MoveKind, usize, Region, bool, [f64; 3], [f64; 3]);
+
+/// A curve as it is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShownCurve {
+    /// Layer, 0 at the hub.
+    pub layer: usize,
+    /// Where its middle lies.
+    pub region: Region,
+    /// Whether it runs along a wall.
+    pub wall: bool,
+    /// Its points on the layer, mm.
+    pub points: Vec<Point>,
+}
+
+/// A flank plan read back.
+#[derive(Debug)]
+pub struct StoredFlank {
+    /// The part as it was.
+    pub description: PartDescription,
+    /// The part, built.
+    pub part: Impeller,
+    /// The setup the plan was made with.
+    pub setup: Setup,
+    /// Its scheme.
+    pub scheme: FlankScheme,
+    /// Feed along the curves, mm/min.
+    pub feed: f64,
+    /// Number of layers.
+    pub layers: usize,
+    /// The curves of all layers.
+    pub curves: Vec<ShownCurve>,
+    /// The program.
+    pub moves: Vec<FlankMove>,
+}
+
+/// The curves of a plan as they are shown.
+pub fn shown_curves(plan: &FlankPlan) -> Vec<ShownCurve> {
+    let layers = plan.curves.layers.iter().enumerate();
+    layers
+        .flat_map(|(number, layer)| {
+            layer.curves.iter().map(move |curve| ShownCurve {
+                layer: number,
+                region: curve.region,
+                wall: matches!(curve.role, Role::Wall(WallName::Low | WallName::High | WallName::Splitter)),
+                points: curve.points.iter().map(|p| layer.layer.point(*p)).collect(),
+            })
+        })
+        .collect()
+}
+
+fn rounded(coordinates: [f64; 3], decimals: f64) -> [f64; 3] {
+    coordinates.map(|x| (x * decimals).round() / decimals)
+}
+
+/// Text of a flank plan file.
+pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPlan) -> String {
+    let curves = shown_curves(plan);
+    let layers = plan.curves.layers.iter().enumerate().map(|(number, layer)| LayerFile {
+        height: layer.layer.height,
+        interval: layer.interval,
+        curves: curves
+            .iter()
+            .filter(|curve| curve.layer == number)
+            .map(|curve| CurveFile {
+                wall: curve.wall,
+                region: curve.region,
+                points: curve.points.iter().map(|p| rounded(p.coords.into(), DECIMALS)).collect(),
+            })
+            .collect(),
+    });
+    let file = FlankFile {
+        vanecut_flank: VERSION,
+        part: write_native(description),
+        setup: write_setup(setup),
+        scheme: plan.curves.scheme,
+        feed: plan.feed,
+        layers: layers.collect(),
+        moves: plan
+            .moves
+            .iter()
+            .map(|m| {
+                let (tip, axis) =
+                    (rounded(m.tip.coords.into(), DECIMALS), rounded(m.axis.into(), AXIS_DECIMALS));
+                (m.kind, m.layer, m.region, m.wall, tip, axis)
+            })
+            .collect(),
+    };
+    let mut text = serde_json::to_string(&file).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// Reads a flank plan file.
+///
+/// # Errors
+/// As [`read_flank_bytes`], or when the file cannot be read.
+pub fn read_flank(path: &Path) -> Result<StoredFlank, InputError> {
+    read_flank_bytes(&name_of(path), &read_bytes(path)?)
+}
+
+/// Whether the bytes look like a flank plan file rather than a plunge plan.
+pub fn is_flank(bytes: &[u8]) -> bool {
+    let head = &bytes[..bytes.len().min(64)];
+    head.windows(15).any(|w| w == b"\"vanecut_flank\"")
+}
+
+/// Reads a flank plan file; `name` stands for it in messages.
+///
+/// # Errors
+/// What is wrong and where, when the bytes are no flank plan file of a known version.
+pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputError> {
+    let file: FlankFile = serde_json::from_slice(bytes).map_err(|e| {
+        InputError::new(
+            name,
+            e.line(),
+            format!("this is no flank plan file ({e})"),
+            "give a flank.json that `vanecut flank` wrote",
+        )
+    })?;
+    if file.vanecut_flank > VERSION {
+        return Err(InputError::new(
+            name,
+            0,
+            format!(
+                "the flank plan file has version {}, this program reads up to {VERSION}",
+                file.vanecut_flank
+            ),
+            "open it with a newer vanecut",
+        ));
+    }
+    let inside = |what: &str| format!("{name} ({what})");
+    let description = read_part_bytes(&inside("part"), file.part.as_bytes(), "toml")?;
+    let part = Impeller::build(&description)
+        .map_err(|e| InputError::new(&inside("part"), e.line, e.what, e.cure))?;
+    let setup = read_setup_bytes(&inside("setup"), file.setup.as_bytes())?;
+    let broken = |what: String| InputError::new(name, 0, what, "plan the part again");
+    let sane = |p: &[f64; 3]| p.iter().all(|x| x.is_finite() && x.abs() < 1e6);
+    let layers = file.layers.len();
+    let mut curves = Vec::new();
+    for (layer, found) in file.layers.into_iter().enumerate() {
+        for curve in found.curves {
+            if !curve.points.iter().all(sane) {
+                return Err(broken(format!("a curve of layer {} is damaged", layer + 1)));
+            }
+            let points = curve.points.into_iter().map(|p| Point::from(Vector::from(p))).collect();
+            curves.push(ShownCurve { layer, region: curve.region, wall: curve.wall, points });
+        }
+    }
+    let mut moves = Vec::with_capacity(file.moves.len());
+    for (number, (kind, layer, region, wall, tip, axis)) in file.moves.into_iter().enumerate() {
+        let direction = Vector::from(axis);
+        if !sane(&tip) || (direction.norm() - 1.0).abs() > 1e-6 || layer >= layers.max(1) {
+            return Err(broken(format!("move {} is damaged", number + 1)));
+        }
+        let tip = Point::from(Vector::from(tip));
+        moves.push(FlankMove { kind, tip, axis: direction, layer, region, wall });
+    }
+    Ok(StoredFlank { description, part, setup, scheme: file.scheme, feed: file.feed, layers, curves, moves })
+}

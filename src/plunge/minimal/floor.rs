@@ -1,0 +1,184 @@
+//! The hub under a stretch while it is being cut: how high the stock stands, cell by cell, and what one more plunge
+//! would take away.
+
+use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
+use crate::part::{Impeller, Tool};
+use crate::plunge::contact::Column;
+use crate::plunge::ground::Stretch;
+
+/// Edge of a cell in cutter radii.
+const CELL_RADII: f64 = 0.2;
+/// Most cells of a stretch along it, and across.
+const MAX_CELLS: usize = 400;
+/// How far from its tip a cutter is looked at, in radii: the flank may reach stock on a hub that rises beside it.
+const REACH_RADII: f64 = 1.25;
+/// Layers thicker than this, in radii, count as this thick: where nothing was cut the stock is as high as the channel.
+const THICKEST_RADII: f64 = 1.0;
+
+/// What a plunge would take.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gain {
+    /// By how much the floor costs less, mm³.
+    pub cost: f64,
+    /// By how much some cell would be lowered, at most, mm.
+    pub drop: f64,
+}
+
+/// One cell.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    point: Point,
+    normal: Vector,
+    area: f64,
+    /// Height of the stock along the normal, mm; infinite where nothing was cut.
+    height: f64,
+}
+
+/// Cells at one s, evenly from wall to wall.
+#[derive(Clone, Debug)]
+struct FloorRow {
+    /// θ of the first wall's foot with its allowance, and the angle from cell to cell.
+    from: f64,
+    step: f64,
+    /// Radius, mm.
+    r: f64,
+    cells: Vec<Cell>,
+}
+
+/// The floor of a stretch.
+#[derive(Clone, Debug)]
+pub struct Floor {
+    rows: Vec<FloorRow>,
+    /// s of the first row, and from row to row.
+    s_from: f64,
+    s_step: f64,
+    /// mm of hub per unit of s.
+    length: f64,
+    allowance: f64,
+    /// Layer whose square weighs as much as itself, and the thickest that counts, mm.
+    scale: f64,
+    thickest: f64,
+}
+
+impl Floor {
+    /// The uncut floor of `stretch`, between the wall's feet with `blade_allowance` mm.
+    pub fn new(
+        part: &Impeller,
+        stretch: &Stretch,
+        tool: &Tool,
+        (hub_allowance, blade_allowance): (f64, f64),
+        scale: f64,
+    ) -> Self {
+        let edge = CELL_RADII * tool.radius();
+        let (from, to) = (stretch.from.min(1.0), stretch.to.max(0.0));
+        let length = part.hub.length();
+        let count = (((from - to) * length / edge).ceil() as usize).clamp(1, MAX_CELLS);
+        let s_step = (to - from) / count as f64;
+        let row = |i: usize| {
+            let s = from + s_step * (i as f64 + 0.5);
+            let hub = part.hub.at(s);
+            let r = hub.point.r;
+            let mut row = FloorRow { from: 0.0, step: 1.0, r, cells: Vec::new() };
+            let Some([low, high]) = stretch.passage.wall_angles(part, s, 0.0) else { return row };
+            let margin = blade_allowance / r * part.pitch().signum();
+            let width = high - low - 2.0 * margin;
+            if width * margin.signum() <= 0.0 && margin != 0.0 {
+                return row;
+            }
+            let across = ((width.abs() * r / edge).ceil() as usize).clamp(1, MAX_CELLS);
+            row.from = low + margin;
+            row.step = width / across as f64;
+            let area = (s_step * length * row.step * r).abs();
+            row.cells = (0..across)
+                .map(|j| {
+                    let theta = row.from + row.step * (j as f64 + 0.5);
+                    let (point, normal) = (hub.point.at_angle(theta), hub.normal.direction_at_angle(theta));
+                    Cell { point, normal, area, height: f64::INFINITY }
+                })
+                .collect();
+            row
+        };
+        Self {
+            rows: (0..count).map(row).collect(),
+            s_from: from + 0.5 * s_step,
+            s_step,
+            length,
+            allowance: hub_allowance,
+            scale,
+            thickest: THICKEST_RADII * tool.radius(),
+        }
+    }
+
+    /// What a cell costs whose stock is `height` mm high, per mm².
+    fn cost(&self, height: f64) -> f64 {
+        let e = (height - self.allowance).clamp(0.0, self.thickest);
+        e + e * e / self.scale
+    }
+
+    /// Rows and cells of them that `cutter` may reach.
+    fn under(&self, part: &Impeller, cutter: &CutterSolid) -> impl Iterator<Item = (usize, usize, usize)> {
+        let foot = crate::geometry::Meridional::of(&cutter.tip);
+        let s = part.hub.s_at(part.hub.curve().project(foot).0);
+        let theta = cutter.tip.y.atan2(cutter.tip.x);
+        let reach = REACH_RADII * cutter.radius;
+        let row = |s: f64| (s - self.s_from) / self.s_step;
+        let (a, b) = (row(s + reach / self.length), row(s - reach / self.length));
+        let last = self.rows.len() as f64 - 1.0;
+        let rows = if b < 0.0 || a > last {
+            1..1
+        } else {
+            a.ceil().max(0.0) as usize..b.floor().min(last) as usize + 1
+        };
+        rows.filter_map(move |i| {
+            let row = &self.rows[i];
+            if row.cells.is_empty() {
+                return None;
+            }
+            // The nearest of the turns of θ: passages are narrower than half a turn.
+            let width = row.step * row.cells.len() as f64;
+            let middle = 0.5 * width + wrap_angle(theta - row.from - 0.5 * width);
+            let half = (reach / row.r / row.step).abs();
+            let at = middle / row.step - 0.5;
+            let last = row.cells.len() as f64 - 1.0;
+            if at + half < 0.0 || at - half > last {
+                return None;
+            }
+            Some((i, (at - half).ceil().max(0.0) as usize, (at + half).floor().min(last) as usize + 1))
+        })
+    }
+
+    /// Lowest height of a cell that `cutter` leaves, if it comes over it.
+    fn entry(cell: &Cell, cutter: &CutterSolid) -> Option<f64> {
+        let (low, high) = cutter.column_interval(cutter.radius, &cell.point, &cell.normal)?;
+        (high > 0.0 && low < cell.height).then_some(low)
+    }
+
+    /// What one more plunge of `cutter` would take.
+    pub fn gain(&self, part: &Impeller, cutter: &CutterSolid) -> Gain {
+        let mut gain = Gain::default();
+        for (i, from, to) in self.under(part, cutter) {
+            for cell in &self.rows[i].cells[from..to] {
+                // The least a cutter leaves is the allowance.
+                if cell.height > self.allowance
+                    && let Some(low) = Self::entry(cell, cutter)
+                {
+                    gain.cost += cell.area * (self.cost(cell.height) - self.cost(low));
+                    gain.drop = gain.drop.max(cell.height - low);
+                }
+            }
+        }
+        gain
+    }
+
+    /// Takes away what a plunge removes.
+    pub fn cut(&mut self, part: &Impeller, column: &Column) {
+        let ranges: Vec<(usize, usize, usize)> = self.under(part, &column.cutter).collect();
+        for (i, from, to) in ranges {
+            for cell in &mut self.rows[i].cells[from..to] {
+                if let Some(low) = Self::entry(cell, &column.cutter) {
+                    cell.height = low;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Checks programs that mill with the flank of the cutter, along all their moves: what they cut too deep, where cutter and
+//! holder run into something, what they leave on walls and floor.
+//!
+//! Stock is followed over the floor of a channel by the heightfield: what stands beside walls that lean away from
+//! the channel, above no cell of the floor, is not seen by the check of rapids.
+
+mod gouge;
+mod steps;
+mod stock;
+mod walls;
+
+use rayon::prelude::*;
+
+use super::Fault;
+use crate::formats::apt::{ClProgram, Motion};
+use crate::part::{Blank, Channel, Impeller, Setup, SideProbe};
+use crate::plunge::choice::estimate::RAPID_FEED;
+use crate::plunge::clearance::FinishedPart;
+use crate::plunge::retract::bottom_clearance;
+use crate::residual::ResidualStatistics;
+use gouge::{Clearance, Surroundings};
+use steps::{Step, steps_of};
+use stock::{RapidPlace, floor_after};
+use walls::wall_deviation;
+
+/// What a flank program does to the part. Lengths mm; NaN where there is nothing to measure.
+#[derive(Clone, Debug)]
+pub struct FlankVerdict {
+    /// Number of channels the program works in.
+    pub channels: usize,
+    /// Moves under feed.
+    pub positions: usize,
+    /// Number of tools used.
+    pub tools: usize,
+    /// Length under feed, and in rapid.
+    pub cut_length: f64,
+    /// See `cut_length`.
+    pub rapid_length: f64,
+    /// Time from feeds, s; tool changes and accelerations are left out.
+    pub time_estimate: f64,
+    /// Least distance of the cutter to the finished hub, told up to 1 mm above the allowance.
+    pub min_hub_clearance: f64,
+    /// The same to the blades.
+    pub min_blade_clearance: f64,
+    /// Least distance of the bottom to the blank in rapids across it.
+    pub min_retract_clearance: f64,
+    /// Greatest turn of the axis in one move under feed, rad.
+    pub max_axis_change: f64,
+    /// Greatest cut below the blades' allowance; noses and blunt trailing edges count here.
+    pub max_overcut: f64,
+    /// Greatest stock left on a wall, above its allowance, where cutters come near to it; without noses, blunt trailing
+    /// edges, and the foot of the wall that corners do not reach.
+    pub max_undercut: f64,
+    /// Share of the floor on which more is left than the setup's allowed error.
+    pub uncovered_share: f64,
+    /// The layer left on the floor, of the channel with the greatest uncovered share.
+    pub layer: ResidualStatistics,
+    /// Everything that must not be, by line.
+    pub faults: Vec<Fault>,
+}
+
+/// How far a cut may come below an allowance, mm: straight ways between positions cut a little off.
+const TOLERANCE: f64 = 1e-3;
+/// Turn of the axis in one move that is too much for a controller to interpolate as it was meant, rad.
+const MOST_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
+
+/// Whether a program mills with the flank: most of its moves under feed do not plunge along the axis.
+pub fn is_flank(program: &ClProgram) -> bool {
+    let (mut along, mut across) = (0usize, 0usize);
+    for pair in program.moves.windows(2) {
+        if !matches!(pair[1].motion, Motion::Feed(_)) || pair[0].tool != pair[1].tool {
+            continue;
+        }
+        let step = Step {
+            line: 0,
+            tool: 0,
+            feed: None,
+            channel: 0,
+            from: (pair[0].tip, pair[0].axis),
+            to: (pair[1].tip, pair[1].axis),
+        };
+        if step.is_axial() { along += 1 } else { across += 1 }
+    }
+    across > along
+}
+
+/// Checks `program` against `part` with the allowances of `setup`.
+///
+/// # Errors
+/// The line of the program and what is missing when a cut cannot be judged: no tool before it.
+pub fn verify_flank(
+    part: &Impeller,
+    channel: &Channel,
+    setup: &Setup,
+    program: &ClProgram,
+) -> Result<FlankVerdict, Fault> {
+    let (steps, tools) = steps_of(part, channel, program, setup)?;
+    let blank = Blank::of(part, setup.stock.inlet_extension);
+    let surroundings = Surroundings {
+        part,
+        finished: FinishedPart::new(part, &channel.sides),
+        sides: channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect(),
+        tools: &tools,
+        hub_allowance: setup.stock.hub_allowance,
+        blade_allowance: setup.stock.blade_allowance,
+    };
+    let looks: Vec<Look> = steps.par_iter().map(|step| look(step, &surroundings, &blank)).collect();
+
+    let mut verdict = FlankVerdict {
+        channels: 0,
+        positions: steps.iter().filter(|s| s.feed.is_some()).count(),
+        tools: tools.len(),
+        cut_length: 0.0,
+        rapid_length: 0.0,
+        time_estimate: 0.0,
+        min_hub_clearance: f64::NAN,
+        min_blade_clearance: f64::NAN,
+        min_retract_clearance: f64::NAN,
+        max_axis_change: 0.0,
+        max_overcut: 0.0,
+        max_undercut: f64::NAN,
+        uncovered_share: 0.0,
+        layer: ResidualStatistics::default(),
+        faults: Vec::new(),
+    };
+    for (step, look) in steps.iter().zip(&looks) {
+        verdict.add(step, look, setup);
+    }
+    let mut channels: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    verdict.channels = channels.len();
+    for (index, &number) in channels.iter().enumerate() {
+        let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
+        let ours: Vec<&Step> = here.iter().map(|&k| &steps[k]).collect();
+        let place = |(index, k): (usize, &usize)| {
+            let shares = looks[*k].inside.iter();
+            shares.map(move |&share| RapidPlace { step: index, share }).collect::<Vec<_>>()
+        };
+        let rapids: Vec<RapidPlace> = here.iter().enumerate().flat_map(place).collect();
+        let floor = floor_after(part, channel, setup, &blank, &tools, &ours, &rapids);
+        for (step, volume) in floor.rapids {
+            let what = format!(
+                "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
+            );
+            verdict.faults.push(Fault { line: ours[step].line, what });
+        }
+        if index == 0 || floor.uncovered_share > verdict.uncovered_share {
+            (verdict.uncovered_share, verdict.layer) = (floor.uncovered_share, floor.layer);
+        }
+        let cuts: Vec<&Step> = ours.into_iter().filter(|s| s.feed.is_some()).collect();
+        let corner = cuts.iter().map(|s| tools[s.tool].corner_radius).fold(0.0, f64::max);
+        let uncut = setup.stock.hub_allowance + corner;
+        let walls = wall_deviation(part, channel, &tools, &cuts, setup.stock.blade_allowance, uncut);
+        verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
+        verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
+    }
+    verdict.max_overcut =
+        verdict.max_overcut.max(setup.stock.blade_allowance - verdict.min_blade_clearance).max(0.0);
+    verdict.faults.sort_by_key(|fault| fault.line);
+    Ok(verdict)
+}
+
+/// What was seen along a step.
+struct Look {
+    clearance: Clearance,
+    /// Least distance of a rapid that does not stay in its column to the blank, mm; infinite for others and within it.
+    retract: f64,
+    /// Shares of the way at which a rapid is within the outline of the blank.
+    inside: Vec<f64>,
+}
+
+/// Looks along a step under feed for what it cuts, along a rapid for what it may run into.
+fn look(step: &Step, around: &Surroundings, blank: &Blank) -> Look {
+    let mut look = Look { clearance: Clearance::FAR, retract: f64::INFINITY, inside: Vec::new() };
+    if step.feed.is_some() {
+        look.clearance = around.along(step);
+        return look;
+    }
+    // Up its own column a cutter meets nothing that it has not cut.
+    if step.length() == 0.0 && step.turn() == 0.0 || step.is_way_out() {
+        return look;
+    }
+    let radius = around.tools[step.tool].radius();
+    let samples = (step.length() / (0.5 * radius)).max(step.turn() / 0.02).ceil().clamp(1.0, 400.0);
+    let axial = step.is_axial();
+    for k in 0..=samples as usize {
+        let share = k as f64 / samples;
+        let clearance = bottom_clearance(&step.cutter(around.tools, share), blank);
+        if clearance < 0.0 {
+            look.inside.push(share);
+            look.clearance = look.clearance.and(around.at(step, share));
+        } else if !axial {
+            look.retract = look.retract.min(clearance);
+        }
+    }
+    look
+}
+
+impl FlankVerdict {
+    fn add(&mut self, step: &Step, look: &Look, setup: &Setup) {
+        let length = step.length();
+        match step.feed {
+            Some(feed) => {
+                self.cut_length += length;
+                self.time_estimate += length / feed.max(1e-6) * 60.0;
+                self.max_axis_change = self.max_axis_change.max(step.turn());
+                self.min_hub_clearance = self.min_hub_clearance.min(look.clearance.hub);
+                self.min_blade_clearance = self.min_blade_clearance.min(look.clearance.blade);
+            }
+            None => {
+                self.rapid_length += length;
+                self.time_estimate += length / RAPID_FEED * 60.0;
+                self.min_retract_clearance = self.min_retract_clearance.min(look.retract);
+            }
+        }
+        let stock = &setup.stock;
+        let Clearance { hub, blade, holder } = look.clearance;
+        let mut fault = |bad: bool, what: String| {
+            if bad {
+                self.faults.push(Fault { line: step.line, what });
+            }
+        };
+        fault(
+            hub < stock.hub_allowance - TOLERANCE,
+            format!("comes {hub:.4} mm near the hub; the allowance is {} mm", stock.hub_allowance),
+        );
+        fault(
+            blade < stock.blade_allowance - TOLERANCE,
+            format!("comes {blade:.4} mm near a blade; the allowance is {} mm", stock.blade_allowance),
+        );
+        fault(holder, "the holder runs into a blade or the hub".to_owned());
+        fault(
+            look.retract < stock.safety_distance - 1e-3,
+            format!(
+                "moves in rapid {:.3} mm from the blank; the safety distance is {} mm",
+                look.retract, stock.safety_distance
+            ),
+        );
+        fault(
+            step.feed.is_some() && step.turn() > MOST_TURN,
+            format!(
+                "turns the axis by {:.0}° in one move under feed; give positions between",
+                step.turn().to_degrees()
+            ),
+        );
+    }
+}

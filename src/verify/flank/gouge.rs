@@ -1,0 +1,115 @@
+//! How near cutter and holder come to the finished part along a step.
+
+use super::steps::Step;
+use crate::geometry::{CutterSolid, Meridional};
+use crate::part::{Impeller, SideProbe, Tool};
+use crate::plunge::clearance::FinishedPart;
+
+/// The finished part, ready for many steps.
+pub(super) struct Surroundings<'a> {
+    pub(super) part: &'a Impeller,
+    pub(super) finished: FinishedPart<'a>,
+    pub(super) sides: Vec<SideProbe>,
+    pub(super) tools: &'a [Tool],
+    pub(super) hub_allowance: f64,
+    pub(super) blade_allowance: f64,
+}
+
+/// Least distances, mm, capped at [`LOOKED_AT`] above the allowances.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Clearance {
+    pub(super) hub: f64,
+    pub(super) blade: f64,
+    /// Whether the holder meets a blade or the hub.
+    pub(super) holder: bool,
+}
+
+/// Distances further above the allowance are not told apart, mm.
+pub(super) const LOOKED_AT: f64 = 1.0;
+/// Longest piece of a step between two looks, mm, and greatest turn, rad.
+const PIECE: f64 = 1.0;
+const PIECE_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
+/// Smallest radius of curvature that a wall or the hub is thought to have along a piece, mm.
+const SHARPEST: f64 = 4.0;
+
+impl Clearance {
+    pub(super) const FAR: Self = Self { hub: f64::INFINITY, blade: f64::INFINITY, holder: false };
+
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            hub: self.hub.min(other.hub),
+            blade: self.blade.min(other.blade),
+            holder: self.holder || other.holder,
+        }
+    }
+}
+
+impl Surroundings<'_> {
+    fn blade(&self, cutter: &CutterSolid) -> f64 {
+        self.sides.iter().fold(self.blade_allowance + LOOKED_AT, |least, side| {
+            side.nearest_below(cutter, least).map_or(least, |near| near.distance.min(least))
+        })
+    }
+
+    fn hub(&self, cutter: &CutterSolid) -> f64 {
+        let cap = self.hub_allowance + LOOKED_AT;
+        let centre = cutter.tip + cutter.axis * cutter.corner_radius;
+        let (_, distance) = self.part.hub.curve().project(Meridional::of(&centre));
+        if distance.abs() > 2.5 * cutter.radius + cap {
+            cap
+        } else {
+            self.finished.hub_clearance(cutter).min(cap)
+        }
+    }
+
+    fn holder_meets(&self, cutter: &CutterSolid, tool: &Tool) -> bool {
+        let radius = 0.5 * tool.holder_diameter();
+        let tip = cutter.tip + cutter.axis * tool.overhang;
+        let holder = CutterSolid { tip, axis: cutter.axis, radius, corner_radius: 0.0 };
+        let meets =
+            |side: &SideProbe| side.nearest_below(&holder, 0.0).is_some_and(|near| near.distance < 0.0);
+        let (_, distance) = self.part.hub.curve().project(Meridional::of(&tip));
+        self.sides.iter().any(meets) || (distance < radius && self.finished.hub_clearance(&holder) < 0.0)
+    }
+
+    /// At one place of a step.
+    pub(super) fn at(&self, step: &Step, share: f64) -> Clearance {
+        let cutter = step.cutter(self.tools, share);
+        let holder = self.holder_meets(&cutter, &self.tools[step.tool]);
+        Clearance { hub: self.hub(&cutter), blade: self.blade(&cutter), holder }
+    }
+
+    /// Along a whole step. Between two looks a clearance falls below both by no more than the bend of what is near lets it;
+    /// where that matters the lowest place is looked for.
+    pub(super) fn along(&self, step: &Step) -> Clearance {
+        let pieces = (step.length() / PIECE).max(step.turn() / PIECE_TURN).ceil().clamp(1.0, 2000.0);
+        let sag = (step.length() / pieces).powi(2) / (8.0 * SHARPEST) + 0.01;
+        let mut least = self.at(step, 0.0);
+        let mut before = least;
+        for k in 0..pieces as usize {
+            let (from, to) = (k as f64 / pieces, (k + 1) as f64 / pieces);
+            let after = self.at(step, to);
+            least = least.and(after);
+            let near = before.blade.min(after.blade) < self.blade_allowance + sag
+                || before.hub.min(after.hub) < self.hub_allowance + sag;
+            if near {
+                let middle = self.at(step, 0.5 * (from + to));
+                least = least.and(middle);
+                let lowest = [(before.hub, middle.hub, after.hub), (before.blade, middle.blade, after.blade)]
+                    .map(|(a, m, b)| lowest_share(a, m, b));
+                for share in lowest.into_iter().flatten() {
+                    least = least.and(self.at(step, from + (to - from) * share));
+                }
+            }
+            before = after;
+        }
+        least
+    }
+}
+
+/// Where in [0, 1] the parabola with these values at 0, ½ and 1 is lowest, if that is not at one of them.
+fn lowest_share(start: f64, middle: f64, end: f64) -> Option<f64> {
+    let (slope, bend) = (4.0 * middle - 3.0 * start - end, 2.0 * (start - 2.0 * middle + end));
+    let share = -0.5 * slope / bend;
+    (bend > 1e-12 && share > 0.02 && share < 0.98 && (share - 0.5).abs() > 0.02).then_some(share)
+}

@@ -1,0 +1,111 @@
+//! What the cuts of a program leave on the walls, and where they cut too deep.
+
+use rayon::prelude::*;
+
+use super::steps::Step;
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, search};
+use crate::part::{Channel, Impeller, Tool};
+
+/// Steps that are sorted out together.
+const CHUNK: usize = 16;
+/// Samples of a wall along u and v.
+const COLUMNS: usize = 64;
+const LINES: usize = 12;
+/// A wall counts as milled where cutters come this near to its allowance, mm.
+const MILLED: f64 = 0.5;
+
+/// Deviation of the milled part of the walls from their allowance, mm.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WallDeviation {
+    /// Greatest cut below the allowance; NaN where no wall is milled.
+    pub(super) overcut: f64,
+    /// Greatest stock left above it.
+    pub(super) undercut: f64,
+}
+
+struct Chunk<'a> {
+    steps: Vec<&'a Step>,
+    /// A cutter in the middle, and by how much others move and turn away from it.
+    middle: CutterSolid,
+    moved: f64,
+    turned: f64,
+}
+
+/// Over all samples of the flanks above `uncut` mm from the hub, which a cutter's corner does not reach with its flank.
+pub(super) fn wall_deviation(
+    part: &Impeller,
+    channel: &Channel,
+    tools: &[Tool],
+    steps: &[&Step],
+    allowance: f64,
+    uncut: f64,
+) -> WallDeviation {
+    let chunks: Vec<Chunk> = steps.chunks(CHUNK).map(|steps| chunk(steps, tools)).collect();
+    let hub = part.hub.curve();
+    let samples: Vec<Point> = channel
+        .sides
+        .iter()
+        .flat_map(|side| {
+            let flank = side.flank();
+            let from = flank.u_knots()[0].max(0.0);
+            (0..COLUMNS * LINES).map(move |k| {
+                let (i, j) = (k / LINES, k % LINES);
+                let u = from + (1.0 - from) * i as f64 / (COLUMNS - 1) as f64;
+                flank.point(u, j as f64 / (LINES - 1) as f64)
+            })
+        })
+        .filter(|p| hub.project(Meridional::of(p)).1 > uncut)
+        .collect();
+    let left: Vec<f64> = samples
+        .par_iter()
+        .map(|p| nearest(p, &chunks, tools, allowance + MILLED) - allowance)
+        .filter(|left| *left < MILLED)
+        .collect();
+    if left.is_empty() {
+        return WallDeviation { overcut: f64::NAN, undercut: f64::NAN };
+    }
+    WallDeviation {
+        overcut: left.iter().fold(0.0, |most, d| f64::max(most, -d)),
+        undercut: left.iter().fold(0.0, |most, d| f64::max(most, *d)),
+    }
+}
+
+fn chunk<'a>(steps: &[&'a Step], tools: &[Tool]) -> Chunk<'a> {
+    let middle = steps[steps.len() / 2].cutter(tools, 0.5);
+    let radius = steps.iter().map(|s| tools[s.tool].radius()).fold(0.0, f64::max);
+    let ends = || steps.iter().flat_map(|s| [s.from, s.to]);
+    let moved = ends().map(|(p, _)| (p - middle.tip).norm()).fold(0.0, f64::max);
+    let turned = ends().map(|(_, a)| a.angle(&middle.axis)).fold(0.0, f64::max);
+    Chunk {
+        steps: steps.to_vec(),
+        middle: CutterSolid { radius, corner_radius: 0.0, ..middle },
+        moved,
+        turned,
+    }
+}
+
+/// Least distance of a point from the sweep of all steps, or `below` when it is no less.
+fn nearest(point: &Point, chunks: &[Chunk], tools: &[Tool], below: f64) -> f64 {
+    let mut least = below;
+    for chunk in chunks {
+        let lever = (point - chunk.middle.tip).norm() + chunk.moved;
+        if chunk.middle.distance(point) - chunk.moved - chunk.turned * lever > least {
+            continue;
+        }
+        for step in &chunk.steps {
+            let tool = &tools[step.tool];
+            let at = |share: f64| distance(point, step.at(share), tool);
+            let (start, end) = (at(0.0), at(1.0));
+            least = least.min(start).min(end);
+            let length = step.length() + step.turn() * lever;
+            if start.min(end) - length * length / (8.0 * tool.radius()) < least {
+                least = least.min(search::minimum(at, 0.0, 1.0, 1e-3).1);
+            }
+        }
+    }
+    least
+}
+
+fn distance(point: &Point, (tip, axis): (Point, Vector), tool: &Tool) -> f64 {
+    tool.placed(tip, axis).distance(point)
+}

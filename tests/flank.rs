@@ -1,0 +1,278 @@
+//! The flank region planner's layers and curves against what they are defined by: geodesic distances found without
+//! geodesics, gaps found by looking, and the lengths the schemes are known for.
+
+use std::path::{Path, PathBuf};
+
+use vanecut::flank::border::Borders;
+use vanecut::flank::chart::{Chart, WallName};
+use vanecut::flank::choice::choose_tool;
+use vanecut::flank::curves::{CurveSource, FlankCurves, FlankError};
+use vanecut::flank::layer::{Layer, LayerPoint};
+use vanecut::formats::read_part;
+use vanecut::formats::tool_library::flank_cutters;
+use vanecut::monitor::Monitor;
+use vanecut::part::{Channel, FlankScheme, Impeller, Setup, Tool};
+
+fn open(path: &Path) -> Impeller {
+    Impeller::build(&read_part(path).expect("readable")).expect("an impeller")
+}
+
+fn sample(name: &str) -> Impeller {
+    open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name))
+}
+
+/// The three parts of our own, and a real compressor where it is at hand.
+fn parts() -> Vec<Impeller> {
+    let mut parts: Vec<Impeller> =
+        ["impeller532.toml", "impeller9x9.toml", "pump6.toml"].map(sample).into_iter().collect();
+    let path =
+        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data/cc_autoblade/cc_autoblade.geomTurbo");
+    if path.exists() {
+        parts.push(open(&path));
+    }
+    parts
+}
+
+fn planned(part: &Impeller, setup: &Setup) -> Result<(FlankCurves, Tool), FlankError> {
+    let channel = Channel::of(part);
+    let chosen = choose_tool(part, &channel, setup, flank_cutters()).map_err(FlankError::Setup)?;
+    let source = CurveSource { part, channel: &channel, setup, tool: &chosen.tool };
+    Ok((source.plan(&Monitor::default())?, chosen.tool))
+}
+
+/// Length of the shortest way over the layer between two places: a chain of points, pulled tight.
+fn shortest(layer: &Layer, a: LayerPoint, b: LayerPoint) -> f64 {
+    const LINKS: usize = 24;
+    let mut chain: Vec<LayerPoint> = (0..=LINKS).map(|k| a.lerp(b, k as f64 / LINKS as f64)).collect();
+    let mut pull = 0.5;
+    let length = |chain: &[LayerPoint]| {
+        chain
+            .windows(2)
+            .map(|p| {
+                let middle = p[0].lerp(p[1], 0.5);
+                [(p[0], middle), (middle, p[1])].map(|(p, q)| layer.step(p, q)).iter().sum::<f64>()
+            })
+            .sum::<f64>()
+    };
+    let mut best = length(&chain);
+    // Coordinate descent in y at even x (or in x where the way runs round), with steps that halve.
+    let across = (b.x - a.x).abs() < layer.radius(a.x).0 * (b.y - a.y).abs();
+    let mut step = 0.02 * best.max(1.0) / if across { 1.0 } else { layer.radius(a.x).0 };
+    while step > 1e-7 && pull > 0.0 {
+        let mut better = false;
+        for k in 1..LINKS {
+            for sign in [1.0, -1.0] {
+                let mut moved = chain.clone();
+                // A smooth bump moves the chain without kinks.
+                for (j, p) in moved.iter_mut().enumerate().take(LINKS).skip(1) {
+                    let bump = (1.0 - (j as f64 - k as f64).abs() / 8.0).max(0.0);
+                    if across {
+                        p.x += sign * step * bump;
+                    } else {
+                        p.y += sign * step * bump;
+                    }
+                }
+                let now = length(&moved);
+                if now < best - 1e-12 {
+                    (best, chain, better) = (now, moved, true);
+                }
+            }
+        }
+        if !better {
+            step *= 0.5;
+        }
+        pull = if step > 1e-6 { 0.5 } else { 0.0 };
+    }
+    best
+}
+
+#[test]
+fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
+    let part = sample("impeller9x9.toml");
+    let channel = Channel::of(&part);
+    let layer = Layer::at_height(&part, 6.0).expect("a layer");
+    let borders = Borders::of(&part, &channel, &layer, 20.0).expect("walls");
+    for (wall, length) in [(&borders.low, 5.5), (&borders.low, 21.0), (&borders.high, 12.0)] {
+        let offset = wall.offset(&layer, length);
+        let inside: Vec<LayerPoint> =
+            offset.into_iter().filter(|p| (layer.from + 8.0..layer.to - 8.0).contains(&p.x)).collect();
+        assert!(inside.len() > 10);
+        for p in inside.iter().step_by(inside.len() / 4) {
+            // The nearest of dense places of the wall, by the straight way first and the pulled one then.
+            let dense =
+                wall.points.windows(2).flat_map(|w| (0..8).map(move |k| w[0].lerp(w[1], f64::from(k) / 8.0)));
+            let mut places: Vec<LayerPoint> = dense.collect();
+            places.sort_by(|a, b| layer.step(*a, *p).total_cmp(&layer.step(*b, *p)));
+            let least =
+                places.iter().take(30).map(|&q| shortest(&layer, *p, q)).fold(f64::INFINITY, f64::min);
+            assert!((least - length).abs() < 0.02, "{length} mm asked, {least} found at {p:?}");
+        }
+    }
+}
+
+#[test]
+fn a_chart_knows_distances_between_its_nodes() {
+    let part = sample("impeller9x9.toml");
+    let channel = Channel::of(&part);
+    let layer = Layer::at_height(&part, 0.5).expect("a layer");
+    let borders = Borders::of(&part, &channel, &layer, 20.0).expect("walls");
+    let chart = Chart::new(&layer, &borders, 5.5, 3.0, 0.5, 5.0);
+    let walls = [(WallName::Low, &borders.low), (WallName::High, &borders.high)];
+    let mut looked = 0;
+    for node in chart.free_nodes().iter().step_by(997) {
+        for (name, wall) in walls {
+            let known = chart.distance(name, node.point);
+            let straight =
+                wall.points.iter().map(|&q| layer.step(q, node.point)).fold(f64::INFINITY, f64::min);
+            if known > 12.0 || !known.is_finite() {
+                continue;
+            }
+            // Near a wall the straight way is the geodesic, but for the spacing of the wall's points.
+            assert!(known <= straight + 0.02 && known > straight - 0.25, "{name:?}: {known} {straight}");
+            looked += 1;
+        }
+    }
+    assert!(looked > 10, "{looked} places");
+}
+
+#[test]
+fn the_schemes_shorten_the_wheel_of_the_paper_as_published() {
+    let part = sample("impeller9x9.toml");
+    let (curves, tool) = planned(&part, &Setup::default()).expect("a plan");
+    assert_eq!(curves.layers.len(), 9, "layers at the inlet");
+    assert_eq!(tool.diameter, 10.0);
+    let length = |scheme: FlankScheme| curves.totals[scheme as usize].length;
+    let layers = length(FlankScheme::Layers) / length(FlankScheme::Isoparametric);
+    let regions = length(FlankScheme::Regions) / length(FlankScheme::Layers);
+    assert!((0.48..=0.52).contains(&layers), "new layers: {layers}");
+    assert!((0.76..=0.82).contains(&regions), "new regions: {regions}");
+    assert!((0.37..=0.42).contains(&(layers * regions)), "together: {}", layers * regions);
+}
+
+#[test]
+fn balanced_curves_leave_no_wide_gap_and_no_more_length_than_seams_ask_for() {
+    for part in parts() {
+        let (curves, _) = planned(&part, &Setup::default()).expect("a plan");
+        let length = curves.totals[FlankScheme::Balanced as usize].length;
+        let bound = curves.floor_length + 0.55 * curves.seam_length;
+        assert!(length <= 1.01 * bound, "{}: {length} mm, at most {bound}", part.name);
+        let wide = curves.wide_share(FlankScheme::Balanced);
+        assert!(wide < 1e-4, "{}: {wide} of the area is wide", part.name);
+        // The same look finds the gaps that the fans of both walls leave in the middle.
+        let fans = curves.wide_share(FlankScheme::Regions);
+        assert!((0.005..0.1).contains(&fans), "{}: {fans} of the fans' area is wide", part.name);
+    }
+}
+
+#[test]
+fn every_place_between_balanced_curves_is_near_one() {
+    let part = sample("impeller9x9.toml");
+    let channel = Channel::of(&part);
+    let (curves, tool) = planned(&part, &Setup::default()).expect("a plan");
+    let clear = tool.radius() + Setup::default().stock.blade_allowance;
+    for found in [&curves.layers[0], &curves.layers[4], &curves.layers[8]] {
+        let layer = &found.layer;
+        let borders = Borders::of(&part, &channel, layer, 20.0).expect("walls");
+        let chart = Chart::new(layer, &borders, clear, found.interval, 0.3, 0.0);
+        // Points of the curves an eighth of a millimetre apart, and places that are no nodes of the plan's chart.
+        let dense: Vec<LayerPoint> = found
+            .curves
+            .iter()
+            .flat_map(|c| c.points.windows(2))
+            .flat_map(|w| {
+                let count = (8.0 * layer.step(w[0], w[1])).ceil().max(1.0) as usize;
+                (0..=count).map(move |k| w[0].lerp(w[1], k as f64 / count as f64))
+            })
+            .collect();
+        let mut looked = 0;
+        let mut state = 12345u64;
+        while looked < 400 {
+            let mut random = || {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                (state >> 11) as f64 / (1u64 << 53) as f64
+            };
+            let x = layer.from + (layer.to - layer.from) * random();
+            let (a, b) = (borders.low.y_at(x), borders.high.y_at(x));
+            let p = LayerPoint { x, y: a + (b - a) * random() };
+            if chart.freedom(p) < 0.02 {
+                continue;
+            }
+            looked += 1;
+            let near = dense.iter().map(|&q| layer.step(p, q)).fold(f64::INFINITY, f64::min);
+            assert!(
+                near <= 0.515 * found.interval,
+                "{near} mm from a curve at {p:?}, height {}",
+                layer.height
+            );
+        }
+    }
+}
+
+#[test]
+fn curves_keep_clear_of_all_walls() {
+    for part in parts() {
+        let channel = Channel::of(&part);
+        let setup = Setup::default();
+        for scheme in [FlankScheme::Regions, FlankScheme::Balanced] {
+            let mut setup = setup.clone();
+            setup.flank.scheme = scheme;
+            let (curves, tool) = planned(&part, &setup).expect("a plan");
+            let clear = tool.radius() + setup.stock.blade_allowance;
+            for found in curves.layers.iter().step_by(3) {
+                let layer = &found.layer;
+                let borders = Borders::of(&part, &channel, layer, 20.0).expect("walls");
+                let chart = Chart::new(layer, &borders, clear, found.interval, 0.4, 0.0);
+                for p in found.curves.iter().flat_map(|c| &c.points) {
+                    if (layer.from..=layer.to).contains(&p.x) {
+                        assert!(chart.freedom(*p) > -0.06, "{}: {p:?} {}", part.name, chart.freedom(*p));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_planned_is_said_in_a_line() {
+    let part = sample("impeller9x9.toml");
+    let fault = |change: &dyn Fn(&mut Setup)| {
+        let mut setup = Setup::default();
+        change(&mut setup);
+        match planned(&part, &setup) {
+            Err(FlankError::Setup(fault)) => fault.to_string(),
+            other => panic!("no fault: {:?}", other.map(|(curves, _)| curves.totals)),
+        }
+    };
+    let tool = |diameter: f64| Tool {
+        number: 1,
+        diameter,
+        corner_radius: diameter / 2.0,
+        insert_width: diameter / 4.0,
+        overhang: 100.0,
+        plunge_feed: 300.0,
+        spindle: 1000.0,
+    };
+    assert!(fault(&|s| s.flank.layer_depth = 0.0).contains("more than 0"));
+    assert!(fault(&|s| s.flank.layer_depth = 40.0).contains("deeper than the channel"));
+    assert!(fault(&|s| s.flank.layer_depth = 1e-9).contains("layers"));
+    assert!(fault(&|s| s.flank.allowed_error = 0.0).contains("between curves"));
+    assert!(fault(&|s| s.flank.tool = Some(9999)).contains("9999"));
+    assert!(fault(&|s| s.tools = vec![tool(60.0)]).contains("no cutter fits"));
+    let thick = fault(&|s| {
+        s.tools = vec![tool(60.0)];
+        s.flank.tool = Some(1);
+    });
+    assert!(thick.contains("fits nowhere"), "{thick}");
+}
+
+#[test]
+fn a_cancelled_plan_says_so() {
+    let part = sample("impeller9x9.toml");
+    let channel = Channel::of(&part);
+    let setup = Setup::default();
+    let tool = &flank_cutters()[24];
+    let monitor = Monitor::default();
+    monitor.cancel();
+    let source = CurveSource { part: &part, channel: &channel, setup: &setup, tool };
+    assert!(matches!(source.plan(&monitor), Err(FlankError::Cancelled(_))));
+}

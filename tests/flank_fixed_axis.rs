@@ -1,0 +1,246 @@
+//! Fixed axes of inner curves against brute force, on real parts.
+
+use std::path::Path;
+
+use vanecut::flank::fixed_axis::{Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Obstacle};
+use vanecut::formats::part_file::read_part;
+use vanecut::geometry::{CutterSolid, Meridional, Vector};
+use vanecut::part::{Channel, Impeller, Passage, SideProbe, Tool};
+use vanecut::plunge::clearance::FinishedPart;
+use vanecut::plunge::slotting::DepthSurface;
+
+const LIMITS: FixedAxisLimits = FixedAxisLimits {
+    hub_allowance: 0.5,
+    blade_allowance: 0.5,
+    max_tilt: 60.0 * std::f64::consts::PI / 180.0,
+};
+
+fn part_at(path: &str) -> Impeller {
+    let path =
+        if path.starts_with('/') { path.into() } else { Path::new(env!("CARGO_MANIFEST_DIR")).join(path) };
+    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
+}
+
+fn tool(diameter: f64, corner_radius: f64, overhang: f64) -> Tool {
+    Tool {
+        number: 1,
+        diameter,
+        corner_radius,
+        insert_width: 0.45 * diameter,
+        overhang,
+        plunge_feed: 300.0,
+        spindle: 5000.0,
+    }
+}
+
+/// Contacts `height` mm above the hub's allowance where the corner of the tool clears the walls, `count` stations of up
+/// to `across` contacts.
+fn stations(
+    part: &Impeller,
+    channel: &Channel,
+    passage: &Passage,
+    tool: &Tool,
+    height: f64,
+    (s_from, s_to, count): (f64, f64, usize),
+    across: usize,
+) -> Vec<Vec<Contact>> {
+    let sides: Vec<SideProbe> = channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect();
+    (0..count)
+        .map(|i| {
+            let s = s_from + (s_to - s_from) * i as f64 / (count - 1) as f64;
+            let hub = part.hub.at(s);
+            let up = LIMITS.hub_allowance + height;
+            let on_layer =
+                Meridional { r: hub.point.r + up * hub.normal.r, z: hub.point.z + up * hub.normal.z };
+            let walls = passage.wall_angles(part, s, 0.1).expect("walls");
+            let contact = |j: usize| {
+                let theta = walls[0] + (walls[1] - walls[0]) * (j as f64 + 0.5) / across as f64;
+                Contact { point: on_layer.at_angle(theta), normal: hub.normal.direction_at_angle(theta) }
+            };
+            let free = |c: &Contact| {
+                let centre = c.point + c.normal * tool.corner_radius;
+                let reach = tool.radius() + LIMITS.blade_allowance + 0.3;
+                sides.iter().all(|side| side.nearest_to_point(&centre).distance > reach)
+            };
+            (0..across).map(contact).filter(free).collect()
+        })
+        .collect()
+}
+
+/// Whether a cutter is free, by exact distances: blades, hub, and a holder that is twice as thick.
+fn is_free(part: &Impeller, finished: &FinishedPart, tool: &Tool, cutter: &CutterSolid) -> bool {
+    let hub = part.hub.curve();
+    let off_hub = |up: f64, radius: f64| {
+        let (t, d) = hub.project(Meridional::of(&(cutter.tip + cutter.axis * up)));
+        d.abs() >= radius && (d > 0.0 || t <= 0.0 || t >= hub.length())
+    };
+    let holder = CutterSolid {
+        tip: cutter.tip + cutter.axis * tool.overhang,
+        radius: tool.diameter,
+        corner_radius: 0.0,
+        ..*cutter
+    };
+    finished.clears(cutter, LIMITS.blade_allowance)
+        && finished.clears(&holder, 0.0)
+        && (8..=24)
+            .all(|k| off_hub(0.25 * f64::from(k) * tool.radius(), tool.radius() + LIMITS.hub_allowance))
+        && off_hub(tool.overhang, tool.diameter)
+        && finished.hub_clearance(cutter) >= LIMITS.hub_allowance - 1e-4
+}
+
+/// The fewest runs with axes of a grid of directions `step` apart, by looking at all of them everywhere.
+fn fewest_runs(
+    part: &Impeller,
+    channel: &Channel,
+    tool: &Tool,
+    stations: &[Vec<Contact>],
+    step: f64,
+) -> usize {
+    let finished = FinishedPart::new(part, &channel.sides);
+    let mut axes = Vec::new();
+    let rings = (std::f64::consts::PI / step) as usize;
+    for i in 0..=rings {
+        let (sin, cos) = (std::f64::consts::PI * i as f64 / rings as f64).sin_cos();
+        let around = ((std::f64::consts::TAU * sin / step).ceil() as usize).max(1);
+        for j in 0..around {
+            let (s, c) = (std::f64::consts::TAU * j as f64 / around as f64).sin_cos();
+            axes.push(Vector::new(sin * c, sin * s, cos));
+        }
+    }
+    let free = |contact: &Contact, axis: &Vector| {
+        let tip = tool.tip_at_contact(&contact.point, &contact.normal, axis);
+        axis.angle(&contact.normal) <= LIMITS.max_tilt
+            && is_free(part, &finished, tool, &tool.placed(tip, *axis))
+    };
+    let mut runs = 1;
+    let mut left = axes.clone();
+    for station in stations {
+        let suits = |axis: &&Vector| station.iter().all(|contact| free(contact, axis));
+        let next: Vec<Vector> = left.iter().filter(suits).copied().collect();
+        left = if next.is_empty() {
+            runs += 1;
+            axes.iter().filter(suits).copied().collect()
+        } else {
+            next
+        };
+        assert!(!left.is_empty(), "the case has an axis everywhere");
+    }
+    runs
+}
+
+/// Every station is in one run or named, and every cutter of every run is free.
+fn check(
+    part: &Impeller,
+    channel: &Channel,
+    tool: &Tool,
+    layer: &DepthSurface,
+    stations: &[Vec<Contact>],
+) -> FixedAxes {
+    let search = FixedAxisSearch::new(part, channel, tool, &LIMITS);
+    let found = search.runs(stations, layer);
+    let finished = FinishedPart::new(part, &channel.sides);
+    for (k, station) in stations.iter().enumerate() {
+        let named: Vec<usize> =
+            found.unreachable.iter().filter(|u| u.station == k).flat_map(|u| u.contacts.clone()).collect();
+        let runs: Vec<_> = found.runs.iter().filter(|r| (r.from..=r.to).contains(&k)).collect();
+        assert!(runs.len() <= 1, "station {k} is in {} runs", runs.len());
+        for (j, contact) in station.iter().enumerate() {
+            if named.contains(&j) {
+                continue;
+            }
+            let run = runs.first().unwrap_or_else(|| panic!("contact {j} of station {k} is left out"));
+            assert!(run.axis.angle(&contact.normal) <= LIMITS.max_tilt + 1e-9);
+            let cutter = tool.placed(search.tip(contact, &run.axis, layer), run.axis);
+            assert!(
+                is_free(part, &finished, tool, &cutter),
+                "station {k}, contact {j}: {cutter:?} meets something"
+            );
+            assert!(finished.blade_clearance(&cutter) >= run.clearance - 1e-6, "run {run:?}, station {k}");
+        }
+    }
+    found
+}
+
+#[test]
+fn no_finer_grid_does_with_fewer_runs() {
+    let cases = [
+        ("assets/parts/impeller532.toml", 6.0, (0.05, 1.0, 14), 0.0, 3),
+        ("assets/parts/impeller9x9.toml", 4.0, (0.0, 0.3, 8), 3.0, 1),
+    ];
+    for (name, diameter, along, height, least) in cases {
+        let part = part_at(name);
+        let channel = Channel::of(&part);
+        let tool = tool(diameter, 0.5 * diameter, 6.0 * diameter);
+        let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + height + tool.corner_radius);
+        let stations = stations(&part, &channel, &channel.full, &tool, height, along, 3);
+        assert!(stations.iter().all(|s| !s.is_empty()), "contacts at every station");
+        let found = check(&part, &channel, &tool, &layer, &stations);
+        assert!(found.unreachable.is_empty(), "{name}: {:?}", found.unreachable);
+        let fewest = fewest_runs(&part, &channel, &tool, &stations, 3f64.to_radians());
+        assert!(found.runs.len() <= fewest, "{name}: {} runs, a fine grid needs {fewest}", found.runs.len());
+        assert!(found.runs.len() >= least, "{name}: a case with {} runs tells nothing", found.runs.len());
+    }
+}
+
+#[test]
+fn runs_beside_a_splitter_are_free_with_cutters_of_all_shapes() {
+    let part = part_at("assets/parts/impeller9x9.toml");
+    let channel = Channel::of(&part);
+    for (corner, height) in [(3.0, 0.0), (3.0, 6.0), (1.0, 3.0), (0.0, 3.0)] {
+        let tool = tool(6.0, corner, 40.0);
+        let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + height + corner);
+        for passage in &channel.beside_splitter {
+            let stations = stations(&part, &channel, passage, &tool, height, (0.4, 1.0, 30), 6);
+            let found = check(&part, &channel, &tool, &layer, &stations);
+            assert!(!found.runs.is_empty() && found.runs.len() < 6, "{:?}", found.runs);
+            let lost: usize = found.unreachable.iter().map(|u| u.contacts.len()).sum();
+            let all: usize = stations.iter().map(Vec::len).sum();
+            assert!(
+                4 * lost < all,
+                "corner {corner}: {lost} of {all} contacts without axis: {:?}",
+                found.unreachable
+            );
+        }
+    }
+}
+
+#[test]
+fn lifted_bottoms_stay_above_the_layer() {
+    let part = part_at("assets/parts/impeller9x9.toml");
+    let channel = Channel::of(&part);
+    let finished = FinishedPart::new(&part, &channel.sides);
+    for corner in [0.0, 1.0, 3.0] {
+        let tool = tool(6.0, corner, 40.0);
+        let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + 3.0 + corner);
+        let search = FixedAxisSearch::new(&part, &channel, &tool, &LIMITS);
+        for station in stations(&part, &channel, &channel.full, &tool, 3.0, (0.1, 0.9, 9), 3) {
+            for contact in station {
+                for tilt in [0.0, 0.2, 0.5] {
+                    let axis = (contact.normal + Vector::new(tilt, 0.0, 0.5 * tilt)).normalize();
+                    let tip = search.tip(&contact, &axis, &layer);
+                    let clearance = finished.hub_clearance(&tool.placed(tip, axis));
+                    assert!(clearance > LIMITS.hub_allowance + 3.0 - 1e-4, "corner {corner}: {clearance}");
+                    let touching = tool.placed(tip, axis).distance(&contact.point);
+                    assert!(
+                        touching > -1e-6 && touching < 1.5,
+                        "corner {corner}: {touching} from the contact"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_has_no_axis_is_named_with_its_reason() {
+    let part = part_at("assets/parts/impeller9x9.toml");
+    let channel = Channel::of(&part);
+    // The holder begins far below the tips of the blades, and is wider than the passage.
+    let tool = Tool { overhang: 9.0, ..tool(8.0, 4.0, 0.0) };
+    let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + tool.corner_radius);
+    let passage = &channel.beside_splitter[0];
+    let stations = stations(&part, &channel, passage, &tool, 0.0, (0.4, 0.6, 6), 6);
+    let found = check(&part, &channel, &tool, &layer, &stations);
+    assert!(!found.unreachable.is_empty(), "a holder in the passage");
+    assert!(found.unreachable.iter().any(|u| u.why == Obstacle::Holder), "{:?}", found.unreachable);
+}

@@ -1,0 +1,227 @@
+//! `verify` on made flank programs: good ones, and ones that gouge, collide, fly through stock, or leave strips.
+
+use std::path::Path;
+
+use vanecut::flank::wall::{WallAxes, WallMilling, WallStation};
+use vanecut::formats::apt::{ClProgram, ClTool, Motion, Move, read_apt_bytes, write_apt};
+use vanecut::formats::part_file::read_part;
+use vanecut::geometry::{Point, Vector};
+use vanecut::part::{Channel, Impeller, Setup, Tool};
+use vanecut::plunge::slotting::DepthSurface;
+use vanecut::verify::{FlankVerdict, is_flank, verify_flank};
+
+/// Where the passes run, as s of the foot of the axis. Beyond the hub's ends cutters would sink.
+const ALONG: std::ops::RangeInclusive<f64> = 0.0..=0.98;
+
+type Place = (Point, Vector);
+
+struct Made {
+    part: Impeller,
+    channel: Channel,
+    tool: Tool,
+    setup: Setup,
+    /// Along the walls, on the lowest layer.
+    walls: [Vec<Place>; 2],
+    /// Side by side between them.
+    inner: Vec<Vec<Place>>,
+}
+
+/// Passes of a ball over the floor of the impeller without splitters, two of them along the walls.
+fn made(inner: usize) -> Made {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller532.toml");
+    let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
+    let channel = Channel::of(&part);
+    let tool = Tool {
+        number: 1,
+        diameter: 8.0,
+        corner_radius: 4.0,
+        insert_width: 3.6,
+        overhang: 90.0,
+        plunge_feed: 300.0,
+        spindle: 5000.0,
+    };
+    let setup = Setup::default();
+    let stock = &setup.stock;
+    let milling = WallMilling {
+        tool: &tool,
+        blade_allowance: stock.blade_allowance,
+        hub_allowance: stock.hub_allowance,
+        tolerance: 0.0,
+        extension: 12.0,
+        step: 2.0,
+        chord_error: 0.002,
+    };
+    let layer = DepthSurface::new(part.hub.curve(), stock.hub_allowance + tool.corner_radius);
+    let axes =
+        [0, 1].map(|wall| WallAxes::fit(&part, &channel, &channel.full, wall, &milling).expect("a wall"));
+    let walls = [0, 1].map(|wall| -> Vec<Place> {
+        let tip = |s: &WallStation| Some((s.tip_on(&layer, &tool)?, s.axis));
+        axes[wall].stations.iter().filter(|s| ALONG.contains(&s.s)).filter_map(tip).collect()
+    });
+    // The axis of a wall at s, by the stations around it.
+    let at = |wall: usize, s: f64| {
+        let stations = &axes[wall].stations;
+        let k = stations.partition_point(|x| x.s < s).clamp(1, stations.len() - 1);
+        let (a, b) = (&stations[k - 1], &stations[k]);
+        let share = ((s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);
+        (a.foot + (b.foot - a.foot) * share, a.axis + (b.axis - a.axis) * share)
+    };
+    let inner = (1..=inner)
+        .map(|k| {
+            let lambda = k as f64 / (inner + 1) as f64;
+            let place = |i: i32| {
+                let s = ALONG.start() + (ALONG.end() - ALONG.start()) * f64::from(i) / 200.0;
+                let ((p, a), (q, b)) = (at(0, s), at(1, s));
+                let axis = (a + (b - a) * lambda).normalize();
+                Some((layer.tip(&tool, &(p + (q - p) * lambda), &axis)?, axis))
+            };
+            (0..=200).filter_map(place).collect()
+        })
+        .collect();
+    Made { part, channel, tool, setup, walls, inner }
+}
+
+impl Made {
+    /// A program of passes, each from above in rapid to its first place, and up again from its last; `change` may alter
+    /// the moves.
+    fn program<'p>(
+        &self,
+        passes: impl IntoIterator<Item = &'p Vec<Place>>,
+        change: impl Fn(&mut Vec<Move>),
+    ) -> ClProgram {
+        let mut moves = Vec::new();
+        for pass in passes {
+            let mut go = |motion, (tip, axis): Place, up: f64| {
+                moves.push(Move { motion, tip: tip + axis * up, axis, tool: Some(0), line: 0 });
+            };
+            let (first, last) = (pass[0], pass[pass.len() - 1]);
+            go(Motion::Rapid, first, 150.0);
+            go(Motion::Feed(Some(400.0)), first, 0.0);
+            pass[1..].iter().for_each(|&place| go(Motion::Feed(Some(800.0)), place, 0.0));
+            go(Motion::Rapid, last, 150.0);
+        }
+        change(&mut moves);
+        let t = &self.tool;
+        let tool = ClTool {
+            number: t.number,
+            diameter: t.diameter,
+            corner_radius: t.corner_radius,
+            insert_width: Some(t.insert_width),
+            overhang: Some(t.overhang),
+            feed: Some(t.plunge_feed),
+            spindle: Some(t.spindle),
+        };
+        ClProgram { part: self.part.name.clone(), tools: vec![tool], moves, ..ClProgram::default() }
+    }
+
+    /// What `verify` says of the program as it is written to a file.
+    fn verdict(&self, program: &ClProgram) -> FlankVerdict {
+        let read = read_apt_bytes("flank.apt", write_apt(program).as_bytes()).expect("readable");
+        assert!(is_flank(&read), "a flank program");
+        verify_flank(&self.part, &self.channel, &self.setup, &read).expect("can be judged")
+    }
+}
+
+fn shown(verdict: &FlankVerdict) -> Vec<String> {
+    verdict.faults.iter().take(8).map(|f| format!("{}: {}", f.line, f.what)).collect()
+}
+
+#[test]
+fn a_good_program_has_no_fault_and_leaves_the_fewer_strips_the_more_passes() {
+    let made = made(30);
+    let begin = std::time::Instant::now();
+    let all = made.verdict(&made.program(made.walls.iter().chain(&made.inner), |_| {}));
+    println!("{:?} {:?}", all.layer, begin.elapsed());
+    assert!(all.faults.is_empty(), "{:#?}", shown(&all));
+    assert!(all.max_overcut < 1e-3, "{} mm over", all.max_overcut);
+    assert!(all.max_undercut < 0.03, "{} mm under", all.max_undercut);
+    assert!((all.min_blade_clearance - 0.5).abs() < 1e-3, "{}", all.min_blade_clearance);
+    assert!((all.min_hub_clearance - 0.5).abs() < 1e-3, "{}", all.min_hub_clearance);
+    let half = made.verdict(&made.program(made.walls.iter().chain(made.inner.iter().step_by(3)), |_| {}));
+    let none = made.verdict(&made.program(&made.walls, |_| {}));
+    println!("{} {} {}", all.uncovered_share, half.uncovered_share, none.uncovered_share);
+    assert!(all.uncovered_share < 0.06, "{}", all.uncovered_share);
+    assert!(half.uncovered_share > all.uncovered_share + 0.1, "{}", half.uncovered_share);
+    assert!(none.uncovered_share > half.uncovered_share + 0.1, "{}", none.uncovered_share);
+}
+
+#[test]
+fn gouges_are_found_also_between_positions() {
+    let made = made(0);
+    // Moved into the wall by 0.1 mm at one place.
+    let deep = made.program(&made.walls[..1], |moves| {
+        let k = moves.len() / 2;
+        let along = (moves[k + 1].tip - moves[k - 1].tip).normalize();
+        let across = along.cross(&moves[k].axis).normalize();
+        let wall = made.channel.full.walls[0].side().point(0.5, 0.1);
+        let towards = if across.dot(&(wall - moves[k].tip)) > 0.0 { across } else { -across };
+        moves[k].tip += towards * 0.1;
+    });
+    let verdict = made.verdict(&deep);
+    assert!((verdict.max_overcut - 0.1).abs() < 0.01, "{} mm over", verdict.max_overcut);
+    assert!((1..=3).contains(&verdict.faults.len()), "{:#?}", shown(&verdict));
+    assert!(verdict.faults.iter().all(|f| f.what.contains("near a blade")), "{:#?}", shown(&verdict));
+    // Every position is good, but the straight way between them cuts the wall that bulges there.
+    let over: Vec<f64> = made
+        .walls
+        .iter()
+        .map(|wall| {
+            let sparse: Vec<Place> = wall.iter().copied().step_by(25).collect();
+            made.verdict(&made.program([&sparse], |_| {})).max_overcut
+        })
+        .collect();
+    assert!(over.iter().copied().fold(0.0, f64::max) > 0.2, "{over:?}");
+    // Lowered into the hub.
+    let low = made.program(&made.walls[..1], |moves| {
+        let k = moves.len() / 2;
+        let axis = moves[k].axis;
+        moves[k].tip -= axis * 0.2;
+    });
+    let verdict = made.verdict(&low);
+    assert!(verdict.min_hub_clearance < 0.35, "{}", verdict.min_hub_clearance);
+    assert!(verdict.faults.iter().any(|f| f.what.contains("near the hub")), "{:#?}", shown(&verdict));
+}
+
+#[test]
+fn a_short_tool_runs_its_holder_into_the_part() {
+    let mut made = made(0);
+    made.tool.overhang = 15.0;
+    let verdict = made.verdict(&made.program(&made.walls, |_| {}));
+    assert!(verdict.faults.iter().any(|f| f.what.contains("holder")), "{:#?}", shown(&verdict));
+}
+
+#[test]
+fn rapids_through_stock_are_found_and_those_through_cut_space_allowed() {
+    let made = made(3);
+    let passes: Vec<&Vec<Place>> = vec![&made.inner[1], &made.inner[1]];
+    let rapid = |pass: usize| {
+        made.program(passes.iter().copied(), |moves| {
+            let length = moves.len() / 2;
+            let k = pass * length + length / 2;
+            moves[k].motion = Motion::Rapid;
+            moves[k + 1].motion = Motion::Rapid;
+        })
+    };
+    // In the first pass stock is there; in the second it is gone.
+    let first = made.verdict(&rapid(0));
+    assert!(first.faults.iter().any(|f| f.what.contains("rapid through stock")), "{:#?}", shown(&first));
+    let second = made.verdict(&rapid(1));
+    assert!(second.faults.is_empty(), "{:#?}", shown(&second));
+    // Straight down in rapid into uncut stock.
+    let down = made.verdict(&made.program(passes.iter().copied().take(1), |moves| {
+        let k = moves.len() / 2;
+        let (tip, axis) = (moves[k].tip, moves[k].axis);
+        let at = |motion, up: f64| Move { motion, tip: tip + axis * up, axis, tool: Some(0), line: 0 };
+        let mut begun = vec![at(Motion::Rapid, 150.0), at(Motion::Rapid, 0.0)];
+        begun.append(&mut moves.split_off(k));
+        *moves = begun;
+    }));
+    assert!(down.faults.iter().any(|f| f.what.contains("rapid through stock")), "{:#?}", shown(&down));
+    // Across, too near above the blank.
+    let low = made.verdict(&made.program(passes.iter().copied(), |moves| {
+        let length = moves.len() / 2;
+        let up = moves[length - 1].axis * 149.0;
+        moves[length - 1].tip -= up;
+    }));
+    assert!(!low.faults.is_empty(), "flies across the blank at the height of the floor");
+}
