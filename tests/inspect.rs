@@ -69,8 +69,8 @@ fn the_contact_that_is_drawn_is_the_contact_that_counts() {
             let (seen, exact) = (view.contact_depth(), position.contact.depth);
             if position.contact.interferes() {
                 faulty += 1;
-                // Samples of the disc, not its rim: never deeper, and near where there is much.
-                assert!(seen <= exact + 0.02, "{name} {k}: {seen} drawn, {exact} counted");
+                // Other samples of the disc, and not its rim: hardly deeper, and near where there is much.
+                assert!(seen <= 1.005 * exact + 0.02, "{name} {k}: {seen} drawn, {exact} counted");
                 assert!(exact < 0.4 || seen > 0.5 * exact, "{name} {k}: {seen} drawn, {exact} counted");
             } else {
                 sound += 1;

@@ -2,28 +2,122 @@
 
 use std::path::PathBuf;
 
-use crate::gpu::GpuError;
+use egui::{DragValue, Modal, RichText, Ui};
+
+use crate::gpu::legend::add_legend;
+use crate::gpu::{GpuError, SceneOptions};
 
 use super::App;
+use super::dialogs::Purpose;
 use super::files::WriteTask;
 use super::state::Problem;
 
+/// How a picture is saved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExportSettings {
+    /// Width and height in pixels; `None`: as large as on the screen.
+    pub size: Option<[u32; 2]>,
+    /// Without background.
+    pub transparent: bool,
+    /// With the colour scale.
+    pub legend: bool,
+}
+
+/// Largest picture, pixels a side.
+const MAX_SIDE: u32 = 8192;
+
+/// The question how a picture is to be saved, while it is open.
+#[derive(Default)]
+pub(super) struct ExportDialog {
+    open: bool,
+}
+
+impl ExportDialog {
+    /// Opens it.
+    pub(super) fn open(&mut self) {
+        self.open = true;
+    }
+
+    /// Whether it is open.
+    pub(super) fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Draws it; `true` once the picture is to be saved. `screen`: size of the view, pixels.
+    fn show(&mut self, ui: &Ui, settings: &mut ExportSettings, screen: [u32; 2]) -> bool {
+        if !self.open {
+            return false;
+        }
+        let (mut save, mut cancel) = (false, false);
+        let modal = Modal::new(egui::Id::unique("save picture")).show(ui.ctx(), |ui| {
+            ui.set_width(300.0);
+            ui.label(RichText::new("Save the 3D view as a picture").strong());
+            let mut as_shown = settings.size.is_none();
+            ui.checkbox(&mut as_shown, "As large as on the screen");
+            let mut size = settings.size.unwrap_or(screen);
+            ui.add_enabled_ui(!as_shown, |ui| {
+                ui.horizontal(|ui| {
+                    for (side, name) in size.iter_mut().zip(["Width", "Height"]) {
+                        let label = ui.label(name);
+                        let field = DragValue::new(side).range(16..=MAX_SIDE).suffix(" px");
+                        ui.add(field).labelled_by(label.id);
+                    }
+                });
+            });
+            settings.size = (!as_shown).then_some(size);
+            ui.checkbox(&mut settings.transparent, "Transparent background");
+            ui.checkbox(&mut settings.legend, "With the colour scale");
+            ui.add_space(6.0);
+            ui.horizontal(|ui| {
+                save = ui.button("Choose the file…").clicked();
+                cancel = ui.button("Cancel saving").clicked();
+            });
+        });
+        if save || cancel || modal.should_close() {
+            self.open = false;
+        }
+        save
+    }
+}
+
 impl App {
+    /// How pictures are saved.
+    pub fn export_settings_mut(&mut self) -> &mut ExportSettings {
+        &mut self.export
+    }
+
+    /// Draws the question how the picture is to be saved.
+    pub(super) fn ask_export(&mut self, ui: &Ui) {
+        let screen = self.screen_size();
+        let mut dialog = std::mem::take(&mut self.export_dialog);
+        if dialog.show(ui, &mut self.export, screen) {
+            let name = self.suggest("picture.png");
+            self.dialogs.ask(ui.ctx(), Purpose::SavePicture, name);
+        }
+        self.export_dialog = dialog;
+    }
+
+    fn screen_size(&self) -> [u32; 2] {
+        let size = self.glass.size * self.glass.scale;
+        [size.x, size.y].map(|side| (side.round() as u32).clamp(1, MAX_SIDE))
+    }
+
     /// Writes the view of the side that is shown.
     pub(super) fn export_picture(&mut self, path: PathBuf) {
-        let (Some(camera), options) = (self.view.current(), self.options(self.state.look.side)) else {
-            return;
-        };
-        let size = self.glass.size * self.glass.scale;
-        let size = [size.x.round().max(1.0) as u32, size.y.round().max(1.0) as u32];
         let side = self.state.look.side;
+        let Some(camera) = self.view.current() else { return };
+        let settings = self.export;
+        let options = SceneOptions { transparent: settings.transparent, ..self.options(side) };
+        let size = settings.size.unwrap_or(self.screen_size());
         let content = self.content(side);
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
         match picture.export(&camera, &options, size) {
-            Ok(picture) => {
-                let task = WriteTask::Picture(path, picture.width, picture.height, picture.rgba);
-                self.write(task);
+            Ok(mut picture) => {
+                if settings.legend {
+                    add_legend(&mut picture, &options);
+                }
+                self.write(WriteTask::Picture(path, picture.width, picture.height, picture.rgba));
             }
             Err(error) => self.state.fault(device_problem(&error)),
         }

@@ -175,7 +175,7 @@ impl App {
             C::OpenSetup => self.dialogs.ask(ctx, Purpose::OpenSetup, String::new()),
             C::SaveSetup => self.dialogs.ask(ctx, Purpose::SaveSetup, self.suggest("setup.toml")),
             C::ExportCl => self.dialogs.ask(ctx, Purpose::ExportCl, self.suggest("plunge.apt")),
-            C::SavePicture => self.dialogs.ask(ctx, Purpose::SavePicture, self.suggest("picture.png")),
+            C::SavePicture => self.export_dialog.open(),
             C::Quit => self.guarded(ctx, Pending::Quit),
             C::Undo => self.state.document.undo(),
             C::Redo => self.state.document.redo(),
@@ -234,7 +234,7 @@ impl App {
     }
 
     /// Name offered where something of the part is saved.
-    fn suggest(&self, ending: &str) -> String {
+    pub(super) fn suggest(&self, ending: &str) -> String {
         match &self.state.document.part {
             Some(part) => format!("{}_{ending}", part.impeller.name),
             None => ending.to_owned(),

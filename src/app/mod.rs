@@ -79,6 +79,8 @@ pub struct App {
     glass: viewport::Glass,
     palette: palette::Palette,
     session: project::Session,
+    export: export::ExportSettings,
+    export_dialog: export::ExportDialog,
     device: String,
     title: String,
     start: Option<Instant>,
@@ -109,6 +111,8 @@ impl App {
             glass: viewport::Glass::default(),
             palette: palette::Palette::default(),
             session: project::Session::default(),
+            export: export::ExportSettings::default(),
+            export_dialog: export::ExportDialog::default(),
             device,
             title: String::new(),
             start: None,
@@ -311,7 +315,7 @@ impl eframe::App for App {
         self.take_drops(ctx);
         self.watch_closing(ctx);
         // A question or the search for a command has the keyboard for itself.
-        if !self.palette.is_open() && !self.session.is_asking() {
+        if !self.palette.is_open() && !self.session.is_asking() && !self.export_dialog.is_open() {
             for command in Command::pressed(ctx, |command| self.can(command)) {
                 self.obey(ctx, command);
             }
@@ -378,6 +382,7 @@ impl eframe::App for App {
             self.obey(ui.ctx(), command);
         }
         self.ask_unsaved(ui);
+        self.ask_export(ui);
         let time = ui.input(|input| input.time);
         self.state.document.watch(time);
     }

@@ -11,10 +11,10 @@ use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::floor::value_mesh;
 use crate::gpu::part_mesh::PartMesh;
-use crate::gpu::renderer::{Picture as Pixels, Renderer};
+use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
 use crate::gpu::scene::{Scene, SceneOptions};
 use crate::gpu::view::Framing;
-use crate::part::AxisPolicy;
+use crate::part::{AxisPolicy, Impeller};
 use crate::residual::FloorGrid;
 
 use super::planned::{Planned, Side};
@@ -55,11 +55,25 @@ impl PartialEq for Content {
     }
 }
 
+/// Meshes of a part: for still pictures, and for those in motion.
+#[derive(Clone, Debug)]
+pub struct PartMeshes {
+    fine: Arc<PartMesh>,
+    draft: Arc<PartMesh>,
+}
+
+impl PartMeshes {
+    /// Tessellates a part.
+    pub fn new(part: &Impeller) -> Self {
+        Self { fine: Arc::new(PartMesh::new(part)), draft: Arc::new(PartMesh::draft(part)) }
+    }
+}
+
 /// The pictures of both sides, on the window's device.
 pub struct Pictures {
     egui: RenderState,
     gpu: Gpu,
-    mesh: Option<Arc<PartMesh>>,
+    mesh: Option<PartMeshes>,
     sides: [Option<Picture>; 2],
 }
 
@@ -76,15 +90,17 @@ impl Pictures {
     }
 
     /// Loads a part.
-    pub fn set_part(&mut self, mesh: PartMesh) {
-        self.mesh = Some(Arc::new(mesh));
+    pub fn set_part(&mut self, mesh: PartMeshes) {
+        self.mesh = Some(mesh);
         self.sides = [None, None];
     }
 
     /// What the standard views aim at; `None` while no part is loaded.
     pub fn framing(&self) -> Option<&Framing> {
         let with_sections = self.sides.iter().flatten().map(|picture| picture.scene.framing());
-        with_sections.max_by_key(|framing| framing.sections.len()).or(self.mesh.as_ref().map(|m| &m.framing))
+        with_sections
+            .max_by_key(|framing| framing.sections.len())
+            .or(self.mesh.as_ref().map(|m| &m.fine.framing))
     }
 
     /// The picture of a side; `None` while no part is loaded.
@@ -135,12 +151,12 @@ pub struct Picture {
 }
 
 impl Picture {
-    fn new(egui: &RenderState, gpu: &Gpu, mesh: &Arc<PartMesh>) -> Self {
+    fn new(egui: &RenderState, gpu: &Gpu, mesh: &PartMeshes) -> Self {
         Self {
             egui: egui.clone(),
             gpu: gpu.clone(),
             renderer: None,
-            scene: Scene::from_mesh(gpu, Arc::clone(mesh)),
+            scene: Scene::from_mesh(gpu, Arc::clone(&mesh.fine)).with_draft(gpu, &mesh.draft),
             content: None,
             floor: None,
             texture: None,
@@ -194,7 +210,7 @@ impl Picture {
     }
 
     /// The image to show for a view of `size` physical pixels; draws only if something changed. While
-    /// `moving`, with one sample per pixel: a fast picture beats a smooth one under the hand.
+    /// `moving`, coarsely: a fast picture beats a smooth one under the hand.
     pub fn show(
         &mut self,
         camera: Camera,
@@ -203,6 +219,10 @@ impl Picture {
         moving: bool,
     ) -> Option<TextureId> {
         let samples = if moving { 1 } else { 4 };
+        let options = SceneOptions { draft: moving, ..options };
+        let whole = size;
+        let size = if moving { draft_size(&self.gpu, size.into()).to_array() } else { size };
+        let coarse = size != whole;
         let look = Drawn { camera, options, size, samples, generation: self.generation };
         if self.drawn == Some(look) {
             return self.texture.map(|(id, _)| id);
@@ -211,7 +231,8 @@ impl Picture {
         renderer.render(&self.gpu, &self.scene, &camera, &options, size.into(), samples);
         self.drawn = Some(look);
         let view = renderer.view()?;
-        let (device, filter) = (&self.egui.device, wgpu::FilterMode::Nearest);
+        let filter = if coarse { wgpu::FilterMode::Linear } else { wgpu::FilterMode::Nearest };
+        let device = &self.egui.device;
         let mut egui = self.egui.renderer.write();
         let id = match self.texture {
             Some((id, of)) if of == renderer.generation() => id,

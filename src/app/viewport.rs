@@ -126,9 +126,9 @@ impl App {
         let response = ui.interact(at, ui.scope_id().with("wipe"), Sense::drag());
         let share = f64::from(self.state.look.wipe);
         response.widget_info(|| egui::WidgetInfo::slider(true, share, "Border of the wipe"));
-        if response.dragged() {
-            let moved = self.state.look.wipe + response.drag_delta().x / whole.width().max(1.0);
-            self.state.look.wipe = moved.clamp(0.02, 0.98);
+        if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            let share = (at.x - whole.left()) / whole.width().max(1.0);
+            self.state.look.wipe = share.clamp(0.02, 0.98);
         }
         response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
         egui::lerp(whole.left()..=whole.right(), self.state.look.wipe)

@@ -7,7 +7,6 @@ use std::time::Duration;
 use crate::formats::InputError;
 use crate::formats::project_file::{Project, read_project};
 use crate::formats::setup_file::read_setup;
-use crate::gpu::part_mesh::PartMesh;
 use crate::job::JobError;
 use crate::job::worker::{End, Worker};
 use crate::part::Setup;
@@ -17,6 +16,7 @@ use super::dialogs::Purpose;
 use super::document::{Edited, OpenPart};
 use super::engine::{Engine, PartSource, PlanTask};
 use super::files::{self, WriteTask, Written};
+use super::picture::PartMeshes;
 use super::planned::Planned;
 use super::project::{Pending, edited_of, source_of};
 use super::state::Problem;
@@ -29,7 +29,7 @@ pub(super) enum OpenTask {
 
 /// What was opened.
 pub(super) struct Opened {
-    part: Option<(OpenPart, PartMesh)>,
+    part: Option<(OpenPart, PartMeshes)>,
     setup: Option<(PathBuf, Setup)>,
     project: Option<(PathBuf, Project)>,
 }
@@ -68,7 +68,7 @@ impl Work {
             let part = match source {
                 Some(source) => {
                     let (impeller, hash) = (to_open.open)(&source, monitor)?;
-                    let mesh = PartMesh::new(&impeller);
+                    let mesh = PartMeshes::new(&impeller);
                     Some((OpenPart { source, impeller, hash }, mesh))
                 }
                 None => None,

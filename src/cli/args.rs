@@ -139,4 +139,10 @@ pub struct RenderArgs {
     /// Dark background
     #[arg(long)]
     pub dark: bool,
+    /// No background: transparent where nothing is
+    #[arg(long)]
+    pub transparent: bool,
+    /// Also draw the colour scale
+    #[arg(long)]
+    pub legend: bool,
 }

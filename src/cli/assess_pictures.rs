@@ -12,7 +12,7 @@ use crate::assess::passage::{PassageMeasure, Place, wall_widths};
 use crate::assess::reach::{ReachMap, Sides};
 use crate::assess::shape::tangents;
 use crate::formats::write::write_together;
-use crate::gpu::floor::floor_mesh;
+use crate::gpu::floor::{FINE, floor_mesh};
 use crate::gpu::mesh::{Mesh, even};
 use crate::gpu::walls::wall_mesh;
 use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
@@ -47,7 +47,7 @@ pub fn write(
     let mut picture = |mesh: Mesh, range: (f32, f32)| {
         scene.set_values(&gpu, mesh);
         let options = SceneOptions { range_mm: range, ..SceneOptions::showing(FloorColours::Values) };
-        render::draw(&gpu, &mut renderer, &scene, View::Channel, &options, SIZE)
+        render::draw(&gpu, &mut renderer, &scene, View::Channel, &options, SIZE, false)
     };
     let mut files = Vec::new();
     if let Some(map) = &assessment.reach {
@@ -135,7 +135,7 @@ fn reach_mesh(part: &Impeller, channel: &Channel, setup: &Setup, map: &ReachMap)
     let values: Vec<f32> = (0..grid.points.len()).map(value).collect();
     // These are no heights: no cell is as high as the blank.
     grid.blank_heights.fill(f32::INFINITY);
-    floor_mesh(&grid, &values).unwrap_or_default()
+    floor_mesh(&grid, &values, FINE).unwrap_or_default()
 }
 
 /// The walls of the channel in work: each with its back and the wall it faces.

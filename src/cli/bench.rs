@@ -140,12 +140,13 @@ pub fn run() -> Result<(), Failure> {
                 return Err(error.into());
             }
             line(&format!("residual field 1024² × 1000 positions, {}", gpu.info.name), seconds)?;
+            super::bench_frames::run(&gpu, &outcome)?;
         }
     }
     Ok(())
 }
 
-fn median(mut work: impl FnMut()) -> f64 {
+pub(super) fn median(mut work: impl FnMut()) -> f64 {
     work();
     let mut seconds: Vec<f64> = (0..RUNS)
         .map(|_| {
@@ -158,6 +159,6 @@ fn median(mut work: impl FnMut()) -> f64 {
     seconds[RUNS / 2]
 }
 
-fn line(what: &str, seconds: f64) -> Result<(), Failure> {
+pub(super) fn line(what: &str, seconds: f64) -> Result<(), Failure> {
     say(&format!("{what:<62} {:>7.1} ms\n", 1e3 * seconds))
 }

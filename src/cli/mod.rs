@@ -5,6 +5,7 @@ mod args;
 mod assess;
 mod assess_pictures;
 mod bench;
+mod bench_frames;
 mod flank;
 mod open;
 mod plan;

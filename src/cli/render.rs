@@ -12,6 +12,7 @@ use crate::formats::flank_file::{is_flank, read_flank_bytes};
 use crate::formats::plan_file::read_plan;
 use crate::formats::source::{name_of, read_bytes};
 use crate::formats::write::write_whole;
+use crate::gpu::legend::add_legend;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View,
     encode_png, floor,
@@ -51,6 +52,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut options = SceneOptions::showing(colours);
     options.at = args.at;
     options.show_shroud = args.shroud;
+    options.transparent = args.transparent;
     options.theme = if args.dark { Theme::Dark } else { Theme::Light };
     let range = args.range.as_deref().map(parse_range).transpose()?;
     if let Some(word) = &args.cutters {
@@ -81,7 +83,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         }
     };
     let png = match &stored {
-        None => picture(&part, None, range, view, options, size)?,
+        None => picture(&part, None, range, view, options, size, args.legend)?,
         Some((setup, plan)) => {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
             let channel = Channel::of(&part);
@@ -95,7 +97,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             };
             let grid = FloorGrid::new(&source, FIELD_CELLS);
             let field = residual_field(&grid, &cutters_of(plan)[..shown]);
-            picture(&part, Some((plan, &grid, &field)), range, view, options, size)?
+            picture(&part, Some((plan, &grid, &field)), range, view, options, size, args.legend)?
         }
     };
     write_whole(&args.output, &png)?;
@@ -111,6 +113,7 @@ fn picture(
     view: View,
     options: SceneOptions,
     size: UVec2,
+    legend: bool,
 ) -> Result<Vec<u8>, Failure> {
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
@@ -121,10 +124,10 @@ fn picture(
         scene.set_plan(Some(plan));
         scene.set_floor(&gpu, Some((grid, &field.heights)), Some(plan));
     }
-    draw(&gpu, &mut renderer, &scene, view, &options, size)
+    draw(&gpu, &mut renderer, &scene, view, &options, size, legend)
 }
 
-/// One picture of a scene as a PNG file in memory.
+/// One picture of a scene as a PNG file in memory, with its colour scale if `legend`.
 pub fn draw(
     gpu: &Gpu,
     renderer: &mut Renderer,
@@ -132,10 +135,14 @@ pub fn draw(
     view: View,
     options: &SceneOptions,
     size: UVec2,
+    legend: bool,
 ) -> Result<Vec<u8>, Failure> {
     let camera = Camera::standard(view, scene.framing(), size.x as f32 / size.y as f32);
     renderer.render(gpu, scene, &camera, options, size, 4);
-    let picture = renderer.read_rgba(gpu)?;
+    let mut picture = renderer.read_rgba(gpu)?;
+    if legend {
+        add_legend(&mut picture, options);
+    }
     encode_png(picture.width, picture.height, &picture.rgba).map_err(|e| Failure::Work(e.to_string()))
 }
 
@@ -170,7 +177,7 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
             [("residual", FloorColours::Residual), ("interference", FloorColours::Interference)]
         {
             let options = SceneOptions { range_mm: range, ..SceneOptions::showing(colours) };
-            let png = draw(&gpu, &mut renderer, &scene, View::Channel, &options, size)?;
+            let png = draw(&gpu, &mut renderer, &scene, View::Channel, &options, size, false)?;
             let file = format!("{name}_{show}.png");
             write_whole(&folder.join(&file), &png)?;
             figures += &format!(

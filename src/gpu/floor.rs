@@ -6,8 +6,10 @@ use super::mesh::{Mesh, Vertex, quads};
 use crate::plunge::plan::PlungePlan;
 use crate::residual::FloorGrid;
 
-/// Most mesh lines along s and across.
-const MOST: (usize, usize) = (257, 129);
+/// Most mesh lines along s and across, in still pictures.
+pub const FINE: (usize, usize) = (257, 129);
+/// The same in motion.
+pub const DRAFT: (usize, usize) = (65, 25);
 
 /// Which cells of a grid become corners of the mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,13 +19,13 @@ struct Stride {
 }
 
 impl Stride {
-    fn of(grid: &FloorGrid) -> Self {
+    fn of(grid: &FloorGrid, most: (usize, usize)) -> Self {
         let pick = |count: usize, most: usize| -> Vec<usize> {
             let kept = count.min(most);
             let step = |i: usize| if kept > 1 { i * (count - 1) / (kept - 1) } else { 0 };
             (0..kept).map(step).collect()
         };
-        Self { rows: pick(grid.rows, MOST.0), columns: pick(grid.columns, MOST.1) }
+        Self { rows: pick(grid.rows, most.0), columns: pick(grid.columns, most.1) }
     }
 
     fn cells<'a>(&'a self, grid: &'a FloorGrid) -> impl Iterator<Item = usize> + 'a {
@@ -34,15 +36,15 @@ impl Stride {
 /// Height below which a cell counts as cut although the blank is hardly higher, mm.
 const UNCUT_TOLERANCE: f32 = 1e-3;
 
-/// Mesh of the floor with a height of stock per corner, thinned to what the eye can tell apart.
+/// Mesh of the floor with a height of stock per corner, thinned to `most` lines either way.
 /// Cells that are no floor (under a splitter, within the allowance of a wall) are left out.
 ///
 /// Returns `None` when `heights` does not fit the grid.
-pub fn floor_mesh(grid: &FloorGrid, heights: &[f32]) -> Option<Mesh> {
+pub fn floor_mesh(grid: &FloorGrid, heights: &[f32], most: (usize, usize)) -> Option<Mesh> {
     if heights.len() != grid.points.len() {
         return None;
     }
-    let stride = Stride::of(grid);
+    let stride = Stride::of(grid, most);
     let vertices = stride
         .cells(grid)
         .map(|cell| Vertex {
@@ -60,7 +62,7 @@ pub fn floor_mesh(grid: &FloorGrid, heights: &[f32]) -> Option<Mesh> {
 /// The same floor with a value of another kind per cell, such as the difference of two plans; none of it counts
 /// as uncut. `None` when `values` does not fit the grid.
 pub fn value_mesh(grid: &FloorGrid, values: &[f32]) -> Option<Mesh> {
-    let mut mesh = floor_mesh(grid, values)?;
+    let mut mesh = floor_mesh(grid, values, FINE)?;
     for vertex in &mut mesh.vertices {
         vertex.uncut = 0.0;
     }
@@ -79,8 +81,8 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
             Some((to(p.tip.into()), to(p.axis.into()), tool.core_radius() as f32, p.contact.depth as f32))
         })
         .collect();
-    let stride = Stride::of(grid);
-    let mut mesh = floor_mesh(grid, &grid.blank_heights).unwrap_or_default();
+    let stride = Stride::of(grid, FINE);
+    let mut mesh = floor_mesh(grid, &grid.blank_heights, FINE).unwrap_or_default();
     for (vertex, cell) in mesh.vertices.iter_mut().zip(stride.cells(grid)) {
         let p = Vec3::from_array(grid.points[cell]);
         vertex.uncut = 0.0;
@@ -149,7 +151,7 @@ mod tests {
     fn large_grids_are_thinned_and_keep_their_corners() {
         let grid = grid(600, 400);
         let heights: Vec<f32> = (0..600 * 400).map(|k| k as f32 * 1e-5).collect();
-        let mesh = floor_mesh(&grid, &heights).expect("fits");
+        let mesh = floor_mesh(&grid, &heights, FINE).expect("fits");
         assert_eq!(mesh.triangles(), 256 * 128 * 2);
         assert_eq!(mesh.vertices[0].position, [0.0, 0.0, 0.0]);
         assert_eq!(mesh.vertices.last().expect("some").position, [599.0, 399.0, 0.0]);
@@ -161,11 +163,11 @@ mod tests {
         grid.floor[5] = false;
         let mut heights = vec![1.0; 16];
         heights[15] = 20.0;
-        let mesh = floor_mesh(&grid, &heights).expect("fits");
+        let mesh = floor_mesh(&grid, &heights, FINE).expect("fits");
         assert_eq!(mesh.triangles(), (9 - 4) * 2);
         assert_eq!(mesh.vertices[15].uncut, 1.0);
         assert_eq!(mesh.vertices[14].uncut, 0.0);
-        assert_eq!(floor_mesh(&grid, &heights[1..]), None);
+        assert_eq!(floor_mesh(&grid, &heights[1..], FINE), None);
     }
 
     #[test]

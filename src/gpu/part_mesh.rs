@@ -12,12 +12,25 @@ use super::view::{Frame, Framing};
 use crate::geometry::{Point, wrap_angle};
 use crate::part::{Blade, BladeSide, Channel, Flowpath, Impeller};
 
-/// Angular steps of a full turn.
-const TURN_STEPS: usize = 240;
-/// Steps along the meridian.
-const MERIDIAN_STEPS: usize = 40;
-/// Steps of a blade from hub to tip.
-const SPAN_STEPS: usize = 8;
+/// How finely a part is tessellated.
+#[derive(Clone, Copy, Debug)]
+struct Detail {
+    /// Angular steps of a full turn.
+    turn: usize,
+    /// Steps along the meridian.
+    meridian: usize,
+    /// Steps of a blade from hub to tip.
+    span: usize,
+    /// Steps of a blade along its chord, at least.
+    chord: usize,
+    /// How far a blade's mesh lines may be off, in its lengths.
+    tolerance: f32,
+}
+
+/// For still pictures.
+const FINE: Detail = Detail { turn: 240, meridian: 40, span: 8, chord: 16, tolerance: 4e-4 };
+/// For pictures in motion: about a tenth of the triangles.
+const DRAFT: Detail = Detail { turn: 96, meridian: 14, span: 2, chord: 8, tolerance: 4e-3 };
 
 /// A blade in its place, the others of its row follow by rotation.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,13 +72,22 @@ fn vec3(p: Point) -> Vec3 {
 }
 
 impl PartMesh {
-    /// Tessellates a part.
+    /// Tessellates a part for still pictures.
     pub fn new(part: &Impeller) -> Self {
+        Self::with_detail(part, &FINE)
+    }
+
+    /// Tessellates a part coarsely, for pictures in motion.
+    pub fn draft(part: &Impeller) -> Self {
+        Self::with_detail(part, &DRAFT)
+    }
+
+    fn with_detail(part: &Impeller, detail: &Detail) -> Self {
         let channel = WallFeet::new(part);
         let up_sign = if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 };
         let body = body_profile(&part.hub, up_sign);
-        let angles: Vec<f64> = even(TURN_STEPS).iter().map(|t| t * TAU).collect();
-        let mut hub = Mesh::revolve(&profile(&part.hub, &hub_range(&part.hub)), &angles, |_, _| 1.0);
+        let angles: Vec<f64> = even(detail.turn).iter().map(|t| t * TAU).collect();
+        let mut hub = Mesh::revolve(&profile(&part.hub, &hub_range(&part.hub, detail)), &angles, |_, _| 1.0);
         let mut edges = Vec::new();
         for pair in body.windows(2) {
             let along = Vec3::new(pair[1].0 - pair[0].0, 0.0, pair[1].1 - pair[0].1).normalize_or_zero();
@@ -87,7 +109,7 @@ impl PartMesh {
         let pitch = part.pitch();
         let row = |blade: &Blade| {
             let turns = (0..part.blade_count).map(|k| k as f64 * pitch).collect();
-            BladeMesh { turns, ..blade_mesh(blade) }
+            BladeMesh { turns, ..blade_mesh(blade, detail) }
         };
         let main = row(&part.main);
         let splitters: Vec<BladeMesh> = part.splitters.iter().map(row).collect();
@@ -102,9 +124,9 @@ impl PartMesh {
                 }
             }
         }
-        let shroud_steps = even(MERIDIAN_STEPS);
+        let shroud_steps = even(detail.meridian);
         let shroud = Mesh::revolve(&profile(&part.shroud, &shroud_steps), &angles, |_, _| 1.0);
-        let floor = channel.floor_mesh(&part.hub, TURN_STEPS / part.blade_count.max(1) + 8);
+        let floor = channel.floor_mesh(&part.hub, detail.turn / part.blade_count.max(1) + 8, detail);
         let framing = channel.framing(part, up_sign, &body);
         Self { hub, floor, main, splitters, shroud, edges, framing }
     }
@@ -123,9 +145,9 @@ impl PartMesh {
 }
 
 /// Values of s of the hub that are drawn: from a short nose ahead of the blades to the rim.
-fn hub_range(hub: &Flowpath) -> Vec<f64> {
+fn hub_range(hub: &Flowpath, detail: &Detail) -> Vec<f64> {
     let nose = hub.s_range().0.max(-0.12);
-    even(MERIDIAN_STEPS).iter().map(|t| nose + (1.0 - nose) * t).collect()
+    even(detail.meridian).iter().map(|t| nose + (1.0 - nose) * t).collect()
 }
 
 fn profile(path: &Flowpath, at: &[f64]) -> Vec<ProfilePoint> {
@@ -140,7 +162,7 @@ fn profile(path: &Flowpath, at: &[f64]) -> Vec<ProfilePoint> {
 /// (r, z) of the closed rest of the body: rim, back, bore and nose ring. A picture of a solid
 /// wheel, not the drawing's back side, which part files do not hold.
 fn body_profile(hub: &Flowpath, up_sign: f32) -> Vec<(f32, f32)> {
-    let nose = hub.point(hub_range(hub)[0]);
+    let nose = hub.point(hub_range(hub, &DRAFT)[0]);
     let rim = hub.point(1.0);
     let plate = (0.03 * rim.r).max(3.0) as f32;
     let bore = (0.45 * nose.r) as f32;
@@ -155,7 +177,7 @@ fn body_profile(hub: &Flowpath, up_sign: f32) -> Vec<(f32, f32)> {
 }
 
 /// Parameters of mesh lines along a blade: from the file's points, thinned.
-fn blade_lines(blade: &Blade) -> Vec<f64> {
+fn blade_lines(blade: &Blade, detail: &Detail) -> Vec<f64> {
     let mut us: Vec<f64> = blade.suction.u_knots().to_vec();
     us.extend_from_slice(blade.pressure.u_knots());
     us.extend(even(16));
@@ -163,10 +185,10 @@ fn blade_lines(blade: &Blade) -> Vec<f64> {
     us.sort_by(f64::total_cmp);
     us.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
     let length = (blade.suction.point(1.0, 0.5) - blade.suction.point(0.0, 0.5)).norm() as f32;
-    let mut kept: Vec<f64> = even(16);
+    let mut kept: Vec<f64> = even(detail.chord);
     for side in [&blade.suction, &blade.pressure] {
         for v in [0.0, 1.0] {
-            kept.extend(thin(&us, |u| vec3(side.point(u, v)), length * 4e-4));
+            kept.extend(thin(&us, |u| vec3(side.point(u, v)), length * detail.tolerance));
         }
     }
     kept.sort_by(f64::total_cmp);
@@ -175,9 +197,9 @@ fn blade_lines(blade: &Blade) -> Vec<f64> {
 }
 
 /// Tessellates one blade: both sides, and the strips that close it at tip, LE and TE.
-fn blade_mesh(blade: &Blade) -> BladeMesh {
-    let us = blade_lines(blade);
-    let vs = even(SPAN_STEPS);
+fn blade_mesh(blade: &Blade, detail: &Detail) -> BladeMesh {
+    let us = blade_lines(blade, detail);
+    let vs = even(detail.span);
     let side = |side: &BladeSide| PointGrid::sample(&us, &vs, |u, v| vec3(side.point(u, v)));
     close_blade(&side(&blade.suction), &side(&blade.pressure))
 }
@@ -245,10 +267,11 @@ impl WallFeet {
         a + wrap_angle(b - a) * (x - k as f64)
     }
 
-    fn floor_mesh(&self, hub: &Flowpath, columns: usize) -> Mesh {
+    fn floor_mesh(&self, hub: &Flowpath, columns: usize, detail: &Detail) -> Mesh {
         let lambdas = even(columns.clamp(12, 96));
         let mut mesh = Mesh::default();
-        for &s in &self.stations {
+        let stations = even(detail.meridian.next_power_of_two());
+        for &s in &stations {
             let (p, n) = (hub.point(s), hub.normal(s));
             for &lambda in &lambdas {
                 let (sin, cos) = self.theta(s, lambda).sin_cos();
@@ -262,7 +285,7 @@ impl WallFeet {
                 });
             }
         }
-        mesh.indices = super::mesh::quads(self.stations.len(), lambdas.len(), |_, _| true);
+        mesh.indices = super::mesh::quads(stations.len(), lambdas.len(), |_, _| true);
         mesh
     }
 

@@ -11,7 +11,7 @@ use super::device::{Gpu, GpuError};
 use super::mesh::Segment;
 use super::pick::{self, PickTarget};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
-use super::scene::{FloorColours, Layer, MeshBuffers, Scene, SceneOptions, unit_cutter};
+use super::scene::{FloorColours, Layer, MeshBuffers, Scene, SceneOptions, Wheel};
 use super::uniform::FrameUniform;
 
 /// A picture in memory: 8-bit RGBA, top row first.
@@ -70,6 +70,22 @@ impl Stream {
     }
 }
 
+/// Size of a picture in motion in place of `size`: a processor that draws has a sixth of the pixels to draw.
+pub fn draft_size(gpu: &Gpu, size: UVec2) -> UVec2 {
+    if gpu.is_software() { (size * 2 / 5).max(UVec2::ONE) } else { size }
+}
+
+/// Facets of a cutter, and of one in motion.
+const FACETS: usize = 24;
+const DRAFT_FACETS: usize = 10;
+
+/// A mesh every cutter is an instance of; its first `solid` indices are no glass.
+#[derive(Debug)]
+struct Unit {
+    mesh: MeshBuffers,
+    solid: u32,
+}
+
 /// Draws scenes; keeps pipelines and the target between pictures.
 #[derive(Debug)]
 pub struct Renderer {
@@ -79,8 +95,8 @@ pub struct Renderer {
     pipelines: [Option<Pipelines>; 2],
     uniform: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
-    unit_solid: u32,
-    unit: MeshBuffers,
+    /// The mesh every cutter is an instance of: fine, and for pictures in motion.
+    units: [Unit; 2],
     cutters: Stream,
     cutter_lines: Stream,
     target: Option<Target>,
@@ -99,11 +115,11 @@ fn is_opaque(layer: Layer, options: &SceneOptions) -> bool {
 }
 
 /// Draws the pieces of the layers that are wanted.
-fn surfaces(pass: &mut wgpu::RenderPass, scene: &Scene, wanted: &dyn Fn(Layer) -> bool) {
-    pass.set_vertex_buffer(0, scene.surfaces.vertices.slice(..));
-    pass.set_vertex_buffer(1, scene.instances.slice(..));
-    pass.set_index_buffer(scene.surfaces.indices.slice(..), wgpu::IndexFormat::Uint32);
-    for piece in scene.pieces.iter().filter(|p| wanted(p.layer)) {
+fn surfaces(pass: &mut wgpu::RenderPass, wheel: &Wheel, wanted: &dyn Fn(Layer) -> bool) {
+    pass.set_vertex_buffer(0, wheel.surfaces.vertices.slice(..));
+    pass.set_vertex_buffer(1, wheel.instances.slice(..));
+    pass.set_index_buffer(wheel.surfaces.indices.slice(..), wgpu::IndexFormat::Uint32);
+    for piece in wheel.pieces.iter().filter(|p| wanted(p.layer)) {
         pass.draw_indexed(piece.indices.clone(), piece.base_vertex, piece.instances.clone());
     }
 }
@@ -145,24 +161,26 @@ impl Renderer {
             layout: &group_layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
         });
-        let UnitCutter { vertices, indices, solid } = unit_cutter();
-        let unit = MeshBuffers {
-            vertices: super::scene::vertex_buffer(gpu, "unit cutter", &vertices),
-            indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("unit cutter triangles"),
-                contents: bytemuck::cast_slice(&indices),
-                usage: wgpu::BufferUsages::INDEX,
-            }),
-            count: indices.len() as u32,
-        };
+        let units = [FACETS, DRAFT_FACETS].map(|facets| {
+            let UnitCutter { vertices, indices, solid } = UnitCutter::new(facets);
+            let mesh = MeshBuffers {
+                vertices: super::scene::vertex_buffer(gpu, "unit cutter", &vertices),
+                indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some("unit cutter triangles"),
+                    contents: bytemuck::cast_slice(&indices),
+                    usage: wgpu::BufferUsages::INDEX,
+                }),
+                count: indices.len() as u32,
+            };
+            Unit { mesh, solid }
+        });
         Self {
             module,
             layout,
             pipelines: [None, None],
             uniform,
             bind_group,
-            unit_solid: solid,
-            unit,
+            units,
             cutters: Stream::new("cutters"),
             cutter_lines: Stream::new("cutter lines"),
             target: None,
@@ -245,29 +263,34 @@ impl Renderer {
             pass.draw(0..3, 0..1);
         }
 
+        let wheel = scene.wheel(options);
         pass.set_pipeline(&pipelines.surface);
-        surfaces(pass, scene, &|layer| is_opaque(layer, options));
+        surfaces(pass, wheel, &|layer| is_opaque(layer, options));
         let floor = scene.floor.as_ref().and_then(|f| match options.show_floor_colours {
-            FloorColours::Residual | FloorColours::Values => Some(&f.residual),
+            FloorColours::Residual | FloorColours::Values => {
+                Some(f.draft.as_ref().filter(|_| options.draft).unwrap_or(&f.residual))
+            }
             FloorColours::Interference => f.contact.as_ref(),
             FloorColours::Plain => None,
         });
         if let Some(floor) = floor {
             pass.set_pipeline(&pipelines.floor);
             pass.set_vertex_buffer(0, floor.vertices.slice(..));
-            pass.set_vertex_buffer(1, scene.instances.slice(..));
+            pass.set_vertex_buffer(1, wheel.instances.slice(..));
             pass.set_index_buffer(floor.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..floor.count, 0, 0..1);
         }
-        let solid = 0..self.unit_solid;
-        let glass = self.unit_solid..self.unit.count;
+        let unit = self.unit(options);
+        let solid = 0..unit.solid;
+        // Glass over glass is what costs most: in motion the bottoms stand for it.
+        let glass = unit.solid..if options.draft { unit.solid * 4 / 3 } else { unit.mesh.count };
         pass.set_pipeline(&pipelines.cutter);
-        self.draw_cutters(pass, solid);
+        self.draw_cutters(pass, unit, solid);
 
         pass.set_pipeline(&pipelines.line);
-        if options.show_blades && scene.edge_count > 0 {
-            pass.set_vertex_buffer(0, scene.edges.slice(..));
-            pass.draw(0..6, 0..scene.edge_count);
+        if options.show_blades && wheel.edge_count > 0 {
+            pass.set_vertex_buffer(0, wheel.edges.slice(..));
+            pass.draw(0..6, 0..wheel.edge_count);
         }
         if let Some((buffer, count)) = &scene.paths {
             pass.set_vertex_buffer(0, buffer.slice(..));
@@ -279,18 +302,22 @@ impl Renderer {
         }
 
         pass.set_pipeline(&pipelines.glass);
-        surfaces(pass, scene, &|layer| layer == Layer::CutAway && options.show_blades && options.cut_away);
+        surfaces(pass, wheel, &|layer| layer == Layer::CutAway && options.show_blades && options.cut_away);
         pass.set_pipeline(&pipelines.cutter_glass);
-        self.draw_cutters(pass, glass);
+        self.draw_cutters(pass, unit, glass);
         pass.set_pipeline(&pipelines.glass);
-        surfaces(pass, scene, &|layer| layer == Layer::Shroud && options.show_shroud);
+        surfaces(pass, wheel, &|layer| layer == Layer::Shroud && options.show_shroud);
     }
 
-    fn draw_cutters(&self, pass: &mut wgpu::RenderPass, indices: std::ops::Range<u32>) {
+    fn unit(&self, options: &SceneOptions) -> &Unit {
+        &self.units[usize::from(options.draft)]
+    }
+
+    fn draw_cutters(&self, pass: &mut wgpu::RenderPass, unit: &Unit, indices: std::ops::Range<u32>) {
         if let Some(buffer) = self.cutters.buffer.as_ref().filter(|_| self.cutters.count > 0) {
-            pass.set_vertex_buffer(0, self.unit.vertices.slice(..));
+            pass.set_vertex_buffer(0, unit.mesh.vertices.slice(..));
             pass.set_vertex_buffer(1, buffer.slice(..));
-            pass.set_index_buffer(self.unit.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.set_index_buffer(unit.mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(indices, 0, 0..self.cutters.count);
         }
     }
@@ -321,9 +348,9 @@ impl Renderer {
         let draw = |pass: &mut wgpu::RenderPass| {
             pass.set_bind_group(0, &self.bind_group, &[]);
             pass.set_pipeline(surface);
-            surfaces(pass, scene, &|layer| is_opaque(layer, options));
+            surfaces(pass, scene.wheel(options), &|layer| is_opaque(layer, options));
             pass.set_pipeline(cutter);
-            self.draw_cutters(pass, 0..self.unit.count);
+            self.draw_cutters(pass, self.unit(options), 0..self.unit(options).mesh.count);
         };
         target.draw(gpu, draw);
         Ok(target.nearest(gpu)?.map(|id| id as usize))
@@ -347,7 +374,10 @@ impl Renderer {
             let Some(instance) = choice.instance(cutter) else { continue };
             let selected = options.selected == Some(instance.id as usize);
             let whole = instance.height >= cutter.instance.height;
-            cutters::rims(&instance, steps, whole, &mut lines);
+            // In motion the rims of the few that matter are enough.
+            if !options.draft || selected || whole {
+                cutters::rims(&instance, steps, whole, &mut lines);
+            }
             if options.show_holders && whole {
                 cutters::holder(cutter, &mut lines);
             }

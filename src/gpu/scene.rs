@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 use wgpu::util::DeviceExt;
 
 use super::camera::{Camera, Ray};
-use super::cutters::{self, Cutter, CutterChoice, CutterFilter, UnitCutter};
+use super::cutters::{self, Cutter, CutterChoice, CutterFilter};
 use super::device::Gpu;
 use super::floor;
 use super::mesh::{Mesh, Segment, turn};
@@ -75,6 +75,8 @@ pub struct SceneOptions {
     pub section: Option<SectionPlane>,
     /// No background: the picture is transparent where nothing is.
     pub transparent: bool,
+    /// Fast rather than fine: cutters with fewer facets.
+    pub draft: bool,
 }
 
 /// A plane that cuts the part open.
@@ -120,6 +122,7 @@ impl Default for SceneOptions {
             pixel_scale: 1.0,
             section: None,
             transparent: false,
+            draft: false,
         }
     }
 }
@@ -236,10 +239,43 @@ pub(super) fn vertex_buffer<T: Pod>(gpu: &Gpu, label: &str, contents: &[T]) -> w
     })
 }
 
+/// Surfaces and edges of the wheel, in one degree of detail.
+#[derive(Debug)]
+pub(super) struct Wheel {
+    pub surfaces: MeshBuffers,
+    pub instances: wgpu::Buffer,
+    pub pieces: Vec<Piece>,
+    pub edges: wgpu::Buffer,
+    pub edge_count: u32,
+}
+
+impl Wheel {
+    fn new(gpu: &Gpu, part: &PartMesh) -> Self {
+        let mut builder = Builder::default();
+        let still = |kind, flags| SurfaceInstance { turn: [1.0, 0.0], kind, flags };
+        builder.add(Layer::Hub, &part.hub, &[still(HUB, 0)]);
+        builder.add(Layer::Hub, &part.floor, &[still(FLOOR, ON_HUB)]);
+        builder.add_blade(&part.main, 2);
+        for splitter in &part.splitters {
+            builder.add_blade(splitter, 1);
+        }
+        builder.add(Layer::Shroud, &part.shroud, &[still(SHROUD, 0)]);
+        Self {
+            surfaces: MeshBuffers::new(gpu, &builder.mesh),
+            instances: vertex_buffer(gpu, "surface copies", &builder.instances),
+            pieces: builder.pieces,
+            edges: vertex_buffer(gpu, "edges", &part.edges),
+            edge_count: part.edges.len() as u32,
+        }
+    }
+}
+
 /// Floor of the channel in work with its values.
 #[derive(Debug)]
 pub(super) struct FloorPart {
     pub residual: MeshBuffers,
+    /// The same, coarser, where there is one.
+    pub draft: Option<MeshBuffers>,
     pub contact: Option<MeshBuffers>,
     mesh: Mesh,
 }
@@ -248,11 +284,8 @@ pub(super) struct FloorPart {
 #[derive(Debug)]
 pub struct Scene {
     part: Arc<PartMesh>,
-    pub(super) surfaces: MeshBuffers,
-    pub(super) instances: wgpu::Buffer,
-    pub(super) pieces: Vec<Piece>,
-    pub(super) edges: wgpu::Buffer,
-    pub(super) edge_count: u32,
+    fine: Wheel,
+    draft: Option<Wheel>,
     /// Curves or moves of a flank plan.
     pub(super) paths: Option<(wgpu::Buffer, u32)>,
     pub(super) floor: Option<FloorPart>,
@@ -277,28 +310,20 @@ impl Scene {
 
     /// Loads a part that is tessellated already.
     pub fn from_mesh(gpu: &Gpu, part: Arc<PartMesh>) -> Self {
-        let mut builder = Builder::default();
-        let still = |kind, flags| SurfaceInstance { turn: [1.0, 0.0], kind, flags };
-        builder.add(Layer::Hub, &part.hub, &[still(HUB, 0)]);
-        builder.add(Layer::Hub, &part.floor, &[still(FLOOR, ON_HUB)]);
-        builder.add_blade(&part.main, 2);
-        for splitter in &part.splitters {
-            builder.add_blade(splitter, 1);
-        }
-        builder.add(Layer::Shroud, &part.shroud, &[still(SHROUD, 0)]);
         let framing = part.framing.clone();
-        Self {
-            surfaces: MeshBuffers::new(gpu, &builder.mesh),
-            instances: vertex_buffer(gpu, "surface copies", &builder.instances),
-            pieces: builder.pieces,
-            edges: vertex_buffer(gpu, "edges", &part.edges),
-            edge_count: part.edges.len() as u32,
-            paths: None,
-            floor: None,
-            cutters: Vec::new(),
-            framing,
-            part,
-        }
+        let fine = Wheel::new(gpu, &part);
+        Self { fine, draft: None, paths: None, floor: None, cutters: Vec::new(), framing, part }
+    }
+
+    /// With a coarser mesh of the same part for pictures in motion.
+    pub fn with_draft(mut self, gpu: &Gpu, draft: &PartMesh) -> Self {
+        self.draft = Some(Wheel::new(gpu, draft));
+        self
+    }
+
+    /// The wheel in the detail that `options` ask for.
+    pub(super) fn wheel(&self, options: &SceneOptions) -> &Wheel {
+        self.draft.as_ref().filter(|_| options.draft).unwrap_or(&self.fine)
     }
 
     /// Shows a plan's cutters, or none.
@@ -313,24 +338,34 @@ impl Scene {
     /// its cores, whatever [`SceneOptions::at`] says. Heights that do not fit the grid show no floor colours.
     pub fn set_floor(&mut self, gpu: &Gpu, floor: Option<(&FloorGrid, &[f32])>, plan: Option<&PlungePlan>) {
         self.floor = floor.and_then(|(grid, heights)| {
-            let mesh = floor::floor_mesh(grid, heights)?;
+            let mesh = floor::floor_mesh(grid, heights, floor::FINE)?;
+            let draft =
+                floor::floor_mesh(grid, heights, floor::DRAFT).map(|mesh| MeshBuffers::new(gpu, &mesh));
             let contact = plan.map(|plan| MeshBuffers::new(gpu, &floor::contact_mesh(grid, plan)));
-            Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), contact, mesh })
+            Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), draft, contact, mesh })
         });
     }
 
     /// Shows surfaces with a value per corner in place of the floor's: see [`FloorColours::Values`].
     pub fn set_values(&mut self, gpu: &Gpu, mesh: Mesh) {
-        self.floor = Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), contact: None, mesh });
+        self.floor =
+            Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), draft: None, contact: None, mesh });
     }
 
     /// Replaces the heights on the floor, e.g. while scrubbing; the grid is the one of
     /// [`Self::set_floor`], and nothing happens before that or when the sizes differ.
     pub fn set_heights(&mut self, gpu: &Gpu, grid: &FloorGrid, heights: &[f32]) {
-        let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights)) else { return };
+        let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights, floor::FINE))
+        else {
+            return;
+        };
         if mesh.vertices.len() == floor.mesh.vertices.len() {
             gpu.queue.write_buffer(&floor.residual.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
             floor.mesh = mesh;
+            let draft = floor.draft.as_ref().zip(floor::floor_mesh(grid, heights, floor::DRAFT));
+            if let Some((draft, mesh)) = draft {
+                gpu.queue.write_buffer(&draft.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
+            }
         }
     }
 
@@ -485,9 +520,4 @@ impl Builder {
         let near: Vec<SurfaceInstance> = (0..lit).map(|k| copy(k, WALL, 0)).collect();
         self.place(Layer::Blades, &loaded, &near);
     }
-}
-
-/// Mesh every cutter is an instance of, coarser when there are many.
-pub(super) fn unit_cutter() -> UnitCutter {
-    UnitCutter::new(24)
 }

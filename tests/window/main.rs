@@ -1,7 +1,9 @@
 //! The window, driven through its accessible names on software Vulkan.
 
+mod compare;
 mod fake;
 mod harness;
+mod look;
 mod project;
 mod real;
 mod review;

@@ -1,6 +1,6 @@
 //! What-if sets: setups that were kept, side by side with what they come to.
 
-use egui::{Grid, RichText, TextEdit, Ui};
+use egui::{RichText, TextEdit, Ui};
 
 use crate::formats::write_setup;
 use crate::part::Setup;
@@ -27,15 +27,12 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
         ("Stock mm", "Mean and 95th percentile of what is left on the hub"),
         ("Time", "One channel, from plunge feeds and rapids"),
     ];
-    Grid::new("what-if sets").num_columns(4).min_col_width(46.0).spacing([8.0, 2.0]).show(ui, |ui| {
-        for (head, tip) in heads {
-            ui.label(RichText::new(head).weak()).on_hover_text(tip);
-        }
-        ui.end_row();
-        cells(ui, state.results.figures(&state.document.edited.setup));
-        ui.label(RichText::new("now").weak());
-        ui.end_row();
+    row(ui, |ui, k| {
+        let (head, tip) = heads[k];
+        ui.label(RichText::new(head).weak()).on_hover_text(tip);
     });
+    ui.label(RichText::new("The setup in work").weak());
+    cells(ui, state.results.figures(&state.document.edited.setup));
     let edited = &mut state.document.edited;
     for (k, set) in edited.sets.iter_mut().enumerate() {
         ui.separator();
@@ -51,10 +48,7 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
                 removed = Some(k);
             }
         });
-        Grid::new(("what-if", k)).num_columns(4).min_col_width(46.0).spacing([8.0, 2.0]).show(ui, |ui| {
-            cells(ui, state.results.figures(&set.setup));
-            ui.end_row();
-        });
+        cells(ui, state.results.figures(&set.setup));
     }
     let edited = &mut state.document.edited;
     if let Some(set) = used.and_then(|k| edited.sets.get(k)) {
@@ -72,18 +66,38 @@ fn small(ui: &mut Ui, enabled: bool, text: &str, name: &str) -> bool {
     response.on_hover_text(name).clicked()
 }
 
+/// Widths of the columns, points: together they fit the panel.
+const WIDTHS: [f32; 4] = [38.0, 44.0, 78.0, 48.0];
+
+/// A row of the table, cell by cell.
+fn row(ui: &mut Ui, mut cell: impl FnMut(&mut Ui, usize)) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (k, width) in WIDTHS.into_iter().enumerate() {
+            let layout = egui::Layout::left_to_right(egui::Align::Center);
+            ui.allocate_ui_with_layout(egui::vec2(width, 18.0), layout, |ui| {
+                ui.set_min_width(width);
+                cell(ui, k);
+            });
+        }
+    });
+}
+
 fn cells(ui: &mut Ui, figures: Option<Figures>) {
     let Some(f) = figures else {
-        for _ in 0..4 {
-            ui.label(RichText::new("-").weak()).on_hover_text("Not planned yet: use the set to plan it");
-        }
+        ui.label(RichText::new("Not planned yet").weak()).on_hover_text("Use the set to plan it");
         return;
     };
-    ui.label(f.positions.to_string());
     let of = if f.interferential == 0 { Condition::Sound } else { Condition::Interferential };
-    ui.label(RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())));
-    ui.label(format!("{:.2}/{:.2}", f.residual_mean, f.residual_p95));
-    ui.label(duration(f.time));
+    row(ui, |ui, k| {
+        let text = match k {
+            0 => RichText::new(f.positions.to_string()),
+            1 => RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())),
+            2 => RichText::new(format!("{:.2}/{:.2}", f.residual_mean, f.residual_p95)),
+            _ => RichText::new(duration(f.time)),
+        };
+        ui.label(text);
+    });
 }
 
 /// What a set has that the setup in work has not, line by line as setup files say it.

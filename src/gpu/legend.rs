@@ -1,0 +1,149 @@
+//! The legend drawn into a picture: the colour bar with the values at its ends, in small letters of its own, so that
+//! pictures need no fonts.
+
+use super::palette::{ColourMap, TABLE_LEN, Theme};
+use super::renderer::Picture;
+use super::scene::{FloorColours, SceneOptions};
+
+/// Letters of 5 × 7 dots, one number a row, the highest of five bits to the left.
+const LETTERS: &[(char, [u8; 7])] = &[
+    ('0', [14, 17, 19, 21, 25, 17, 14]),
+    ('1', [4, 12, 4, 4, 4, 4, 14]),
+    ('2', [14, 17, 1, 2, 4, 8, 31]),
+    ('3', [31, 2, 4, 2, 1, 17, 14]),
+    ('4', [2, 6, 10, 18, 31, 2, 2]),
+    ('5', [31, 16, 30, 1, 1, 17, 14]),
+    ('6', [6, 8, 16, 30, 17, 17, 14]),
+    ('7', [31, 1, 2, 4, 8, 8, 8]),
+    ('8', [14, 17, 17, 14, 17, 17, 14]),
+    ('9', [14, 17, 17, 15, 1, 2, 12]),
+    ('.', [0, 0, 0, 0, 0, 12, 12]),
+    ('-', [0, 0, 0, 31, 0, 0, 0]),
+    ('+', [0, 4, 4, 31, 4, 4, 0]),
+    ('m', [0, 0, 26, 21, 21, 21, 21]),
+    ('o', [0, 0, 14, 17, 17, 17, 14]),
+    ('n', [0, 0, 22, 25, 17, 17, 17]),
+    ('h', [16, 16, 22, 25, 17, 17, 17]),
+    ('u', [0, 0, 17, 17, 17, 19, 13]),
+    ('b', [16, 16, 22, 25, 17, 17, 30]),
+    ('t', [8, 8, 28, 8, 8, 9, 6]),
+    ('c', [0, 0, 14, 16, 16, 17, 14]),
+    ('k', [16, 16, 18, 20, 24, 20, 18]),
+    ('s', [0, 0, 14, 16, 14, 1, 30]),
+    ('e', [0, 0, 14, 17, 31, 16, 14]),
+    ('f', [6, 9, 8, 28, 8, 8, 8]),
+    ('r', [0, 0, 22, 25, 16, 16, 16]),
+    ('a', [0, 0, 14, 1, 15, 17, 15]),
+    ('d', [1, 1, 13, 19, 17, 17, 15]),
+    ('p', [0, 0, 30, 17, 30, 16, 16]),
+    ('i', [4, 0, 12, 4, 4, 4, 14]),
+    ('l', [12, 4, 4, 4, 4, 4, 14]),
+];
+/// Columns a letter takes, with the gap behind it.
+const ADVANCE: u32 = 6;
+
+/// Draws the legend that belongs to a picture made with `options`, if its colours mean something.
+pub fn add_legend(picture: &mut Picture, options: &SceneOptions) {
+    let (map, title) = match options.show_floor_colours {
+        FloorColours::Residual => (options.map, "stock on hub"),
+        FloorColours::Interference => (ColourMap::Contact, "contact of the core"),
+        FloorColours::Values if options.map == ColourMap::Difference => {
+            (options.map, "more after than before")
+        }
+        FloorColours::Values | FloorColours::Plain => return,
+    };
+    draw_legend(picture, map, options.range_mm, title, options.theme);
+}
+
+/// Draws the legend into the lower left corner of a picture: `title` above the bar (letters of [`LETTERS`] only; others
+/// stay blank), the ends of `range` in mm below it. Its size follows the picture's.
+fn draw_legend(picture: &mut Picture, map: ColourMap, range: (f32, f32), title: &str, theme: Theme) {
+    let dot = (picture.height / 360).max(1);
+    let (left, bar_width, bar_height) = (12 * dot, 150 * dot, 8 * dot);
+    let Some(top) = picture.height.checked_sub(44 * dot) else { return };
+    if picture.width < bar_width + 2 * left {
+        return;
+    }
+    let ink = match theme {
+        Theme::Light => [30, 34, 38],
+        Theme::Dark => [232, 235, 238],
+    };
+    let mut pen = Pen { picture, dot, ink };
+    pen.text(left, top, title);
+    let table = map.table();
+    for x in 0..bar_width {
+        let colour = table[(x as usize * (TABLE_LEN - 1)) / (bar_width as usize - 1).max(1)];
+        pen.fill(left + x, top + 11 * dot, 1, bar_height, colour);
+    }
+    let below = top + 11 * dot + bar_height + 3 * dot;
+    pen.text(left, below, &format!("{:.2}", range.0));
+    let high = format!("{:.2}+ mm", range.1);
+    let width = high.chars().count() as u32 * ADVANCE * dot;
+    pen.text((left + bar_width).saturating_sub(width), below, &high);
+}
+
+struct Pen<'a> {
+    picture: &'a mut Picture,
+    /// Pixels of a dot.
+    dot: u32,
+    ink: [u8; 3],
+}
+
+impl Pen<'_> {
+    fn text(&mut self, left: u32, top: u32, text: &str) {
+        for (k, letter) in text.chars().enumerate() {
+            let Some((_, rows)) = LETTERS.iter().find(|(known, _)| *known == letter) else { continue };
+            for (y, row) in rows.iter().enumerate() {
+                for x in (0..5u32).filter(|x| row & (16 >> x) != 0) {
+                    let at = left + (k as u32 * ADVANCE + x) * self.dot;
+                    self.fill(at, top + y as u32 * self.dot, self.dot, self.dot, self.ink);
+                }
+            }
+        }
+    }
+
+    fn fill(&mut self, left: u32, top: u32, width: u32, height: u32, colour: [u8; 3]) {
+        let (right, bottom) =
+            ((left + width).min(self.picture.width), (top + height).min(self.picture.height));
+        for y in top..bottom {
+            for x in left..right {
+                let at = 4 * (y as usize * self.picture.width as usize + x as usize);
+                if let Some(pixel) = self.picture.rgba.get_mut(at..at + 4) {
+                    pixel[..3].copy_from_slice(&colour);
+                    pixel[3] = 255;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bar_shows_the_ends_of_the_table_and_small_pictures_have_none() {
+        let blank =
+            |width: u32, height: u32| Picture { width, height, rgba: vec![0; (4 * width * height) as usize] };
+        let mut picture = blank(640, 360);
+        draw_legend(&mut picture, ColourMap::Cividis, (0.5, 4.0), "stock", Theme::Light);
+        let pixel = |x: u32, y: u32| picture.rgba[(4 * (y * 640 + x)) as usize..][..4].to_vec();
+        let y = 360 - 44 + 11 + 3;
+        let table = ColourMap::Cividis.table();
+        assert_eq!(pixel(12, y), [&table[0][..], &[255]].concat());
+        assert_eq!(pixel(12 + 149, y), [&table[255][..], &[255]].concat());
+        assert!(picture.rgba.chunks(4).any(|p| p == [30, 34, 38, 255]), "letters");
+        let mut tiny = blank(60, 30);
+        draw_legend(&mut tiny, ColourMap::Cividis, (0.0, 1.0), "stock", Theme::Dark);
+        assert!(tiny.rgba.iter().all(|&byte| byte == 0));
+    }
+
+    #[test]
+    fn every_letter_of_the_titles_is_there() {
+        for title in ["stock on hub", "contact of the core", "more after than before", "0.50 4.00+ mm-"] {
+            for letter in title.chars().filter(|c| *c != ' ') {
+                assert!(LETTERS.iter().any(|(known, _)| *known == letter), "{letter:?} of {title:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The program itself on a screen of its own, driven with real keys and a real mouse. Needs Xvfb, xdotool and a Vulkan
+//! driver; says so and does nothing where they are missing.
+
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+struct Stopped(Child);
+
+impl Drop for Stopped {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn is_there(program: &str) -> bool {
+    let found = Command::new("which").arg(program).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    found.is_ok_and(|status| status.success())
+}
+
+fn xdotool(display: &str, arguments: &[&str]) -> Option<String> {
+    let output = Command::new("xdotool").args(arguments).env("DISPLAY", display).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+fn until<T>(seconds: u64, what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(start.elapsed() < Duration::from_secs(seconds), "no {what} within {seconds} s");
+        std::thread::sleep(Duration::from_millis(200));
+    }
+}
+
+#[test]
+fn keys_and_mouse_reach_the_program_on_a_real_screen() {
+    for program in ["Xvfb", "xdotool"] {
+        if !is_there(program) {
+            eprintln!("left out: {program} is not installed");
+            return;
+        }
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    // A number no other server has.
+    let number = 200 + std::process::id() % 700;
+    let display = format!(":{number}");
+    let server = Command::new("Xvfb")
+        .args([&display, "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("Xvfb starts");
+    let _server = Stopped(server);
+    until(20, "screen", || xdotool(&display, &["getdisplaygeometry"]));
+    let part = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/pump6.toml");
+    let program = Command::new(env!("CARGO_BIN_EXE_vanecut"))
+        .arg(part)
+        .env("DISPLAY", &display)
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .env("XDG_DATA_HOME", folder.path())
+        .env("XDG_RUNTIME_DIR", folder.path())
+        .env("VANECUT_GPU", "software")
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut program = Stopped(program);
+    let title = |display: &str| {
+        let window = xdotool(display, &["search", "--onlyvisible", "--name", "Vanecut"])?;
+        let window = window.lines().next()?.to_owned();
+        Some((xdotool(display, &["getwindowname", &window])?, window))
+    };
+    let (_, window) = until(90, "window with the part", || {
+        if let Ok(Some(_)) = program.0.try_wait() {
+            return None;
+        }
+        title(&display).filter(|(name, _)| name.contains("pump6"))
+    });
+    // Nothing is unsaved until something is edited: keep a what-if set with its keys.
+    xdotool(&display, &["windowfocus", &window]);
+    xdotool(&display, &["mousemove", "640", "400"]);
+    until(90, "mark of something unsaved", || {
+        xdotool(&display, &["key", "--window", &window, "ctrl+d"]);
+        std::thread::sleep(Duration::from_millis(500));
+        title(&display).filter(|(name, _)| name.contains('•'))
+    });
+    // A real drag turns the wheel, and the program goes on.
+    for arguments in [
+        &["mousedown", "1"][..],
+        &["mousemove", "720", "430"],
+        &["mousemove", "760", "440"],
+        &["mouseup", "1"],
+    ] {
+        xdotool(&display, arguments);
+    }
+    if is_there("import") {
+        let picture = folder.path().join("window.png");
+        let taken = Command::new("import")
+            .args(["-window", "root"])
+            .arg(&picture)
+            .env("DISPLAY", &display)
+            .status()
+            .is_ok_and(|status| status.success());
+        assert!(
+            taken && std::fs::metadata(&picture).is_ok_and(|data| data.len() > 20_000),
+            "a picture of the window"
+        );
+        if let Some(keep) = std::env::var_os("VANECUT_SCREENSHOT") {
+            std::fs::copy(&picture, keep).expect("the picture is kept");
+        }
+    }
+    assert!(matches!(program.0.try_wait(), Ok(None)), "the program still runs");
+    // Left alone it does nothing: less than a tenth of one core.
+    until(60, "rest", || {
+        let before = ticks(program.0.id())?;
+        std::thread::sleep(Duration::from_secs(3));
+        let used = ticks(program.0.id())? - before;
+        (used < 30).then_some(())
+    });
+}
+
+/// Processor time of a process so far, in hundredths of a second.
+fn ticks(process: u32) -> Option<u64> {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
+    Some(fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?)
+}

@@ -1,0 +1,177 @@
+//! Before and after in one window, and what else the 3D view offers.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::look::Arrangement;
+use vanecut::app::planned::Side;
+use vanecut::part::AxisPolicy;
+
+use crate::fake;
+use crate::harness::{Window, press, settle, snapshot_view, with_sample};
+
+fn wide(engine: vanecut::app::engine::Engine) -> Window {
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1200.0, 760.0));
+    window.run_steps(3);
+    window.key_press(egui::Key::Num4);
+    window.run_steps(3);
+    let document = &window.state().state().document;
+    assert!(!document.is_unsaved(), "looking changes nothing: {:?}", document.edited);
+    window
+}
+
+#[test]
+fn both_sides_share_one_camera_and_one_scale() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.get_by_label("Both").click();
+    window.run_steps(4);
+    snapshot_view(&mut window, "both");
+    let (left, right) =
+        (window.get_by_label("3D view, before").rect(), window.get_by_label("3D view, after").rect());
+    assert!(left.right() <= right.left() + 1.0 && (left.width() - right.width()).abs() < 2.0);
+    let before = window.state().camera().expect("a camera");
+    window.drag_at(right.center());
+    window.run_steps(1);
+    window.hover_at(right.center() + egui::vec2(40.0, 10.0));
+    window.run_steps(1);
+    window.drop_at(right.center() + egui::vec2(40.0, 10.0));
+    window.run_steps(3);
+    let after = window.state().camera().expect("a camera");
+    assert!((after.yaw - before.yaw).abs() > 0.1, "a drag on either side turns both");
+    let field = window.get_by_role_and_label(Role::SpinButton, "High end of the scale");
+    field.set_value_accesskit(2.0);
+    window.run_steps(3);
+    assert_eq!(window.state().state().range(), (0.0, 2.0), "one scale for both");
+    window.get_by_label("Fit scale").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.range, None, "and back");
+}
+
+#[test]
+fn the_wipe_has_a_border_to_drag() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.get_by_label("Wipe").click();
+    window.run_steps(4);
+    let handle = window.get_by_role_and_label(Role::Slider, "Border of the wipe").rect();
+    let to = handle.center() - egui::vec2(80.0, 0.0);
+    window.drag_at(handle.center());
+    window.run_steps(1);
+    window.hover_at(to);
+    window.run_steps(1);
+    window.drop_at(to);
+    window.run_steps(3);
+    assert!(window.state().state().look.wipe < 0.42, "{}", window.state().state().look.wipe);
+    snapshot_view(&mut window, "wipe");
+    window.key_press(egui::Key::B);
+    window.run_steps(2);
+    assert_eq!(window.state().state().look.arrangement, Arrangement::One, "B shows one alone");
+}
+
+#[test]
+fn the_difference_of_two_plans_is_a_map_around_zero() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::D);
+    window.run_steps(4);
+    window.get_by_label("More stock after than before");
+    snapshot_view(&mut window, "difference");
+}
+
+#[test]
+fn either_side_shows_any_policy_that_was_planned() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.set_size(egui::vec2(1200.0, 1000.0));
+    window.run_steps(3);
+    window.get_by_label("Compare all policies").click();
+    window.run_steps(3);
+    settle(&mut window);
+    window.get_by_role_and_label(Role::ComboBox, "Policy after").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Monotone").click();
+    window.run_steps(3);
+    let state = window.state().state();
+    assert_eq!(state.policy(Side::After), Some(AxisPolicy::Monotone));
+    assert_eq!(
+        state.shown().expect("planned").plan().policy,
+        AxisPolicy::Monotone,
+        "table and picture follow"
+    );
+}
+
+#[test]
+fn the_cube_turns_the_wheel_and_p_makes_rays_parallel() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    let before = window.state().camera().expect("a camera");
+    window.get_by_label("View from −Z").click();
+    window.run_steps(3);
+    let camera = window.state().camera().expect("a camera");
+    assert_ne!(before.pitch, camera.pitch);
+    assert!(camera.basis().2.z < -0.99, "looking along Z: {:?}", camera.basis().2);
+    window.key_press(egui::Key::P);
+    window.run_steps(3);
+    assert_eq!(window.state().camera().expect("a camera").projection, vanecut::gpu::Projection::Orthographic);
+    snapshot_view(&mut window, "parallel");
+}
+
+#[test]
+fn a_section_plane_cuts_the_part_open() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.key_press(egui::Key::X);
+    window.run_steps(4);
+    assert!(window.state().state().look.section.is_some());
+    snapshot_view(&mut window, "section_plane");
+    window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(12.0);
+    window.get_by_label("Flip").click();
+    window.run_steps(3);
+    let section = window.state().state().look.section.expect("a plane");
+    assert!(section.flipped && (section.offset - 12.0).abs() < 1e-3, "{section:?}");
+    window.get_by_label("Close").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.section, None);
+}
+
+#[test]
+fn two_clicks_measure_a_distance() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.key_press(egui::Key::M);
+    window.run_steps(3);
+    let rect = window.get_by_label("3D view").rect();
+    for by in [egui::vec2(-30.0, 0.0), egui::vec2(40.0, 30.0)] {
+        press(&mut window, rect.center() + by);
+        window.run_steps(3);
+    }
+    let points = window.state().state().look.measure.clone().expect("measuring");
+    assert_eq!(points.len(), 2, "{points:?}");
+    let distance = points[0].distance(points[1]);
+    assert!(distance > 1.0 && distance < 200.0, "{distance} mm on the wheel");
+    assert_eq!(window.state().state().look.selected, None, "measuring selects nothing");
+    snapshot_view(&mut window, "measure");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.measure, None, "Esc ends it");
+}
+
+#[test]
+fn layers_are_switched_from_the_view() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.get_by_label("Position 5").click();
+    window.run_steps(6);
+    window.get_by_label("Layers").click();
+    window.run_steps(3);
+    for name in ["Holders", "Rapids", "Axes", "Shroud"] {
+        window.get_by_role_and_label(Role::CheckBox, name).click();
+        window.run_steps(2);
+    }
+    let layers = window.state().state().look.layers;
+    assert!(layers.holders && layers.links && layers.axes && layers.shroud, "{layers:?}");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    snapshot_view(&mut window, "layers");
+}

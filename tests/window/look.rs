@@ -1,0 +1,104 @@
+//! How the window looks at two scalings and in both themes, without a device, and as a picture file.
+
+use egui_kittest::kittest::Queryable;
+use vanecut::app::App;
+use vanecut::app::dialogs::Purpose;
+
+use crate::fake;
+use crate::harness::{settle, snapshot_view, with_sample};
+
+#[test]
+fn two_scalings_in_both_themes_show_the_same() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::Num4);
+    for (theme, name) in [(egui::Theme::Dark, "dark"), (egui::Theme::Light, "light")] {
+        window.ctx.set_theme(theme);
+        for scale in [1.0, 1.5] {
+            window.set_pixels_per_point(scale);
+            window.set_size(egui::vec2(880.0, 560.0) * scale);
+            window.run_steps(2);
+            let points = window.ctx.content_rect().size();
+            assert!((points.x - 880.0).abs() < 1.0, "{points}");
+            window.run_steps(6);
+            snapshot_view(&mut window, &format!("{name}_at_{}", scale * 100.0));
+        }
+    }
+}
+
+#[test]
+fn at_rest_nothing_is_drawn() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.run_steps(20);
+    assert!(window.run_ok().is_some_and(|steps| steps <= 2), "it comes to rest");
+    assert!(!window.ctx.has_requested_repaint(), "and asks for nothing more");
+}
+
+#[test]
+fn without_a_device_everything_but_the_picture_works() {
+    let (engine, _) = fake::engine();
+    let mut window = egui_kittest::Harness::builder()
+        .with_size([900.0, 600.0])
+        .build_eframe(|cc| App::with_engine(cc, engine));
+    window.run_steps(2);
+    window.get_by_label("impeller532").click();
+    window.step();
+    let start = std::time::Instant::now();
+    while window.state().is_busy() || window.state().state().results.planned.is_none() {
+        assert!(start.elapsed().as_secs() < 60, "the work does not end");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        window.step();
+    }
+    window.run_steps(3);
+    window.get_by_label("no 3D view");
+    window.get_by_label("Interferential 5 to 0");
+    window.get_by_label("Position 3").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.selected, Some(2), "the table works");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.vanecut");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, path.clone());
+    while window.state().is_busy() {
+        assert!(start.elapsed().as_secs() < 60, "the work does not end");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        window.step();
+    }
+    assert!(path.exists(), "and the work can be saved");
+}
+
+#[test]
+fn pictures_have_the_size_and_the_background_that_were_asked_for() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let folder = tempfile::tempdir().expect("a folder");
+    window.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::E);
+    window.run_steps(3);
+    window.get_by_label("As large as on the screen").click();
+    window.run_steps(2);
+    window.get_by_label("Transparent background").click();
+    window.get_by_label("With the colour scale").click();
+    window.run_steps(2);
+    window.get_by_label("Cancel saving").click();
+    window.run_steps(2);
+    let settings = window.state_mut().export_settings_mut();
+    assert!(settings.size.is_some() && settings.transparent && settings.legend, "{settings:?}");
+    settings.size = Some([640, 400]);
+    let save = |window: &mut crate::harness::Window, name: &str| {
+        let path = folder.path().join(name);
+        let ctx = window.ctx.clone();
+        window.state_mut().file_chosen(&ctx, Purpose::SavePicture, path.clone());
+        settle(window);
+        let bytes = std::fs::read(path).expect("a picture");
+        let side = |at: usize| u32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+        ((side(16), side(20)), bytes.len())
+    };
+    let (size, transparent) = save(&mut window, "a.png");
+    assert_eq!(size, (640, 400));
+    let settings = window.state_mut().export_settings_mut();
+    (settings.size, settings.transparent) = (Some([1280, 800]), false);
+    let (size, opaque) = save(&mut window, "b.png");
+    assert_eq!(size, (1280, 800));
+    assert_ne!(transparent, opaque);
+}
