@@ -62,6 +62,7 @@ commands! {
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     SaveSetup "Save setup…" "Writes the setup as it stands" [];
     ExportCl "Export CL…" "Writes the plan shown as \"after\" as an APT cutter-location file" [CTRL, E];
+    ExportFlank "Export flank CL…" "Writes the flank plan as an APT cutter-location file" [];
     SavePicture "Save picture…" "Writes the 3D view as a PNG" [CTRL | SHIFT, E];
     Palette "Search a command" "Finds any command by its name" [CTRL, K];
     KeepSet "Keep as what-if set" "Keeps the setup as it stands, to compare others with it" [CTRL, D];
@@ -71,6 +72,7 @@ commands! {
     Undo "Undo" "Takes the last change of setup or sets back" [CTRL, Z];
     Redo "Redo" "Makes the change again" [CTRL, Y];
     Plan "Plan channel" "Plans the channel with the setup as it stands" [NONE, F5];
+    PlanFlank "Plan flank curves" "Plans the flank curves of the channel with the setup as it stands" [NONE, F6];
     Cancel "Cancel" "Stops the work; the last good plan stays" [NONE, Escape];
     NextFault "Next interferential" "Selects the next interferential position in cutting order" [NONE, N];
     PreviousFault "Previous interferential" "Selects the interferential position before" [SHIFT, N];
@@ -105,13 +107,14 @@ commands! {
     Axes "Axes" "Shows the tool axes up to the retract points" [];
     Holders "Holders" "Shows the holder of the cutter in work and of the selected one" [];
     Links "Rapids" "Shows the rapids from retract point to retract point" [];
+    FlankCurves "Flank curves" "Shows the curves of the flank plan" [];
     SwitchTheme "Switch light and dark" "Switches between light and dark" [];
 }
 
 impl Command {
     /// Whether its keys belong to whatever has the keyboard: they type, move or press there.
     fn yields(shortcut: &KeyboardShortcut) -> bool {
-        !shortcut.modifiers.command && !matches!(shortcut.logical_key, Key::F5 | Key::Escape)
+        !shortcut.modifiers.command && !matches!(shortcut.logical_key, Key::F5 | Key::F6 | Key::Escape)
     }
 
     /// Commands whose keys were pressed since the last look. Keys that also type or move count only while no

@@ -24,6 +24,8 @@ pub enum Purpose {
     SaveSetup,
     /// Where the CL file goes.
     ExportCl,
+    /// Where the flank plan's CL file goes.
+    ExportFlank,
     /// Where the picture goes.
     SavePicture,
 }
@@ -37,12 +39,13 @@ impl Purpose {
             Self::OpenSetup => "Open setup",
             Self::SaveSetup => "Save setup",
             Self::ExportCl => "Export CL",
+            Self::ExportFlank => "Export flank CL",
             Self::SavePicture => "Save picture",
         }
     }
 
     fn saves(self) -> bool {
-        matches!(self, Self::SaveProject | Self::SaveSetup | Self::ExportCl | Self::SavePicture)
+        matches!(self, Self::SaveProject | Self::SaveSetup | Self::ExportCl | Self::ExportFlank | Self::SavePicture)
     }
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
@@ -50,7 +53,7 @@ impl Purpose {
             Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf"]),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
-            Self::ExportCl => ("APT cutter location", &["apt", "cl"]),
+            Self::ExportCl | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::SavePicture => ("Pictures", &["png"]),
         }
     }

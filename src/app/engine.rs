@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::formats::InputError;
+use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::job::{JobError, PlanOutcome, PlanRequest};
 use crate::monitor::Monitor;
 use crate::part::{Impeller, Setup};
@@ -34,6 +35,9 @@ pub type OpenFn = dyn Fn(&PartSource, &Monitor) -> Result<(Arc<Impeller>, u64), 
 /// Plans a part.
 pub type PlanFn = dyn Fn(&PlanRequest, &Monitor) -> Result<PlanOutcome, JobError> + Send + Sync;
 
+/// Plans flank curves.
+pub type FlankFn = dyn Fn(&FlankRequest, &Monitor) -> Result<FlankOutcome, JobError> + Send + Sync;
+
 /// The functions.
 #[derive(Clone)]
 pub struct Engine {
@@ -41,6 +45,8 @@ pub struct Engine {
     pub open: Arc<OpenFn>,
     /// Plans a part.
     pub plan: Arc<PlanFn>,
+    /// Plans its flank curves.
+    pub flank: Arc<FlankFn>,
     /// Sample parts that `open` knows.
     pub samples: Vec<Sample>,
 }
@@ -51,6 +57,10 @@ impl Default for Engine {
         Self {
             open: Arc::new(|source, _| super::files::open_part(source)),
             plan: Arc::new(crate::job::run),
+            flank: {
+                let job = FlankJob::default();
+                Arc::new(move |request, monitor| job.run(request, monitor))
+            },
             samples: super::files::samples(),
         }
     }

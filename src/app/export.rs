@@ -110,8 +110,10 @@ impl App {
         let options = SceneOptions { transparent: settings.transparent, ..self.options(side) };
         let size = settings.size.unwrap_or(self.screen_size());
         let content = self.content(side);
+        let flank = self.shown_flank();
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
+        picture.load_flank(flank);
         match picture.export(&camera, &options, size) {
             Ok(mut picture) => {
                 if settings.legend {

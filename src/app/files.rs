@@ -15,6 +15,7 @@ use crate::part::{Impeller, Setup};
 use super::document::Edited;
 use super::engine::{PartSource, Sample};
 use super::planned::Planned;
+use crate::job::flank::FlankOutcome;
 
 /// Name, what it shows, and text of a sample part.
 type Built = (&'static str, &'static str, &'static str);
@@ -111,6 +112,8 @@ pub enum WriteTask {
     Setup(PathBuf, Box<Setup>),
     /// The plan's "after" side as APT.
     Cl(PathBuf, Arc<Planned>),
+    /// The flank plan as APT.
+    Flank(PathBuf, Arc<FlankOutcome>),
     /// A picture: width, height, RGBA.
     Picture(PathBuf, u32, u32, Vec<u8>),
 }
@@ -121,6 +124,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),
         WriteTask::Setup(path, setup) => (path, write_setup(setup).into_bytes()),
         WriteTask::Cl(path, planned) => (path, cl_text(planned).into_bytes()),
+        WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Picture(path, width, height, rgba) => {
             let png = encode_png(*width, *height, rgba).map_err(|error| InputError {
                 file: path.display().to_string(),
@@ -141,6 +145,11 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
 
 fn cl_text(planned: &Planned) -> String {
     write_apt(&ClProgram::of_plan(&planned.outcome.part.name, &planned.outcome.after.plan))
+}
+
+fn flank_text(outcome: &FlankOutcome) -> String {
+    let plan = &outcome.plan;
+    write_apt(&ClProgram::of_flank(&outcome.part.name, &plan.tool, plan.feed, &plan.moves))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! How part and plan are looked at: selection, rows of the table, layers, which plans stand side by side, and
 //! how far the cut has come. Nothing here changes what is planned.
 
+use crate::gpu::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::part::AxisPolicy;
 
@@ -40,6 +41,15 @@ impl Default for Layers {
             floor: FloorColours::Residual,
         }
     }
+}
+
+/// What is shown of the flank plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FlankLook {
+    /// Whether its curves are.
+    pub shown: bool,
+    /// What their colours tell.
+    pub colours: FlankColours,
 }
 
 /// What rows the table of positions shows.
@@ -185,6 +195,8 @@ pub struct Look {
     pub sort: Sort,
     /// Layers of the 3D view.
     pub layers: Layers,
+    /// What it shows of the flank plan.
+    pub flank: FlankLook,
     /// Number of positions that are cut; `None`: all.
     pub cut: Option<usize>,
     /// While the timeline runs by itself: when it stepped last, in seconds on the window's clock.

@@ -17,7 +17,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
         &[
             &[Command::NewProject, Command::OpenProject, Command::OpenPart, Command::OpenSetup],
             &[Command::SaveProject, Command::SaveProjectAs],
-            &[Command::SaveSetup, Command::ExportCl, Command::SavePicture],
+            &[Command::SaveSetup, Command::ExportCl, Command::ExportFlank, Command::SavePicture],
             &[Command::Quit],
         ],
     ),
@@ -25,7 +25,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
     (
         "Plan",
         &[
-            &[Command::Plan, Command::Cancel, Command::FollowEdits],
+            &[Command::Plan, Command::PlanFlank, Command::Cancel, Command::FollowEdits],
             &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
             &[
                 Command::Play,
@@ -52,7 +52,7 @@ const VIEWS: &[&[Command]] = &[
         Command::ViewSection,
         Command::Perspective,
     ],
-    &[Command::SectionPlane, Command::Measure, Command::Plots],
+    &[Command::SectionPlane, Command::Measure, Command::Plots, Command::FlankCurves],
     &[Command::SwitchTheme],
 ];
 
@@ -138,6 +138,8 @@ impl App {
         match command {
             C::NewProject | C::SaveProject | C::SaveProjectAs | C::KeepSet => open,
             C::DismissProblems => !self.state.problems.is_empty(),
+            C::PlanFlank => open,
+            C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
             C::SaveSetup | C::Plan | C::Fit | C::ViewIso | C::ViewFront | C::ViewTop | C::ViewChannel => open,
             C::Perspective | C::SectionPlane | C::Measure => open,
             C::SavePicture => open && self.pictures.is_some(),
@@ -180,6 +182,9 @@ impl App {
             C::Undo => self.state.document.undo(),
             C::Redo => self.state.document.redo(),
             C::Plan => self.plan(),
+            C::PlanFlank => self.plan_flank(),
+            C::ExportFlank => self.dialogs.ask(ctx, Purpose::ExportFlank, self.suggest("flank.apt")),
+            C::FlankCurves => look.flank.shown ^= true,
             C::Cancel if self.work.running().is_none() => look.measure = None,
             C::Cancel => self.cancel(),
             C::NextFault => self.state.step_fault(true),

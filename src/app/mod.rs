@@ -229,6 +229,15 @@ impl App {
             open("Policies").show(ui, |ui| panels::policies::show(ui, compare, planned.as_deref()));
             let setup = &mut self.state.document.edited.setup;
             open("Cutters").show(ui, |ui| panels::tools::show(ui, setup, chosen));
+            let flank = self.state.results.flank.clone();
+            let stale = self.state.flank_is_stale();
+            let (setup, look) = (&mut self.state.document.edited.setup, &mut self.state.look.flank);
+            let asked = egui::CollapsingHeader::new("Flank curves").show(ui, |ui| {
+                panels::flank::show(ui, setup, flank.as_deref(), stale, look)
+            });
+            if let Some(command) = asked.body_returned.flatten() {
+                self.obey(ui.ctx(), command);
+            }
         });
     }
 

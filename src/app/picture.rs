@@ -9,11 +9,14 @@ use glam::Vec3;
 
 use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
+use crate::formats::flank_file::shown_curves;
+use crate::gpu::flank::{self, FlankColours};
 use crate::gpu::floor::value_mesh;
 use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
 use crate::gpu::scene::{Scene, SceneOptions};
 use crate::gpu::view::Framing;
+use crate::job::flank::FlankOutcome;
 use crate::part::{AxisPolicy, Impeller};
 use crate::residual::FloorGrid;
 
@@ -142,6 +145,7 @@ pub struct Picture {
     renderer: Option<Renderer>,
     scene: Scene,
     content: Option<Content>,
+    flank: Option<(Arc<FlankOutcome>, FlankColours)>,
     /// What the scene's floor shows, for the value under the cursor.
     floor: Option<(Arc<FloorGrid>, Vec<f32>)>,
     /// What egui knows the picture as, and which of the renderer's textures that is.
@@ -158,6 +162,7 @@ impl Picture {
             renderer: None,
             scene: Scene::from_mesh(gpu, Arc::clone(&mesh.fine)).with_draft(gpu, &mesh.draft),
             content: None,
+            flank: None,
             floor: None,
             texture: None,
             drawn: None,
@@ -206,6 +211,25 @@ impl Picture {
             (floor, _) => self.scene.set_floor(&self.gpu, floor, plan),
         }
         self.content = content;
+        self.generation += 1;
+    }
+
+    /// Shows curves of a flank plan, or none; does nothing where they are shown already.
+    pub fn load_flank(&mut self, shown: Option<(Arc<FlankOutcome>, FlankColours)>) {
+        let same = match (&self.flank, &shown) {
+            (Some((a, colours)), Some((b, wanted))) => Arc::ptr_eq(a, b) && colours == wanted,
+            (None, None) => true,
+            _ => false,
+        };
+        if same {
+            return;
+        }
+        let lines = shown.as_ref().map(|(outcome, colours)| {
+            let plan = &outcome.plan;
+            flank::lines(&shown_curves(plan), &plan.moves, plan.curves.layers.len(), *colours)
+        });
+        self.scene.set_paths(&self.gpu, &lines.unwrap_or_default());
+        self.flank = shown;
         self.generation += 1;
     }
 

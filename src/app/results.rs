@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::job::Summary;
+use crate::job::flank::FlankOutcome;
 use crate::part::Setup;
 
 use super::planned::Planned;
@@ -45,6 +46,8 @@ const MOST_FIGURES: usize = 64;
 pub struct Results {
     /// Latest good plan.
     pub planned: Option<Arc<Planned>>,
+    /// Latest good flank plan.
+    pub flank: Option<Arc<FlankOutcome>>,
     figures: Vec<(Setup, Figures)>,
 }
 

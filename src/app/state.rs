@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::formats::InputError;
+use crate::job::flank::FlankOutcome;
 use crate::part::AxisPolicy;
 use crate::plunge::{PlungePlan, Position};
 
@@ -161,6 +162,28 @@ impl State {
         self.keep_within_plan();
         self.problems.retain(|problem| !problem.of_plan);
         self.notice = None;
+    }
+
+    /// Takes a flank plan in, and shows it.
+    pub fn take_flank(&mut self, outcome: FlankOutcome) {
+        self.results.flank = Some(Arc::new(outcome));
+        self.look.flank.shown = true;
+        self.problems.retain(|problem| !problem.of_plan);
+        self.notice = None;
+    }
+
+    /// Whether the flank plan was made with other allowances, another cutter or other fields than there are now.
+    pub fn flank_is_stale(&self) -> bool {
+        let Some(outcome) = &self.results.flank else { return false };
+        let now = &self.document.edited.setup;
+        let mut asked = outcome.setup.clone();
+        // What was chosen for the plan is no difference.
+        if now.flank.tool.is_none() {
+            asked.flank.tool = None;
+        }
+        asked.flank != now.flank
+            || asked.stock != now.stock
+            || !now.tools.is_empty() && !now.tools.contains(&outcome.plan.tool)
     }
 
     /// Policy that a side shows; the default where the plan has no other.

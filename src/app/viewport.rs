@@ -6,6 +6,8 @@ use std::time::Duration;
 use egui::{CursorIcon, Pos2, Rect, Response, Sense, Stroke, Ui};
 use glam::Vec3;
 
+use crate::gpu::flank::FlankColours;
+use crate::job::flank::FlankOutcome;
 use crate::gpu::camera::Camera;
 use crate::gpu::cutters::CutterFilter;
 use crate::gpu::palette::ColourMap;
@@ -171,10 +173,12 @@ impl App {
     fn draw(&mut self, ui: &Ui, pane: &Pane, camera: Camera, moving: bool) {
         let content = self.content(pane.side);
         let options = self.options(pane.side);
+        let flank = self.shown_flank();
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
         };
         picture.load(content);
+        picture.load_flank(flank);
         // The very first picture is a fast one too: something to see comes before something smooth.
         let moving = moving || !picture.has_drawn();
         let scale = ui.pixels_per_point();
@@ -203,6 +207,12 @@ impl App {
             (None, _) => FloorStock::Final,
         };
         Some(Content { planned: Arc::clone(shown.planned), policy: shown.policy, floor })
+    }
+
+    /// Curves of the flank plan that the views show.
+    pub(super) fn shown_flank(&self) -> Option<(Arc<FlankOutcome>, FlankColours)> {
+        let look = self.state.look.flank;
+        self.state.results.flank.clone().filter(|_| look.shown).map(|outcome| (outcome, look.colours))
     }
 
     /// What floats over the views.

@@ -8,6 +8,7 @@ use crate::formats::InputError;
 use crate::formats::project_file::{Project, read_project};
 use crate::formats::setup_file::read_setup;
 use crate::job::JobError;
+use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{End, Worker};
 use crate::part::Setup;
 
@@ -38,6 +39,7 @@ pub(super) struct Opened {
 pub(super) struct Work {
     opener: Worker<OpenTask, Opened, InputError>,
     planner: Worker<PlanTask, Planned, JobError>,
+    flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     writer: Worker<WriteTask, Written, InputError>,
     /// What was asked of the planner last.
     asked: Option<Asked>,
@@ -53,7 +55,7 @@ impl Work {
             let ctx = ctx.clone();
             move || ctx.request_repaint()
         };
-        let (to_open, to_plan) = (engine.clone(), engine.clone());
+        let (to_open, to_plan, to_flank) = (engine.clone(), engine.clone(), engine.clone());
         let open = move |task: &OpenTask, monitor: &crate::monitor::Monitor| {
             let (source, setup, project) = match task {
                 OpenTask::Project(path) => {
@@ -78,6 +80,7 @@ impl Work {
         Self {
             opener: Worker::new("open", open, repaint()),
             planner: Worker::new("plan", move |task, monitor| to_plan.planned(task, monitor), repaint()),
+            flanker: Worker::new("flank", move |request, monitor| (to_flank.flank)(request, monitor), repaint()),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
             asked: None,
         }
@@ -87,6 +90,8 @@ impl Work {
     pub(super) fn planner_cancel(&mut self) {
         self.planner.cancel();
         let _ = self.planner.take_end();
+        self.flanker.cancel();
+        let _ = self.flanker.take_end();
         self.asked = None;
     }
 
@@ -95,7 +100,8 @@ impl Work {
         let opening = self.opener.progress().map(|fraction| ("Opening", fraction));
         let planning = || self.planner.progress().map(|fraction| ("Planning", fraction));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
-        opening.or_else(planning).or_else(writing)
+        let curves = || self.flanker.progress().map(|fraction| ("Planning flank curves", fraction));
+        opening.or_else(planning).or_else(curves).or_else(writing)
     }
 }
 
@@ -146,7 +152,7 @@ impl App {
     /// Plans edits as they come, while the user wants that. `held`: a mouse button is down, so that more will come.
     pub(super) fn follow_edits(&mut self, held: bool) {
         let (true, Some(asked)) = (self.state.follow, &self.work.asked) else { return };
-        let same = asked.setup == self.state.document.edited.setup;
+        let same = asked.setup.same_but_for_flank(&self.state.document.edited.setup);
         let enough = held || (!asked.draft && asked.compare == self.state.compare);
         if same && enough {
             return;
@@ -162,6 +168,31 @@ impl App {
     pub(super) fn cancel(&mut self) {
         self.work.opener.cancel();
         self.work.planner.cancel();
+        self.work.flanker.cancel();
+    }
+
+    /// Plans flank curves with the setup as it stands.
+    pub(super) fn plan_flank(&mut self) {
+        let Some(part) = &self.state.document.part else { return };
+        self.state.notice = None;
+        let setup = self.state.document.edited.setup.clone();
+        self.work.flanker.submit(FlankRequest { part: Arc::clone(&part.impeller), setup });
+    }
+
+    fn take_flank(&mut self, end: End<FlankOutcome, JobError>) {
+        match end {
+            End::Done(outcome) => {
+                let part = self.state.document.part.as_ref();
+                if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &outcome.part)) {
+                    self.state.take_flank(outcome);
+                }
+            }
+            End::Cancelled | End::Failed(JobError::Cancelled) => self.state.done("Flank curves cancelled"),
+            End::Failed(JobError::Setup(fault)) => {
+                self.state.fault(Problem::of_plan(fault.what, fault.cure));
+            }
+            End::Broken(what) => self.state.fault(broken("Planning flank curves", &what)),
+        }
     }
 
     /// Takes in what the threads have finished.
@@ -194,6 +225,9 @@ impl App {
                 }
                 End::Broken(what) => self.state.fault(broken("Planning", &what)),
             }
+        }
+        if let Some((_, end)) = self.work.flanker.take_end() {
+            self.take_flank(end);
         }
         if let Some((_, end)) = self.work.writer.take_end() {
             match end {
@@ -264,6 +298,11 @@ impl App {
             Purpose::ExportCl => {
                 if let Some(planned) = self.state.results.planned.clone() {
                     self.write(WriteTask::Cl(path, planned));
+                }
+            }
+            Purpose::ExportFlank => {
+                if let Some(outcome) = self.state.results.flank.clone() {
+                    self.write(WriteTask::Flank(path, outcome));
                 }
             }
             Purpose::SavePicture => self.export_picture(path),

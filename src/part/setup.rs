@@ -169,6 +169,13 @@ pub struct Setup {
     pub flank: FlankSetup,
 }
 
+impl Setup {
+    /// Whether a plunge plan by the other setup is one by this: they differ in nothing but flank curves.
+    pub fn same_but_for_flank(&self, other: &Self) -> bool {
+        Self { flank: other.flank.clone(), ..self.clone() } == *other
+    }
+}
+
 impl Default for Setup {
     fn default() -> Self {
         Self {

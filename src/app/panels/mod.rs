@@ -2,6 +2,7 @@
 //! returns what it asks for; it starts nothing itself.
 
 pub mod fields;
+pub mod flank;
 pub mod part;
 pub mod plots;
 pub mod policies;

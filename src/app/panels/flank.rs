@@ -1,0 +1,136 @@
+//! Panel "Flank curves": layers, scheme and error of the flank plan, how the schemes compare, and what is shown of it.
+
+use egui::{ComboBox, Grid, RichText, ScrollArea, Ui};
+
+use crate::gpu::flank::FlankColours;
+use crate::job::flank::FlankOutcome;
+use crate::part::{FlankScheme, Setup};
+
+use super::super::command::Command;
+use super::super::look::FlankLook;
+use super::fields::{self, Spec};
+use super::verdict::duration;
+
+const DEPTH: Spec =
+    Spec::mm("Layer depth", "Depth of a layer, from the hub upwards", 0.1, 100.0).sliding(0.5, 10.0);
+const ERROR: Spec =
+    Spec::mm("Allowed error", "Height of the ridges that may stay between curves", 0.001, 10.0).sliding(0.02, 1.0);
+const EXTENSION: Spec =
+    Spec::mm("Extension", "How far curves run on beyond leading and trailing edge", 0.0, 200.0);
+
+/// Name of a scheme.
+pub fn scheme_label(scheme: FlankScheme) -> &'static str {
+    match scheme {
+        FlankScheme::Isoparametric => "Isoparametric",
+        FlankScheme::Layers => "Layers",
+        FlankScheme::Regions => "Regions",
+        FlankScheme::Balanced => "Balanced",
+    }
+}
+
+fn scheme_tip(scheme: FlankScheme) -> &'static str {
+    match scheme {
+        FlankScheme::Isoparametric => "Layers and curves through the whole channel: the baseline",
+        FlankScheme::Layers => "Layers of constant depth, isoparametric curves region by region",
+        FlankScheme::Regions => "Offsets of both walls that meet in the middle: the published fans",
+        FlankScheme::Balanced => "As few offsets as keep every gap within the interval",
+    }
+}
+
+/// Draws the panel; returns what the user asks for.
+pub fn show(
+    ui: &mut Ui,
+    setup: &mut Setup,
+    planned: Option<&FlankOutcome>,
+    stale: bool,
+    look: &mut FlankLook,
+) -> Option<Command> {
+    let default = Setup::default().flank;
+    Grid::new("flank fields").num_columns(2).min_col_width(92.0).spacing([8.0, 4.0]).show(ui, |ui| {
+        let label = ui.label("Scheme").on_hover_text("How a layer is filled with curves");
+        let scheme = &mut setup.flank.scheme;
+        ui.horizontal(|ui| {
+            ComboBox::from_id_salt("flank scheme")
+                .width(104.0)
+                .selected_text(scheme_label(*scheme))
+                .show_ui(ui, |ui| {
+                    for choice in FlankScheme::ALL {
+                        ui.selectable_value(scheme, choice, scheme_label(choice)).on_hover_text(scheme_tip(choice));
+                    }
+                })
+                .response
+                .labelled_by(label.id);
+            if *scheme != default.scheme && fields::reset_dot(ui, "Scheme") {
+                *scheme = default.scheme;
+            }
+        });
+        ui.end_row();
+        fields::row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
+        fields::row(ui, &mut setup.flank.allowed_error, default.allowed_error, &ERROR);
+        let now = planned.map(|p| p.setup.flank.extension_of(&p.plan.tool));
+        fields::optional_row(ui, &mut setup.flank.extension, &EXTENSION, now);
+    });
+    let mut asked = None;
+    ui.horizontal(|ui| {
+        let plan = ui.button(Command::PlanFlank.label()).on_hover_text(Command::PlanFlank.tip_with_keys(ui.ctx()));
+        if plan.clicked() {
+            asked = Some(Command::PlanFlank);
+        }
+        let export = egui::Button::new(Command::ExportFlank.label());
+        if ui.add_enabled(planned.is_some(), export).on_hover_text(Command::ExportFlank.tip()).clicked() {
+            asked = Some(Command::ExportFlank);
+        }
+    });
+    let Some(outcome) = planned else { return asked };
+    if stale {
+        ui.label(RichText::new("out of date").italics());
+    }
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut look.shown, Command::FlankCurves.label()).on_hover_text(Command::FlankCurves.tip());
+        for (colours, name) in
+            [(FlankColours::Layer, "layer"), (FlankColours::Region, "region"), (FlankColours::Feed, "feed")]
+        {
+            ui.selectable_value(&mut look.colours, colours, name).on_hover_text("What the colours of the curves tell");
+        }
+    });
+    ScrollArea::horizontal().id_salt("flank table").show(ui, |ui| table(ui, outcome));
+    asked
+}
+
+fn table(ui: &mut Ui, outcome: &FlankOutcome) {
+    let (plan, curves) = (&outcome.plan, &outcome.plan.curves);
+    Grid::new("schemes").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        for (name, tip) in [
+            ("Scheme", "How a layer is filled with curves"),
+            ("Length m", "Of all curves of one channel"),
+            ("Ratio", "To the isoparametric curves"),
+            ("Wide", "Share of the area in gaps wider than 1.02 intervals"),
+        ] {
+            ui.label(RichText::new(name).weak()).on_hover_text(tip);
+        }
+        ui.end_row();
+        for scheme in FlankScheme::ALL {
+            let figures = &curves.totals[scheme as usize];
+            let name = RichText::new(scheme_label(scheme));
+            ui.label(if scheme == curves.scheme { name.strong() } else { name });
+            ui.label(format!("{:.2}", 1e-3 * figures.length));
+            ui.label(format!("{:.3}", figures.length / curves.totals[0].length));
+            let measured = scheme != FlankScheme::Isoparametric || scheme == curves.scheme;
+            ui.label(if measured { format!("{:.2} %", 100.0 * curves.wide_share(scheme)) } else { "-".to_owned() });
+            ui.end_row();
+        }
+    });
+    ui.label(format!(
+        "{} layers, cutter D {}, floor {:.2} m; walls {:.1} µm over, {:.1} µm under; {}",
+        curves.layers.len(),
+        plan.tool.diameter,
+        1e-3 * curves.floor_length,
+        1e3 * plan.max_overcut(),
+        1e3 * plan.max_undercut(),
+        duration(plan.times.total()),
+    ));
+    let lost: f64 = plan.left_out.iter().map(|stretch| stretch.length).sum();
+    if lost > 0.0 {
+        ui.label(format!("{lost:.0} mm of curves are left out: no axis reaches them"));
+    }
+}
