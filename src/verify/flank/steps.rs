@@ -21,6 +21,9 @@ pub(super) struct Step {
     pub(super) to: (Point, Vector),
 }
 
+/// Share of the cuts of the channel with most of them that another must have to count as worked in.
+const LEAST_SHARE: f64 = 0.1;
+
 impl Step {
     /// Tip and axis at `share` of the way.
     pub(super) fn at(&self, share: f64) -> (Point, Vector) {
@@ -95,27 +98,50 @@ pub(super) fn steps_of(
     Ok((steps, tools))
 }
 
+/// Moves from a rapid up to the next, and where they seem to be.
+struct Stretch {
+    range: std::ops::Range<usize>,
+    channel: Option<i64>,
+    /// Way under feed, mm.
+    length: f64,
+}
+
 /// Turns every stretch of cuts, with the rapids that lead to it, into channel 1.
 fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
-    let (mut start, mut last) = (0, 0);
+    let mut stretches: Vec<Stretch> = Vec::new();
+    let mut start = 0;
     while start < steps.len() {
         let rapids = steps[start..].iter().take_while(|s| s.feed.is_none()).count();
-        let cuts = steps[start + rapids..].iter().take_while(|s| s.feed.is_some()).count();
-        let end = start + rapids + cuts;
-        let looked_at = if cuts > 0 { start + rapids..end } else { start..end };
-        let stride = (looked_at.len() / 15).max(1);
-        let tips = steps[looked_at].iter().step_by(stride).map(|s| &s.to.0);
-        let mut votes: Vec<i64> = tips.filter_map(|tip| channel_at(part, channel, tip)).collect();
-        votes.sort_unstable();
+        let cuts = start + rapids
+            ..start + rapids + steps[start + rapids..].iter().take_while(|s| s.feed.is_some()).count();
+        let stride = (cuts.len() / 15).max(1);
+        let tips = steps[cuts.clone()].iter().step_by(stride).map(|s| &s.to.0);
+        let votes: Vec<i64> = tips.filter_map(|tip| channel_at(part, channel, tip)).collect();
         let count = |v: i64| votes.iter().filter(|w| **w == v).count();
-        // Where nothing else tells, a cut is in the channel of the one before.
-        last = votes.iter().copied().max_by_key(|&v| (count(v), v == last)).unwrap_or(last);
+        stretches.push(Stretch {
+            range: start..cuts.end,
+            channel: votes.iter().copied().max_by_key(|&v| (count(v), -v.abs(), v)),
+            length: steps[cuts.clone()].iter().map(Step::length).sum(),
+        });
+        start = cuts.end;
+    }
+    // Over blades that lean far a few cuts seem to be in a neighbouring channel. They belong to those around them.
+    let length_in =
+        |k: i64| -> f64 { stretches.iter().filter(|s| s.channel == Some(k)).map(|s| s.length).sum() };
+    let mut worked_in: Vec<i64> = stretches.iter().filter_map(|s| s.channel).collect();
+    worked_in.sort_unstable();
+    worked_in.dedup();
+    let longest = worked_in.iter().map(|&k| length_in(k)).fold(0.0, f64::max);
+    worked_in.retain(|&k| length_in(k) >= LEAST_SHARE * longest);
+    let known = |s: &Stretch| s.channel.filter(|k| worked_in.contains(k));
+    let mut last = stretches.iter().find_map(known).unwrap_or(0);
+    for stretch in &stretches {
+        last = known(stretch).unwrap_or(last);
         let back = -part.pitch() * last as f64;
         let turned = |(p, a): (Point, Vector)| (rotate_z(&p, back), rotate_vector_z(&a, back));
-        for step in &mut steps[start..end] {
+        for step in &mut steps[stretch.range.clone()] {
             (step.channel, step.from, step.to) = (last, turned(step.from), turned(step.to));
         }
-        start = end;
     }
 }
 
