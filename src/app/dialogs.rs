@@ -45,7 +45,10 @@ impl Purpose {
     }
 
     fn saves(self) -> bool {
-        matches!(self, Self::SaveProject | Self::SaveSetup | Self::ExportCl | Self::ExportFlank | Self::SavePicture)
+        matches!(
+            self,
+            Self::SaveProject | Self::SaveSetup | Self::ExportCl | Self::ExportFlank | Self::SavePicture
+        )
     }
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {

@@ -279,6 +279,7 @@ impl Default for Look {
             filter: Filter::All,
             sort: Sort::default(),
             layers: Layers::default(),
+            flank: FlankLook::default(),
             cut: None,
             playing: None,
             range: None,

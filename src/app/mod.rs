@@ -232,9 +232,8 @@ impl App {
             let flank = self.state.results.flank.clone();
             let stale = self.state.flank_is_stale();
             let (setup, look) = (&mut self.state.document.edited.setup, &mut self.state.look.flank);
-            let asked = egui::CollapsingHeader::new("Flank curves").show(ui, |ui| {
-                panels::flank::show(ui, setup, flank.as_deref(), stale, look)
-            });
+            let asked = egui::CollapsingHeader::new("Flank curves")
+                .show(ui, |ui| panels::flank::show(ui, setup, flank.as_deref(), stale, look));
             if let Some(command) = asked.body_returned.flatten() {
                 self.obey(ui.ctx(), command);
             }

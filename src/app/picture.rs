@@ -7,9 +7,9 @@ use eframe::egui_wgpu::RenderState;
 use egui::{TextureId, Vec2};
 use glam::Vec3;
 
+use crate::formats::flank_file::shown_curves;
 use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
-use crate::formats::flank_file::shown_curves;
 use crate::gpu::flank::{self, FlankColours};
 use crate::gpu::floor::value_mesh;
 use crate::gpu::part_mesh::PartMesh;

@@ -6,12 +6,12 @@ use std::time::Duration;
 use egui::{CursorIcon, Pos2, Rect, Response, Sense, Stroke, Ui};
 use glam::Vec3;
 
-use crate::gpu::flank::FlankColours;
-use crate::job::flank::FlankOutcome;
 use crate::gpu::camera::Camera;
 use crate::gpu::cutters::CutterFilter;
+use crate::gpu::flank::FlankColours;
 use crate::gpu::palette::ColourMap;
 use crate::gpu::scene::{FloorColours, SceneOptions, SectionPlane};
+use crate::job::flank::FlankOutcome;
 use crate::plunge::inspect::feed_direction;
 
 use super::App;

@@ -80,7 +80,11 @@ impl Work {
         Self {
             opener: Worker::new("open", open, repaint()),
             planner: Worker::new("plan", move |task, monitor| to_plan.planned(task, monitor), repaint()),
-            flanker: Worker::new("flank", move |request, monitor| (to_flank.flank)(request, monitor), repaint()),
+            flanker: Worker::new(
+                "flank",
+                move |request, monitor| (to_flank.flank)(request, monitor),
+                repaint(),
+            ),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
             asked: None,
         }

@@ -18,6 +18,7 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     };
     let options = SceneOptions {
         show_shroud: args.shroud,
+        transparent: args.transparent,
         theme: if args.dark { Theme::Dark } else { Theme::Light },
         ..SceneOptions::showing(FloorColours::Plain)
     };
@@ -26,5 +27,5 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     let mut renderer = Renderer::new(&gpu);
     let mut scene = Scene::new(&gpu, &plan.part);
     scene.set_paths(&gpu, &lines(&plan.curves, &plan.moves[..shown], plan.layers, colours));
-    draw(&gpu, &mut renderer, &scene, view, &options, size)
+    draw(&gpu, &mut renderer, &scene, view, &options, size, false)
 }

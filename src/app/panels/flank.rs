@@ -14,7 +14,8 @@ use super::verdict::duration;
 const DEPTH: Spec =
     Spec::mm("Layer depth", "Depth of a layer, from the hub upwards", 0.1, 100.0).sliding(0.5, 10.0);
 const ERROR: Spec =
-    Spec::mm("Allowed error", "Height of the ridges that may stay between curves", 0.001, 10.0).sliding(0.02, 1.0);
+    Spec::mm("Allowed error", "Height of the ridges that may stay between curves", 0.001, 10.0)
+        .sliding(0.02, 1.0);
 const EXTENSION: Spec =
     Spec::mm("Extension", "How far curves run on beyond leading and trailing edge", 0.0, 200.0);
 
@@ -55,7 +56,8 @@ pub fn show(
                 .selected_text(scheme_label(*scheme))
                 .show_ui(ui, |ui| {
                     for choice in FlankScheme::ALL {
-                        ui.selectable_value(scheme, choice, scheme_label(choice)).on_hover_text(scheme_tip(choice));
+                        ui.selectable_value(scheme, choice, scheme_label(choice))
+                            .on_hover_text(scheme_tip(choice));
                     }
                 })
                 .response
@@ -72,7 +74,8 @@ pub fn show(
     });
     let mut asked = None;
     ui.horizontal(|ui| {
-        let plan = ui.button(Command::PlanFlank.label()).on_hover_text(Command::PlanFlank.tip_with_keys(ui.ctx()));
+        let plan =
+            ui.button(Command::PlanFlank.label()).on_hover_text(Command::PlanFlank.tip_with_keys(ui.ctx()));
         if plan.clicked() {
             asked = Some(Command::PlanFlank);
         }
@@ -90,7 +93,8 @@ pub fn show(
         for (colours, name) in
             [(FlankColours::Layer, "layer"), (FlankColours::Region, "region"), (FlankColours::Feed, "feed")]
         {
-            ui.selectable_value(&mut look.colours, colours, name).on_hover_text("What the colours of the curves tell");
+            ui.selectable_value(&mut look.colours, colours, name)
+                .on_hover_text("What the colours of the curves tell");
         }
     });
     ScrollArea::horizontal().id_salt("flank table").show(ui, |ui| table(ui, outcome));
@@ -116,7 +120,11 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
             ui.label(format!("{:.2}", 1e-3 * figures.length));
             ui.label(format!("{:.3}", figures.length / curves.totals[0].length));
             let measured = scheme != FlankScheme::Isoparametric || scheme == curves.scheme;
-            ui.label(if measured { format!("{:.2} %", 100.0 * curves.wide_share(scheme)) } else { "-".to_owned() });
+            ui.label(if measured {
+                format!("{:.2} %", 100.0 * curves.wide_share(scheme))
+            } else {
+                "-".to_owned()
+            });
             ui.end_row();
         }
     });
