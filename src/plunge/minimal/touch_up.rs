@@ -7,7 +7,7 @@ use crate::plunge::contact::BlankTop;
 use crate::plunge::cycle::{CutRow, PlanError, Planner, SectionCut};
 use crate::plunge::ground::Ground;
 use crate::plunge::row::RowMaker;
-use crate::plunge::sections::tool_of;
+use crate::plunge::sections::{MAX_POSITIONS, tool_of};
 
 /// Rounds in which more plunges are looked for, each beside all those before, by what a plunge has to take, in least
 /// gains: what takes most comes first, as it frees others.
@@ -17,6 +17,8 @@ const ROUNDS: [f64; 3] = [4.0, 2.0, 1.0];
 const STEP_SHARE: f64 = 0.5;
 /// See [`STEP_SHARE`].
 const PARTS: usize = 4;
+/// Plans of so many positions get no more: they are fine already, and the limit of all is for what the setup asks for.
+const MOST_POSITIONS: usize = MAX_POSITIONS / 4;
 /// They are tried no nearer to each other than this, in cutter radii.
 const NEAREST_RADII: f64 = 0.12;
 
@@ -34,7 +36,8 @@ impl Planner<'_> {
         let top = BlankTop::new(&self.blank);
         let scale = SCALE_RADII * tool.radius();
         let allowances = (stock.hub_allowance, stock.blade_allowance);
-        let most: usize = cut.rows.iter().map(|row| row.len()).sum();
+        let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
+        let most = planned.min(MOST_POSITIONS.saturating_sub(cut.columns.len()));
         for ground in grounds {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in &cut.columns {
