@@ -91,7 +91,7 @@ pub fn run() -> Result<(), Failure> {
     let outcome = run_job(&request, &Monitor::default()).map_err(|e| Failure::Work(e.to_string()))?;
 
     line(
-        "minimal plan of one channel, both directions of every section",
+        "minimal plan of one channel",
         median(|| {
             minimal(&outcome, None);
         }),

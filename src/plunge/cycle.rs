@@ -80,6 +80,17 @@ impl CutRow {
         self.placed.iter().flatten().count()
     }
 
+    /// The row without the stations that have no place.
+    pub fn without_dropped(mut self) -> Self {
+        let placed = std::mem::take(&mut self.placed);
+        let stations = std::mem::take(&mut self.row.stations);
+        for (station, placed) in stations.into_iter().zip(placed).filter(|(_, placed)| placed.is_some()) {
+            self.row.stations.push(station);
+            self.placed.push(placed);
+        }
+        self
+    }
+
     /// The same positions in the same order, a new row wherever the axis turns by more than `limit` (rad) from one
     /// that stayed to the next.
     pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {

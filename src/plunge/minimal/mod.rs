@@ -4,7 +4,7 @@
 //! objective. A row is a path through the candidates of its positions: dynamic programming over the feed tilt. A
 //! step costs the layer its position leaves; where the core would meet stock the plunge
 //! stops short of it, and the layer that leaves is paid for as well, so that
-//! the search leans, waits or goes around as is cheapest.
+//! the search leans, waits or goes around as is cheapest. Single plunges are added where the rows left the most.
 
 mod candidate;
 mod crossing;
@@ -12,6 +12,7 @@ mod extras;
 mod floor;
 mod path;
 mod section;
+mod touch_up;
 
 pub use candidate::CandidateMaker;
 pub use crossing::Crossing;

@@ -1,7 +1,7 @@
 //! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
 //! direction that leaves less.
 
-use super::{CandidateMaker, Crossing, ExtraSearch, Floor, PathSearch};
+use super::{CandidateMaker, Crossing, PathSearch};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
 use crate::part::Tool;
@@ -13,20 +13,12 @@ use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::sections::{ridge_spacing, tool_of};
 
-/// Rounds in which more plunges are looked for, each beside all those before, by what a plunge has to take, in least
-/// gains: what takes most comes first, as it frees others.
-const EXTRA_ROUNDS: [f64; 3] = [4.0, 2.0, 1.0];
-/// How far apart they are tried along the channel, in step limits, and into how many parts they divide the way between
-/// two rows.
-const EXTRA_STEP: f64 = 0.5;
-/// See [`EXTRA_STEP`].
-const EXTRA_ROWS: usize = 4;
 /// A section fed inwards that costs no more than so many times the least is not tried outwards.
 const GOOD_ENOUGH: f64 = 1.2;
 /// What a place without any axis costs beside one that leaves a thick layer, mm.
 const COST_OF_MISSED: f64 = 30.0;
 /// Layer whose square weighs as much as itself, in cutter radii.
-const SCALE_RADII: f64 = 0.5;
+pub const SCALE_RADII: f64 = 0.5;
 /// How far before its start a row may begin, in cutter diameters.
 const RUN_UP_DIAMETERS: f64 = 1.5;
 /// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
@@ -71,61 +63,6 @@ impl Planner<'_> {
         };
         self.add_extras(index, grounds, &mut cut, monitor)?;
         Ok(cut)
-    }
-
-    /// Adds plunges where the rows of a section left the most, at most as many as there are.
-    fn add_extras(
-        &self,
-        index: usize,
-        grounds: &[Ground],
-        cut: &mut SectionCut,
-        monitor: &Monitor,
-    ) -> Result<(), PlanError> {
-        let stock = &self.setup.stock;
-        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let top = BlankTop::new(&self.blank);
-        let scale = SCALE_RADII * tool.radius();
-        let allowances = (stock.hub_allowance, stock.blade_allowance);
-        let most: usize = cut.rows.iter().map(|row| row.len()).sum();
-        for ground in grounds {
-            let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
-            for column in &cut.columns {
-                floor.cut(self.part, column);
-            }
-            let rows = self.with_rows_beside_walls(&ground.lane, &ground.stretch, tool, &ground.rows);
-            let lambdas = between_rows(&rows);
-            let maker =
-                |&lambda: &f64| self.row_maker(ground, tool, (lambda, lambdas.len()), cut.feed, monitor);
-            let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
-            let Some(first) = makers.first() else { continue };
-            let (start, end) = self.row_ends(index, &ground.stretch, cut.feed.inward());
-            let step = EXTRA_STEP * first.step_limit / self.part.hub.length();
-            let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
-            let places: Vec<f64> =
-                (0..=count).map(|i| start + (end - start) * i as f64 / count as f64).collect();
-            let candidates = |maker| CandidateMaker {
-                maker,
-                finished: &self.finished,
-                top: &top,
-                hub_allowance: stock.hub_allowance,
-                blade_allowance: stock.blade_allowance,
-                max_tilt: self.setup.plunge.max_tilt,
-                scale,
-                floor: &|_| None,
-                sideways: f64::INFINITY,
-            };
-            let candidates: Vec<CandidateMaker> = makers.iter().map(candidates).collect();
-            let mut search = ExtraSearch::new(&candidates, &places, floor, &self.blank);
-            let mut budget = most / grounds.len();
-            for times in EXTRA_ROUNDS {
-                let rows = search.stations(&cut.columns, budget, times)?;
-                budget -= rows.iter().map(Vec::len).sum::<usize>();
-                for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
-                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, monitor)?;
-                }
-            }
-        }
-        Ok(())
     }
 
     /// The section fed one way; `None` when it costs `limit` or more.
@@ -195,7 +132,7 @@ impl Planner<'_> {
 
     /// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, as several rows where the axis
     /// turns too much.
-    fn cut_split(
+    pub(super) fn cut_split(
         &self,
         stations: Vec<Station>,
         lambda: f64,
@@ -237,7 +174,7 @@ impl Planner<'_> {
 
     /// λ of the rows, with one more beside each wall that leans over the channel: half way to the next row the cutter
     /// can stand more upright, and takes part of the wedge under the lean.
-    fn with_rows_beside_walls(
+    pub(super) fn with_rows_beside_walls(
         &self,
         lane: &Lane,
         stretch: &Stretch,
@@ -279,18 +216,6 @@ impl Planner<'_> {
             })
             .collect()
     }
-}
-
-/// The λ of `rows` and of more between them.
-fn between_rows(rows: &[f64]) -> Vec<f64> {
-    let mut lambdas = rows.to_vec();
-    for pair in rows.windows(2) {
-        for k in 1..EXTRA_ROWS {
-            lambdas.push(pair[0] + (pair[1] - pair[0]) * k as f64 / EXTRA_ROWS as f64);
-        }
-    }
-    lambdas.sort_by(f64::total_cmp);
-    lambdas
 }
 
 /// Places s of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub and shroud for
