@@ -11,8 +11,14 @@ pub type Window = Harness<'static, App>;
 
 /// Opens a window over `engine`.
 pub fn window(engine: Engine) -> Window {
+    scaled(engine, 1.0)
+}
+
+/// The same on a screen with `scale` pixels per point.
+pub fn scaled(engine: Engine, scale: f32) -> Window {
     Harness::builder()
         .with_size([900.0, 600.0])
+        .with_pixels_per_point(scale)
         .with_theme(egui::Theme::Dark)
         .with_render_cursor(false)
         .wgpu_setup(vulkan())
@@ -30,7 +36,11 @@ fn vulkan() -> eframe::egui_wgpu::WgpuSetup {
 
 /// A window with a sample part in it, planned.
 pub fn with_sample(engine: Engine) -> Window {
-    let mut window = window(engine);
+    sample_in(window(engine))
+}
+
+/// Opens a sample part in a window, and plans it.
+pub fn sample_in(mut window: Window) -> Window {
     window.state_mut().open_part(PartSource::Sample("impeller532".to_owned()));
     settle(&mut window);
     window
