@@ -326,7 +326,7 @@ impl<'a> Chart<'a> {
             let aside = reach / row.radius;
             let from = row.column(a.y.min(b.y) - aside, self.columns).ceil().max(0.0);
             let to = row.column(a.y.max(b.y) + aside, self.columns).floor().min((self.columns - 1) as f64);
-            if !(from <= to) {
+            if from > to {
                 continue;
             }
             let middle_radius = 0.5 * (row.radius + self.layer.radius(0.5 * (a.x + b.x)).0);
@@ -386,13 +386,10 @@ impl<'a> Chart<'a> {
         let mut last: Option<(LayerPoint, f64)> = None;
         for &p in line {
             let value = keep(p);
-            if let Some((q, before)) = last {
-                if (before >= 0.0) != (value >= 0.0) {
-                    let border = crossing(q, p, before >= 0.0, &keep);
-                    open.push(border);
-                    if before >= 0.0 {
-                        pieces.push(std::mem::take(&mut open));
-                    }
+            if let Some((q, before)) = last.filter(|(_, before)| (*before >= 0.0) != (value >= 0.0)) {
+                open.push(crossing(q, p, before >= 0.0, &keep));
+                if before >= 0.0 {
+                    pieces.push(std::mem::take(&mut open));
                 }
             }
             if value >= 0.0 {

@@ -142,7 +142,7 @@ impl CurveSource<'_> {
         let fault = |what: String, cure: String| {
             Err(SetupFault::new(what, cure).at(SetupPlace::Flank("layer_depth")))
         };
-        if !(depth > 0.0) {
+        if depth.is_nan() || depth <= 0.0 {
             return fault(format!("the depth of a layer is {depth} mm"), "give more than 0".to_owned());
         }
         if depth > height {
@@ -262,7 +262,7 @@ impl CurveSource<'_> {
             }
         }
         let pitch = layer.radius(layer.to).0 * (borders.high.y_at(layer.to) - borders.low.y_at(layer.to));
-        if !(least * MAX_ACROSS > pitch) {
+        if least.is_nan() || least * MAX_ACROSS <= pitch {
             return Err(SetupFault::new(
                 format!("an error of {error} mm leaves {least:.4} mm between curves: more than {MAX_ACROSS} side by side"),
                 "allow a greater error, or give a cutter with a larger corner",

@@ -69,8 +69,8 @@ mod tests {
 
     #[test]
     fn a_ball_on_flat_ground_follows_the_scallop_formula() {
-        let (r, e) = (5.0, 0.25);
-        let flat = 2.0 * (2.0 * r * e - e * e as f64).sqrt();
+        let (r, e) = (5.0f64, 0.25f64);
+        let flat = 2.0 * (2.0 * r * e - e * e).sqrt();
         assert!((interval(&tool(10.0, r), e, 0.0) - flat).abs() < 1e-6, "{flat}");
     }
 

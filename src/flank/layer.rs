@@ -142,7 +142,7 @@ impl Layer {
         height: f64,
         cut_off: bool,
     ) -> Option<Self> {
-        if points.windows(2).any(|p| !(p[0].distance(p[1]) > 1e-9) || p[0].r <= 0.0) {
+        if points.windows(2).any(|p| p[0].distance(p[1]) <= 1e-9 || p[0].r.is_nan() || p[0].r <= 0.0) {
             return None;
         }
         let curve = MeridionalCurve::through(points).facing(outer);

@@ -241,7 +241,7 @@ impl OnLayer<'_> {
             lines.iter().flat_map(|line| line.iter()).map(|p| p.x).fold(start, f)
         };
         let (from, to) = (ends(f64::min, f64::INFINITY), ends(f64::max, f64::NEG_INFINITY));
-        if !(from < to) {
+        if from >= to {
             return;
         }
         let count = ((to - from) / STATION_STEP).ceil().clamp(1.0, MAX_STATIONS as f64) as usize;

@@ -91,6 +91,9 @@ pub struct PathMaker<'a> {
     pub layer_depth: f64,
 }
 
+/// Tells of a place of a layer and a cutter over it whether they are free.
+pub type Fits<'a> = dyn Fn(LayerPoint, &CutterSolid) -> bool + Sync + 'a;
+
 /// A layer's passes and what they run on.
 pub struct LayerPasses<'a> {
     /// Number of the layer, 0 at the hub.
@@ -102,7 +105,7 @@ pub struct LayerPasses<'a> {
     /// In any order.
     pub passes: Vec<Pass>,
     /// Whether a cutter over a place of the layer keeps clear of the walls.
-    pub fits: Box<dyn Fn(LayerPoint, &CutterSolid) -> bool + Sync + 'a>,
+    pub fits: Box<Fits<'a>>,
 }
 
 impl PathMaker<'_> {

@@ -41,13 +41,8 @@ fn fans(chart: &Chart, beyond: f64, main: WallName) -> Vec<Curve> {
                         free_of(if w == main { other } else { main })
                     }
                     (_, Region::Inlet, None) => -1.0,
-                    (w, Region::Inlet, Some(last)) if w == main => {
-                        if k <= last {
-                            free_of(other).min(of_splitter)
-                        } else {
-                            -1.0
-                        }
-                    }
+                    (w, Region::Inlet, Some(last)) if w == main && k > last => -1.0,
+                    (w, Region::Inlet, Some(_)) if w == main => free_of(other).min(of_splitter),
                     (_, Region::Inlet, Some(last)) => {
                         let reached = if k == 0 { clear } else { at(last) };
                         (chart.distance(main, p) - reached).min(of_splitter)
