@@ -232,7 +232,7 @@ impl App {
             let flank = self.state.results.flank.clone();
             let stale = self.state.flank_is_stale();
             let (setup, look) = (&mut self.state.document.edited.setup, &mut self.state.look.flank);
-            let asked = egui::CollapsingHeader::new("Flank curves")
+            let asked = egui::CollapsingHeader::new("Flank")
                 .show(ui, |ui| panels::flank::show(ui, setup, flank.as_deref(), stale, look));
             if let Some(command) = asked.body_returned.flatten() {
                 self.obey(ui.ctx(), command);

@@ -135,7 +135,10 @@ impl<'a> Shown<'a> {
 impl State {
     /// Whether the setup was edited after the plan that is shown was asked for.
     pub fn out_of_date(&self) -> bool {
-        self.results.planned.as_ref().is_some_and(|planned| planned.setup != self.document.edited.setup)
+        self.results
+            .planned
+            .as_ref()
+            .is_some_and(|planned| !planned.setup.same_but_for_flank(&self.document.edited.setup))
     }
 
     /// Takes a part in with what belongs to it; the plan of another part goes.

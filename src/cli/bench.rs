@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::{Failure, say};
+use super::{Failure, bench_flank, say};
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
 use crate::job::{PlanOutcome, PlanRequest, run as run_job};
@@ -59,13 +59,11 @@ fn growth(outcome: &PlanOutcome) -> Result<(), Failure> {
         line(&format!("minimal plan, step {step} mm: {positions} positions"), seconds)?;
         points.push(((positions as f64).ln(), seconds.ln()));
     }
-    let count = points.len() as f64;
-    let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / count, m.1 + p.1 / count));
-    let (over, under) = points.iter().fold((0.0, 0.0), |sums, p| {
-        let x = p.0 - mean.0;
-        (sums.0 + x * (p.1 - mean.1), sums.1 + x * x)
-    });
-    say(&format!("{:<62} {:>10.2}\n", "  time grows with positions to the power of", over / under))
+    say(&format!(
+        "{:<62} {:>10.2}\n",
+        "  time grows with positions to the power of",
+        bench_flank::slope(&points)
+    ))
 }
 
 /// Measures on the largest sample part and prints the medians.
@@ -97,6 +95,8 @@ pub fn run() -> Result<(), Failure> {
         }),
     )?;
     growth(&outcome)?;
+
+    bench_flank::lines()?;
 
     let plan = &outcome.after.plan;
     let hub = DepthSurface::new(part.hub.curve(), 0.5);

@@ -5,6 +5,7 @@ mod args;
 mod assess;
 mod assess_pictures;
 mod bench;
+mod bench_flank;
 mod bench_frames;
 mod flank;
 mod open;

@@ -2,6 +2,7 @@
 
 mod compare;
 mod fake;
+mod flank;
 mod harness;
 mod look;
 mod project;

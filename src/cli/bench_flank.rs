@@ -1,0 +1,69 @@
+//! Times of the flank planner.
+
+use super::bench::{line, median};
+use super::{Failure, say};
+use crate::flank::CurveSource;
+use crate::flank::choice::choose_tool;
+use crate::formats::part_file::read_part_bytes;
+use crate::formats::tool_library::flank_cutters;
+use crate::job::flank::{FlankJob, FlankRequest};
+use crate::monitor::Monitor;
+use crate::part::{Channel, Impeller, Setup};
+
+/// Depths of layers over which growth is measured, mm: the curves' points grow as they fall.
+const DEPTHS: [f64; 4] = [6.0, 3.0, 1.5, 0.75];
+
+/// Measures on the sample wheel with splitters and prints the medians.
+pub fn lines() -> Result<(), Failure> {
+    let text = include_bytes!("../../assets/parts/impeller9x9.toml");
+    let description = read_part_bytes("impeller9x9.toml", text, "toml")?;
+    let part = std::sync::Arc::new(
+        Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?,
+    );
+    let channel = Channel::of(&part);
+    let mut setup = Setup::default();
+    let tool = choose_tool(&part, &channel, &setup, flank_cutters())
+        .map_err(|fault| Failure::Work(fault.to_string()))?
+        .tool;
+    let monitor = Monitor::default();
+    let schemes = |setup: &Setup| {
+        let source = CurveSource { part: &part, channel: &channel, setup, tool: &tool };
+        source.plan(&monitor).map_err(|error| Failure::Work(error.to_string()))
+    };
+    line(
+        "flank curves of one channel with splitters: all four schemes",
+        median(|| {
+            let _ = schemes(&setup);
+        }),
+    )?;
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for depth in DEPTHS {
+        setup.flank.layer_depth = depth;
+        let count: usize =
+            schemes(&setup)?.layers.iter().flat_map(|l| &l.curves).map(|c| c.points.len()).sum();
+        let seconds = median(|| {
+            let _ = schemes(&setup);
+        });
+        line(&format!("  the same, {count} curve points"), seconds)?;
+        points.push(((count as f64).ln(), seconds.ln()));
+    }
+    say(&format!("{:<62} {:>10.2}\n", "  time grows with curve points to the power of", slope(&points)))?;
+    let request = FlankRequest { part: part.clone(), setup: Setup::default() };
+    line(
+        "flank plan of one channel with splitters, program and all",
+        median(|| {
+            let _ = FlankJob::default().run(&request, &monitor);
+        }),
+    )
+}
+
+/// Slope of the line that fits points best.
+pub fn slope(points: &[(f64, f64)]) -> f64 {
+    let count = points.len() as f64;
+    let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / count, m.1 + p.1 / count));
+    let (over, under) = points.iter().fold((0.0, 0.0), |sums, p| {
+        let x = p.0 - mean.0;
+        (sums.0 + x * (p.1 - mean.1), sums.1 + x * x)
+    });
+    over / under
+}

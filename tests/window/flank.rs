@@ -1,0 +1,52 @@
+//! The flank curves of the window.
+
+use egui_kittest::kittest::Queryable;
+use vanecut::app::dialogs::Purpose;
+use vanecut::part::FlankScheme;
+
+use crate::fake;
+use crate::harness::{settle, snapshot_view, with_sample};
+
+#[test]
+fn flank_curves_are_planned_shown_and_written() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    assert!(window.state().state().results.flank.is_none());
+    window.key_press(egui::Key::F6);
+    window.run_steps(2);
+    settle(&mut window);
+    let planned = window.state().state().results.flank.clone().expect("planned");
+    assert_eq!(planned.plan.curves.scheme, FlankScheme::Balanced);
+    assert!(window.state().state().look.flank.shown, "what was asked for is shown");
+    assert!(!window.state().state().flank_is_stale());
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    settle(&mut window);
+    snapshot_view(&mut window, "flank");
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("flank.apt");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::ExportFlank, path.clone());
+    settle(&mut window);
+    let program = vanecut::formats::read_apt(&path).expect("a CL file");
+    assert_eq!(program.moves.len(), planned.plan.moves.len());
+}
+
+#[test]
+fn the_flank_panel_marks_what_is_out_of_date_and_leaves_the_plunge_plan_alone() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Flank").click_accesskit();
+    window.run_steps(4);
+    window.get_by_label("Plan flank curves").click_accesskit();
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(window.query_by_label("out of date").is_none());
+    let field = window.get_by_role_and_label(egui::accesskit::Role::Slider, "Layer depth");
+    field.set_value_accesskit(6.0);
+    window.run_steps(4);
+    settle(&mut window);
+    window.get_by_label("out of date");
+    assert!(!window.state().state().out_of_date(), "the plunge plan does not depend on it");
+}
