@@ -76,6 +76,9 @@ fn a_flank_file_reads_back_and_damage_is_told() {
     assert_eq!(stored.moves.len(), outcome.plan.moves.len());
     assert_eq!(stored.layers, outcome.plan.curves.layers.len());
     assert_eq!(stored.setup.flank, outcome.setup.flank);
+    assert_eq!(stored.walls.len(), outcome.plan.walls.len());
+    let most = stored.walls.iter().map(|w| w.map.max_undercut()).fold(0.0, f64::max);
+    assert!((most - outcome.plan.max_undercut()).abs() < 1e-6, "the map holds the figure: {most}");
     for (a, b) in stored.moves.iter().zip(&outcome.plan.moves) {
         assert!((a.tip - b.tip).norm() < 1e-5 && a.axis.angle(&b.axis) < 1e-6 && a.kind == b.kind);
     }

@@ -120,8 +120,8 @@ pub struct RenderArgs {
     /// iso, front, top, channel or section:K
     #[arg(long, default_value = "iso")]
     pub view: String,
-    /// residual, interference or plain; absent: residual for a plan, plain for a part. Of a flank plan: layer, region or
-    /// feed; absent: layer
+    /// residual, interference or plain; absent: residual for a plan, plain for a part. Of a flank plan: layer, region,
+    /// feed or walls; absent: layer
     #[arg(long)]
     pub show: Option<String>,
     /// State after this many positions; of a flank plan with --show feed, moves

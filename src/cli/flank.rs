@@ -94,7 +94,15 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("max_overcut", number(plan.max_overcut()));
     put("max_undercut", number(plan.max_undercut()));
     put("positions", json!(plan.positions()));
-    put("fixed_axes", json!(plan.axes.len()));
+    let axes = plan.axes.iter().map(|a| {
+        json!({
+            "layer": a.layer + 1,
+            "region": a.region,
+            "axis": [a.axis.x, a.axis.y, a.axis.z],
+            "clearance": number(a.clearance),
+        })
+    });
+    put("fixed_axes", Value::Array(axes.collect()));
     put("left_out_length", number(left_out(plan)));
     put(
         "left_out",

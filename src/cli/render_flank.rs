@@ -6,26 +6,38 @@ use super::Failure;
 use super::args::RenderArgs;
 use super::render::draw;
 use crate::formats::flank_file::StoredFlank;
-use crate::gpu::flank::{FlankColours, lines};
-use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
+use crate::gpu::flank::{FlankColours, lines, wall_deviations};
+use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
 
 /// The curves of a flank plan by layer or region, or its moves by the way they are made (`--show feed`), as a PNG file in
-/// memory. `--at` shows that many moves only.
+/// memory; or what the cutter leaves on the walls (`--show walls`). `--at` shows that many moves only.
 pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -> Result<Vec<u8>, Failure> {
     let colours: FlankColours = match &args.show {
         Some(word) => word.parse().map_err(|e| Failure::Input(format!("--show: {e}")))?,
         None => FlankColours::default(),
     };
+    let walls = (colours == FlankColours::Walls).then(|| wall_deviations(&plan.part, &plan.walls));
+    let (shown_on, map, most) = match &walls {
+        Some((_, most)) => (FloorColours::Values, ColourMap::Difference, most.max(1e-3)),
+        None => (FloorColours::Plain, ColourMap::default(), 1.0),
+    };
     let options = SceneOptions {
+        map,
+        range_mm: (-most, most),
+        // Walls that are looked at are no glass.
+        cut_away: walls.is_none(),
         show_shroud: args.shroud,
         transparent: args.transparent,
         theme: if args.dark { Theme::Dark } else { Theme::Light },
-        ..SceneOptions::showing(FloorColours::Plain)
+        ..SceneOptions::showing(shown_on)
     };
     let shown = args.at.unwrap_or(plan.moves.len()).min(plan.moves.len());
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
     let mut scene = Scene::new(&gpu, &plan.part);
+    if let Some((mesh, _)) = walls {
+        scene.set_values(&gpu, mesh);
+    }
     scene.set_paths(&gpu, &lines(&plan.curves, &plan.moves[..shown], plan.layers, colours));
-    draw(&gpu, &mut renderer, &scene, view, &options, size, false)
+    draw(&gpu, &mut renderer, &scene, view, &options, size, args.legend && shown_on == FloorColours::Values)
 }

@@ -7,7 +7,8 @@ use super::border::{Border, Borders, y_at};
 use super::layer::{Layer, LayerPoint};
 
 /// Which wall.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum WallName {
     /// At λ = 0, a main blade's suction side.
     Low,

@@ -4,7 +4,7 @@
 use crate::part::Tool;
 
 /// Radius of curvature beyond which a surface counts as flat, mm.
-const FLAT_RADIUS: f64 = 1e7;
+const FLAT_RADIUS: f64 = 1e9;
 
 /// Largest distance between neighbouring curves, mm along the surface, at which no more than `allowed_error` mm stays
 /// between them above a surface with the normal curvature `bulge` (1/mm, positive where it is convex) across the

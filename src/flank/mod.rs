@@ -31,4 +31,4 @@ pub mod wall;
 pub use curves::{CurveSource, FlankCurves, FlankError};
 pub use passes::LeftOut;
 pub use path::{FlankMove, MoveKind};
-pub use plan::{FlankPlan, FlankStages, plan};
+pub use plan::{FlankPlan, FlankStages, MilledWall, plan};

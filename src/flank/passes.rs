@@ -588,7 +588,7 @@ impl PassMaker<'_> {
     fn nose_length(&self) -> f64 {
         let Some(splitter) = self.part.splitters.first() else { return 0.0 };
         let thick = |u: f64| (splitter.suction.point(u, 0.0) - splitter.pressure.point(u, 0.0)).norm();
-        1.5 * thick(0.1)
+        0.6 * thick(0.1)
     }
 }
 

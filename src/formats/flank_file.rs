@@ -11,6 +11,7 @@ use super::setup_file::{read_setup_bytes, write_setup};
 use super::source::{name_of, read_bytes};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::schemes::Role;
+use crate::flank::wall::DeviationMap;
 use crate::flank::{FlankMove, FlankPlan, MoveKind};
 use crate::geometry::{Point, Vector};
 use crate::part::{FlankScheme, Impeller, PartDescription, Setup};
@@ -33,6 +34,8 @@ struct FlankFile {
     /// Feed along the curves, mm/min.
     feed: f64,
     layers: Vec<LayerFile>,
+    #[serde(default)]
+    walls: Vec<WallFile>,
     moves: Vec<MoveFile>,
 }
 
@@ -50,6 +53,28 @@ struct CurveFile {
     wall: bool,
     region: Region,
     points: Vec<[f64; 3]>,
+}
+
+/// Deviation of a milled wall.
+#[derive(Serialize, Deserialize)]
+struct WallFile {
+    wall: WallName,
+    region: Region,
+    u: Vec<f64>,
+    v: Vec<f64>,
+    /// Line by line of u, mm: stock above the blade allowance, negative below it.
+    deviation: Vec<f64>,
+}
+
+/// What the cutter leaves on a wall, swept along it.
+#[derive(Clone, Debug)]
+pub struct ShownWall {
+    /// Which wall.
+    pub wall: WallName,
+    /// The passage beside it.
+    pub region: Region,
+    /// Stock above the blade allowance.
+    pub map: DeviationMap,
 }
 
 /// kind, layer, region, along a wall, tip, axis.
@@ -85,6 +110,8 @@ pub struct StoredFlank {
     pub layers: usize,
     /// The curves of all layers.
     pub curves: Vec<ShownCurve>,
+    /// What it leaves on the walls.
+    pub walls: Vec<ShownWall>,
     /// The program.
     pub moves: Vec<FlankMove>,
 }
@@ -131,6 +158,22 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
         scheme: plan.curves.scheme,
         feed: plan.feed,
         layers: layers.collect(),
+        walls: plan
+            .walls
+            .iter()
+            .map(|w| {
+                let round = |x: &f64| (x * DECIMALS).round() / DECIMALS;
+                let map = &w.axes.map;
+                let (u, v) = (map.u.iter().map(round).collect(), map.v.iter().map(round).collect());
+                WallFile {
+                    wall: w.wall,
+                    region: w.region,
+                    u,
+                    v,
+                    deviation: map.deviation.iter().map(round).collect(),
+                }
+            })
+            .collect(),
         moves: plan
             .moves
             .iter()
@@ -211,5 +254,25 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
         let tip = Point::from(Vector::from(tip));
         moves.push(FlankMove { kind, tip, axis: direction, layer, region, wall });
     }
-    Ok(StoredFlank { description, part, setup, scheme: file.scheme, feed: file.feed, layers, curves, moves })
+    let mut walls = Vec::new();
+    for wall in file.walls {
+        let numbers = wall.u.iter().chain(&wall.v).chain(&wall.deviation);
+        if wall.deviation.len() != wall.u.len() * wall.v.len() || !numbers.into_iter().all(|x| x.abs() < 1e6)
+        {
+            return Err(broken("the deviation of a wall is damaged".to_owned()));
+        }
+        let map = DeviationMap { u: wall.u, v: wall.v, deviation: wall.deviation };
+        walls.push(ShownWall { wall: wall.wall, region: wall.region, map });
+    }
+    Ok(StoredFlank {
+        walls,
+        description,
+        part,
+        setup,
+        scheme: file.scheme,
+        feed: file.feed,
+        layers,
+        curves,
+        moves,
+    })
 }

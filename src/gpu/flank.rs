@@ -2,12 +2,14 @@
 
 use std::str::FromStr;
 
-use super::mesh::Segment;
+use super::mesh::{Mesh, Segment};
 use super::palette::{self, ColourMap, Rgb, TABLE_LEN};
-use crate::flank::chart::Region;
+use super::walls::wall_mesh;
+use crate::flank::chart::{Region, WallName};
 use crate::flank::{FlankMove, MoveKind};
-use crate::formats::flank_file::ShownCurve;
+use crate::formats::flank_file::{ShownCurve, ShownWall};
 use crate::geometry::Point;
+use crate::part::Impeller;
 
 /// What the colours of the lines tell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,11 +21,13 @@ pub enum FlankColours {
     Region,
     /// How a move of the program is made.
     Feed,
+    /// What the cutter leaves on the walls, in place of curves.
+    Walls,
 }
 
 /// A word that names no colours of flank curves.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no colours of flank curves are called \"{0}\"; use layer, region or feed")]
+#[error("no colours of flank curves are called \"{0}\"; use layer, region, feed or walls")]
 pub struct UnknownFlankColours(pub String);
 
 impl FromStr for FlankColours {
@@ -34,6 +38,7 @@ impl FromStr for FlankColours {
             "layer" => Self::Layer,
             "region" => Self::Region,
             "feed" => Self::Feed,
+            "walls" => Self::Walls,
             _ => return Err(UnknownFlankColours(word.to_owned())),
         })
     }
@@ -64,6 +69,9 @@ pub fn lines(
     colours: FlankColours,
 ) -> Vec<Segment> {
     let mut lines = Vec::new();
+    if colours == FlankColours::Walls {
+        return lines;
+    }
     if colours == FlankColours::Feed {
         for pair in moves.windows(2) {
             let colour = of(&MOVE_COLOURS, pair[1].kind);
@@ -83,6 +91,28 @@ pub fn lines(
         lines.extend(curve.points.windows(2).map(|p| segment(&p[0], &p[1], curve.wall, colour)));
     }
     lines
+}
+
+/// The walls with the stock that the cutter leaves above the blade allowance (negative below it), and the greatest of it
+/// either way, mm.
+pub fn wall_deviations(part: &Impeller, walls: &[ShownWall]) -> (Mesh, f32) {
+    let turned = part.main.rotated(part.pitch());
+    let mut mesh = Mesh::default();
+    let mut most = 0.0f64;
+    for shown in walls {
+        let splitter = part.splitters.first();
+        let sides = match (shown.wall, shown.region) {
+            (WallName::Low, _) => Some((&part.main.suction, &part.main.pressure)),
+            (WallName::High, _) => Some((&turned.pressure, &turned.suction)),
+            (WallName::Splitter, Region::HighSide) => splitter.map(|s| (&s.suction, &s.pressure)),
+            (WallName::Splitter, _) => splitter.map(|s| (&s.pressure, &s.suction)),
+        };
+        let map = &shown.map;
+        let Some((wall, back)) = sides else { continue };
+        mesh.append(&wall_mesh(wall, back, &map.u, &map.v, &map.deviation).unwrap_or_default());
+        most = most.max(map.max_overcut()).max(map.max_undercut());
+    }
+    (mesh, most as f32)
 }
 
 fn of<K: PartialEq + Copy>(table: &[(K, Rgb)], key: K) -> Rgb {

@@ -63,6 +63,8 @@ pub struct FlankVerdict {
 const HUB_TOLERANCE: f64 = 1e-3;
 /// The same at the blades, where the cylinder that fits a twisted wall best cuts up to 5 µm too deep.
 const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
+/// Height at which the flank of a cutter may begin, in corner radii: with an axis that leans by 30°.
+const LEANING_CORNER: f64 = 1.5;
 /// Turn of the axis in one move that is too much for a controller to interpolate as it was meant, rad.
 const MOST_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
@@ -152,7 +154,8 @@ pub fn verify_flank(
         }
         let cuts: Vec<&Step> = ours.into_iter().filter(|s| s.feed.is_some()).collect();
         let corner = cuts.iter().map(|s| tools[s.tool].corner_radius).fold(0.0, f64::max);
-        let uncut = setup.stock.hub_allowance + corner;
+        // Beside a leaning axis the flank begins higher than its corner is round.
+        let uncut = setup.stock.hub_allowance + LEANING_CORNER * corner;
         let walls = wall_deviation(part, channel, &tools, &cuts, setup.stock.blade_allowance, uncut);
         verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
         verdict.max_undercut = verdict.max_undercut.max(walls.undercut);

@@ -42,11 +42,12 @@ pub(super) fn wall_deviation(
 ) -> WallDeviation {
     let chunks: Vec<Chunk> = steps.chunks(CHUNK).map(|steps| chunk(steps, tools)).collect();
     let hub = part.hub.curve();
-    let samples: Vec<Point> = channel
-        .sides
-        .iter()
-        .flat_map(|side| {
-            let flank = side.flank();
+    // The sides that face the channel: the back of a thin blade is near a cutter too.
+    let beside = |passage: usize, wall: usize| channel.beside_splitter.get(passage).map(|p| &p.walls[wall]);
+    let walls = channel.full.walls.iter().chain(beside(0, 1)).chain(beside(1, 0));
+    let samples: Vec<Point> = walls
+        .flat_map(|wall| {
+            let flank = wall.side();
             let from = flank.u_knots()[0].max(0.0);
             (0..COLUMNS * LINES).map(move |k| {
                 let (i, j) = (k / LINES, k % LINES);
