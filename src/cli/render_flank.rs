@@ -24,8 +24,8 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     let options = SceneOptions {
         map,
         range_mm: (-most, most),
-        // Walls that are looked at are no glass.
-        cut_away: walls.is_none(),
+        // The blades would hide what lies on them.
+        show_blades: walls.is_none(),
         show_shroud: args.shroud,
         transparent: args.transparent,
         theme: if args.dark { Theme::Dark } else { Theme::Light },
@@ -39,5 +39,5 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
         scene.set_values(&gpu, mesh);
     }
     scene.set_paths(&gpu, &lines(&plan.curves, &plan.moves[..shown], plan.layers, colours));
-    draw(&gpu, &mut renderer, &scene, view, &options, size, args.legend && shown_on == FloorColours::Values)
+    draw(&gpu, &mut renderer, &scene, view, &options, size, false)
 }

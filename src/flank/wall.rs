@@ -144,11 +144,23 @@ impl WallAxes {
 
         let (first, last) = (side.u_knots()[0].max(0.0), 1.0);
         let on_wall = |u: &f64| (first..=last).contains(u);
-        let lowest = places.iter().filter(|u| on_wall(u)).map(|&u| heights(u, judged)[0]).fold(0.0, f64::max);
+        let low = |u: f64| heights(u, judged)[0];
+        let lowest = places.iter().filter(|u| on_wall(u)).map(|&u| low(u)).fold(0.9, f64::min);
         let halves = places.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]);
         let map_u: Vec<f64> = halves.filter(on_wall).collect();
         let map_v = evenly(lowest, 1.0, judged);
-        let (mut map, mut segments) = deviation_map(&face, &lines, &map_u, &map_v);
+        let judge = |lines: &[Line]| {
+            let (mut map, segments) = deviation_map(&face, lines, &map_u, &map_v);
+            // Below the cutter's corner its flank leaves nothing and takes nothing.
+            for (k, deviation) in map.deviation.iter_mut().enumerate() {
+                let (u, v) = (map_u[k / map_v.len()], map_v[k % map_v.len()]);
+                if v < low(u) {
+                    *deviation = 0.0;
+                }
+            }
+            (map, segments)
+        };
+        let (mut map, mut segments) = judge(&lines);
         for _ in 0..CORRECTIONS {
             let mut spares = vec![0.0; lines.len() - 1];
             for (&deviation, &segment) in map.deviation.iter().zip(&segments) {
@@ -158,7 +170,7 @@ impl WallAxes {
                 break;
             }
             push_off(&face, &places, &mut lines, &spares);
-            (map, segments) = deviation_map(&face, &lines, &map_u, &map_v);
+            (map, segments) = judge(&lines);
         }
         Some(Self {
             stations: stations(part, channel, milling, &places, &lines),
