@@ -14,7 +14,7 @@ pub struct DeviationMap {
     /// v of the lines, from the lowest that the cylinder cuts (0 is the hub) to 1 at the tip.
     pub v: Vec<f64>,
     /// Stock left above the allowance at `u[i]`, `v[j]` under index `i · v.len() + j`; negative where the cutter cuts
-    /// below the allowance.
+    /// below the allowance, 0 where only its corner comes.
     pub deviation: Vec<f64>,
 }
 
