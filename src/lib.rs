@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`geometry`] | curves, surfaces of revolution, blade sides, root finding, distances |
 //! | [`part`] | impeller, channel, blank, tools, setup |
+//! | [`mesh`] | triangle meshes of a part, and parts from triangle meshes |
 //! | [`assess`] | machinability before any plan: twist, bend, depth, width, reach |
 //! | [`plunge`] | the plunge planner, one file per stage of paper A, and contact of the core |
 //! | [`flank`] | the flank region planner: layers, regions, curves, and the cutters along them |
@@ -32,6 +33,7 @@ pub mod geometry;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod job;
+pub mod mesh;
 pub mod monitor;
 pub mod part;
 pub mod plunge;
