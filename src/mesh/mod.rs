@@ -1,5 +1,8 @@
 //! Triangle meshes of impellers: from a part to triangles, and from triangles to a part.
 
+pub mod solid;
+pub mod tessellate;
+
 use crate::geometry::Point;
 
 /// Triangles over shared points, mm.
