@@ -145,6 +145,10 @@ fn fitted(hub: &Surface) -> Option<(Vector, Point)> {
     let a = UnitVector3::try_new(a, 1e-12)?.into_inner();
     // m = −a × p for a point p of the axis: p = a × m is the one nearest to the middle.
     let p = Point::from(middle + a.cross(&m));
-    let a = if a.iter().copied().fold(0.0, |x: f64, y| if y.abs() > x.abs() { y } else { x }) < 0.0 { -a } else { a };
+    let a = if a.iter().copied().fold(0.0, |x: f64, y| if y.abs() > x.abs() { y } else { x }) < 0.0 {
+        -a
+    } else {
+        a
+    };
     p.iter().all(|x| x.is_finite()).then_some((a, p))
 }

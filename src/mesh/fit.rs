@@ -17,12 +17,15 @@ const STIFFNESS: f64 = 1e-4;
 impl SmoothFunction {
     /// Fits (x, y) pairs with `spans` cubic pieces; `None` when the pairs have no extent or are not finite.
     pub fn fit(pairs: &[(f64, f64)], spans: usize) -> Option<Self> {
-        let (low, high) = pairs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
+        let (low, high) = pairs
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
         if !(high - low > 1e-9) || pairs.iter().any(|p| !p.1.is_finite()) {
             return None;
         }
         let spans = spans.max(1);
-        let mut function = Self { start: low, step: (high - low) / spans as f64, coefficients: vec![0.0; spans + 3] };
+        let mut function =
+            Self { start: low, step: (high - low) / spans as f64, coefficients: vec![0.0; spans + 3] };
         let n = spans + 3;
         let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
         for &(x, y) in pairs {

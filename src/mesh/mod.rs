@@ -9,10 +9,12 @@ pub mod roles;
 mod rows;
 mod sections;
 mod sides;
+pub mod solid;
 mod surface;
+pub mod tessellate;
 mod tips;
 
-pub use describe::{MeshOptions, describe};
+pub use describe::{MeshOptions, Unit, describe};
 pub use roles::{NamedMesh, Role};
 
 use crate::geometry::Point;

@@ -6,6 +6,9 @@ use nalgebra::{SMatrix, SVector};
 use super::surface::Surface;
 use crate::geometry::{Point, Vector, frame_about};
 
+/// Corners about a corner, and triangles about one of them, that are looked at: the hub of a fan has very many.
+const MOST_NEAR: usize = 200;
+
 /// Normals of a surface's corners.
 #[derive(Clone, Debug)]
 pub struct CornerNormals {
@@ -30,8 +33,11 @@ impl CornerNormals {
                 let mut mean = Vector::zeros();
                 for &first in own.iter().filter(|&&other| patch[other as usize] == here) {
                     mean += surface.normals[first as usize] * surface.area(first as usize);
+                    if near.len() > MOST_NEAR {
+                        continue;
+                    }
                     for ring in surface.triangles[first as usize] {
-                        for &second in around.triangles(ring as usize) {
+                        for &second in around.triangles(ring as usize).iter().take(MOST_NEAR) {
                             if patch[second as usize] == here {
                                 near.extend(surface.triangles[second as usize]);
                             }
@@ -73,7 +79,8 @@ fn fitted(points: &[Point], corner: usize, near: &[u32], mean: &Vector) -> Optio
     let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
     let (a, b) = (e1 * turn.cos() + e2 * turn.sin(), e2 * turn.cos() - e1 * turn.sin());
     let size = |e: &Vector| {
-        (near.iter().map(|&i| (points[i as usize] - centre).dot(e).powi(2)).sum::<f64>() / near.len() as f64).sqrt()
+        (near.iter().map(|&i| (points[i as usize] - centre).dot(e).powi(2)).sum::<f64>() / near.len() as f64)
+            .sqrt()
     };
     let (sa, sb) = (size(&a), size(&b));
     if sa < 1e-12 || sb < 1e-12 {

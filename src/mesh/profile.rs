@@ -41,7 +41,8 @@ impl Course {
         let mut by_radius: Vec<Meridional> = blades.to_vec();
         by_radius.sort_by(|a, b| a.r.total_cmp(&b.r));
         let few = (by_radius.len() / 10).max(1).min(by_radius.len());
-        let mean = |points: &[Meridional]| points.iter().map(|p| p.z).sum::<f64>() / points.len().max(1) as f64;
+        let mean =
+            |points: &[Meridional]| points.iter().map(|p| p.z).sum::<f64>() / points.len().max(1) as f64;
         let rise = mean(&by_radius[by_radius.len() - few..]) - mean(&by_radius[..few]);
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let along = Meridional { r: half, z: half.copysign(rise) };
@@ -60,8 +61,9 @@ impl Course {
     /// The curve through `points`, of which all count.
     pub fn curve(&self, points: &[Meridional]) -> Option<Profile> {
         let pairs: Vec<(f64, f64)> = points.iter().map(|p| self.of_point(*p)).collect();
-        let (low, high) =
-            pairs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
+        let (low, high) = pairs
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
         // As many pieces as there are different places along the course, or a few less.
         let mut places = [false; 8 * MOST_SPANS];
         for (x, _) in &pairs {
@@ -143,7 +145,8 @@ pub fn flow_side(
             surface.triangles[t].iter().for_each(|i| used[*i as usize] = true);
         }
     }
-    let found: Vec<Meridional> = corners.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p).collect();
+    let found: Vec<Meridional> =
+        corners.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p).collect();
     if found.len() < 8 {
         return Err(PartError::new(
             0,

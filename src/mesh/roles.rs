@@ -137,7 +137,9 @@ pub fn assign(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Vec<Opti
     }
     Ok(meshes
         .iter()
-        .map(|m| given.iter().rev().find(|(name, _)| is(m, name)).map(|(_, role)| *role).or_else(|| guessed(m)))
+        .map(|m| {
+            given.iter().rev().find(|(name, _)| is(m, name)).map(|(_, role)| *role).or_else(|| guessed(m))
+        })
         .collect())
 }
 

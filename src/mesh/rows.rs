@@ -54,7 +54,8 @@ pub fn blades(meshes: &[(Role, TriangleMesh)]) -> Vec<BladeMesh> {
 
 impl BladeMesh {
     fn new(mesh: TriangleMesh, role: Role) -> Self {
-        let (mut sum, mut low, mut high) = (Point::origin(), (f64::INFINITY, f64::INFINITY), (0.0_f64, f64::NEG_INFINITY));
+        let (mut sum, mut low, mut high) =
+            (Point::origin(), (f64::INFINITY, f64::INFINITY), (0.0_f64, f64::NEG_INFINITY));
         for p in &mesh.points {
             let m = Meridional::of(p);
             sum += p.coords / m.r.max(1e-9);

@@ -56,9 +56,8 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
 /// Middle of the blades in the meridional plane.
 pub fn middle(blades: &[Surface]) -> Meridional {
     let all = blades.iter().flat_map(|b| b.points.iter().map(Meridional::of));
-    let (sum, count) = all.fold((Meridional::default(), 0.0), |(s, n), p| {
-        (Meridional { r: s.r + p.r, z: s.z + p.z }, n + 1.0)
-    });
+    let (sum, count) = all
+        .fold((Meridional::default(), 0.0), |(s, n), p| (Meridional { r: s.r + p.r, z: s.z + p.z }, n + 1.0));
     Meridional { r: sum.r / f64::max(count, 1.0), z: sum.z / f64::max(count, 1.0) }
 }
 

@@ -22,7 +22,6 @@ const ONLY_LOOKS: [&str; 5] =
     ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_"];
 
 /// A document and the bytes that it speaks of.
-#[derive(Debug)]
 pub struct Container<'a> {
     pub source: Source<'a>,
     pub document: Document,
@@ -123,8 +122,7 @@ impl<'a> Container<'a> {
             },
         };
         if bytes.len() < buffer.byte_length {
-            let what =
-                format!("buffer {index} has {} of its {} bytes", bytes.len(), buffer.byte_length);
+            let what = format!("buffer {index} has {} of its {} bytes", bytes.len(), buffer.byte_length);
             return Err(self.fault(what, TRUNCATED));
         }
         self.buffers[index] = Some(bytes);

@@ -76,7 +76,11 @@ pub fn meshes(container: &mut Container<'_>) -> Result<Vec<NamedMesh>, InputErro
         if let Some(mesh) = described.mesh {
             walk.place(node, mesh, &here, &visited)?;
         }
-        waiting.extend(children.into_iter().rev().map(|node| Waiting { node, parent: here, above: Some(place) }));
+        waiting.extend(children.into_iter().rev().map(|node| Waiting {
+            node,
+            parent: here,
+            above: Some(place),
+        }));
     }
     Ok(walk.found)
 }
@@ -169,7 +173,8 @@ impl Walk<'_, '_> {
     /// Name of a node's mesh, and what else it goes by: its mesh, the nodes above it.
     fn names(&self, node: usize, mesh: usize, visited: &[(usize, Option<usize>)]) -> (String, Vec<String>) {
         let document = &self.container.document;
-        let named = |node: usize| document.nodes.get(node).and_then(|n| n.name.clone()).filter(|n| !n.is_empty());
+        let named =
+            |node: usize| document.nodes.get(node).and_then(|n| n.name.clone()).filter(|n| !n.is_empty());
         let of_mesh = document.meshes.get(mesh).and_then(|m| m.name.clone()).filter(|n| !n.is_empty());
         let name = named(node).or(of_mesh.clone()).unwrap_or_else(|| format!("node {node}"));
         let mut names: Vec<String> = of_mesh.into_iter().filter(|n| *n != name).collect();
@@ -245,12 +250,17 @@ impl Walk<'_, '_> {
             // Points and lines are no surface.
             let (Some(position), 4..=6) = (position, mode) else { continue };
             let has_data = |a: usize| {
-                self.container.document.accessors.get(a).is_none_or(|a| a.buffer_view.is_some() || a.sparse.is_some())
+                self.container
+                    .document
+                    .accessors
+                    .get(a)
+                    .is_none_or(|a| a.buffer_view.is_some() || a.sparse.is_some())
             };
             if draco && !(has_data(position) && indices.is_none_or(has_data)) {
                 return Err(self.container.compressed("Draco"));
             }
-            let corners = accessor::positions(self.container, position, &format!("the positions of {called}"))?;
+            let corners =
+                accessor::positions(self.container, position, &format!("the positions of {called}"))?;
             let order = match indices {
                 Some(accessor) => Some(accessor::indices(
                     self.container,
@@ -289,7 +299,11 @@ fn triangles(mode: u32, order: Option<&[u32]>, corners: usize) -> Vec<[u32; 3]> 
     }
 }
 
-fn placed(piece: &Piece, place: &Matrix4<f64>, container: &Container<'_>) -> Result<TriangleMesh, InputError> {
+fn placed(
+    piece: &Piece,
+    place: &Matrix4<f64>,
+    container: &Container<'_>,
+) -> Result<TriangleMesh, InputError> {
     let points: Vec<Point> =
         piece.corners.iter().map(|c| place.transform_point(&Point::new(c[0], c[1], c[2]))).collect();
     if points.iter().any(|p| p.iter().any(|x| !x.is_finite())) {
