@@ -36,6 +36,7 @@ fn separate(part: &Impeller) -> Vec<NamedMesh> {
 }
 
 fn back(meshes: Vec<NamedMesh>, options: &MeshOptions) -> (PartDescription, Impeller) {
+    println!("{} triangles", meshes.iter().map(|m| m.mesh.triangles.len()).sum::<usize>());
     let start = std::time::Instant::now();
     let description = describe("back", meshes, Unit::Millimetre, options).expect("a part");
     println!("describe {:?}", start.elapsed());

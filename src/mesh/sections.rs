@@ -9,6 +9,14 @@ use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 /// Turn across an edge, as cosine, from which on a blade has an edge there.
 const SHARP: f64 = 0.82;
 
+/// As [`SHARP`], where a blade is closed.
+const CAP_TURN: f64 = 0.995;
+/// Share of the height from hub or shroud within which triangles close a blade there.
+const AT_END: f64 = 1e-4;
+/// Share of the rim radius within which triangles that face outwards (normals within 8° of the radius) close it there.
+const AT_RIM: f64 = 5e-3;
+const RADIAL: f64 = 0.99;
+
 /// The channel between a hub and a shroud: how high over the hub a point lies, and how far along.
 #[derive(Clone, Debug)]
 pub struct Band {
@@ -65,6 +73,27 @@ pub struct CutPoint {
     pub moved: f64,
 }
 
+/// What closes a blade at hub, shroud and rim meets its sides at flat angles too: which of them a triangle is of.
+fn caps(surface: &Surface, places: &[(f64, f64)]) -> Vec<u8> {
+    let widest = surface.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    let cap = |t: usize| {
+        let corners = surface.triangles[t].map(|i| i as usize);
+        let centre = surface.centre(t);
+        let r = Meridional::of(&centre).r;
+        let outwards = (surface.normals[t].x * centre.x + surface.normals[t].y * centre.y) / r.max(1e-9);
+        if corners.iter().all(|&i| places[i].1 < AT_END) {
+            1
+        } else if corners.iter().all(|&i| places[i].1 > 1.0 - AT_END) {
+            2
+        } else if r > widest * (1.0 - AT_RIM) && outwards.abs() > RADIAL {
+            3
+        } else {
+            0
+        }
+    };
+    (0..surface.triangles.len()).map(cap).collect()
+}
+
 /// A cut: a loop, or a line with two ends.
 #[derive(Clone, Debug)]
 pub struct Cut {
@@ -88,27 +117,10 @@ impl<'a> Cutter<'a> {
     /// Finds the places of all corners, the smooth patches and the corners' normals.
     pub fn new(surface: &'a Surface, band: &'a Band) -> Self {
         let places: Vec<(f64, f64)> = surface.points.iter().map(|p| band.place(p)).collect();
-        let last = places.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
-        // What closes a blade at the rim, the hub and the shroud meets the sides at flat angles too.
-        let widest = surface.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
-        let cap = |t: usize| {
-            let corners = surface.triangles[t];
-            let all = |is: &dyn Fn(usize) -> bool| corners.iter().all(|i| is(*i as usize));
-            if all(&|i| places[i].1 < 1e-4) {
-                1
-            } else if all(&|i| places[i].1 > 1.0 - 1e-4) {
-                2
-            } else if all(&|i| {
-                places[i].0 > last - 0.05 && Meridional::of(&surface.points[i]).r > widest * (1.0 - 2e-6)
-            }) {
-                3
-            } else {
-                0
-            }
-        };
-        let caps: Vec<u8> = (0..surface.triangles.len()).map(cap).collect();
+        let caps = caps(surface, &places);
         let (patch, _) = surface.groups(|a, b| {
-            caps[a] == caps[b] && (caps[a] > 0 || surface.normals[a].dot(&surface.normals[b]) > SHARP)
+            let straight = surface.normals[a].dot(&surface.normals[b]);
+            straight > SHARP && (caps[a] == caps[b] || straight > CAP_TURN)
         });
         let normals = CornerNormals::new(surface, &patch);
         Self { surface, band, places, patch, normals }
