@@ -60,6 +60,8 @@ impl Frame {
 
 /// Share of a wall's slope against a surface of revolution, as mean over the area, up to which an axis counts as found.
 const FOUND: f64 = 0.02;
+/// Slope up to which a triangle counts as turned.
+const TURNED: f64 = 0.05;
 /// Turn, rad, and offset as share of the size, within which a found axis is one of the file's own.
 const SNAP: (f64, f64) = (0.002, 5e-4);
 
@@ -93,7 +95,7 @@ pub fn found(hub: &Surface) -> Option<Frame> {
     let missed = miss(hub, &along, &through);
     // Blades that belong to the same body miss in any case.
     if missed > 0.6 * least && missed > FOUND {
-        return (least < 0.5).then_some(Frame::Along(axis));
+        return most_turned(hub).map(Frame::Along);
     }
     let size = hub.points.iter().map(|p| (p - through).norm()).fold(0.0, f64::max);
     for (axis, own) in axes {
@@ -104,6 +106,27 @@ pub fn found(hub: &Surface) -> Option<Frame> {
     }
     let turn = Rotation3::rotation_between(&along, &Vector::z())?;
     Some(Frame::Turned { turn, through })
+}
+
+/// The file's axis about which by far the largest share of the area is turned: of a wheel with its blades, the hub and
+/// the tips.
+fn most_turned(surface: &Surface) -> Option<Axis> {
+    let share = |along: &Vector| {
+        let (mut turned, mut total) = (0.0, 0.0);
+        for t in 0..surface.triangles.len() {
+            let arm = along.cross(&surface.centre(t).coords);
+            let area = surface.area(t);
+            total += area;
+            if surface.normals[t].dot(&arm).abs() < TURNED * arm.norm() {
+                turned += area;
+            }
+        }
+        turned / f64::max(total, 1e-300)
+    };
+    let mut shares =
+        [(Axis::X, Vector::x()), (Axis::Y, Vector::y()), (Axis::Z, Vector::z())].map(|(a, v)| (a, share(&v)));
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    (shares[0].1 > 1.5 * shares[1].1).then_some(shares[0].0)
 }
 
 /// The line that the normals of a surface of revolution all meet: n·(a × c) + n·m = 0 for every triangle, solved by

@@ -7,8 +7,10 @@ use super::axis::{Axis, Frame, found};
 use super::profile::{Course, Profile, flow_side};
 use super::roles::{NamedMesh, Role, assign, listed};
 use super::rows::{Rows, blades};
+use super::rulings::Rulings;
 use super::sections::{Band, Cutter};
-use super::sides::Section;
+use super::segment::segmented;
+use super::sides::{Section, SideCurve};
 use super::surface::Surface;
 use super::tips::tip_curve;
 use crate::geometry::{Meridional, MeridionalCurve, Point};
@@ -20,6 +22,8 @@ const SECTIONS: usize = 13;
 const SECTION_POINTS: usize = 140;
 /// Sections keep this share of the height away from hub and shroud, where cuts would run along the blade's border.
 const INSET: f64 = 0.01;
+/// Largest distance of straight lines from a side that counts as made of them, mm.
+const STRAIGHT: f64 = 0.012;
 /// Diameters of impellers, mm.
 const DIAMETERS: std::ops::RangeInclusive<f64> = 3.0..=5000.0;
 /// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
@@ -90,7 +94,7 @@ pub fn describe(
     let roles = assign(&meshes, &options.roles)?;
     let sorted = sorted(meshes, &roles)?;
     let scale = options.unit.unwrap_or(unit).mm();
-    let Sorted { mut hub, mut shroud, blades: mut blade_meshes } = sorted;
+    let Sorted { mut hub, mut shroud, blades: mut blade_meshes, one } = sorted;
     let all = || std::iter::once(&hub).chain(&shroud).chain(blade_meshes.iter().map(|(_, m)| m));
     check_size(all(), scale, unit, options)?;
     for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
@@ -113,6 +117,12 @@ pub fn describe(
         blade_meshes.iter_mut().for_each(|(_, m)| turn(&mut m.points));
     }
     let size = hub.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    if let Some(name) = one {
+        let segments = segmented(&hub, &name)?;
+        hub = segments.hub;
+        shroud = shroud.or(segments.shroud);
+        blade_meshes = segments.blades.into_iter().map(|mesh| (Role::Blade, mesh)).collect();
+    }
     let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
 
     let rows = Rows::of(blades(&blade_meshes), options.blades)?;
@@ -161,25 +171,28 @@ struct Sorted {
     shroud: Option<TriangleMesh>,
     /// One mesh for each node and place.
     blades: Vec<(Role, TriangleMesh)>,
+    /// Name of the one mesh, held as the hub, in which hub and blades are still to be told apart.
+    one: Option<String>,
 }
 
 fn sorted(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted, PartError> {
-    let missing = |what: &str, option: &str| {
-        let names = listed(&meshes);
-        let what = match names.is_empty() {
-            true => "the file holds no triangles".to_owned(),
-            false => format!("no mesh is called {what} (there are: {names})"),
-        };
-        PartError::new(0, what, format!("name it with --role NODE={option}"))
+    let names = listed(&meshes);
+    let missing = |what: &str| {
+        let cure = format!("name it with --role NODE={what}; there are: {names}");
+        PartError::new(0, format!("no mesh is called {what}"), cure)
     };
+    if !meshes.iter().any(|m| !m.mesh.triangles.is_empty()) {
+        return Err(PartError::new(0, "holds no triangles", "export the impeller's surfaces as meshes"));
+    }
     let has = |role: Role| roles.contains(&Some(role));
-    if !has(Role::Hub) {
-        return Err(missing("hub", "hub"));
+    let one = !has(Role::Hub) && !has(Role::Blade) && roles.contains(&None);
+    if !one && !has(Role::Hub) {
+        return Err(missing("hub"));
     }
-    if !has(Role::Blade) {
-        return Err(missing("blade", "blade"));
+    if !one && !has(Role::Blade) {
+        return Err(missing("blade"));
     }
-    let mut sorted = Sorted { hub: TriangleMesh::default(), shroud: None, blades: Vec::new() };
+    let mut sorted = Sorted { hub: TriangleMesh::default(), shroud: None, blades: Vec::new(), one: None };
     let mut places: Vec<(usize, usize, Role)> = Vec::new();
     for (mesh, role) in meshes.into_iter().zip(roles) {
         match role {
@@ -194,6 +207,10 @@ fn sorted(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted, Part
                         sorted.blades.push((*role, mesh.mesh));
                     }
                 }
+            }
+            None if one => {
+                sorted.hub.append(&mesh.mesh);
+                sorted.one.get_or_insert(mesh.name);
             }
             Some(Role::Ignored) | None => {}
         }
@@ -300,10 +317,22 @@ fn blade(surface: &Surface, band: &Band, name: &str) -> Result<BladeDescription,
     let turn: f64 = sections.iter().flat_map(|s| &s.sides).map(|s| s.turn()).sum();
     // The suction side lies on the side towards which the blade does not lean downstream.
     let (suction, pressure) = if turn >= 0.0 { (0, 1) } else { (1, 0) };
+    let at = |k: usize| k as f64 / (SECTION_POINTS - 1) as f64;
     let side = |which: usize| -> Vec<Vec<Point>> {
-        let at = |k: usize| k as f64 / (SECTION_POINTS - 1) as f64;
         sections.iter().map(|s| (0..SECTION_POINTS).map(|k| s.sides[which].point(at(k))).collect()).collect()
     };
+    let lines = |which: usize| {
+        let side: Vec<&SideCurve> = sections.iter().map(|s| &s.sides[which]).collect();
+        Rulings::of(&side).filter(|r| r.off < STRAIGHT)
+    };
+    if let (Some(a), Some(b)) = (lines(suction), lines(pressure)) {
+        let ends = |r: &Rulings, end: usize| (0..SECTION_POINTS).map(|k| r.ends(at(k))[end]).collect();
+        return Ok(BladeDescription::Sections {
+            suction: vec![ends(&a, 0), ends(&a, 1)],
+            pressure: vec![ends(&b, 0), ends(&b, 1)],
+            line: 0,
+        });
+    }
     let (suction, mut pressure) = (side(suction), side(pressure));
     for (a, b) in suction.iter().zip(&mut pressure) {
         b[0] = a[0];

@@ -10,7 +10,7 @@ const SMOOTH: f64 = 0.82;
 /// Share of the votes of the most voted piece from which on a piece belongs to the flow side.
 const VOTES: f64 = 0.2;
 /// Blade corners that vote.
-const VOTERS: usize = 4000;
+const VOTERS: usize = 1000;
 /// Most cubic pieces of a curve.
 const MOST_SPANS: usize = 160;
 /// Share of the circumference in a normal from which on a triangle is none of revolution.
@@ -94,7 +94,7 @@ impl Course {
 }
 
 /// A triangle's normal in the meridional plane, and its share along the circumference.
-fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
+pub fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
     let (c, n) = (surface.centre(t), surface.normals[t]);
     let r = norm2(c.x, c.y).max(1e-9);
     let across = (n.y * c.x - n.x * c.y) / r;
@@ -224,14 +224,19 @@ impl<'a> Nearest<'a> {
         for ring in 0..self.columns.max(self.rows) {
             let (i0, i1) = (ci.saturating_sub(ring), (ci + ring).min(self.columns - 1));
             let (j0, j1) = (cj.saturating_sub(ring), (cj + ring).min(self.rows - 1));
-            for (i, j) in (i0..=i1).flat_map(|i| (j0..=j1).map(move |j| (i, j))) {
-                if i.abs_diff(ci).max(j.abs_diff(cj)) == ring {
-                    let cell = i * self.rows + j;
-                    for &k in &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
-                        let d = self.points[k as usize].distance(p);
-                        if best.is_none_or(|(least, _)| d < least) {
-                            best = Some((d, k));
-                        }
+            let rows = (i0..=i1).flat_map(|i| {
+                // Of the rows within the ring, only both ends are on it.
+                let whole = i.abs_diff(ci) == ring;
+                let ends = [cj.checked_sub(ring), (cj + ring < self.rows).then_some(cj + ring)];
+                let all = if whole { j0..j1 + 1 } else { 0..0 };
+                let two = if whole { [None, None] } else { ends };
+                all.chain(two.into_iter().flatten()).map(move |j| i * self.rows + j)
+            });
+            for cell in rows {
+                for &k in &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+                    let d = self.points[k as usize].distance(p);
+                    if best.is_none_or(|(least, _)| d < least) {
+                        best = Some((d, k));
                     }
                 }
             }

@@ -5,11 +5,14 @@ use super::surface::{NONE, Surface};
 use crate::geometry::{Meridional, MeridionalCurve};
 
 /// Stretches of the hub, in each of which the highest corner is a tip.
-const STRETCHES: usize = 120;
+const STRETCHES: usize = 24;
 /// Turn across an edge, as cosine, from which on it counts as sharp.
 const SHARP: f64 = 0.82;
 /// Distance from the curve through the highest corners within which a corner is of the tip, mm per mm of blade height.
 const NEAR: f64 = 2e-3;
+
+/// Share of the height of the tips from which on a corner may be one.
+const HIGH: f64 = 0.95;
 
 /// The curve through the tips of `blades` over `hub`.
 pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> Option<Profile> {
@@ -31,19 +34,31 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
             *best = Some(i);
         }
     }
-    let mut tips: Vec<Meridional> = highest.into_iter().flatten().map(|i| edges[i]).collect();
-    // A stretch that holds no corner of the tip gives one from below it: what lies under the curve is dropped.
-    for _ in 0..6 {
+    let peaks: Vec<(f64, f64)> = highest.into_iter().flatten().map(|i| over[i]).collect();
+    let level = |t: f64| {
+        let i = peaks.partition_point(|p| p.0 < t).clamp(1, peaks.len().max(2) - 1);
+        let (a, b) = (*peaks.get(i - 1)?, *peaks.get(i)?);
+        Some(a.1 + (b.1 - a.1) * ((t - a.0) / (b.0 - a.0).max(1e-9)).clamp(0.0, 1.0))
+    };
+    let mut tips: Vec<Meridional> = edges
+        .iter()
+        .zip(&over)
+        .filter(|(_, (t, d))| level(*t).is_some_and(|level| *d > HIGH * level))
+        .map(|(p, _)| *p)
+        .collect();
+    // What lies under the curve is of the blade's ends, not of its tip, and is dropped.
+    let mut near = 16.0 * NEAR * height;
+    for _ in 0..8 {
         let through = course.curve(&tips)?;
         let curve = MeridionalCurve::through(&through.points).facing(middle);
-        let kept: Vec<Meridional> =
-            tips.iter().filter(|p| curve.project(**p).1 < NEAR * height).copied().collect();
+        let kept: Vec<Meridional> = tips.iter().filter(|p| curve.project(**p).1 < near).copied().collect();
+        near = (0.5 * near).max(NEAR * height);
         let settled = kept.len() == tips.len();
         if kept.len() < 8 {
             break;
         }
         tips = kept;
-        if settled {
+        if settled && near <= NEAR * height {
             break;
         }
     }
