@@ -285,7 +285,7 @@ impl WallFeet {
                 });
             }
         }
-        mesh.indices = super::mesh::quads(stations.len(), lambdas.len(), |_, _| true);
+        mesh.indices = super::mesh::quads(stations.len(), lambdas.len());
         mesh
     }
 

@@ -2,4 +2,4 @@
 
 pub mod write;
 
-pub use write::GltfScene;
+pub use write::{CutterNodes, GltfScene, PlanScene};
