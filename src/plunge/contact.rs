@@ -4,6 +4,7 @@
 
 use super::plan::{CONTACT_TOLERANCE, CoreContact};
 use super::slotting::DepthSurface;
+use crate::geometry::cutter::column_interval;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about, norm2, search};
 use crate::part::Blank;
 
@@ -124,10 +125,8 @@ fn contact_up_to(
     if column.top <= 0.0 {
         return CoreContact::default();
     }
-    let axis = &column.cutter.axis;
     let mut stock = StockLines { near, blank, top: column.top, warm: None };
-    let (e1, e2) = frame_about(axis);
-    let line = |rho: f64, phi: f64| column.cutter.tip + (e1 * phi.cos() + e2 * phi.sin()) * rho;
+    let line = |rho: f64, phi: f64| near.line(rho, phi);
     let mut depth = 0.0f64;
     let mut area = 0.0;
     // (value, angle) of the rim lines: entry into what is already removed, negative below the bottom.
@@ -137,15 +136,15 @@ fn contact_up_to(
         let mut hits = 0usize;
         for i in 0..count {
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
-            let origin = line(rho, phi);
+            let line = line(rho, phi);
             // Only of the rim it matters how far below the bottom a line that is free of stock enters.
             let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
-            let (entry, highest) = stock.on_line(&origin, axis, deep);
+            let (entry, highest) = stock.on_line(&line, deep);
             depth = depth.max(highest);
             if depth > enough {
                 return CoreContact { depth, area_share: area };
             }
-            if entry > AREA_HEIGHT && stock.is_stock(&(origin + axis * (0.5 * AREA_HEIGHT))) {
+            if entry > AREA_HEIGHT && stock.is_stock(&line.at(0.5 * AREA_HEIGHT)) {
                 hits += 1;
             }
             if ring == 0 {
@@ -164,12 +163,12 @@ fn contact_up_to(
             continue;
         }
         let (phi, _) = search::minimum(
-            |phi| -near.first_entry(&line(column.core_radius, phi), axis),
+            |phi| -near.first_entry(&line(column.core_radius, phi)),
             rim[i].1 - step,
             rim[i].1 + step,
             1e-4,
         );
-        depth = depth.max(stock.on_line(&line(column.core_radius, phi), axis, 0.0).1);
+        depth = depth.max(stock.on_line(&line(column.core_radius, phi), 0.0).1);
     }
     CoreContact { depth, area_share: area }
 }
@@ -182,10 +181,86 @@ fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
     outer * outer - inner * inner
 }
 
+/// A line along the axis of a core, from its bottom upwards.
+struct CoreLine {
+    /// Where it starts: on the bottom, and in the plane of the bottom from its centre, mm.
+    origin: Point,
+    x: f64,
+    y: f64,
+    /// Unit direction.
+    axis: Vector,
+}
+
+impl CoreLine {
+    fn at(&self, height: f64) -> Point {
+        self.origin + self.axis * height
+    }
+}
+
+/// An earlier plunge as the lines of one core meet it. They are parallel, so that what depends on the direction alone is
+/// worked out once for all of them, and the rest are polynomials in x and y of [`CoreLine`].
+#[derive(Clone, Copy, Debug)]
+struct Crossed {
+    cutter: CutterSolid,
+    /// Cosine of the angle between both axes.
+    along: f64,
+    /// Height above the bottom of the earlier plunge: constant, by x, by y.
+    height: [f64; 3],
+    /// The quadratic a h² + 2 b h + c by which a height h on the line is inside the endless cylinder when it is negative: a;
+    /// b constant, by x, by y; c constant, by x, y, x², xy, y².
+    a: f64,
+    b: [f64; 3],
+    c: [f64; 6],
+}
+
+impl Crossed {
+    fn new(cutter: &CutterSolid, tip: &Point, axis: &Vector, [e1, e2]: &[Vector; 2]) -> Self {
+        let across = |v: &Vector| v - cutter.axis * v.dot(&cutter.axis);
+        let from_tip = tip - cutter.tip;
+        let (d, p, p1, p2) = (across(axis), across(&from_tip), across(e1), across(e2));
+        Self {
+            cutter: *cutter,
+            along: axis.dot(&cutter.axis),
+            height: [&from_tip, e1, e2].map(|v| v.dot(&cutter.axis)),
+            a: d.norm_squared(),
+            b: [&p, &p1, &p2].map(|v| v.dot(&d)),
+            c: [
+                p.norm_squared() - cutter.radius * cutter.radius,
+                2.0 * p.dot(&p1),
+                2.0 * p.dot(&p2),
+                p1.norm_squared(),
+                2.0 * p1.dot(&p2),
+                p2.norm_squared(),
+            ],
+        }
+    }
+
+    /// Interval of the line that the plunge has removed, its rounded corner respected.
+    #[inline]
+    fn removed(&self, line: &CoreLine) -> Option<(f64, f64)> {
+        let CoreLine { x, y, .. } = *line;
+        let b = self.b[0] + self.b[1] * x + self.b[2] * y;
+        let [c0, cx, cy, cxx, cxy, cyy] = self.c;
+        let c = c0 + (cx + cxx * x + cxy * y) * x + (cy + cyy * y) * y;
+        let height = self.height[0] + self.height[1] * x + self.height[2] * y;
+        let (low, high) = column_interval([self.a, b, c], height, self.along)?;
+        if self.cutter.corner_radius == 0.0 {
+            return Some((low, high));
+        }
+        let low = past_corner(&self.cutter, &line.origin, &line.axis, low, 1.0)?;
+        let high = past_corner(&self.cutter, &line.origin, &line.axis, high, -1.0)?;
+        (low < high).then_some((low, high))
+    }
+}
+
 /// The earlier plunges that can touch a core column, latest first.
 #[derive(Debug, Default)]
 struct Neighbours {
-    columns: Vec<CutterSolid>,
+    columns: Vec<Crossed>,
+    /// Centre of the core's bottom, its axis, and two directions across.
+    tip: Point,
+    axis: Vector,
+    across: [Vector; 2],
 }
 
 impl Neighbours {
@@ -195,9 +270,18 @@ impl Neighbours {
         near
     }
 
+    /// The line of the core `rho` mm from its axis at angle `phi`.
+    fn line(&self, rho: f64, phi: f64) -> CoreLine {
+        let (sin, cos) = phi.sin_cos();
+        let (x, y) = (rho * cos, rho * sin);
+        CoreLine { origin: self.tip + self.across[0] * x + self.across[1] * y, x, y, axis: self.axis }
+    }
+
     fn gather<'c>(&mut self, column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) {
         // Above the blank nothing matters; distances between straight axes change evenly.
         let heights = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| share * column.top.min(1e4));
+        let (e1, e2) = frame_about(&column.cutter.axis);
+        (self.tip, self.axis, self.across) = (column.cutter.tip, column.cutter.axis, [e1, e2]);
         self.columns.clear();
         self.columns.extend(
             earlier
@@ -211,15 +295,15 @@ impl Neighbours {
                         flat - slope * 0.5 * (high - low) < other.cutter.radius + column.core_radius
                     })
                 })
-                .map(|c| c.cutter),
+                .map(|c| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across)),
         );
     }
 
     /// Lowest height on the line from which on something is already removed; infinite if nothing is.
-    fn first_entry(&self, origin: &Point, direction: &Vector) -> f64 {
+    fn first_entry(&self, line: &CoreLine) -> f64 {
         let mut first = f64::INFINITY;
-        for cutter in &self.columns {
-            if let Some((low, high)) = removed_interval(cutter, origin, direction)
+        for crossed in &self.columns {
+            if let Some((low, high)) = crossed.removed(line)
                 && high > 0.0
             {
                 first = first.min(low);
@@ -245,12 +329,12 @@ impl StockLines<'_> {
 
     /// (height from which on something is already removed, or any below `deep` where no stock is left, highest stock) on the line from the bottom
     /// upwards, mm above it; infinite and 0 where there is none.
-    fn on_line(&mut self, origin: &Point, direction: &Vector, deep: f64) -> (f64, f64) {
+    fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
         let mut open = [(0.0f64, self.top); STRETCHES];
         let mut count = 1;
         let mut first = f64::INFINITY;
-        for cutter in &self.near.columns {
-            let Some((low, high)) = removed_interval(cutter, origin, direction) else { continue };
+        for crossed in &self.near.columns {
+            let Some((low, high)) = crossed.removed(line) else { continue };
             if high > 0.0 {
                 first = first.min(low);
             }
@@ -277,23 +361,12 @@ impl StockLines<'_> {
             if b <= highest {
                 continue;
             }
-            if let Some(h) = self.blank.highest_inside(origin, direction, a, b, &mut self.warm) {
+            if let Some(h) = self.blank.highest_inside(&line.origin, &line.axis, a, b, &mut self.warm) {
                 highest = highest.max(h);
             }
         }
         (first, highest)
     }
-}
-
-/// Interval of the line that a cutter has removed, its rounded corner respected.
-fn removed_interval(cutter: &CutterSolid, origin: &Point, direction: &Vector) -> Option<(f64, f64)> {
-    let (low, high) = cutter.column_interval(cutter.radius, origin, direction)?;
-    if cutter.corner_radius == 0.0 {
-        return Some((low, high));
-    }
-    let low = past_corner(cutter, origin, direction, low, 1.0)?;
-    let high = past_corner(cutter, origin, direction, high, -1.0)?;
-    (low < high).then_some((low, high))
 }
 
 /// Where the line passes the surface of the rounded cutter, given where it passes that of the sharp one: at

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
 use super::floor::Floor;
+use crate::geometry::CutterSolid;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::contact::{Column, ContactSearch};
@@ -37,8 +38,10 @@ const WORTH: f64 = 0.5;
 const NEAR_RADII: f64 = 2.0;
 /// What one takes counts as unchanged down to this share.
 const STILL: f64 = 0.999;
-/// How many are looked at side by side.
+/// How many are looked at side by side, and how many are passed by for that.
 const BATCH: usize = 12;
+/// See [`BATCH`].
+const PASSED: usize = 100;
 /// Lift kept above what the search saw, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
@@ -160,15 +163,15 @@ impl<'a> ExtraSearch<'a> {
                 self.check(columns);
                 continue;
             }
-            let column = self.column(&extra);
-            let gain = self.floor.gain(part, &column.cutter).cost;
+            let cutter = self.cutter(&extra);
+            let gain = self.floor.gain(part, &cutter).cost;
             if gain < STILL * extra.gain {
                 // What was added since has taken part of it.
                 extra.gain = gain;
                 self.heap.push(extra);
                 continue;
             }
-            self.floor.cut(part, &column);
+            self.floor.cut(part, &cutter);
             found[extra.row].push((-extra.station.ends.s_hub * inward, extra.station));
             count += 1;
         }
@@ -189,21 +192,38 @@ impl<'a> ExtraSearch<'a> {
         Ok(found.into_iter().map(in_order).collect())
     }
 
-    /// The plunge as it would be cut.
-    fn column(&self, extra: &Extra) -> Column {
-        self.rows[extra.row].column(&extra.station).lifted(extra.lift)
+    /// The cutter at the end of the plunge.
+    fn cutter(&self, extra: &Extra) -> CutterSolid {
+        let cutter = self.rows[extra.row].maker.cutter(&extra.station);
+        CutterSolid { tip: cutter.tip + cutter.axis * extra.lift, ..cutter }
     }
 
-    /// Looks at blades and contact of those of the best of the pool that were not looked at yet, and puts back what is
-    /// left of them.
+    /// Looks at blades and contact of the best of the pool that were not looked at yet and are far from each other, and
+    /// puts back what is left of them. The others wait: the first of them that is added takes part of theirs.
     fn check(&mut self, columns: &[Column]) {
-        let mut batch = Vec::with_capacity(BATCH);
-        let mut passed = Vec::new();
+        let Some(RowMaker { part, tool, .. }) = self.rows.first().map(|row| row.maker) else { return };
+        let apart = tool.diameter;
+        let mut batch: Vec<Extra> = Vec::with_capacity(BATCH);
+        let mut passed: Vec<Extra> = Vec::with_capacity(PASSED);
         while batch.len() < BATCH
-            && passed.len() < BATCH
-            && let Some(next) = self.heap.pop()
+            && passed.len() < PASSED
+            && let Some(mut next) = self.heap.pop()
         {
-            if next.checked { passed.push(next) } else { batch.push(next) }
+            let near = |other: &Extra| (next.station.tip - other.station.tip).norm() < apart;
+            if next.checked || batch.iter().any(near) {
+                passed.push(next);
+                continue;
+            }
+            let gain = self.floor.gain(part, &self.cutter(&next)).cost;
+            if gain < self.least {
+                continue;
+            }
+            if gain < STILL * next.gain {
+                next.gain = gain;
+                self.heap.push(next);
+            } else {
+                batch.push(next);
+            }
         }
         self.heap.extend(passed);
         let checked: Vec<Option<Extra>> = batch
@@ -219,7 +239,7 @@ impl<'a> ExtraSearch<'a> {
     /// way, or others have left too little.
     fn checked(&self, mut extra: Extra, columns: &[Column], search: &mut ContactSearch) -> Option<Extra> {
         let row = &self.rows[extra.row];
-        let gain = |extra: &Extra| self.floor.gain(row.maker.part, &self.column(extra).cutter);
+        let gain = |extra: &Extra| self.floor.gain(row.maker.part, &self.cutter(extra));
         let free = gain(&extra);
         if free.cost < self.least || row.maker.monitor.is_cancelled() {
             return None;
@@ -227,7 +247,7 @@ impl<'a> ExtraSearch<'a> {
         extra.station = row.maker.exact(&extra.station).filter(|station| row.allowed(station))?;
         // Lifted by more, it would take next to nothing.
         let enough = (MOST_LIFT_SHARE * free.drop).min(MOST_LIFT_RADII * row.maker.tool.radius());
-        let depth = search.depth(&self.column(&extra), columns.iter(), self.blank, enough);
+        let depth = search.depth(&row.column(&extra.station), columns.iter(), self.blank, enough);
         extra.lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
         extra.checked = true;
         extra.gain = if depth > enough { 0.0 } else { gain(&extra).cost };

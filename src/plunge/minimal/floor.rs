@@ -3,7 +3,6 @@
 
 use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
 use crate::part::{Impeller, Tool};
-use crate::plunge::contact::Column;
 use crate::plunge::ground::Stretch;
 
 /// Edge of a cell in cutter radii.
@@ -171,11 +170,11 @@ impl Floor {
     }
 
     /// Takes away what a plunge removes.
-    pub fn cut(&mut self, part: &Impeller, column: &Column) {
-        let ranges: Vec<(usize, usize, usize)> = self.under(part, &column.cutter).collect();
+    pub fn cut(&mut self, part: &Impeller, cutter: &CutterSolid) {
+        let ranges: Vec<(usize, usize, usize)> = self.under(part, cutter).collect();
         for (i, from, to) in ranges {
             for cell in &mut self.rows[i].cells[from..to] {
-                if let Some(low) = Self::entry(cell, &column.cutter) {
+                if let Some(low) = Self::entry(cell, cutter) {
                     cell.height = low;
                 }
             }

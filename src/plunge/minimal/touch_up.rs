@@ -41,7 +41,7 @@ impl Planner<'_> {
         for ground in grounds {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in &cut.columns {
-                floor.cut(self.part, column);
+                floor.cut(self.part, &column.cutter);
             }
             let rows = self.with_rows_beside_walls(&ground.lane, &ground.stretch, tool, &ground.rows);
             let nearest = NEAREST_RADII * tool.radius();
