@@ -18,7 +18,7 @@ use super::floor::{Floor, Gain};
 use crate::geometry::{CutterSolid, Point};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
-use crate::plunge::contact::{Column, ContactSearch};
+use crate::plunge::contact::{Columns, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
 /// Feed tilts tried: from, apart, degrees, and how many.
@@ -153,7 +153,7 @@ impl<'a> ExtraSearch<'a> {
     /// When the work is cancelled.
     pub fn stations(
         &mut self,
-        columns: &[Column],
+        columns: &Columns,
         most: usize,
         times: f64,
     ) -> Result<Vec<Vec<Station>>, Cancelled> {
@@ -236,7 +236,7 @@ impl<'a> ExtraSearch<'a> {
 
     /// Looks again at the best of the pool, and closer at those that still take what they did: those far from each other
     /// first, as of near ones the first that is added takes part of what the others would.
-    fn look_closer(&mut self, columns: &[Column]) {
+    fn look_closer(&mut self, columns: &Columns) {
         let apart = self.rows.first().map_or(0.0, |row| row.maker.tool.diameter);
         let mut best: Vec<Extra> = Vec::with_capacity(BEST);
         let mut planned: Vec<Extra> = Vec::new();
@@ -275,7 +275,7 @@ impl<'a> ExtraSearch<'a> {
     }
 
     /// All axes of a place, or an axis as it can be cut.
-    fn closer(&self, extra: Extra, columns: &[Column], search: &mut ContactSearch) -> Vec<Extra> {
+    fn closer(&self, extra: Extra, columns: &Columns, search: &mut ContactSearch) -> Vec<Extra> {
         let Extra { row, s, order, .. } = extra;
         match extra.look {
             Look::Place(_) => self.rows[row]
@@ -296,7 +296,7 @@ impl<'a> ExtraSearch<'a> {
         &self,
         extra: Extra,
         station: &Station,
-        columns: &[Column],
+        columns: &Columns,
         search: &mut ContactSearch,
     ) -> Option<Extra> {
         let Extra { row, .. } = extra;
@@ -308,7 +308,8 @@ impl<'a> ExtraSearch<'a> {
         let station = makes.maker.exact(station).filter(|station| makes.allowed(station))?;
         // Lifted by more, it would take next to nothing.
         let enough = (MOST_LIFT_SHARE * free.drop).min(MOST_LIFT_RADII * makes.maker.tool.radius());
-        let depth = search.depth(&makes.column(&station), columns.iter(), self.blank, enough);
+        let column = makes.column(&station);
+        let depth = search.depth(&column, columns.all().near(&column), self.blank, enough);
         let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
         let gain = if depth > enough { 0.0 } else { self.gain(row, &station, lift).cost };
         Some(Extra { gain, look: Look::Plunge { station, lift }, ..extra })
