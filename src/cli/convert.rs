@@ -137,7 +137,8 @@ fn write_scene(scene: &GltfScene, path: &Path, format: Format) -> Result<(), Fai
         return Ok(write_whole(path, &scene.glb())?);
     }
     let binary = path.with_extension("bin");
-    if binary.exists() {
+    // Of an earlier run it is one of a pair; else it may belong to another file.
+    if binary.exists() && !path.exists() {
         return Err(Failure::at(
             &name_of(&binary),
             0,
