@@ -117,6 +117,20 @@ fn the_root_turns_the_axis_upright() {
 }
 
 #[test]
+fn the_scene_that_is_shipped_is_that_of_the_part() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller9x9.glb");
+    let shipped = GltfFile::of_glb(&std::fs::read(path).expect("the file is there"));
+    shipped.check();
+    let (_, file) = written(&sample("impeller9x9.toml"), 0.05);
+    for node in ["hub", "shroud", "blade_1", "splitter_1"] {
+        let ((a, s), (b, t)) = (shipped.local(node), file.local(node));
+        assert_eq!((a.len(), s), (b.len(), t), "{node}: the same triangles");
+        let near = |p: &[f32; 3], q: &[f32; 3]| (0..3).all(|k| (p[k] - q[k]).abs() < 1e-6);
+        assert!(a.iter().zip(&b).all(|(p, q)| near(p, q)), "{node}: the same corners");
+    }
+}
+
+#[test]
 fn as_text_the_triangles_lie_in_a_file_beside_it() {
     let part = sample("pump6.toml");
     let (shape, glb) = written(&part, 0.2);

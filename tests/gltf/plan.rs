@@ -31,7 +31,7 @@ fn position(k: usize) -> Position {
         lambda: 0.5,
         alpha: 0.1,
         contact_point: tip,
-        contact: CoreContact { depth: if k % 3 == 0 { 0.4 } else { 0.0 }, area_share: 0.0 },
+        contact: CoreContact { depth: if k.is_multiple_of(3) { 0.4 } else { 0.0 }, area_share: 0.0 },
         lift: 0.0,
         blocked: (k == 4).then_some(Blocked::Walls),
         held: None,
