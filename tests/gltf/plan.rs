@@ -130,7 +130,7 @@ fn assert_near(a: [f64; 3], b: [f64; 3], what: &str) {
 fn plain_cutters_stand_where_the_plan_has_them() {
     let p = planned();
     let file = file(&p, CutterNodes::Plain);
-    assert!(file.json["extensionsUsed"].is_null());
+    assert_eq!(file.json["extensionsUsed"], serde_json::json!(["KHR_materials_unlit"]));
     for (k, position) in p.plan.positions.iter().enumerate() {
         let node = file.node(&format!("cutter_{}", k + 1));
         assert_near(floats(&node["translation"]), (position.tip.coords * 1e-3).into(), "tip");
@@ -146,7 +146,10 @@ fn plain_cutters_stand_where_the_plan_has_them() {
 fn instanced_cutters_stand_in_the_same_places() {
     let p = planned();
     let file = file(&p, CutterNodes::Instanced);
-    assert_eq!(file.json["extensionsUsed"], serde_json::json!(["EXT_mesh_gpu_instancing"]));
+    assert_eq!(
+        file.json["extensionsUsed"],
+        serde_json::json!(["KHR_materials_unlit", "EXT_mesh_gpu_instancing"])
+    );
     assert!(file.json["extensionsRequired"].is_null());
     let mut seen = 0;
     let groups = file.node("cutters")["children"].as_array().expect("groups").clone();

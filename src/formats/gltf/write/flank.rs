@@ -4,12 +4,11 @@ use serde_json::json;
 
 use super::GltfScene;
 use super::builder::{Builder, Use};
-use super::part::{Walls, linear, metres, part_nodes, root};
+use super::part::{Walls, metres, part_nodes, root, unlit};
 use crate::formats::flank_file::StoredFlank;
 use crate::mesh::tessellate::Tessellation;
 use crate::palette::{ColourMap, looked_up};
 
-const UNLIT: &str = "KHR_materials_unlit";
 /// Drawing mode of lines from point to point.
 const LINE_STRIP: u32 = 3;
 
@@ -26,14 +25,8 @@ impl GltfScene {
             if curves.is_empty() {
                 continue;
             }
-            builder.uses(UNLIT);
-            let [r, g, b] = linear(looked_up(&table, layer as f32, (0.0, highest)));
             let name = format!("layer_{}", layer + 1);
-            let material = builder.material(json!({
-                "name": name,
-                "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0] },
-                "extensions": { UNLIT: {} },
-            }));
+            let material = unlit(&mut builder, &name, looked_up(&table, layer as f32, (0.0, highest)));
             let lines = curves
                 .iter()
                 .map(|curve| {

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::builder::{Builder, Use};
 use super::cutter::{primitives, quaternion, turn_of};
-use super::part::{direction, glass, linear, matt, metres};
+use super::part::{direction, glass, linear, matt, metres, unlit};
 use super::{GltfScene, part};
 use crate::geometry::{Point, Vector};
 use crate::mesh::tessellate::Tessellation;
@@ -139,7 +139,7 @@ fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
     for t in &surface.triangles {
         indices.extend(if outside(t) { *t } else { [t[0], t[2], t[1]] });
     }
-    let material = matt(builder, "stock", [1.0; 3]);
+    let material = unlit(builder, "stock", [1.0; 3]);
     let primitive = json!({
         "attributes": {
             "POSITION": builder.floats(&positions, Use::Positions),
