@@ -2,6 +2,8 @@
 
 #[path = "gltf/file.rs"]
 mod file;
+#[path = "gltf/plan.rs"]
+mod plan;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -112,4 +114,30 @@ fn the_root_turns_the_axis_upright() {
     let (hub, _) = file.placed("hub");
     let widest = hub.iter().map(|p| p[0].hypot(p[2])).fold(0.0, f64::max);
     assert!((widest - 1e-3 * part.rim_radius()).abs() < 1e-6, "radius {widest} m");
+}
+
+#[test]
+fn the_scene_that_is_shipped_is_that_of_the_part() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller9x9.glb");
+    let shipped = GltfFile::of_glb(&std::fs::read(path).expect("the file is there"));
+    shipped.check();
+    let (_, file) = written(&sample("impeller9x9.toml"), 0.05);
+    for node in ["hub", "shroud", "blade_1", "splitter_1"] {
+        let ((a, s), (b, t)) = (shipped.local(node), file.local(node));
+        assert_eq!((a.len(), s), (b.len(), t), "{node}: the same triangles");
+        let near = |p: &[f32; 3], q: &[f32; 3]| (0..3).all(|k| (p[k] - q[k]).abs() < 1e-6);
+        assert!(a.iter().zip(&b).all(|(p, q)| near(p, q)), "{node}: the same corners");
+    }
+}
+
+#[test]
+fn as_text_the_triangles_lie_in_a_file_beside_it() {
+    let part = sample("pump6.toml");
+    let (shape, glb) = written(&part, 0.2);
+    let (text, binary) = GltfScene::of_part(&part, &shape).gltf("a%20b.bin");
+    let mut json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(json["buffers"][0]["uri"], "a%20b.bin");
+    assert_eq!(binary, glb.binary);
+    json["buffers"][0].as_object_mut().expect("a buffer").remove("uri");
+    assert_eq!(json, glb.json, "else it is the same document");
 }

@@ -13,7 +13,7 @@ const ROOMS: [(&str, &[&str]); 15] = [
     ("assess", &["geometry", "part"]),
     ("plunge", &["geometry", "part", "monitor"]),
     ("flank", &["geometry", "part", "plunge", "monitor"]),
-    ("residual", &["geometry", "part", "plunge", "monitor"]),
+    ("residual", &["geometry", "part", "mesh", "plunge", "monitor"]),
     ("formats", &["palette", "geometry", "part", "mesh", "plunge", "flank", "residual"]),
     ("verify", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats"]),
     ("job", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "monitor"]),

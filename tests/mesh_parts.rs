@@ -43,6 +43,16 @@ fn back(meshes: Vec<NamedMesh>, options: &MeshOptions) -> (PartDescription, Impe
     let start = std::time::Instant::now();
     let description = describe("back", meshes, Unit::Millimetre, options).expect("a part");
     println!("describe {:?}", start.elapsed());
+    if let vanecut::part::CurveDescription::Points(p) = &description.hub {
+        println!("{:?} {:?} {}", p[0], p[p.len() - 1], p.len());
+    }
+    if let vanecut::part::BladeDescription::Sections { suction, pressure, .. } = &description.main {
+        for s in [suction, pressure] {
+            for q in s {
+                println!("{:?} {:?} {:?} r {}", q[0], q[1], q[2], q[0].x.hypot(q[0].y));
+            }
+        }
+    }
     let part = Impeller::build(&description).expect("an impeller");
     (description, part)
 }

@@ -88,12 +88,12 @@ fn corners_lie_on_the_surfaces_and_triangles_within_the_chord_error() {
 }
 
 /// Checks corners and places all over the triangles of every face whose true surface the part knows.
-fn measure<'a>(
+fn measure(
     part: &Impeller,
     solid: &Solid,
     blade: Option<&Blade>,
     chord_error: f64,
-    worst: &mut HashMap<&'a str, f64>,
+    worst: &mut HashMap<&'static str, f64>,
 ) {
     let probes = blade.map(|b| [&b.suction, &b.pressure].map(|side| SideProbe::new(side, 0.0, 1.0)));
     for face in &solid.faces {

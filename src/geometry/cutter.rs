@@ -44,33 +44,38 @@ impl CutterSolid {
         let height = from_tip.dot(&self.axis);
         let d_perp = direction - self.axis * along;
         let p_perp = from_tip - self.axis * height;
-        let a = d_perp.norm_squared();
-        let b = d_perp.dot(&p_perp);
-        let c = p_perp.norm_squared() - radius * radius;
-        let (mut low, mut high) = if a < 1e-18 {
-            if c > 0.0 {
-                return None;
-            }
-            (f64::NEG_INFINITY, f64::INFINITY)
-        } else {
-            let discriminant = b * b - a * c;
-            if discriminant <= 0.0 {
-                return None;
-            }
-            let root = discriminant.sqrt();
-            ((-b - root) / a, (-b + root) / a)
-        };
-        if along.abs() < 1e-15 {
-            if height < 0.0 {
-                return None;
-            }
-        } else if along > 0.0 {
-            low = low.max(-height / along);
-        } else {
-            high = high.min(-height / along);
-        }
-        (low < high).then_some((low, high))
+        let quadratic = [d_perp.norm_squared(), d_perp.dot(&p_perp), p_perp.norm_squared() - radius * radius];
+        column_interval(quadratic, height, along)
     }
+}
+
+/// Interval of h in which a h² + 2 b h + c is negative (inside an endless cylinder) and `height` + `along` · h positive (above
+/// its bottom); `None` where there is none.
+#[inline]
+pub fn column_interval([a, b, c]: [f64; 3], height: f64, along: f64) -> Option<(f64, f64)> {
+    let (mut low, mut high) = if a < 1e-18 {
+        if c > 0.0 {
+            return None;
+        }
+        (f64::NEG_INFINITY, f64::INFINITY)
+    } else {
+        let discriminant = b * b - a * c;
+        if discriminant <= 0.0 {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        ((-b - root) / a, (-b + root) / a)
+    };
+    if along.abs() < 1e-15 {
+        if height < 0.0 {
+            return None;
+        }
+    } else if along > 0.0 {
+        low = low.max(-height / along);
+    } else {
+        high = high.min(-height / along);
+    }
+    (low < high).then_some((low, high))
 }
 
 #[cfg(test)]

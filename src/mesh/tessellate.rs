@@ -47,7 +47,7 @@ impl Tessellation {
     /// are enough; see [`Self::chord_error`].
     pub fn new(part: &Impeller, fineness: &Fineness) -> Self {
         let mut chord_error = fineness.chord_error.clamp(1e-6, 1e3);
-        let most = fineness.most_triangles.max(FEWEST_TRIANGLES);
+        let most = fineness.most_triangles.max(FEWEST_TRIANGLES * (1 + part.splitters.len()));
         loop {
             if let Some(done) = Self::within(part, chord_error, most) {
                 return done;
@@ -76,5 +76,5 @@ impl Tessellation {
     }
 }
 
-/// A part can be had with as many triangles, however coarse.
+/// With as many triangles for each row of blades a part can be had, however coarse.
 const FEWEST_TRIANGLES: usize = 20_000;

@@ -8,4 +8,4 @@ mod scene;
 pub mod write;
 
 pub use read::{read, read_bytes, read_meshes, read_meshes_bytes};
-pub use write::GltfScene;
+pub use write::{CutterNodes, GltfScene, PlanScene};

@@ -3,7 +3,6 @@
 
 use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
 use crate::part::{Impeller, Tool};
-use crate::plunge::contact::Column;
 use crate::plunge::ground::Stretch;
 
 /// Edge of a cell in cutter radii.
@@ -147,8 +146,13 @@ impl Floor {
         })
     }
 
-    /// Lowest height of a cell that `cutter` leaves, if it comes over it.
+    /// Lowest height of a cell that `cutter` leaves, if it lowers it.
     fn entry(cell: &Cell, cutter: &CutterSolid) -> Option<f64> {
+        // Most cells that were cut lie below the plane of the bottom.
+        let above = (cell.point - cutter.tip).dot(&cutter.axis) + cell.height * cell.normal.dot(&cutter.axis);
+        if above <= 0.0 && cell.normal.dot(&cutter.axis) > 0.0 {
+            return None;
+        }
         let (low, high) = cutter.column_interval(cutter.radius, &cell.point, &cell.normal)?;
         (high > 0.0 && low < cell.height).then_some(low)
     }
@@ -171,11 +175,11 @@ impl Floor {
     }
 
     /// Takes away what a plunge removes.
-    pub fn cut(&mut self, part: &Impeller, column: &Column) {
-        let ranges: Vec<(usize, usize, usize)> = self.under(part, &column.cutter).collect();
+    pub fn cut(&mut self, part: &Impeller, cutter: &CutterSolid) {
+        let ranges: Vec<(usize, usize, usize)> = self.under(part, cutter).collect();
         for (i, from, to) in ranges {
             for cell in &mut self.rows[i].cells[from..to] {
-                if let Some(low) = Self::entry(cell, &column.cutter) {
+                if let Some(low) = Self::entry(cell, cutter) {
                     cell.height = low;
                 }
             }

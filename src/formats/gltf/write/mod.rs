@@ -5,7 +5,12 @@
 //! (mm, degrees).
 
 mod builder;
+mod cutter;
+mod flank;
 mod part;
+mod plan;
+
+pub use plan::{CutterNodes, PlanScene};
 
 use serde_json::json;
 

@@ -11,6 +11,8 @@ use crate::mesh::tessellate::Tessellation;
 use crate::palette::{Rgb, Theme};
 use crate::part::Impeller;
 
+const UNLIT: &str = "KHR_materials_unlit";
+
 /// The file's unit is the metre.
 const METRES: f64 = 1e-3;
 
@@ -38,6 +40,14 @@ pub fn matt(builder: &mut Builder, name: &str, colour: Rgb) -> usize {
 pub fn glass(builder: &mut Builder, name: &str, colour: Rgb, opacity: f64) -> usize {
     builder.material(json!({
         "name": name, "pbrMetallicRoughness": factors(colour, opacity), "alphaMode": "BLEND", "doubleSided": true,
+    }))
+}
+
+/// A material whose colour shows as it is, whatever the light: a colour scale is to be read.
+pub fn unlit(builder: &mut Builder, name: &str, colour: Rgb) -> usize {
+    builder.uses(UNLIT);
+    builder.material(json!({
+        "name": name, "pbrMetallicRoughness": factors(colour, 1.0), "extensions": { UNLIT: {} },
     }))
 }
 
