@@ -110,8 +110,12 @@ fn broken_files_are_refused_in_one_line() {
             d["nodes"].as_array_mut().unwrap().push(json!({ "scale": [1e308, 1, 1], "children": [0] }));
             d["scenes"][0]["nodes"] = json!([1]);
         }),
-        ("buffer too short", "of its 6000 bytes", |d, _| d["buffers"][0]["byteLength"] = json!(6000)),
-        ("absurd buffer", "512 MiB", |d, _| d["buffers"][0]["byteLength"] = json!(u64::MAX)),
+        ("buffer too short", "of its 6000 bytes", |d, _| {
+            d["buffers"][0] = json!({ "byteLength": 6000, "uri": "data:;base64,AAAA" })
+        }),
+        ("absurd buffer", "512 MiB", |d, _| {
+            d["buffers"][0] = json!({ "byteLength": u64::MAX, "uri": "data:;base64,AAAA" })
+        }),
         ("missing buffer", "in another file", |d, _| d["buffers"][0]["uri"] = json!("there.bin")),
         ("bad data URI", "not base64", |d, _| d["buffers"][0]["uri"] = json!("data:;base64,***")),
         ("Draco", "Draco", |d, _| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
@@ -275,7 +279,7 @@ fn the_wheel_is_valid() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, max_shrink_iters: 50, cases: 96, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, max_shrink_iters: 50, cases: 48, ..ProptestConfig::default() })]
 
     #[test]
     fn changed_bytes(changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), in_json in any::<bool>()) {

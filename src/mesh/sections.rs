@@ -130,10 +130,22 @@ impl<'a> Cutter<'a> {
     /// its corners in `stretches` stretches.
     pub fn reach(&self, stretches: usize) -> (f64, f64) {
         let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); stretches];
-        for (along, height) in &self.places {
-            if (0.02..0.98).contains(along) {
+        // Along the triangles' edges, so that coarse meshes have no stretch without a corner.
+        let mut reached = |along: f64, height: f64| {
+            if (0.02..0.98).contains(&along) {
                 let span = &mut spans[((along * stretches as f64) as usize).min(stretches - 1)];
-                *span = (span.0.min(*height), span.1.max(*height));
+                *span = (span.0.min(height), span.1.max(height));
+            }
+        };
+        for t in &self.surface.triangles {
+            for k in 0..3 {
+                let (a, b) = (self.places[t[k] as usize], self.places[t[(k + 1) % 3] as usize]);
+                let steps =
+                    ((b.0 - a.0).abs() * stretches as f64).ceil().clamp(1.0, stretches as f64) as usize;
+                for i in 0..steps {
+                    let x = i as f64 / steps as f64;
+                    reached(a.0 + (b.0 - a.0) * x, a.1 + (b.1 - a.1) * x);
+                }
             }
         }
         let filled = || spans.iter().filter(|s| s.0 < s.1);

@@ -4,15 +4,13 @@ use super::profile::{Course, Profile};
 use super::surface::{NONE, Surface};
 use crate::geometry::{Meridional, MeridionalCurve};
 
-/// Stretches of the hub, in each of which the highest corner is a tip.
-const STRETCHES: usize = 24;
 /// Turn across an edge, as cosine, from which on it counts as sharp.
 const SHARP: f64 = 0.82;
 /// Distance from the curve through the highest corners within which a corner is of the tip, mm per mm of blade height.
 const NEAR: f64 = 2e-3;
 
-/// Share of the height of the tips from which on a corner may be one.
-const HIGH: f64 = 0.95;
+/// Rise of a tip over the hub, at most, mm per mm.
+const STEEPEST: f64 = 1.0;
 
 /// The curve through the tips of `blades` over `hub`.
 pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> Option<Profile> {
@@ -23,28 +21,31 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
         // No sharp edge at the tip: rounded over. Every corner may be one.
         edges = blades.iter().flat_map(|b| edge_corners(b, false)).collect();
     }
-    let over: Vec<(f64, f64)> = edges.iter().map(|p| hub.project(*p)).collect();
-    let ends = over.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, (t, _)| (e.0.min(*t), e.1.max(*t)));
-    let height = over.iter().map(|(_, d)| *d).fold(0.0, f64::max);
-    let mut highest: Vec<Option<usize>> = vec![None; STRETCHES];
-    for (i, (t, d)) in over.iter().enumerate() {
-        let stretch = ((t - ends.0) / (ends.1 - ends.0).max(1e-9) * STRETCHES as f64) as usize;
-        let best = &mut highest[stretch.min(STRETCHES - 1)];
-        if best.is_none_or(|b| *d > over[b].1) {
-            *best = Some(i);
+    let mut over: Vec<(f64, f64, Meridional)> = edges
+        .iter()
+        .map(|p| {
+            let (t, d) = hub.project(*p);
+            (t, d, *p)
+        })
+        .collect();
+    over.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let height = over.iter().map(|(_, d, _)| *d).fold(0.0, f64::max);
+    // A tip rises and falls slowly over the hub; corners of leading and trailing edge lie steeply below one.
+    let mut least = vec![f64::NEG_INFINITY; over.len()];
+    for forward in [true, false] {
+        let (mut peak, mut at) = (f64::NEG_INFINITY, 0.0);
+        for k in 0..over.len() {
+            let i = if forward { k } else { over.len() - 1 - k };
+            peak = (peak - STEEPEST * (over[i].0 - at).abs()).max(over[i].1);
+            at = over[i].0;
+            least[i] = least[i].max(peak);
         }
     }
-    let peaks: Vec<(f64, f64)> = highest.into_iter().flatten().map(|i| over[i]).collect();
-    let level = |t: f64| {
-        let i = peaks.partition_point(|p| p.0 < t).clamp(1, peaks.len().max(2) - 1);
-        let (a, b) = (*peaks.get(i - 1)?, *peaks.get(i)?);
-        Some(a.1 + (b.1 - a.1) * ((t - a.0) / (b.0 - a.0).max(1e-9)).clamp(0.0, 1.0))
-    };
-    let mut tips: Vec<Meridional> = edges
+    let mut tips: Vec<Meridional> = over
         .iter()
-        .zip(&over)
-        .filter(|(_, (t, d))| level(*t).is_some_and(|level| *d > HIGH * level))
-        .map(|(p, _)| *p)
+        .zip(&least)
+        .filter(|((_, d, _), least)| *d > *least - NEAR * height)
+        .map(|(p, _)| p.2)
         .collect();
     // What lies under the curve is of the blade's ends, not of its tip, and is dropped.
     let mut near = 16.0 * NEAR * height;
@@ -64,7 +65,7 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
     }
     let curve = MeridionalCurve::through(&course.curve(&tips)?.points).facing(middle);
     let near: Vec<Meridional> =
-        edges.iter().filter(|p| curve.project(**p).1.abs() < NEAR * height).copied().collect();
+        tips.iter().filter(|p| curve.project(**p).1.abs() < NEAR * height).copied().collect();
     course.curve(&near)
 }
 
