@@ -19,7 +19,7 @@ use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError
 /// Span sections of a blade.
 const SECTIONS: usize = 13;
 /// Points of a side of a section.
-const SECTION_POINTS: usize = 140;
+const SECTION_POINTS: usize = 180;
 /// Sections keep this share of the height away from hub and shroud, where cuts would run along the blade's border.
 const INSET: f64 = 0.01;
 /// Largest distance of straight lines from a side that counts as made of them, mm.

@@ -11,11 +11,11 @@ const FREE: usize = 50;
 /// Lines looked at.
 const LINES: usize = 120;
 /// Points of a section's curve.
-const SAMPLES: usize = 281;
+const SAMPLES: usize = 401;
 /// Rounds of the search.
 const ROUNDS: usize = 12;
 /// Weight of the bend of the shift against a square millimetre of distance.
-const STIFFNESS: f64 = 0.01;
+const STIFFNESS: f64 = 0.001;
 
 /// Lines from the lowest section of a side to its highest.
 #[derive(Clone, Debug)]

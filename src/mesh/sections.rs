@@ -11,6 +11,8 @@ const SHARP: f64 = 0.82;
 
 /// As [`SHARP`], where a blade is closed.
 const CAP_TURN: f64 = 0.995;
+/// Stretch of a blade between its slanting edges.
+const MIDDLE: std::ops::Range<f64> = 0.35..0.9;
 /// Share of the height from hub or shroud within which triangles close a blade there.
 const AT_END: f64 = 1e-4;
 /// Share of the rim radius within which triangles that face outwards (normals within 8° of the radius) close it there.
@@ -131,9 +133,12 @@ impl<'a> Cutter<'a> {
     pub fn reach(&self, stretches: usize) -> (f64, f64) {
         let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); stretches];
         // Along the triangles' edges, so that coarse meshes have no stretch without a corner.
+        let ends =
+            self.places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, p| (e.0.min(p.0), e.1.max(p.0)));
         let mut reached = |along: f64, height: f64| {
-            if (0.02..0.98).contains(&along) {
-                let span = &mut spans[((along * stretches as f64) as usize).min(stretches - 1)];
+            let share = (along - ends.0) / (ends.1 - ends.0);
+            if MIDDLE.contains(&share) {
+                let span = &mut spans[((along * stretches as f64).max(0.0) as usize).min(stretches - 1)];
                 *span = (span.0.min(height), span.1.max(height));
             }
         };
