@@ -292,7 +292,7 @@ fn blade(surface: &Surface, band: &Band, name: &str) -> Result<BladeDescription,
     let cutter = Cutter::new(surface, band);
     let (low, high) = cutter.reach(40);
     let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
-    if !(high - low > 0.2) {
+    if !(0.2..=1.0).contains(&(high - low)) {
         return Err(PartError::new(
             0,
             format!("the {name} does not reach from hub to shroud"),

@@ -20,7 +20,10 @@ impl SmoothFunction {
         let (low, high) = pairs
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
-        if !(high - low > 1e-9) || pairs.iter().any(|p| !p.1.is_finite()) {
+        if pairs.iter().any(|p| !(p.0.is_finite() && p.1.is_finite()))
+            || high - low < 1e-9
+            || pairs.is_empty()
+        {
             return None;
         }
         let spans = spans.max(1);

@@ -79,7 +79,7 @@ impl Rulings {
             let mut found = false;
             for damping in [1.0, 0.5, 0.2, 0.05] {
                 let tried: Vec<f64> = values.iter().zip(step.iter()).map(|(v, s)| v + damping * s).collect();
-                if tried.iter().any(|v| !(v.abs() < 0.3)) {
+                if !tried.iter().all(|v| v.abs() < 0.3) {
                     continue;
                 }
                 let errors = errors(&tried);

@@ -174,7 +174,7 @@ fn joined(cuts: &[Cut]) -> Option<Cut> {
         }
         let (_, k, at_end, reversed) = best?;
         let mut piece = rest.remove(k).points;
-        if reversed != !at_end {
+        if reversed == at_end {
             piece.reverse();
         }
         if at_end {
