@@ -10,7 +10,7 @@ use vanecut::job::{PlanRequest, run};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{MeshOptions, NamedMesh, Role, TriangleMesh, Unit, describe};
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, BladeSide, Impeller, Setup, SideProbe};
+use vanecut::part::{AxisPolicy, Blade, BladeSide, Impeller, Setup, SideProbe};
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
@@ -55,15 +55,18 @@ fn through_glb(part: &Impeller) -> Impeller {
     Impeller::build(&read_part_bytes("back.glb", &bytes, "glb").expect("readable")).expect("an impeller")
 }
 
-/// Largest distance of points of `a` from `b`, mm; half of the points on the first tenth, the nose.
-fn off(a: &BladeSide, b: &BladeSide) -> f64 {
-    let probe = SideProbe::new(b, 0.0, 1.0);
+/// Largest distance of points of `a` from the blade `b`, mm; half of the points on the first tenth, the nose, where
+/// both sides may part at different lines.
+fn off(a: &BladeSide, b: &Blade) -> f64 {
+    let probes = [&b.suction, &b.pressure].map(|side| SideProbe::new(side, 0.0, 1.0));
     let mut worst: f64 = 0.0;
     for i in 0..=300 {
         let x = f64::from(i) / 300.0;
         let u = if x < 0.5 { 0.2 * x } else { 0.1 + 1.8 * (x - 0.5) };
         for j in 0..=20 {
-            worst = worst.max(probe.nearest_to_point(&a.point(u, f64::from(j) / 20.0)).distance);
+            let p = a.point(u, f64::from(j) / 20.0);
+            let distances = probes.each_ref().map(|probe| probe.nearest_to_point(&p).distance);
+            worst = worst.max(distances[0].min(distances[1]));
         }
     }
     worst
@@ -79,18 +82,20 @@ fn same(one: &Impeller, other: &Impeller, tolerance: f64) {
             let d = b.curve().project(p).1.abs();
             assert!(d < tolerance, "{}: {name} {d} mm off at {p:?}", one.name);
         }
-        let ends = [(0.0, "leading edge"), (1.0, "rim")];
-        for (s, end) in ends {
-            let d = a.point(s).distance(b.point(s));
-            println!("{} {name} {end}: {d:.4} mm", one.name);
-        }
     }
     let blades = std::iter::once((&one.main, &other.main)).chain(one.splitters.iter().zip(&other.splitters));
     for (a, b) in blades {
-        for (name, a, b) in [("suction", &a.suction, &b.suction), ("pressure", &a.pressure, &b.pressure)] {
-            let d = off(a, b).max(off(b, a));
-            println!("{} {name}: {d:.4} mm, ruled {}", one.name, b.is_ruled());
-            assert!(d < tolerance, "{}: {name} side {d} mm off", one.name);
+        let middle = |side: &BladeSide| side.point(0.5, 0.5);
+        assert!((middle(&a.suction) - middle(&b.suction)).norm() < 0.05 * one.rim_radius(), "{}", one.name);
+        for (name, side, blade) in [
+            ("suction side", &a.suction, b),
+            ("pressure side", &a.pressure, b),
+            ("new suction side", &b.suction, a),
+            ("new pressure side", &b.pressure, a),
+        ] {
+            let d = off(side, blade);
+            println!("{} {name}: {d:.4} mm, ruled {}", one.name, side.is_ruled());
+            assert!(d < tolerance, "{}: {name} {d} mm off", one.name);
         }
     }
 }
