@@ -2,7 +2,8 @@
 //!
 //! One file per format; [`part_file`] picks the reader by extension. Whatever a file holds, a reader
 //! answers with a value or an [`InputError`]: no panic, no endless loop, no memory beyond a small
-//! multiple of the file. Limits: 64 MiB a file, 1,000,000 points, 1,000 blades, |x| ≤ 1,000,000 mm.
+//! multiple of the file. Limits: 64 MiB a file, 1,000,000 points, 1,000 blades, |x| ≤ 1,000,000 mm;
+//! of meshes 512 MiB and 8,000,000 triangles.
 
 pub mod apt;
 pub mod flank_file;
