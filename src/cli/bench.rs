@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::{Failure, bench_flank, say};
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
-use crate::job::{PlanOutcome, PlanRequest, run as run_job};
+use crate::job::{PlanJob, PlanOutcome, PlanRequest, run as run_job};
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Blank, Channel, Impeller, Setup, Tool};
 use crate::plunge::Planner;
@@ -66,6 +66,35 @@ fn growth(outcome: &PlanOutcome) -> Result<(), Failure> {
     ))
 }
 
+/// How long the window waits for a minimal plan and its fields after one slider moved: what it moved decides what is
+/// stale.
+fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
+    let job = PlanJob::default();
+    let mut request = PlanRequest {
+        part: outcome.part.clone(),
+        setup: outcome.setup.clone(),
+        policy: AxisPolicy::Minimal,
+        compare: false,
+        field_cells: 512,
+    };
+    let mut moved = |what: &str, slider: &dyn Fn(&mut Setup, f64)| {
+        let mut turn = 0.0;
+        let seconds = median(|| {
+            turn += 1.0;
+            slider(&mut request.setup, turn);
+            let _ = job.run(&request, &Monitor::default());
+        });
+        line(&format!("  again, {what} moved"), seconds)
+    };
+    moved("safety distance", &|setup, turn| setup.stock.safety_distance = 2.0 + 0.1 * turn)?;
+    moved("inlet end of the last section", &|setup, turn| {
+        if let Some(section) = setup.plunge.sections.last_mut() {
+            section.to = section.to.max(1e-3) + 1e-3 * turn;
+        }
+    })?;
+    moved("hub allowance", &|setup, turn| setup.stock.hub_allowance = 0.5 + 0.01 * turn)
+}
+
 /// Measures on the largest sample part and prints the medians.
 pub fn run() -> Result<(), Failure> {
     let text = include_bytes!("../../assets/parts/impeller532.toml");
@@ -94,6 +123,7 @@ pub fn run() -> Result<(), Failure> {
             minimal(&outcome, None);
         }),
     )?;
+    sliders(&outcome)?;
     growth(&outcome)?;
 
     bench_flank::lines()?;
