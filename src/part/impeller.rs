@@ -174,6 +174,12 @@ impl Impeller {
         self.pitch
     }
 
+    /// Direction of the axis of rotation that points out of the inlet, away from the back of the wheel.
+    pub fn out_of_inlet(&self) -> crate::geometry::Vector {
+        let inwards = self.hub.point(0.0).z >= self.hub.point(1.0).z;
+        crate::geometry::Vector::z() * if inwards { 1.0 } else { -1.0 }
+    }
+
     /// Outer radius, mm.
     pub fn rim_radius(&self) -> f64 {
         self.hub.point(1.0).r.max(self.shroud.point(1.0).r)

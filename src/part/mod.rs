@@ -20,7 +20,7 @@ pub use description::{
 pub use envelope::{BladeWall, WallEnvelope};
 pub use impeller::{Blade, Flowpath, Impeller};
 pub use probe::{Nearest, SideProbe};
-pub use setup::{AxisPolicy, Feed, FlankScheme, FlankSetup, Setup};
+pub use setup::{AxisPolicy, Feed, FlankScheme, FlankSetup, Machine, Setup};
 pub use side::BladeSide;
 pub use tool::Tool;
 pub use width::PassageWidth;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::cycle::{Planner, SectionCut};
 use super::sections::{SetupFault, tool_of};
 use crate::part::setup::{AxisPolicy, PlungeSetup, SectionSetup, Stock};
-use crate::part::{Setup, Tool};
+use crate::part::{Machine, Setup, Tool};
 
 /// What a section's rows depend on, besides the part and the sections before.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,7 @@ struct Input {
     tool: Tool,
     section: SectionSetup,
     plunge: PlungeSetup,
+    machine: Machine,
 }
 
 impl Input {
@@ -31,6 +32,7 @@ impl Input {
                 sections: Vec::new(),
                 ..setup.plunge.clone()
             },
+            machine: setup.machine.clone(),
         })
     }
 }

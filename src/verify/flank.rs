@@ -11,7 +11,7 @@ mod walls;
 
 use rayon::prelude::*;
 
-use super::Fault;
+use super::{Fault, beyond_machine};
 use crate::formats::apt::{ClProgram, Motion};
 use crate::part::{Blank, Channel, Impeller, Setup, SideProbe};
 use crate::plunge::choice::estimate::RAPID_FEED;
@@ -128,7 +128,7 @@ pub fn verify_flank(
         faults: Vec::new(),
     };
     for (step, look) in steps.iter().zip(&looks) {
-        verdict.add(step, look, setup);
+        verdict.add(step, look, part, setup);
     }
     let mut channels: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
     channels.sort_unstable();
@@ -203,7 +203,7 @@ fn look(step: &Step, around: &Surroundings, blank: &Blank) -> Look {
 }
 
 impl FlankVerdict {
-    fn add(&mut self, step: &Step, look: &Look, setup: &Setup) {
+    fn add(&mut self, step: &Step, look: &Look, part: &Impeller, setup: &Setup) {
         let length = step.length();
         match step.feed {
             Some(feed) => {
@@ -242,6 +242,8 @@ impl FlankVerdict {
                 look.retract, stock.safety_distance
             ),
         );
+        let beyond = beyond_machine(part, setup, &step.to.1);
+        fault(beyond.is_some(), beyond.unwrap_or_default());
         fault(
             step.feed.is_some() && step.turn() > MOST_TURN,
             format!(

@@ -96,6 +96,7 @@ impl Planner<'_> {
                         hub_allowance: stock.hub_allowance,
                         blade_allowance: stock.blade_allowance,
                         max_tilt: self.setup.plunge.max_tilt,
+                        machine: &self.setup.machine,
                         scale: SCALE_RADII * tool.radius(),
                         floor: &|s| self.floor_of_row(stretch, lane, &rows, row, s),
                         sideways: sideways[row],

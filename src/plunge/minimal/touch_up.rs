@@ -65,6 +65,7 @@ impl Planner<'_> {
                 hub_allowance: stock.hub_allowance,
                 blade_allowance: stock.blade_allowance,
                 max_tilt: self.setup.plunge.max_tilt,
+                machine: &self.setup.machine,
                 scale,
                 floor: &|_| None,
                 sideways: f64::INFINITY,
