@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::setup_file::{read_setup_bytes, write_setup};
+use super::setup_file::write_setup;
 use super::source::{name_of, read_bytes};
+use super::stored::{check_version, setup_within};
 use crate::part::{PartDescription, Setup};
 
 /// Version of the file; readers refuse newer ones.
@@ -185,13 +186,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         fault(e.line(), format!("this is no project file ({e})"), "open a file that was saved as a project")
     };
     let version: Version = serde_json::from_slice(bytes).map_err(broken)?;
-    if version.vanecut_project > VERSION {
-        let what = format!(
-            "the project has version {}, this program reads up to {VERSION}",
-            version.vanecut_project
-        );
-        return Err(fault(0, what, "open it with a newer vanecut"));
-    }
+    check_version(&name, "project", version.vanecut_project, VERSION)?;
     let file: ProjectFile = serde_json::from_slice(bytes).map_err(broken)?;
     if file.sets.len() > MAX_SETS {
         let what = format!("{} sets are more than {MAX_SETS}", file.sets.len());
@@ -199,7 +194,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     }
     let part_hash = u64::from_str_radix(&file.part_hash, 16)
         .map_err(|_| fault(0, "part_hash is no hexadecimal number".to_owned(), "save the project again"))?;
-    let setup = |what: &str, text: &str| read_setup_bytes(&format!("{name} ({what})"), text.as_bytes());
+    let setup = |what: &str, text: &str| setup_within(&name, what, text);
     let sets = file.sets.iter().map(|set| {
         Ok(StoredSet { name: set.name.clone(), setup: setup(&set.name, &set.setup)?, figures: set.figures })
     });
