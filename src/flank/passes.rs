@@ -70,13 +70,13 @@ pub struct PassMaker<'a> {
     walls: &'a [MilledWall],
     search: FixedAxisSearch<'a>,
     /// The surfaces that must not be cut.
-    pub finished: FinishedPart<'a>,
+    finished: &'a FinishedPart<'a>,
 }
 
 impl<'a> PassMaker<'a> {
-    /// For `tool` in `channel` of `part`, with its `walls` fitted.
+    /// For `tool` in `channel`, whose surfaces are those of `finished`, with its `walls` fitted.
     pub fn new(
-        part: &'a Impeller,
+        finished: &'a FinishedPart<'a>,
         channel: &'a Channel,
         setup: &'a Setup,
         tool: &'a Tool,
@@ -88,12 +88,12 @@ impl<'a> PassMaker<'a> {
             max_tilt: MAX_TILT,
         };
         Self {
-            part,
+            part: finished.part,
             tool,
             setup,
             walls,
-            search: FixedAxisSearch::new(part, channel, tool, &limits),
-            finished: FinishedPart::new(part, &channel.sides),
+            search: FixedAxisSearch::new(finished, channel, tool, &limits),
+            finished,
         }
     }
 
