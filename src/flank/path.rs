@@ -100,8 +100,6 @@ pub struct LayerPasses<'a> {
     pub number: usize,
     /// The surface.
     pub layer: &'a Layer,
-    /// Distance of neighbouring curves, mm.
-    pub interval: f64,
     /// In any order.
     pub passes: Vec<Pass>,
     /// Whether a cutter over a place of the layer keeps clear of the walls.

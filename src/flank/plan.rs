@@ -181,7 +181,6 @@ pub fn plan(
         layers.push(LayerPasses {
             number: layers.len(),
             layer: &found.layer,
-            interval: found.interval,
             passes: made.passes,
             fits: Box::new(|p, cutter| {
                 chart.freedom(p) >= -LINK_SLACK && finished.clears(cutter, setup.stock.blade_allowance)
