@@ -47,9 +47,9 @@ pub struct Viewpoint {
     pub parallel: bool,
 }
 
-/// What a set came to when it was planned; lengths mm, time s, share 0…1.
+/// What sets are compared by: what a setup came to when it was planned. Lengths mm, time s, share 0…1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StoredFigures {
+pub struct Figures {
     /// Number of plunges.
     pub positions: usize,
     /// Plunges whose core meets stock.
@@ -72,7 +72,7 @@ pub struct StoredSet {
     /// The setup.
     pub setup: Setup,
     /// What it came to, if it was planned.
-    pub figures: Option<StoredFigures>,
+    pub figures: Option<Figures>,
 }
 
 /// A project.
@@ -113,7 +113,7 @@ struct SetFile {
     name: String,
     setup: String,
     #[serde(default)]
-    figures: Option<StoredFigures>,
+    figures: Option<Figures>,
 }
 
 /// Hash of what a part file describes, the same for every file that describes the same part.
@@ -239,7 +239,7 @@ mod tests {
             sets: vec![StoredSet {
                 name: "Set 1".to_owned(),
                 setup,
-                figures: Some(StoredFigures {
+                figures: Some(Figures {
                     positions: 120,
                     interferential: 0,
                     residual_mean: 0.83,
