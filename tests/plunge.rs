@@ -8,7 +8,7 @@ use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::setup::{Feed, SectionSetup};
 use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
-use vanecut::plunge::contact::{BlankTop, Column, core_contact};
+use vanecut::plunge::contact::{BlankTop, Column, Columns, core_contact};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
 use vanecut::plunge::slotting::DepthSurface;
@@ -108,7 +108,7 @@ fn contact_agrees_with_many_points() {
     let top = BlankTop::new(&blank);
     for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
         let (_, plan) = planned(&part, &Setup::default(), policy);
-        let columns: Vec<Column> = plan
+        let columns: Columns = plan
             .positions
             .iter()
             .map(|p| {
@@ -117,15 +117,16 @@ fn contact_agrees_with_many_points() {
             })
             .collect();
         for k in (3..plan.positions.len()).step_by(57) {
-            let exact = core_contact(&columns[k], &columns[..k], &blank);
+            let column = &columns.as_slice()[k];
+            let exact = core_contact(column, columns.before(k), &blank);
             assert_eq!(exact, plan.positions[k].contact, "the plan tells the truth of position {k}");
             // Only neighbours can matter; the rest of the brute force would take minutes.
-            let near: Vec<Column> = columns[..k]
+            let near: Vec<Column> = columns.as_slice()[..k]
                 .iter()
-                .filter(|c| (c.cutter.tip - columns[k].cutter.tip).norm() < 60.0)
+                .filter(|c| (c.cutter.tip - column.cutter.tip).norm() < 60.0)
                 .copied()
                 .collect();
-            let seen = contact_by_points(&columns[k], &near, &blank);
+            let seen = contact_by_points(column, &near, &blank);
             let tolerance = if seen < 4.0 { 0.08 } else { 0.7 };
             assert!(
                 seen <= exact.depth + 1e-6 && exact.depth - seen < tolerance,

@@ -3,7 +3,7 @@
 
 use std::convert::Infallible;
 
-use super::contact::{BlankTop, Column, core_interferes};
+use super::contact::{BlankTop, Column, Columns, core_interferes};
 use super::cycle::{PlanError, Planner, Row};
 use super::ground::RowGround;
 use super::row::{RowFault, RowMaker, Station};
@@ -25,7 +25,7 @@ struct Attempts<'r> {
     ground: &'r RowGround,
     /// Last s in the order of cutting.
     end: f64,
-    earlier: &'r [Column],
+    earlier: &'r Columns,
     top: &'r BlankTop<'r>,
 }
 
@@ -59,15 +59,15 @@ fn same_axis(a: &Station, b: &Station) -> bool {
 
 /// What was cut before the next position of a row: earlier sections and the row so far.
 struct Known<'e> {
-    earlier: &'e [Column],
-    columns: Vec<Column>,
+    earlier: &'e Columns,
+    columns: Columns,
     blank: &'e Blank,
     top: &'e BlankTop<'e>,
 }
 
 impl<'e> Known<'e> {
-    fn new(earlier: &'e [Column], blank: &'e Blank, top: &'e BlankTop<'e>) -> Self {
-        Self { earlier, columns: earlier.to_vec(), blank, top }
+    fn new(earlier: &'e Columns, blank: &'e Blank, top: &'e BlankTop<'e>) -> Self {
+        Self { earlier, columns: earlier.clone(), blank, top }
     }
 
     /// Forgets the row.
@@ -79,7 +79,7 @@ impl<'e> Known<'e> {
     fn interferes(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         let Some(last) = stations.last() else { return false };
         let column = Column::new(maker.cutter(last), maker.tool.core_radius(), self.top);
-        let interferes = core_interferes(&column, &self.columns, self.blank);
+        let interferes = core_interferes(&column, self.columns.all(), self.blank);
         self.columns.push(column);
         interferes
     }
@@ -104,7 +104,7 @@ impl Planner<'_> {
         ground: &RowGround,
         ends: (f64, f64),
         policy: AxisPolicy,
-        earlier: &[Column],
+        earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<Row, PlanError> {
         let top = BlankTop::new(&self.blank);
@@ -212,7 +212,7 @@ impl Planner<'_> {
                 *moved = first.moved();
             }
             let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
-            if !core_interferes(&column, attempts.earlier, &self.blank) {
+            if !core_interferes(&column, attempts.earlier.all(), &self.blank) {
                 return Some(Start { s, first, free: true });
             }
             unmoved = unmoved.or(Some(Start { s, first, free: false }));

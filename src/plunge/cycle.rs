@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::clearance::FinishedPart;
-use super::contact::{BlankTop, Column, core_contact, planned_contact};
+use super::contact::{BlankTop, Column, Columns, Earlier, core_contact, planned_contact};
 use super::ground::Ground;
 use super::links::raise_links;
 use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
@@ -120,7 +120,7 @@ pub(super) struct SectionCut {
     pub feed: Feed,
     pub rows: Vec<CutRow>,
     /// All plunges so far, those of earlier sections first.
-    pub columns: Vec<Column>,
+    pub columns: Columns,
 }
 
 impl<'a> Planner<'a> {
@@ -157,7 +157,7 @@ impl<'a> Planner<'a> {
             rounds: 0,
             settled: true,
         };
-        let mut columns: Vec<Column> = Vec::new();
+        let mut columns = Columns::default();
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
             monitor.check()?;
@@ -234,20 +234,44 @@ impl<'a> Planner<'a> {
         row: Row,
         tool: &Tool,
         most_lift: Option<f64>,
-        columns: &mut Vec<Column>,
+        columns: &mut Columns,
         monitor: &Monitor,
     ) -> Result<CutRow, PlanError> {
         let top = BlankTop::new(&self.blank);
         let place = |station| if monitor.is_cancelled() { None } else { self.placed(station, tool) };
         let mut placed: Vec<Option<Placed>> = row.stations.par_iter().map(place).collect();
-        for place in &mut placed {
+        let column = |placed: &Placed| Column::new(placed.cutter, tool.core_radius(), &top);
+        let deep: Vec<Option<Column>> = placed.par_iter().map(|p| p.as_ref().map(column)).collect();
+        let Some(share) = most_lift else {
+            columns.extend(deep.into_iter().flatten());
+            return Ok(CutRow { row, placed });
+        };
+        // Side by side, as if all before were as deep; then one by one those that do meet stock, and those near a
+        // plunge that is less deep or missing.
+        let first = columns.len();
+        let mut all_deep = columns.clone();
+        all_deep.extend(deep.iter().flatten().copied());
+        let free: Vec<bool> = (first..all_deep.len())
+            .into_par_iter()
+            .map(|k| {
+                let column = &all_deep.as_slice()[k];
+                monitor.is_cancelled() || planned_contact(column, all_deep.before(k), &self.blank) == 0.0
+            })
+            .collect();
+        let mut changed: Vec<Column> = Vec::new();
+        let deep_ones =
+            placed.iter_mut().zip(&deep).filter_map(|(place, deep)| Some((place, deep.as_ref()?)));
+        for ((place, deep), free) in deep_ones.zip(free) {
             monitor.check()?;
-            if let Some(share) = most_lift {
-                *place = place.take().and_then(|p| self.freed(p, tool, share, columns, &top));
+            if free && !changed.iter().any(|other| deep.may_meet(&other.cutter)) {
+                columns.push(*deep);
+                continue;
             }
-            if let Some(placed) = place {
-                columns.push(Column::new(placed.cutter, tool.core_radius(), &top));
+            *place = place.take().and_then(|p| self.freed(p, tool, share, columns.all(), &top));
+            if place.as_ref().is_none_or(|placed| placed.lift > 0.0) {
+                changed.push(*deep);
             }
+            columns.extend(place.as_ref().map(column));
         }
         Ok(CutRow { row, placed })
     }
@@ -259,7 +283,7 @@ impl<'a> Planner<'a> {
         mut placed: Placed,
         tool: &Tool,
         most_lift: f64,
-        earlier: &[Column],
+        earlier: Earlier,
         top: &BlankTop,
     ) -> Option<Placed> {
         let unlifted = placed.cutter.tip;
@@ -289,7 +313,7 @@ impl<'a> Planner<'a> {
         &self,
         index: usize,
         policy: AxisPolicy,
-        columns: Vec<Column>,
+        columns: Columns,
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let grounds = self.grounds[index].as_ref().map_err(PlanError::clone)?;
@@ -317,7 +341,7 @@ impl<'a> Planner<'a> {
         index: usize,
         grounds: &[Ground],
         policy: AxisPolicy,
-        earlier: &[Column],
+        earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<Vec<Row>, PlanError> {
         let section = &self.setup.plunge.sections[index];
@@ -357,7 +381,7 @@ impl<'a> Planner<'a> {
     }
 
     /// Contact, clearances and retract of every position.
-    fn measure(&self, plan: &mut PlungePlan, columns: &[Column], monitor: &Monitor) -> Result<(), PlanError> {
+    fn measure(&self, plan: &mut PlungePlan, columns: &Columns, monitor: &Monitor) -> Result<(), PlanError> {
         let stock = &self.setup.stock;
         let tops: Vec<RetractSurface> = plan
             .sections
@@ -372,7 +396,8 @@ impl<'a> Planner<'a> {
             .map(|(k, position)| {
                 monitor.check()?;
                 let tool = &sections[position.section].tool;
-                let cutter = columns[k].cutter;
+                let column = &columns.as_slice()[k];
+                let cutter = column.cutter;
                 let lift = tops[position.section].height(
                     &cutter.tip,
                     &cutter.axis,
@@ -381,7 +406,7 @@ impl<'a> Planner<'a> {
                 let retract = cutter.tip + cutter.axis * (lift + 1e-6);
                 let mut position = position.clone();
                 position.retract = retract;
-                position.contact = core_contact(&columns[k], &columns[..k], &self.blank);
+                position.contact = core_contact(column, columns.before(k), &self.blank);
                 Ok(position)
             })
             .collect();

@@ -15,7 +15,7 @@ use crate::geometry::{CutterSolid, Meridional, Point, rotate_vector_z, rotate_z}
 use crate::part::{AxisPolicy, Feed, Tool};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::clearance::FinishedPart;
-use crate::plunge::contact::{BlankTop, Column, core_contact};
+use crate::plunge::contact::{BlankTop, Column, Columns, core_contact};
 use crate::plunge::retract::bottom_clearance;
 use crate::plunge::{CoreContact, PlungePlan, Position, SectionPlan};
 
@@ -76,8 +76,7 @@ pub fn verify(
     let blank = Blank::of(part, setup.stock.inlet_extension);
     let top = BlankTop::new(&blank);
     let finished = FinishedPart::new(part, &channel.sides);
-    let columns: Vec<Column> =
-        cuts.iter().map(|c| Column::new(c.cutter, c.tool.core_radius(), &top)).collect();
+    let columns: Columns = cuts.iter().map(|c| Column::new(c.cutter, c.tool.core_radius(), &top)).collect();
     let turns: Vec<i64> = cuts.iter().map(|c| channel_of(part, channel, &c.cutter.tip)).collect();
 
     let measured: Vec<(CoreContact, f64, f64, f64)> = (0..cuts.len())
@@ -88,7 +87,7 @@ pub fn verify(
             let worst = |f: &dyn Fn(&CutterSolid) -> f64| {
                 cut.swept.iter().map(|c| f(&turned(c, back))).fold(f64::INFINITY, f64::min)
             };
-            let contact = core_contact(&columns[k], &columns[..k], &blank);
+            let contact = core_contact(&columns.as_slice()[k], columns.before(k), &blank);
             let retract =
                 cut.rapids.iter().map(|c| bottom_clearance(c, &blank)).fold(f64::INFINITY, f64::min);
             (contact, worst(&|c| finished.hub_clearance(c)), worst(&|c| finished.blade_clearance(c)), retract)

@@ -5,7 +5,7 @@
 use super::candidate::{Candidate, CandidateMaker};
 use super::path::PathSearch;
 use crate::monitor::Cancelled;
-use crate::plunge::contact::{Column, ContactSearch};
+use crate::plunge::contact::{Columns, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
 /// Step across in step limits of the row: the hub falls away sideways, so that less leaves less to stop short of.
@@ -26,12 +26,12 @@ impl Crossing<'_> {
     ///
     /// # Errors
     /// When the work is cancelled.
-    pub fn stations(&self, earlier: &[Column]) -> Result<Vec<Station>, Cancelled> {
+    pub fn stations(&self, earlier: &Columns) -> Result<Vec<Station>, Cancelled> {
         let goal = self.search.candidates.maker;
         let foot = |lambda: f64| Some(goal.lane.hub_point(&goal.lane.isoparametric(lambda, self.s)?));
         let (Some(from), Some(to)) = (foot(self.from), foot(goal.lambda)) else { return Ok(Vec::new()) };
         let count = ((to - from).norm() / (STEP_SHARE * goal.step_limit)).ceil().clamp(1.0, 200.0) as usize;
-        let mut columns = earlier.to_vec();
+        let mut columns = earlier.clone();
         let mut stations: Vec<Station> = Vec::with_capacity(count);
         for i in 1..=count {
             goal.monitor.check()?;
@@ -50,7 +50,7 @@ impl Crossing<'_> {
         &self,
         candidates: &CandidateMaker,
         before: Option<&Station>,
-        columns: &[Column],
+        columns: &Columns,
     ) -> Option<(Candidate, f64)> {
         let place = candidates.at(self.s)?;
         let mut search = ContactSearch::default();
@@ -61,7 +61,7 @@ impl Crossing<'_> {
                 continue;
             }
             let column = candidates.column(&candidate.station);
-            let lift = search.depth(&column, columns.iter(), self.search.blank, f64::INFINITY);
+            let lift = search.depth(&column, columns.all().near(&column), self.search.blank, f64::INFINITY);
             let cost = candidate.cost(lift, candidates.scale);
             if best.is_none_or(|b| cost < b.0) {
                 best = Some((cost, candidate, lift));

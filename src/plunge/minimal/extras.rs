@@ -3,6 +3,10 @@
 //!
 //! From a pool of axes, finer than the rows and free to lean from the wall's axis to upright, the one that takes
 //! most is added, again and again. Each is free of contact after the rows alone, so that they may be cut in any order.
+//!
+//! Work is put off until it is needed: a place is looked at by a few axes, and by all of them once these are the best of
+//! the pool; blades and contact of an axis are looked at once it is the best. As what an axis takes only falls while
+//! others are added, most of the pool never gets so far.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -10,11 +14,11 @@ use std::collections::BinaryHeap;
 use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
-use super::floor::Floor;
-use crate::geometry::CutterSolid;
+use super::floor::{Floor, Gain};
+use crate::geometry::{CutterSolid, Point};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
-use crate::plunge::contact::{Column, ContactSearch};
+use crate::plunge::contact::{Columns, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
 /// Feed tilts tried: from, apart, degrees, and how many.
@@ -28,36 +32,62 @@ const MOST_LIFT_SHARE: f64 = 0.7;
 /// See [`MOST_LIFT_SHARE`].
 const MOST_LIFT_RADII: f64 = 0.3;
 /// Ways to lean sideways, as shares of the way from the row's own lean to upright: all, and those that tell whether a
-/// place is worth looking at; the share of the least gain that makes it so.
+/// place is worth looking at.
 const FAN_SHARES: [f64; 5] = [1.0, 0.7, 0.4, 0.0, 1.4];
 /// See [`FAN_SHARES`].
 const COARSE_SHARES: [f64; 2] = [0.85, 0.2];
-/// See [`FAN_SHARES`].
-const WORTH: f64 = 0.5;
 /// A plunge this near, in cutter radii, may free another of contact.
 const NEAR_RADII: f64 = 2.0;
 /// What one takes counts as unchanged down to this share.
 const STILL: f64 = 0.999;
-/// How many are looked at side by side, and how many are passed by for that.
-const BATCH: usize = 12;
-/// See [`BATCH`].
-const PASSED: usize = 100;
+/// What the best axis of a place may take: as a multiple of the best of the few that were looked at, and in least gains
+/// on top, as a few miss what is narrow.
+const EXPECTED: f64 = 1.2;
+/// See [`EXPECTED`].
+const EXPECTED_LEAST: f64 = 0.8;
+/// How many of the best are looked at again side by side, how many of these closer at most, and how many at least where
+/// they are near to each other.
+const BEST: usize = 16;
+/// See [`BEST`].
+const BATCH: usize = 8;
+/// See [`BEST`].
+const FEWEST: usize = 4;
 /// Lift kept above what the search saw, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
-/// A plunge that might be added.
-#[derive(Clone, Copy, Debug)]
+/// How far an entry of the pool was looked at.
+#[derive(Clone, Debug)]
+enum Look {
+    /// A place, by a few of its axes.
+    Place(Vec<Station>),
+    /// One axis, blades and contact not looked at.
+    Axis(Station),
+    /// A plunge that blades and contact allow when it stops `lift` mm short.
+    Plunge { station: Station, lift: f64 },
+}
+
+/// A plunge that might be added, or a place for some.
+#[derive(Clone, Debug)]
 struct Extra {
-    /// What it takes, mm³, when it was last looked at.
+    /// What it takes, mm³, when it was last looked at; of a place the most that is expected.
     gain: f64,
-    /// Place in the pool: of two that gain the same, the first.
-    index: usize,
+    /// Of two that gain the same, the first: place in the pool, and axis of it.
+    order: (usize, usize),
     /// Index of its row.
     row: usize,
-    station: Station,
-    lift: f64,
-    /// Whether blades and contact were looked at.
-    checked: bool,
+    /// s of its foot.
+    s: f64,
+    look: Look,
+}
+
+impl Extra {
+    /// Where it is, nearly.
+    fn foot(&self) -> Option<&Point> {
+        match &self.look {
+            Look::Place(few) => few.first().map(|station| &station.tip),
+            Look::Axis(station) | Look::Plunge { station, .. } => Some(&station.tip),
+        }
+    }
 }
 
 impl PartialEq for Extra {
@@ -76,7 +106,7 @@ impl PartialOrd for Extra {
 
 impl Ord for Extra {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.gain.total_cmp(&other.gain).then(other.index.cmp(&self.index))
+        self.gain.total_cmp(&other.gain).then(other.order.cmp(&self.order))
     }
 }
 
@@ -99,38 +129,21 @@ impl<'a> ExtraSearch<'a> {
     pub fn new(rows: &'a [CandidateMaker<'a>], places: &[f64], floor: Floor, blank: &'a Blank) -> Self {
         let radius = rows.first().map_or(0.0, |row| row.maker.tool.radius());
         let least = LEAST_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
+        let mut search = Self { rows, blank, floor, heap: BinaryHeap::new(), waiting: Vec::new(), least };
         let feet: Vec<(usize, f64)> =
             (0..rows.len()).flat_map(|row| places.iter().map(move |&s| (row, s))).collect();
-        let mut pool: Vec<Extra> = feet
-            .par_iter()
-            .flat_map_iter(|&(row, s)| {
-                let maker = rows[row].maker;
-                let tilt = |j: usize| (TILT_FROM_DEG + TILT_STEP_DEG * j as f64).to_radians();
-                let gain = |station: &Station| floor.gain(maker.part, &maker.cutter(station)).cost;
-                let coarse = (0..TILTS).step_by(2).map(tilt);
-                // Between axes that take next to nothing there is none that takes enough.
-                let worth = !maker.monitor.is_cancelled()
-                    && rows[row]
-                        .fan(s, coarse, &COARSE_SHARES)
-                        .iter()
-                        .any(|station| gain(station) > WORTH * least);
-                let fan =
-                    if worth { rows[row].fan(s, (0..TILTS).map(tilt), &FAN_SHARES) } else { Vec::new() };
-                let extra = move |station: Station| Extra {
-                    gain: gain(&station),
-                    index: 0,
-                    row,
-                    station,
-                    lift: 0.0,
-                    checked: false,
-                };
-                fan.into_iter().map(extra).filter(move |extra| extra.gain > least)
-            })
-            .collect();
-        for (index, extra) in pool.iter_mut().enumerate() {
-            extra.index = index;
-        }
-        Self { rows, blank, floor, heap: BinaryHeap::from(pool), waiting: Vec::new(), least }
+        let place = |(index, &(row, s)): (usize, &(usize, f64))| {
+            let maker = &rows[row];
+            if maker.maker.monitor.is_cancelled() {
+                return None;
+            }
+            let few = maker.fan(s, (0..TILTS).step_by(2).map(tilt), &COARSE_SHARES);
+            let place = Extra { gain: 0.0, order: (index, 0), row, s, look: Look::Place(few) };
+            search.still_worth(place)
+        };
+        let pool: Vec<Extra> = feet.par_iter().enumerate().filter_map(place).collect();
+        search.heap = BinaryHeap::from(pool);
+        search
     }
 
     /// Up to `most` stations by rows of the pool that take `times` the least or more, each row in cutting order, all of
@@ -140,7 +153,7 @@ impl<'a> ExtraSearch<'a> {
     /// When the work is cancelled.
     pub fn stations(
         &mut self,
-        columns: &[Column],
+        columns: &Columns,
         most: usize,
         times: f64,
     ) -> Result<Vec<Vec<Station>>, Cancelled> {
@@ -152,38 +165,40 @@ impl<'a> ExtraSearch<'a> {
         let radius = tool.radius();
         self.heap.extend(std::mem::take(&mut self.waiting));
         let mut count = 0;
-        while let Some(mut extra) = self.heap.pop() {
+        while let Some(best) = self.heap.pop() {
             monitor.check()?;
-            if extra.gain < times * self.least || count >= most {
-                self.heap.push(extra);
+            if best.gain < times * self.least || count >= most {
+                self.heap.push(best);
                 break;
             }
-            if !extra.checked {
-                self.heap.push(extra);
-                self.check(columns);
+            let Look::Plunge { station, lift } = best.look else {
+                self.heap.push(best);
+                self.look_closer(columns);
                 continue;
-            }
-            let cutter = self.cutter(&extra);
-            let gain = self.floor.gain(part, &cutter).cost;
-            if gain < STILL * extra.gain {
+            };
+            let Some(now) = self.still_worth(best.clone()) else { continue };
+            if now.gain < STILL * best.gain {
                 // What was added since has taken part of it.
-                extra.gain = gain;
-                self.heap.push(extra);
+                self.heap.push(now);
                 continue;
             }
-            self.floor.cut(part, &cutter);
-            found[extra.row].push((-extra.station.ends.s_hub * inward, extra.station));
+            self.floor.cut(part, &self.cutter(best.row, &station, lift));
+            found[best.row].push((-station.ends.s_hub * inward, station));
             count += 1;
         }
         // After these, others beside them may be free that are not yet.
-        let (held, rest) = self.heap.drain().partition(|extra| extra.lift > 0.0);
+        let is_held = |extra: &Extra| matches!(extra.look, Look::Plunge { lift, .. } if lift > 0.0);
+        let (held, rest) = self.heap.drain().partition(is_held);
         self.heap = BinaryHeap::from(rest);
         self.waiting.extend::<Vec<Extra>>(held);
         let near = |a: &Station, b: &Station| (a.tip - b.tip).norm() < NEAR_RADII * radius;
-        self.waiting.retain(|extra| found.iter().flatten().any(|(_, added)| near(&extra.station, added)));
-        for extra in &mut self.waiting {
-            (extra.lift, extra.checked) = (0.0, false);
-            extra.gain = f64::INFINITY;
+        for mut extra in std::mem::take(&mut self.waiting) {
+            if let Look::Plunge { station, .. } = extra.look
+                && found.iter().flatten().any(|(_, added)| near(&station, added))
+            {
+                (extra.look, extra.gain) = (Look::Axis(station), f64::INFINITY);
+                self.waiting.push(extra);
+            }
         }
         let in_order = |mut row: Vec<(f64, Station)>| {
             row.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -192,65 +207,116 @@ impl<'a> ExtraSearch<'a> {
         Ok(found.into_iter().map(in_order).collect())
     }
 
-    /// The cutter at the end of the plunge.
-    fn cutter(&self, extra: &Extra) -> CutterSolid {
-        let cutter = self.rows[extra.row].maker.cutter(&extra.station);
-        CutterSolid { tip: cutter.tip + cutter.axis * extra.lift, ..cutter }
+    /// The cutter at the end of a plunge in row `row` that stops `lift` mm short.
+    fn cutter(&self, row: usize, station: &Station, lift: f64) -> CutterSolid {
+        let cutter = self.rows[row].maker.cutter(station);
+        CutterSolid { tip: cutter.tip + cutter.axis * lift, ..cutter }
     }
 
-    /// Looks at blades and contact of the best of the pool that were not looked at yet and are far from each other, and
-    /// puts back what is left of them. The others wait: the first of them that is added takes part of theirs.
-    fn check(&mut self, columns: &[Column]) {
-        let Some(RowMaker { part, tool, .. }) = self.rows.first().map(|row| row.maker) else { return };
-        let apart = tool.diameter;
-        let mut batch: Vec<Extra> = Vec::with_capacity(BATCH);
-        let mut passed: Vec<Extra> = Vec::with_capacity(PASSED);
-        while batch.len() < BATCH
-            && passed.len() < PASSED
-            && let Some(mut next) = self.heap.pop()
+    /// What a plunge would take now.
+    fn gain(&self, row: usize, station: &Station, lift: f64) -> Gain {
+        self.floor.gain(self.rows[row].maker.part, &self.cutter(row, station, lift))
+    }
+
+    /// An entry with what it takes now; `None` when that is too little.
+    fn still_worth(&self, mut extra: Extra) -> Option<Extra> {
+        let row = extra.row;
+        let (gain, least) = match &extra.look {
+            Look::Place(few) => {
+                // Between axes that take next to nothing there is none that takes enough.
+                let most = few.iter().map(|station| self.gain(row, station, 0.0).cost).fold(0.0, f64::max);
+                (EXPECTED * most + EXPECTED_LEAST * self.least, self.least)
+            }
+            Look::Axis(station) => (self.gain(row, station, 0.0).cost, self.least),
+            Look::Plunge { station, lift } => (self.gain(row, station, *lift).cost, 0.0),
+        };
+        extra.gain = gain;
+        (gain > least).then_some(extra)
+    }
+
+    /// Looks again at the best of the pool, and closer at those that still take what they did: those far from each other
+    /// first, as of near ones the first that is added takes part of what the others would.
+    fn look_closer(&mut self, columns: &Columns) {
+        let apart = self.rows.first().map_or(0.0, |row| row.maker.tool.diameter);
+        let mut best: Vec<Extra> = Vec::with_capacity(BEST);
+        let mut planned: Vec<Extra> = Vec::new();
+        while best.len() < BEST
+            && let Some(next) = self.heap.pop()
         {
-            let near = |other: &Extra| (next.station.tip - other.station.tip).norm() < apart;
-            if next.checked || batch.iter().any(near) {
-                passed.push(next);
-                continue;
-            }
-            let gain = self.floor.gain(part, &self.cutter(&next)).cost;
-            if gain < self.least {
-                continue;
-            }
-            if gain < STILL * next.gain {
-                next.gain = gain;
-                self.heap.push(next);
+            if matches!(next.look, Look::Plunge { .. }) { planned.push(next) } else { best.push(next) }
+        }
+        self.heap.extend(planned);
+        let again: Vec<Option<(f64, Extra)>> =
+            best.into_par_iter().map(|extra| Some((extra.gain, self.still_worth(extra)?))).collect();
+        let mut batch: Vec<Extra> = Vec::with_capacity(BATCH);
+        let mut near: Vec<Extra> = Vec::with_capacity(BEST);
+        for (before, extra) in again.into_iter().flatten() {
+            let is_near =
+                |other: &Extra| extra.foot().zip(other.foot()).is_some_and(|(a, b)| (a - b).norm() < apart);
+            if extra.gain < STILL * before || batch.len() == BATCH {
+                self.heap.push(extra);
+            } else if batch.iter().any(is_near) {
+                near.push(extra);
             } else {
-                batch.push(next);
+                batch.push(extra);
             }
         }
-        self.heap.extend(passed);
-        let checked: Vec<Option<Extra>> = batch
+        for extra in near {
+            if batch.len() < FEWEST { batch.push(extra) } else { self.heap.push(extra) }
+        }
+        let closer: Vec<Vec<Extra>> = batch
             .into_par_iter()
-            .map_init(ContactSearch::default, |search, extra| self.checked(extra, columns, search))
+            .map_init(ContactSearch::default, |search, extra| self.closer(extra, columns, search))
             .collect();
-        for extra in checked.into_iter().flatten() {
+        for extra in closer.into_iter().flatten() {
+            // What contact does not allow takes nothing.
             if extra.gain > 0.0 { self.heap.push(extra) } else { self.waiting.push(extra) }
         }
     }
 
-    /// An extra made exact, with the lift that frees it; it takes nothing where that is too much. `None` where blades are in the
-    /// way, or others have left too little.
-    fn checked(&self, mut extra: Extra, columns: &[Column], search: &mut ContactSearch) -> Option<Extra> {
-        let row = &self.rows[extra.row];
-        let gain = |extra: &Extra| self.floor.gain(row.maker.part, &self.cutter(extra));
-        let free = gain(&extra);
-        if free.cost < self.least || row.maker.monitor.is_cancelled() {
+    /// All axes of a place, or an axis as it can be cut.
+    fn closer(&self, extra: Extra, columns: &Columns, search: &mut ContactSearch) -> Vec<Extra> {
+        let Extra { row, s, order, .. } = extra;
+        match extra.look {
+            Look::Place(_) => self.rows[row]
+                .fan(s, (0..TILTS).map(tilt), &FAN_SHARES)
+                .into_iter()
+                .enumerate()
+                .map(|(axis, station)| Extra { order: (order.0, axis), look: Look::Axis(station), ..extra })
+                .filter_map(|axis| self.still_worth(axis))
+                .collect(),
+            Look::Axis(station) => self.freed(extra, &station, columns, search).into_iter().collect(),
+            Look::Plunge { .. } => vec![extra],
+        }
+    }
+
+    /// An axis made exact, with the lift that frees it; it takes nothing where that is too much. `None` where blades are in
+    /// the way.
+    fn freed(
+        &self,
+        extra: Extra,
+        station: &Station,
+        columns: &Columns,
+        search: &mut ContactSearch,
+    ) -> Option<Extra> {
+        let Extra { row, .. } = extra;
+        let makes = &self.rows[row];
+        if makes.maker.monitor.is_cancelled() {
             return None;
         }
-        extra.station = row.maker.exact(&extra.station).filter(|station| row.allowed(station))?;
+        let free = self.gain(row, station, 0.0);
+        let station = makes.maker.exact(station).filter(|station| makes.allowed(station))?;
         // Lifted by more, it would take next to nothing.
-        let enough = (MOST_LIFT_SHARE * free.drop).min(MOST_LIFT_RADII * row.maker.tool.radius());
-        let depth = search.depth(&row.column(&extra.station), columns.iter(), self.blank, enough);
-        extra.lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-        extra.checked = true;
-        extra.gain = if depth > enough { 0.0 } else { gain(&extra).cost };
-        Some(extra)
+        let enough = (MOST_LIFT_SHARE * free.drop).min(MOST_LIFT_RADII * makes.maker.tool.radius());
+        let column = makes.column(&station);
+        let depth = search.depth(&column, columns.all().near(&column), self.blank, enough);
+        let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
+        let gain = if depth > enough { 0.0 } else { self.gain(row, &station, lift).cost };
+        Some(Extra { gain, look: Look::Plunge { station, lift }, ..extra })
     }
+}
+
+/// Feed tilt number `j`, rad.
+fn tilt(j: usize) -> f64 {
+    (TILT_FROM_DEG + TILT_STEP_DEG * j as f64).to_radians()
 }

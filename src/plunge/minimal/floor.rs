@@ -146,8 +146,13 @@ impl Floor {
         })
     }
 
-    /// Lowest height of a cell that `cutter` leaves, if it comes over it.
+    /// Lowest height of a cell that `cutter` leaves, if it lowers it.
     fn entry(cell: &Cell, cutter: &CutterSolid) -> Option<f64> {
+        // Most cells that were cut lie below the plane of the bottom.
+        let above = (cell.point - cutter.tip).dot(&cutter.axis) + cell.height * cell.normal.dot(&cutter.axis);
+        if above <= 0.0 && cell.normal.dot(&cutter.axis) > 0.0 {
+            return None;
+        }
         let (low, high) = cutter.column_interval(cutter.radius, &cell.point, &cell.normal)?;
         (high > 0.0 && low < cell.height).then_some(low)
     }

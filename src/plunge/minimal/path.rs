@@ -6,7 +6,7 @@ use super::candidate::{Candidate, CandidateMaker, Place, TILTS};
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
-use crate::plunge::contact::{Column, ContactSearch};
+use crate::plunge::contact::{Column, Columns, ContactSearch};
 use crate::plunge::plan::Held;
 use crate::plunge::row::Station;
 
@@ -51,6 +51,8 @@ struct State {
     before: Option<(usize, usize)>,
 }
 
+/// An s and what there is. A place is large, and they are moved about.
+type PlaceAt = (f64, Option<Box<Place>>);
 /// States of one place, by tilt.
 type States = [Option<State>; TILTS];
 
@@ -85,7 +87,7 @@ impl PathSearch<'_> {
     ///
     /// # Errors
     /// When the work is cancelled.
-    pub fn path(&self, s: &[f64], start: f64, earlier: &[Column]) -> Result<Path, Cancelled> {
+    pub fn path(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<Path, Cancelled> {
         let monitor = self.candidates.maker.monitor;
         let inward = self.candidates.maker.inward;
         let places = self.places(s);
@@ -123,12 +125,13 @@ impl PathSearch<'_> {
     }
 
     /// What there is at every s, and between two of them where the axes turn too much on the way.
-    fn places(&self, s: &[f64]) -> Vec<(f64, Option<Place>)> {
+    fn places(&self, s: &[f64]) -> Vec<PlaceAt> {
         let monitor = self.candidates.maker.monitor;
-        let at = |s: f64| (s, if monitor.is_cancelled() { None } else { self.candidates.at(s) });
-        let mut places: Vec<(f64, Option<Place>)> = s.par_iter().map(|&s| at(s)).collect();
+        let at =
+            |s: f64| (s, if monitor.is_cancelled() { None } else { self.candidates.at(s).map(Box::new) });
+        let mut places: Vec<PlaceAt> = s.par_iter().map(|&s| at(s)).collect();
         for _ in 0..MAX_HALVINGS {
-            let between: Vec<Option<(f64, Option<Place>)>> = places
+            let between: Vec<Option<PlaceAt>> = places
                 .par_windows(2)
                 .map(|pair| {
                     let [Some(a), Some(b)] = [&pair[0].1, &pair[1].1] else { return None };
@@ -185,7 +188,7 @@ impl PathSearch<'_> {
     }
 
     /// Earlier plunges that any candidate of a place may meet.
-    fn near(&self, place: &Place, earlier: &[Column]) -> Vec<Column> {
+    fn near(&self, place: &Place, earlier: &Columns) -> Vec<Column> {
         let maker = self.candidates.maker;
         let ends: Vec<(CutterSolid, f64)> = place
             .tilts
@@ -204,7 +207,8 @@ impl PathSearch<'_> {
         let top = 1.5 * ends.iter().map(|e| e.1).fold(0.0, f64::max);
         let core = maker.tool.core_radius();
         earlier
-            .iter()
+            .all()
+            .around(&three[1], core + fan * top, 1.125 * top)
             .filter(|other| {
                 three.iter().any(|c| {
                     (0..=4).any(|i| {
@@ -285,7 +289,7 @@ impl PathSearch<'_> {
     }
 
     /// The path that ends in the cheapest state of place `last`.
-    fn traced(&self, places: &[(f64, Option<Place>)], states: &[States], last: Option<usize>) -> Path {
+    fn traced(&self, places: &[PlaceAt], states: &[States], last: Option<usize>) -> Path {
         let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
         let end = last.and_then(|k| (0..TILTS).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
         let mut path = Path { cost: end.as_ref().map_or(0.0, cost), ..Path::default() };

@@ -6,7 +6,7 @@ use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
 use crate::part::Tool;
 use crate::part::setup::Feed;
-use crate::plunge::contact::{BlankTop, Column};
+use crate::plunge::contact::{BlankTop, Columns};
 use crate::plunge::cycle::{PlanError, Planner, Row, SectionCut};
 use crate::plunge::ground::{Ground, RowGround, Stretch};
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
@@ -46,7 +46,7 @@ impl Planner<'_> {
         &self,
         index: usize,
         grounds: &[Ground],
-        earlier: &[Column],
+        earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let fed = |feed: Feed, limit: f64| self.fed(index, grounds, earlier, feed, limit, monitor);
@@ -59,7 +59,7 @@ impl Planner<'_> {
             _ => None,
         };
         let Some(Fed { mut cut, .. }) = other.or(first) else {
-            return Ok(SectionCut { feed: Feed::Inward, rows: Vec::new(), columns: earlier.to_vec() });
+            return Ok(SectionCut { feed: Feed::Inward, rows: Vec::new(), columns: earlier.clone() });
         };
         self.add_extras(index, grounds, &mut cut, monitor)?;
         Ok(cut)
@@ -70,7 +70,7 @@ impl Planner<'_> {
         &self,
         index: usize,
         grounds: &[Ground],
-        earlier: &[Column],
+        earlier: &Columns,
         feed: Feed,
         limit: f64,
         monitor: &Monitor,
@@ -79,7 +79,7 @@ impl Planner<'_> {
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let inward = feed.inward();
-        let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.to_vec() };
+        let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.clone() };
         let (mut cost, mut least) = (0.0, 0.0);
         for ground in grounds {
             let Ground { stretch, lane, rows, .. } = ground;

@@ -40,7 +40,7 @@ impl Planner<'_> {
         let most = planned.min(MOST_POSITIONS.saturating_sub(cut.columns.len()));
         for ground in grounds {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
-            for column in &cut.columns {
+            for column in cut.columns.as_slice() {
                 floor.cut(self.part, &column.cutter);
             }
             let rows = self.with_rows_beside_walls(&ground.lane, &ground.stretch, tool, &ground.rows);

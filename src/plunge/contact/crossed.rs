@@ -1,0 +1,187 @@
+//! Earlier plunges as the lines of one core meet them.
+
+use super::columns::{Column, Earlier};
+use crate::geometry::cutter::column_interval;
+use crate::geometry::{CutterSolid, Point, Vector, frame_about, norm2};
+
+/// Newton steps towards a rounded corner, and the distance from it that counts as on it, mm.
+const MAX_CORNER_STEPS: usize = 24;
+const CORNER_TOLERANCE: f64 = 1e-9;
+/// A line along the axis of a core, from its bottom upwards.
+pub struct CoreLine {
+    /// Where it starts: on the bottom, and in the plane of the bottom from its centre, mm.
+    pub origin: Point,
+    x: f64,
+    y: f64,
+    /// Unit direction.
+    pub axis: Vector,
+}
+
+impl CoreLine {
+    /// The point at a height, mm.
+    pub fn at(&self, height: f64) -> Point {
+        self.origin + self.axis * height
+    }
+}
+
+/// An earlier plunge as the lines of one core meet it. They are parallel, so that what depends on the direction alone is
+/// worked out once for all of them, and the rest are polynomials in x and y of [`CoreLine`].
+#[derive(Clone, Copy, Debug)]
+pub struct Crossed {
+    cutter: CutterSolid,
+    /// Cosine of the angle between both axes.
+    along: f64,
+    /// Height above the bottom of the earlier plunge: constant, by x, by y.
+    height: [f64; 3],
+    /// The quadratic a h² + 2 b h + c by which a height h on the line is inside the endless cylinder when it is negative: a;
+    /// b constant, by x, by y; c constant, by x, y, x², xy, y².
+    a: f64,
+    b: [f64; 3],
+    c: [f64; 6],
+}
+
+impl Crossed {
+    fn new(cutter: &CutterSolid, tip: &Point, axis: &Vector, [e1, e2]: &[Vector; 2]) -> Self {
+        let across = |v: &Vector| v - cutter.axis * v.dot(&cutter.axis);
+        let from_tip = tip - cutter.tip;
+        let (d, p, p1, p2) = (across(axis), across(&from_tip), across(e1), across(e2));
+        Self {
+            cutter: *cutter,
+            along: axis.dot(&cutter.axis),
+            height: [&from_tip, e1, e2].map(|v| v.dot(&cutter.axis)),
+            a: d.norm_squared(),
+            b: [&p, &p1, &p2].map(|v| v.dot(&d)),
+            c: [
+                p.norm_squared() - cutter.radius * cutter.radius,
+                2.0 * p.dot(&p1),
+                2.0 * p.dot(&p2),
+                p1.norm_squared(),
+                2.0 * p1.dot(&p2),
+                p2.norm_squared(),
+            ],
+        }
+    }
+
+    /// Interval of the line that the plunge would have removed with a sharp corner.
+    #[inline]
+    pub fn removed_by_sharp(&self, line: &CoreLine) -> Option<(f64, f64)> {
+        let CoreLine { x, y, .. } = *line;
+        let b = self.b[0] + self.b[1] * x + self.b[2] * y;
+        let [c0, cx, cy, cxx, cxy, cyy] = self.c;
+        let c = c0 + (cx + cxx * x + cxy * y) * x + (cy + cyy * y) * y;
+        let height = self.height[0] + self.height[1] * x + self.height[2] * y;
+        column_interval([self.a, b, c], height, self.along)
+    }
+
+    /// What the rounded corner leaves of an interval that a sharp one would have removed.
+    #[inline]
+    pub fn round_corner(&self, line: &CoreLine, low: f64, high: f64) -> Option<(f64, f64)> {
+        if self.cutter.corner_radius == 0.0 {
+            return Some((low, high));
+        }
+        let low = past_corner(&self.cutter, &line.origin, &line.axis, low, 1.0)?;
+        let high = past_corner(&self.cutter, &line.origin, &line.axis, high, -1.0)?;
+        (low < high).then_some((low, high))
+    }
+}
+
+/// The earlier plunges that can touch a core column, latest first.
+#[derive(Debug, Default)]
+pub struct Neighbours {
+    columns: Vec<Crossed>,
+    /// Centre of the core's bottom, its axis, and two directions across.
+    tip: Point,
+    axis: Vector,
+    across: [Vector; 2],
+}
+
+impl Neighbours {
+    /// Of `column`, among all that were cut earlier.
+    pub fn of(column: &Column, earlier: Earlier) -> Self {
+        let mut near = Self::default();
+        near.gather(column, earlier.near(column));
+        near
+    }
+
+    /// The line of the core `rho` mm from its axis at angle `phi`.
+    pub fn line(&self, rho: f64, phi: f64) -> CoreLine {
+        let (sin, cos) = phi.sin_cos();
+        let (x, y) = (rho * cos, rho * sin);
+        CoreLine { origin: self.tip + self.across[0] * x + self.across[1] * y, x, y, axis: self.axis }
+    }
+
+    /// Those of `column`, among `earlier` ones in cutting order.
+    pub fn gather<'c>(&mut self, column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) {
+        let (e1, e2) = frame_about(&column.cutter.axis);
+        (self.tip, self.axis, self.across) = (column.cutter.tip, column.cutter.axis, [e1, e2]);
+        self.columns.clear();
+        self.columns.extend(
+            earlier
+                .rev()
+                .filter(|other| column.may_meet(&other.cutter))
+                .map(|c| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across)),
+        );
+    }
+
+    /// The plunges, latest first.
+    pub fn columns(&self) -> &[Crossed] {
+        &self.columns
+    }
+
+    /// Lowest height on the line from which on something is already removed; infinite if nothing is.
+    pub fn first_entry(&self, line: &CoreLine) -> f64 {
+        let mut first = f64::INFINITY;
+        for crossed in &self.columns {
+            if let Some((low, high)) = crossed.removed_by_sharp(line)
+                && low < first
+                && let Some((low, high)) = crossed.round_corner(line, low, high)
+                && high > 0.0
+            {
+                first = first.min(low);
+            }
+        }
+        first
+    }
+}
+
+/// Where the line passes the surface of the rounded cutter, given where it passes that of the sharp one: at
+/// `height`, going inwards in direction `inwards` (±1) of the line. `None` when it passes the corner by.
+///
+/// The distance to a convex body is convex along a line, so that Newton's steps from outside come closer without
+/// passing it.
+fn past_corner(
+    cutter: &CutterSolid,
+    origin: &Point,
+    direction: &Vector,
+    height: f64,
+    inwards: f64,
+) -> Option<f64> {
+    if !height.is_finite() {
+        return Some(height);
+    }
+    let rising = direction.dot(&cutter.axis);
+    let mut h = height;
+    for _ in 0..MAX_CORNER_STEPS {
+        let d = origin + direction * h - cutter.tip;
+        let z = d.dot(&cutter.axis);
+        let radial = d - cutter.axis * z;
+        let distance = radial.norm();
+        let out = distance - (cutter.radius - cutter.corner_radius);
+        let down = cutter.corner_radius - z;
+        if out <= 0.0 || down <= 0.0 {
+            // On the flat of the bottom or on the flank both are the same.
+            return Some(h);
+        }
+        let length = norm2(out, down);
+        let gap = length - cutter.corner_radius;
+        if gap <= CORNER_TOLERANCE {
+            return Some(h);
+        }
+        let rate = (out * radial.dot(direction) / distance - down * rising) / length;
+        if rate * inwards >= 0.0 {
+            return None;
+        }
+        h -= gap / rate;
+    }
+    Some(h)
+}

@@ -1,0 +1,200 @@
+//! Contact of the core (DESIGN section 3): where the part of the cutter without edges meets stock that no
+//! earlier plunge removed. An exact question about half-infinite cylinders and the turned
+//! blank, answered by intervals along lines of the core.
+
+mod columns;
+mod crossed;
+
+pub use columns::{BlankTop, Column, Columns, Earlier};
+use crossed::{CoreLine, Neighbours};
+
+use super::plan::{CONTACT_TOLERANCE, CoreContact};
+use crate::geometry::{Meridional, Point, search};
+use crate::part::Blank;
+
+/// Rings of lines through the core: (share of the core radius, lines). Contact starts at the
+/// rim of the core, so most lines are there.
+const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
+/// The same for searches.
+const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
+/// Uncovered stretches of one line that are kept apart.
+const STRETCHES: usize = 12;
+/// Contact a plan may have, mm: well below the tolerance of the verdict, so that rounding in a CL file or
+/// another checker's samples do not tip it.
+const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
+/// An entry this far below the bottom, mm, is as good as one further below.
+const DEEP_ENTRY: f64 = -0.2;
+/// Height above the bottom, mm, at which stock counts for the contact area.
+const AREA_HEIGHT: f64 = 0.02;
+
+/// Contact of `column`'s core with the stock of `blank` that `earlier` plunges left.
+pub fn core_contact(column: &Column, earlier: Earlier, blank: &Blank) -> CoreContact {
+    contact_up_to(column, &Neighbours::of(column, earlier), blank, &RINGS, f64::INFINITY)
+}
+
+/// Whether the contact is deeper than a planner may leave it: as [`core_contact`], but done at the first line
+/// that says so.
+pub fn core_interferes(column: &Column, earlier: Earlier, blank: &Blank) -> bool {
+    let near = Neighbours::of(column, earlier);
+    contact_up_to(column, &near, blank, &RINGS, PLANNED_CONTACT).depth > PLANNED_CONTACT
+}
+
+/// By how much a planned plunge must stop short for its core to be free, mm: the depth of [`core_contact`], 0 when it
+/// is no deeper than a plan may leave it.
+pub fn planned_contact(column: &Column, earlier: Earlier, blank: &Blank) -> f64 {
+    let depth = core_contact(column, earlier, blank).depth;
+    if depth > PLANNED_CONTACT { depth } else { 0.0 }
+}
+
+/// How far a search must lift a plunge for its core to be free: fewer lines than [`core_contact`], its
+/// workspace kept from call to call.
+#[derive(Debug, Default)]
+pub struct ContactSearch {
+    near: Neighbours,
+}
+
+impl ContactSearch {
+    /// Contact depth of `column`, mm, 0 when it is no deeper than a plan may leave it. Any value above `enough`
+    /// when it is deeper than that.
+    pub fn depth<'c>(
+        &mut self,
+        column: &Column,
+        earlier: impl DoubleEndedIterator<Item = &'c Column>,
+        blank: &Blank,
+        enough: f64,
+    ) -> f64 {
+        self.near.gather(column, earlier);
+        let enough = enough.max(PLANNED_CONTACT);
+        let depth = contact_up_to(column, &self.near, blank, &SEARCH_RINGS, enough).depth;
+        if depth > PLANNED_CONTACT { depth } else { 0.0 }
+    }
+}
+
+/// Contact; the search may end as soon as the depth exceeds `enough`.
+fn contact_up_to(
+    column: &Column,
+    near: &Neighbours,
+    blank: &Blank,
+    rings: &[(f64, usize)],
+    enough: f64,
+) -> CoreContact {
+    if column.top <= 0.0 {
+        return CoreContact::default();
+    }
+    let mut stock = StockLines { near, blank, top: column.top, warm: None };
+    let line = |rho: f64, phi: f64| near.line(rho, phi);
+    let mut depth = 0.0f64;
+    let mut area = 0.0;
+    // (value, angle) of the rim lines: entry into what is already removed, negative below the bottom.
+    let mut rim = [(0.0f64, 0.0f64); RINGS[0].1];
+    for (ring, &(share, count)) in rings.iter().enumerate() {
+        let rho = share * column.core_radius;
+        let mut hits = 0usize;
+        for i in 0..count {
+            let phi = std::f64::consts::TAU * i as f64 / count as f64;
+            let line = line(rho, phi);
+            // Only of the rim it matters how far below the bottom a line that is free of stock enters.
+            let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
+            let (entry, highest) = stock.on_line(&line, deep);
+            depth = depth.max(highest);
+            if depth > enough {
+                return CoreContact { depth, area_share: area };
+            }
+            if entry > AREA_HEIGHT && stock.is_stock(&line.at(0.5 * AREA_HEIGHT)) {
+                hits += 1;
+            }
+            if ring == 0 {
+                rim[i] = (entry, phi);
+            }
+        }
+        area += hits as f64 / count as f64 * ring_weight(rings, ring);
+    }
+    // Between the lines of the rim the first entry may rise higher: follow it to its top.
+    let rim = &rim[..rings[0].1];
+    let count = rim.len();
+    let step = std::f64::consts::TAU / count as f64;
+    for i in 0..count {
+        let (before, here, after) = (rim[(i + count - 1) % count].0, rim[i].0, rim[(i + 1) % count].0);
+        if here < before || here < after || here < DEEP_ENTRY || !here.is_finite() {
+            continue;
+        }
+        let (phi, _) = search::minimum(
+            |phi| -near.first_entry(&line(column.core_radius, phi)),
+            rim[i].1 - step,
+            rim[i].1 + step,
+            1e-4,
+        );
+        depth = depth.max(stock.on_line(&line(column.core_radius, phi), 0.0).1);
+    }
+    CoreContact { depth, area_share: area }
+}
+
+/// Share of the core disc each ring stands for: annuli midway between the rings.
+fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
+    let border = |i: usize| 0.5 * (rings[i].0 + rings[i + 1].0);
+    let outer = if ring == 0 { 1.0 } else { border(ring - 1) };
+    let inner = if ring + 1 == rings.len() { 0.0 } else { border(ring) };
+    outer * outer - inner * inner
+}
+
+/// Looks for stock on lines of one core.
+struct StockLines<'a> {
+    near: &'a Neighbours,
+    blank: &'a Blank,
+    top: f64,
+    /// Where on the shroud the last look was.
+    warm: Option<f64>,
+}
+
+impl StockLines<'_> {
+    fn is_stock(&mut self, point: &Point) -> bool {
+        self.blank.is_solid(Meridional::of(point), &mut self.warm)
+    }
+
+    /// (height from which on something is already removed, or any below `deep` where no stock is left, highest stock) on the line from the bottom
+    /// upwards, mm above it; infinite and 0 where there is none.
+    fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
+        let mut open = [(0.0f64, self.top); STRETCHES];
+        let mut count = 1;
+        let mut first = f64::INFINITY;
+        for crossed in self.near.columns() {
+            let Some((low, high)) = crossed.removed_by_sharp(line) else { continue };
+            // The corner only takes away from what a sharp cutter would have removed.
+            let matters = low < first || open[..count].iter().any(|&(a, b)| low < b && high > a);
+            if !matters {
+                continue;
+            }
+            let Some((low, high)) = crossed.round_corner(line, low, high) else { continue };
+            if high > 0.0 {
+                first = first.min(low);
+            }
+            if count == 0 {
+                if first <= deep {
+                    break;
+                }
+                continue;
+            }
+            let mut kept = [(0.0, 0.0); STRETCHES];
+            let mut n = 0;
+            for &(a, b) in &open[..count] {
+                for piece in [(a, b.min(low)), (a.max(high), b)] {
+                    if piece.0 < piece.1 && n < STRETCHES {
+                        kept[n] = piece;
+                        n += 1;
+                    }
+                }
+            }
+            (open, count) = (kept, n);
+        }
+        let mut highest = 0.0f64;
+        for &(a, b) in open[..count].iter().filter(|(a, b)| b - a > 1e-9 && *b > 0.0) {
+            if b <= highest {
+                continue;
+            }
+            if let Some(h) = self.blank.highest_inside(&line.origin, &line.axis, a, b, &mut self.warm) {
+                highest = highest.max(h);
+            }
+        }
+        (first, highest)
+    }
+}
