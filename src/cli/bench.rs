@@ -1,5 +1,6 @@
 //! `vanecut bench`: throughput of the kernels on this machine, as a table.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -97,11 +98,7 @@ fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
 
 /// Measures on the largest sample part and prints the medians.
 pub fn run() -> Result<(), Failure> {
-    let text = include_bytes!("../../assets/parts/impeller532.toml");
-    let description = read_part_bytes("impeller532.toml", text, "toml")?;
-    let part = std::sync::Arc::new(
-        Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?,
-    );
+    let part = sample("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
     let channel = Channel::of(&part);
     let request = PlanRequest {
         part: part.clone(),
@@ -174,6 +171,13 @@ pub fn run() -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// A sample part that comes with the program, built.
+pub(super) fn sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Failure> {
+    let description = read_part_bytes(name, text, "toml")?;
+    let part = Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?;
+    Ok(Arc::new(part))
 }
 
 pub(super) fn median(mut work: impl FnMut()) -> f64 {

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
-use crate::part::Feed;
+use crate::part::{Feed, Impeller};
 use crate::plunge::{Held, PlungePlan, Position};
 use crate::residual::FloorGrid;
 
@@ -25,19 +25,28 @@ fn decisive(s: &Summary) -> Map<String, Value> {
     map
 }
 
+/// The first keys of every object: the part, and how many of its `channels` are cut, where any is.
+pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
+    let mut map = Map::new();
+    map.insert("part".into(), json!(part.name));
+    map.insert("blades".into(), json!(part.blade_count));
+    map.insert("splitters".into(), json!(part.splitters.len() * part.blade_count));
+    if let Some(channels) = channels {
+        map.insert("channels".into(), json!(channels));
+    }
+    map
+}
+
 /// What every plan prints: the keys of CONTRACT that describe one plan. `reasons` say why each section was chosen.
 pub fn plan_object(
-    head: &Head,
+    part: &Impeller,
+    channels: usize,
     result: &PolicyResult,
     grid: &FloorGrid,
     reasons: &[Option<String>],
 ) -> Map<String, Value> {
     let (plan, s) = (&result.plan, &result.summary);
-    let mut map = Map::new();
-    map.insert("part".into(), json!(head.part));
-    map.insert("blades".into(), json!(head.blades));
-    map.insert("splitters".into(), json!(head.splitters));
-    map.insert("channels".into(), json!(head.channels));
+    let mut map = head(part, Some(channels));
     map.insert("positions".into(), json!(s.positions));
     map.insert("rows".into(), json!(plan.sections.iter().map(|s| s.rows).sum::<usize>()));
     map.insert("sections".into(), json!(plan.sections.len()));
@@ -55,18 +64,6 @@ pub fn plan_object(
     map.insert("rounds".into(), json!(plan.rounds));
     map.insert("by_section".into(), by_section(result, grid, reasons));
     map
-}
-
-/// What is the same for all plans of a part.
-pub struct Head<'a> {
-    /// Name of the part.
-    pub part: &'a str,
-    /// Number of main blades.
-    pub blades: usize,
-    /// Number of splitters.
-    pub splitters: usize,
-    /// Channels the program cuts.
-    pub channels: usize,
 }
 
 /// Residual and contact keys of a plan, with its sections: for `before` and `policies`.

@@ -7,7 +7,7 @@
 //! | 1 conventional positions, 2 step inspection | [`row`] |
 //! | 3 axis optimisation | [`monotone`] |
 //! | 4 slotting depth | [`slotting`] |
-//! | 5 safe height | [`retract`], [`links`] |
+//! | 5 safe height | [`retract`], [`flight`], [`links`] |
 //! | 6 the loop | [`cycle`], and what still holds of the plan before: [`KnownSections`] |
 //! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
 //! | a look at one position of a plan | [`inspect`] |
@@ -18,6 +18,7 @@ pub mod clearance;
 pub mod contact;
 pub mod cycle;
 mod fit_table;
+pub mod flight;
 mod ground;
 pub mod inspect;
 mod known;
