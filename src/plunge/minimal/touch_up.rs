@@ -17,13 +17,15 @@ const ROUNDS: [f64; 3] = [4.0, 2.0, 1.0];
 const STEP_SHARE: f64 = 0.5;
 /// See [`STEP_SHARE`].
 const PARTS: usize = 4;
+/// At most so many for each plunge of the rows.
+const MOST_SHARE: usize = 2;
 /// Plans of so many positions get no more: they are fine already, and the limit of all is for what the setup asks for.
 const MOST_POSITIONS: usize = MAX_POSITIONS / 4;
 /// They are tried no nearer to each other than this, in cutter radii.
 const NEAREST_RADII: f64 = 0.12;
 
 impl Planner<'_> {
-    /// Adds plunges where the rows of a section left the most, at most as many as there are.
+    /// Adds plunges where the rows of a section left the most, up to [`MOST_SHARE`] times as many as there are.
     pub(super) fn add_extras(
         &self,
         index: usize,
@@ -37,7 +39,7 @@ impl Planner<'_> {
         let scale = SCALE_RADII * tool.radius();
         let allowances = (stock.hub_allowance, stock.blade_allowance);
         let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
-        let most = planned.min(MOST_POSITIONS.saturating_sub(cut.columns.len()));
+        let most = (MOST_SHARE * planned).min(MOST_POSITIONS.saturating_sub(cut.columns.len()));
         for ground in grounds {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice() {
