@@ -63,6 +63,7 @@ commands! {
     SaveSetup "Save setup…" "Writes the setup as it stands" [];
     ExportCl "Export CL…" "Writes the plan shown as \"after\" as an APT cutter-location file" [CTRL, E];
     ExportFlank "Export flank CL…" "Writes the flank plan as an APT cutter-location file" [];
+    ExportScene "Export scene…" "Writes the part, with the plan that is shown, as a glTF scene (.glb)" [];
     SavePicture "Save picture…" "Writes the 3D view as a PNG" [CTRL | SHIFT, E];
     Palette "Search a command" "Finds any command by its name" [CTRL, K];
     KeepSet "Keep as what-if set" "Keeps the setup as it stands, to compare others with it" [CTRL, D];

@@ -27,6 +27,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Picture of a part or of a plan.json, without a window
     Render(RenderArgs),
+    /// Parts from format to format; a part or a plan to a glTF scene
+    Convert(ConvertArgs),
     /// Throughput of the kernels on this machine
     Bench,
 }
@@ -145,4 +147,19 @@ pub struct RenderArgs {
     /// Also draw the colour scale
     #[arg(long)]
     pub legend: bool,
+}
+
+/// `vanecut convert`.
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// Part, a plan.json, or a flank.json
+    pub input: PathBuf,
+    /// File to write: .toml, .glb or .gltf
+    pub output: PathBuf,
+    /// Largest distance of triangles from the surfaces, mm
+    #[arg(long, default_value_t = 0.01)]
+    pub chord_error: f64,
+    /// One node per cutter, for viewers without EXT_mesh_gpu_instancing
+    #[arg(long)]
+    pub plain: bool,
 }

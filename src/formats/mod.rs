@@ -7,6 +7,7 @@
 pub mod apt;
 pub mod flank_file;
 pub mod geomturbo;
+pub mod gltf;
 pub mod native;
 pub mod part_file;
 pub mod plan_file;
@@ -20,6 +21,7 @@ pub mod turbogrid;
 pub mod write;
 
 pub use apt::{ClProgram, ClTool, ClWarning, Motion, Move, read_apt, read_apt_bytes, write_apt};
+pub use gltf::GltfScene;
 pub use native::write_native;
 pub use part_file::{read_part, read_part_bytes};
 pub use setup_file::{axis_policy, flank_scheme, read_setup, read_setup_bytes, write_setup};

@@ -1,6 +1,24 @@
 //! Triangle meshes of impellers: from a part to triangles, and from triangles to a part.
 
+pub mod solid;
+pub mod tessellate;
+
 use crate::geometry::Point;
+
+/// The triangles of a grid of corners, two for each cell with `keep(row, column)`; corners count row by row.
+pub fn grid_triangles(rows: usize, columns: usize, keep: impl Fn(usize, usize) -> bool) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::with_capacity(2 * rows * columns);
+    for i in 0..rows.saturating_sub(1) {
+        for j in 0..columns.saturating_sub(1) {
+            if keep(i, j) {
+                let a = (i * columns + j) as u32;
+                let (b, c, d) = (a + 1, a + columns as u32, a + columns as u32 + 1);
+                triangles.extend([[a, c, b], [b, c, d]]);
+            }
+        }
+    }
+    triangles
+}
 
 /// Triangles over shared points, mm.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,4 +27,16 @@ pub struct TriangleMesh {
     pub points: Vec<Point>,
     /// Three indices into `points` each, counter-clockwise seen from outside the material.
     pub triangles: Vec<[u32; 3]>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::grid_triangles;
+
+    #[test]
+    fn cells_of_a_grid_become_two_triangles_each() {
+        assert_eq!(grid_triangles(3, 3, |_, _| true).len(), 4 * 2);
+        assert_eq!(grid_triangles(3, 3, |i, j| i != j).len(), 2 * 2);
+        assert!(grid_triangles(1, 5, |_, _| true).is_empty());
+    }
 }

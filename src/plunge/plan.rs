@@ -23,6 +23,28 @@ impl CoreContact {
     }
 }
 
+/// What is to be said of a position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Condition {
+    /// Its core meets no stock.
+    Sound,
+    /// The blades keep it from the axis its policy asks for.
+    Blocked,
+    /// Its core meets stock.
+    Interferential,
+}
+
+impl Condition {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::Blocked => "blocked",
+            Self::Interferential => "interferential",
+        }
+    }
+}
+
 /// Why a position could not get the axis its policy asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -99,6 +121,17 @@ pub struct Position {
 }
 
 impl Position {
+    /// What is to be said of it; contact of the core counts first.
+    pub fn condition(&self) -> Condition {
+        if self.contact.interferes() {
+            Condition::Interferential
+        } else if self.blocked.is_some() {
+            Condition::Blocked
+        } else {
+            Condition::Sound
+        }
+    }
+
     /// A planned position before anything was measured of it.
     pub(super) fn unmeasured(station: &super::row::Station, section: usize, row: usize, lambda: f64) -> Self {
         Self {
