@@ -172,6 +172,7 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
     text += &report::table(&outcome.policies(), &outcome.grid);
     text += &format!("{} as written:\n", outcome.after.plan.policy.name());
     text += &report::reasons(&outcome.after.plan, &outcome.reasons);
+    text += &report::added(&outcome.after.plan);
     text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
     text += &report::held(&outcome.after.plan);
     text += &report::blocked(&outcome.after.plan);

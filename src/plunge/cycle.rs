@@ -10,7 +10,7 @@ use super::contact::{BlankTop, Column, Columns, Earlier, core_contact, planned_c
 use super::ground::Ground;
 use super::known::KnownSections;
 use super::links::raise_links;
-use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
+use super::plan::{Dropped, PlungePlan, Position, SectionPlan, Stopped};
 use super::retract::RetractSurface;
 use super::row::Station;
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many, tool_of};
@@ -128,6 +128,8 @@ pub(super) struct SectionCut {
     pub rows: Vec<CutRow>,
     /// All plunges so far, those of earlier sections first.
     pub columns: Columns,
+    /// See [`SectionPlan::added`].
+    pub added: Option<(usize, Stopped)>,
 }
 
 impl<'a> Planner<'a> {
@@ -201,6 +203,7 @@ impl<'a> Planner<'a> {
                 to: section.to,
                 feed: cut.feed,
                 rows: cut.rows.len(),
+                added: cut.added,
             });
             for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
                 plan.rounds = plan.rounds.max(row.rounds);
@@ -355,7 +358,7 @@ impl<'a> Planner<'a> {
         let tool = tool_of(self.setup, section.tool)?;
         let rows = self.section_rows(index, grounds, axes, &columns, monitor)?;
         let feed = section.feed.unwrap_or(Feed::Inward);
-        let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns };
+        let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns, added: None };
         for row in rows {
             cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, monitor)?);
         }

@@ -6,6 +6,7 @@ use crate::monitor::Monitor;
 use crate::plunge::contact::BlankTop;
 use crate::plunge::cycle::{CutRow, PlanError, Planner, SectionCut};
 use crate::plunge::ground::Ground;
+use crate::plunge::plan::Stopped;
 use crate::plunge::row::RowMaker;
 use crate::plunge::sections::{MAX_POSITIONS, tool_of};
 
@@ -39,7 +40,9 @@ impl Planner<'_> {
         let scale = SCALE_RADII * tool.radius();
         let allowances = (stock.hub_allowance, stock.blade_allowance);
         let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
-        let most = (MOST_SHARE * planned).min(MOST_POSITIONS.saturating_sub(cut.columns.len()));
+        let room = MOST_POSITIONS.saturating_sub(cut.columns.len());
+        let most = room.min(MOST_SHARE * planned);
+        let (mut added_in_all, mut stopped) = (0, Stopped::NothingWorthwhile);
         for ground in grounds {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice() {
@@ -84,9 +87,17 @@ impl Planner<'_> {
                 }
                 // Nothing is missing where one of these has no place after all.
                 let added: Vec<CutRow> = cut.rows.drain(before..).collect();
-                cut.rows.extend(added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0));
+                let added = added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0);
+                for row in added {
+                    added_in_all += row.len();
+                    cut.rows.push(row);
+                }
+            }
+            if budget == 0 {
+                stopped = if room < MOST_SHARE * planned { Stopped::PlanFull } else { Stopped::ShareReached };
             }
         }
+        cut.added = Some((added_in_all, stopped));
         Ok(())
     }
 }
