@@ -21,6 +21,8 @@ use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 
 /// Times a plunge is lifted before its contact is left to the verdict.
 const MAX_LIFTS: usize = 8;
+/// Air above the safety distance at a retract point, mm: between two looks along a link it may dip by some µm.
+const RETRACT_MARGIN: f64 = 0.02;
 /// Air left between a freed core and the stock below it, mm.
 const LIFT_MARGIN: f64 = 1e-3;
 
@@ -433,7 +435,7 @@ impl<'a> Planner<'a> {
                     &cutter.axis,
                     tool.radius() - tool.corner_radius,
                 );
-                let retract = cutter.tip + cutter.axis * (lift + 1e-6);
+                let retract = cutter.tip + cutter.axis * (lift + RETRACT_MARGIN);
                 let mut position = position.clone();
                 position.retract = retract;
                 position.contact = core_contact(column, columns.before(k), &self.blank);

@@ -148,7 +148,7 @@ pub struct Position {
     pub hub_clearance: f64,
     /// Least distance of the cutter to the finished blades, mm.
     pub blade_clearance: f64,
-    /// Least distance of the bottom at the retract point to the blank, mm.
+    /// Least distance of the bottom to the blank at the retract point and on the link after it, mm.
     pub retract_clearance: f64,
 }
 
