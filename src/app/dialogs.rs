@@ -61,7 +61,7 @@ impl Purpose {
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf"]),
+            Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf", "glb", "gltf"]),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::ExportCl | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),

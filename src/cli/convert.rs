@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::ConvertArgs;
+use super::args::{ConvertArgs, MeshArgs};
 use super::plan::FIELD_CELLS;
 use super::{Failure, open, say};
 use crate::formats::flank_file::{StoredFlank, is_flank, read_flank_bytes};
@@ -41,7 +41,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
             args.chord_error
         )));
     }
-    let content = read(&args.input)?;
+    let content = read(&args.input, &args.mesh)?;
     if same_file(&args.input, &args.output) {
         return Err(Failure::at(
             &name_of(&args.output),
@@ -87,9 +87,9 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
     }
 }
 
-fn read(path: &Path) -> Result<Content, Failure> {
+fn read(path: &Path, mesh: &MeshArgs) -> Result<Content, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
-        return Ok(Content::Part(Box::new(open::part(path)?)));
+        return Ok(Content::Part(Box::new(open::part(path, mesh)?)));
     }
     let (name, bytes) = (name_of(path), read_bytes(path)?);
     if is_flank(&bytes) {

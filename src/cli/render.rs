@@ -69,7 +69,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         let stored = read_plan_bytes(&name_of(&args.source), bytes)?;
         (stored.part, Some((stored.setup, stored.plan)))
     } else {
-        let (_, part) = open::part(&args.source)?;
+        let (_, part) = open::part(&args.source, &args.mesh)?;
         // A part alone is drawn as it is; with plan colours asked for, it is planned with the defaults.
         if colours == FloorColours::Plain && args.at.is_none() && args.cutters.is_none() {
             (part, None)

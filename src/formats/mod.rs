@@ -23,7 +23,7 @@ pub mod write;
 pub use apt::{ClProgram, ClTool, ClWarning, Motion, Move, read_apt, read_apt_bytes, write_apt};
 pub use gltf::GltfScene;
 pub use native::write_native;
-pub use part_file::{read_part, read_part_bytes};
+pub use part_file::{read_part, read_part_bytes, read_part_with};
 pub use setup_file::{axis_policy, flank_scheme, read_setup, read_setup_bytes, write_setup};
 pub use write::write_whole;
 

@@ -1,7 +1,23 @@
 //! Triangle meshes of impellers: from a part to triangles, and from triangles to a part.
 
+pub mod axis;
+pub mod describe;
+mod fit;
+mod normals;
+mod profile;
+pub mod roles;
+mod rows;
+mod rulings;
+mod sections;
+mod segment;
+mod sides;
 pub mod solid;
+mod surface;
 pub mod tessellate;
+mod tips;
+
+pub use describe::{MeshOptions, Unit, describe};
+pub use roles::{NamedMesh, Role};
 
 use crate::geometry::Point;
 
@@ -27,6 +43,37 @@ pub struct TriangleMesh {
     pub points: Vec<Point>,
     /// Three indices into `points` each, counter-clockwise seen from outside the material.
     pub triangles: Vec<[u32; 3]>,
+}
+
+impl TriangleMesh {
+    /// Adds the triangles of another mesh.
+    pub fn append(&mut self, other: &Self) {
+        let first = self.points.len() as u32;
+        self.points.extend_from_slice(&other.points);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
+    }
+
+    /// The same triangles without the points that none of them uses.
+    #[must_use]
+    pub fn compact(&self) -> Self {
+        let mut to = vec![u32::MAX; self.points.len()];
+        let mut points = Vec::new();
+        let triangles = self
+            .triangles
+            .iter()
+            .map(|t| {
+                t.map(|i| {
+                    let new = &mut to[i as usize];
+                    if *new == u32::MAX {
+                        *new = points.len() as u32;
+                        points.push(self.points[i as usize]);
+                    }
+                    *new
+                })
+            })
+            .collect();
+        Self { points, triangles }
+    }
 }
 
 #[cfg(test)]
