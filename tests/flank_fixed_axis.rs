@@ -136,9 +136,9 @@ fn check(
     layer: &DepthSurface,
     stations: &[Vec<Contact>],
 ) -> FixedAxes {
-    let search = FixedAxisSearch::new(part, channel, tool, &LIMITS);
-    let found = search.runs(stations, layer);
     let finished = FinishedPart::new(part, &channel.sides);
+    let search = FixedAxisSearch::new(&finished, channel, tool, &LIMITS);
+    let found = search.runs(stations, layer);
     for (k, station) in stations.iter().enumerate() {
         let named: Vec<usize> =
             found.unreachable.iter().filter(|u| u.station == k).flat_map(|u| u.contacts.clone()).collect();
@@ -212,7 +212,7 @@ fn lifted_bottoms_stay_above_the_layer() {
     for corner in [0.0, 1.0, 3.0] {
         let tool = tool(6.0, corner, 40.0);
         let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + 3.0 + corner);
-        let search = FixedAxisSearch::new(&part, &channel, &tool, &LIMITS);
+        let search = FixedAxisSearch::new(&finished, &channel, &tool, &LIMITS);
         for station in stations(&part, &channel, &channel.full, &tool, 3.0, (0.1, 0.9, 9), 3) {
             for contact in station {
                 for tilt in [0.0, 0.2, 0.5] {

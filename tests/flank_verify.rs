@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use vanecut::flank::wall::{WallAxes, WallMilling, WallStation};
+use vanecut::flank::wall::{WallFit, WallMilling, WallStation};
 use vanecut::formats::apt::{ClProgram, ClTool, Motion, Move, read_apt_bytes, write_apt};
 use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Point, Vector};
 use vanecut::part::{Channel, Impeller, Setup, Tool};
+use vanecut::plunge::clearance::FinishedPart;
 use vanecut::plunge::slotting::DepthSurface;
 use vanecut::verify::{FlankVerdict, is_flank, verify_flank};
 
@@ -46,14 +47,16 @@ fn made(inner: usize) -> Made {
         tool: &tool,
         blade_allowance: stock.blade_allowance,
         hub_allowance: stock.hub_allowance,
-        tolerance: 0.0,
         extension: 12.0,
         step: 2.0,
         chord_error: 0.002,
     };
     let layer = DepthSurface::new(part.hub.curve(), stock.hub_allowance + tool.corner_radius);
-    let axes =
-        [0, 1].map(|wall| WallAxes::fit(&part, &channel, &channel.full, wall, &milling).expect("a wall"));
+    let finished = FinishedPart::new(&part, &channel.sides);
+    let axes = [0, 1].map(|wall| {
+        let fit = WallFit::new(&finished, &channel.full, wall, &milling).expect("a wall");
+        fit.axes(fit.swept(0.0))
+    });
     let walls = [0, 1].map(|wall| -> Vec<Place> {
         let tip = |s: &WallStation| Some((s.tip_on(&layer, &tool)?, s.axis));
         axes[wall].stations.iter().filter(|s| ALONG.contains(&s.s)).filter_map(tip).collect()

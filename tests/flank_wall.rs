@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use vanecut::flank::wall::{WallAxes, WallMilling, WallStation};
+use vanecut::flank::wall::{WallAxes, WallFit, WallMilling, WallStation};
 use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{CutterSolid, Point};
 use vanecut::part::{BladeWall, Channel, Impeller, Passage, Tool, WallEnvelope};
@@ -30,12 +30,11 @@ fn tool(diameter: f64, corner_radius: f64) -> Tool {
     }
 }
 
-fn milling(tool: &Tool, tolerance: f64) -> WallMilling<'_> {
+fn milling(tool: &Tool) -> WallMilling<'_> {
     WallMilling {
         tool,
         blade_allowance: ALLOWANCE,
         hub_allowance: ALLOWANCE,
-        tolerance,
         extension: 8.0,
         step: 4.0,
         chord_error: 0.001,
@@ -51,9 +50,13 @@ fn walls(channel: &Channel) -> Vec<(&Passage, usize)> {
     walls
 }
 
-fn fitted(part: &Impeller, channel: &Channel, milling: &WallMilling) -> Vec<WallAxes> {
-    let fit = |(passage, wall)| WallAxes::fit(part, channel, passage, wall, milling).expect("a wall");
-    walls(channel).into_iter().map(fit).collect()
+fn fitted(part: &Impeller, channel: &Channel, tool: &Tool, tolerance: f64) -> Vec<WallAxes> {
+    let (finished, milling) = (FinishedPart::new(part, &channel.sides), milling(tool));
+    let fitted = |(passage, wall)| {
+        let fit = WallFit::new(&finished, passage, wall, &milling).expect("a wall");
+        fit.axes(fit.swept(tolerance))
+    };
+    walls(channel).into_iter().map(fitted).collect()
 }
 
 /// The cutter between two stations as a controller moves it; its bottom far below.
@@ -88,7 +91,7 @@ fn the_map_tells_what_a_dense_sweep_leaves() {
         let channel = Channel::of(&part);
         let cutter = tool(6.0, 3.0);
         for ((passage, wall), axes) in
-            walls(&channel).into_iter().zip(fitted(&part, &channel, &milling(&cutter, 0.005)))
+            walls(&channel).into_iter().zip(fitted(&part, &channel, &cutter, 0.005))
         {
             let (map, side) = (&axes.map, passage.walls[wall].side());
             assert!(
@@ -123,7 +126,7 @@ fn ruled_walls_are_met_within_five_micrometres() {
     let channel = Channel::of(&part);
     for diameter in [4.0, 6.0, 10.0] {
         let cutter = tool(diameter, 0.5 * diameter);
-        for (k, axes) in fitted(&part, &channel, &milling(&cutter, 0.005)).iter().enumerate() {
+        for (k, axes) in fitted(&part, &channel, &cutter, 0.005).iter().enumerate() {
             assert!(
                 axes.max_overcut <= 0.005 && axes.max_undercut <= 0.005,
                 "wall {k}, D {diameter}: {} mm over, {} mm under",
@@ -139,7 +142,7 @@ fn neighbouring_axes_turn_by_little() {
     let part = part_at("assets/parts/pump6.toml");
     let channel = Channel::of(&part);
     let cutter = tool(10.0, 5.0);
-    for axes in fitted(&part, &channel, &milling(&cutter, 0.0)) {
+    for axes in fitted(&part, &channel, &cutter, 0.0) {
         for pair in axes.stations.windows(2) {
             let turn = pair[0].axis.angle(&pair[1].axis).to_degrees();
             let way = (pair[1].foot - pair[0].foot).norm();
@@ -156,7 +159,7 @@ fn without_tolerance_nothing_is_cut_too_deep_and_a_bow_is_what_remains() {
         let finished = FinishedPart::new(&part, &channel.sides);
         for diameter in [4.0, 8.0] {
             let cutter = tool(diameter, 0.0);
-            let all = fitted(&part, &channel, &milling(&cutter, 0.0));
+            let all = fitted(&part, &channel, &cutter, 0.0);
             for (k, axes) in all.iter().enumerate() {
                 assert!(axes.max_overcut < 1e-6, "{name} {k}: {} mm over", axes.max_overcut);
                 let wall = [BladeWall::Suction, BladeWall::Pressure][usize::from(k == 1 || k == 2)];
@@ -195,7 +198,7 @@ fn what_stands_in_the_way_is_named() {
     let finished = FinishedPart::new(&part, &channel.sides);
     // The passage is 12.5 mm wide at its narrowest.
     let cutter = tool(16.0, 0.0);
-    for axes in fitted(&part, &channel, &milling(&cutter, 0.005)) {
+    for axes in fitted(&part, &channel, &cutter, 0.005) {
         let blocked = axes.stations.iter().filter(|s| s.blocked.is_some()).count();
         assert!(blocked > 3 && blocked < axes.stations.len() / 2, "{blocked} of {}", axes.stations.len());
         for station in &axes.stations {
@@ -221,7 +224,7 @@ fn cutters_of_all_shapes_come_to_rest_on_the_hub() {
     for corner_radius in [0.0, 1.0, 3.0] {
         let cutter = tool(6.0, corner_radius);
         let surface = DepthSurface::new(part.hub.curve(), ALLOWANCE + corner_radius);
-        let axes = &fitted(&part, &channel, &milling(&cutter, 0.0))[0];
+        let axes = &fitted(&part, &channel, &cutter, 0.0)[0];
         let on_hub = axes.stations.iter().filter(|s| (0.05..0.95).contains(&s.s));
         for station in on_hub.step_by(5) {
             let tip = station.tip_on(&surface, &cutter).expect("over the hub");

@@ -239,6 +239,25 @@ fn one_blade_is_enough_with_the_number_of_blades_and_needs_no_shroud() {
 }
 
 #[test]
+fn the_sides_of_a_blade_may_be_meshes_of_their_own() {
+    let part = sample("pump6.toml");
+    let main = Tessellation::new(&part, &Fineness::default()).main;
+    let mut meshes = separate(&part);
+    meshes.retain(|m| !m.name.starts_with("Blade"));
+    for k in 0..part.blade_count {
+        for (n, face) in main.faces.iter().enumerate() {
+            let at = |point: u32| rotate_z(&main.points[point as usize], part.pitch() * k as f64);
+            let mesh = TriangleMesh {
+                points: face.corners.iter().map(|corner| at(corner.point)).collect(),
+                triangles: face.triangles.clone(),
+            };
+            meshes.push(named(format!("Blade_{k}_face_{n}"), meshes.len(), mesh));
+        }
+    }
+    same(&part, &back(meshes, &MeshOptions::default()), 0.02);
+}
+
+#[test]
 fn splitters_without_a_name_are_told_by_their_length() {
     let part = sample("impeller9x9.toml");
     let mut meshes = separate(&part);

@@ -2,17 +2,19 @@
 
 use std::path::Path;
 
+use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use vanecut::formats::part_file::read_part;
-use vanecut::geometry::{Meridional, frame_about};
+use vanecut::geometry::{Meridional, Vector, frame_about};
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::setup::{Feed, SectionSetup};
-use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
+use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Machine, Setup};
 use vanecut::plunge::contact::{BlankTop, Column, Columns, core_contact};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
 use vanecut::plunge::slotting::DepthSurface;
 use vanecut::plunge::{Planner, PlungePlan};
+use vanecut::verify::verify;
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
@@ -219,4 +221,27 @@ fn a_cancelled_plan_says_so() {
     monitor.cancel();
     let result = Planner::new(&part, &channel, &setup).plan(AxisPolicy::Monotone, &monitor);
     assert!(result.is_err_and(|e| e.to_string() == "cancelled"), "no plan after a cancel");
+}
+
+#[test]
+fn axes_stay_within_what_the_machine_reaches() {
+    let part = sample("impeller532.toml");
+    let (_, free) = planned(&part, &Setup::default(), AxisPolicy::Minimal);
+    let tilt = |axis: &Vector| axis.angle(&part.out_of_inlet());
+    let steepest = free.positions.iter().map(|p| tilt(&p.axis)).fold(0.0, f64::max);
+    let limit = steepest - 4f64.to_radians();
+    let setup = Setup { machine: Machine { max_axis_tilt: limit }, ..Setup::default() };
+    let (setup, held) = planned(&part, &setup, AxisPolicy::Minimal);
+    assert!(held.positions.iter().all(|p| tilt(&p.axis) <= limit + 1e-9), "none is tilted further");
+    assert!(held.positions.len() * 2 > free.positions.len(), "and most of the floor is still cut");
+    assert!(held.positions.iter().all(|p| !p.contact.interferes()));
+
+    let beyond = |plan: &PlungePlan, setup: &Setup| {
+        let text = write_apt(&ClProgram::of_plan(&part.name, plan));
+        let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("a program");
+        let verdict = verify(&part, &Channel::of(&part), setup, &program).expect("a verdict");
+        verdict.faults.iter().filter(|fault| fault.what.contains("tilts the axis")).count()
+    };
+    assert_eq!(beyond(&held, &setup), 0);
+    assert!(beyond(&free, &setup) > 0, "the plan that knows no machine is refused");
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::formats::InputError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
-use crate::job::{JobError, PlanOutcome, PlanRequest};
+use crate::job::{JobError, PlanJob, PlanOutcome, PlanRequest};
 use crate::monitor::Monitor;
 use crate::part::{Impeller, Setup};
 
@@ -56,7 +56,10 @@ impl Default for Engine {
     fn default() -> Self {
         Self {
             open: Arc::new(|source, _| super::files::open_part(source)),
-            plan: Arc::new(crate::job::run),
+            plan: {
+                let job = PlanJob::default();
+                Arc::new(move |request, monitor| job.run(request, monitor))
+            },
             flank: {
                 let job = FlankJob::default();
                 Arc::new(move |request, monitor| job.run(request, monitor))

@@ -6,9 +6,7 @@ use std::time::Duration;
 
 use egui::{Context, Modal, RichText, Ui};
 
-use crate::formats::project_file::{
-    EXTENSION, PartPlace, Project, StoredFigures, StoredSet, Viewpoint, write_project,
-};
+use crate::formats::project_file::{EXTENSION, PartPlace, Project, StoredSet, Viewpoint, write_project};
 use crate::gpu::camera::{Camera, Projection};
 
 use super::App;
@@ -17,7 +15,6 @@ use super::document::{Edited, WhatIf};
 use super::engine::PartSource;
 use super::files::WriteTask;
 use super::home::Home;
-use super::results::Figures;
 use super::state::{Problem, State};
 
 /// A copy is written this long after the last change.
@@ -58,20 +55,6 @@ impl Session {
     }
 }
 
-impl From<&Figures> for StoredFigures {
-    fn from(f: &Figures) -> Self {
-        let Figures { positions, interferential, residual_mean, residual_p95, uncut_share, time } = *f;
-        Self { positions, interferential, residual_mean, residual_p95, uncut_share, time }
-    }
-}
-
-impl From<&StoredFigures> for Figures {
-    fn from(f: &StoredFigures) -> Self {
-        let StoredFigures { positions, interferential, residual_mean, residual_p95, uncut_share, time } = *f;
-        Self { positions, interferential, residual_mean, residual_p95, uncut_share, time }
-    }
-}
-
 /// The project that is open; `None` while no part is.
 fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
     let part = state.document.part.as_ref()?;
@@ -83,7 +66,7 @@ fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
     let sets = edited.sets.iter().map(|set| StoredSet {
         name: set.name.clone(),
         setup: set.setup.clone(),
-        figures: state.results.figures(&set.setup).as_ref().map(StoredFigures::from),
+        figures: state.results.figures(&set.setup),
     });
     Some(Project {
         part: place,
@@ -244,8 +227,8 @@ impl App {
     /// Puts everything a project holds besides part and setup in its place; the part is open already.
     pub(super) fn take_project(&mut self, path: PathBuf, project: &Project) {
         for set in &project.sets {
-            if let Some(figures) = &set.figures {
-                self.state.results.note(set.setup.clone(), figures.into());
+            if let Some(figures) = set.figures {
+                self.state.results.note(set.setup.clone(), figures);
             }
         }
         let framing = self.pictures.as_ref().and_then(|pictures| pictures.framing());

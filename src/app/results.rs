@@ -2,39 +2,22 @@
 
 use std::sync::Arc;
 
+use crate::formats::project_file::Figures;
 use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
 use crate::part::Setup;
 
 use super::planned::Planned;
 
-/// What sets are compared by. Lengths mm, time s.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figures {
-    /// Number of plunges.
-    pub positions: usize,
-    /// Plunges whose core meets stock.
-    pub interferential: usize,
-    /// Stock left on the hub: mean.
-    pub residual_mean: f64,
-    /// Its 95th percentile.
-    pub residual_p95: f64,
-    /// Share of the reachable floor that no plunge reaches.
-    pub uncut_share: f64,
-    /// Estimate for one channel.
-    pub time: f64,
-}
-
-impl From<&Summary> for Figures {
-    fn from(summary: &Summary) -> Self {
-        Self {
-            positions: summary.positions,
-            interferential: summary.interferential,
-            residual_mean: summary.residual_mean,
-            residual_p95: summary.residual_p95,
-            uncut_share: summary.uncut_share,
-            time: summary.time_estimate,
-        }
+/// What a plan came to.
+fn figures_of(summary: &Summary) -> Figures {
+    Figures {
+        positions: summary.positions,
+        interferential: summary.interferential,
+        residual_mean: summary.residual_mean,
+        residual_p95: summary.residual_p95,
+        uncut_share: summary.uncut_share,
+        time: summary.time_estimate,
     }
 }
 
@@ -54,7 +37,7 @@ pub struct Results {
 impl Results {
     /// Takes a plan in, and notes its figures.
     pub fn take(&mut self, planned: Planned) {
-        self.note(planned.setup.clone(), Figures::from(&planned.outcome.after.summary));
+        self.note(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
         self.planned = Some(Arc::new(planned));
     }
 

@@ -140,9 +140,8 @@ impl<'a> Surroundings<'a> {
 
     /// Whether the holder clears blades, hub and the turned blank.
     fn holder_clears(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
-        let radius = 0.5 * tool.holder_diameter();
-        let holder =
-            CutterSolid { tip: foot + axis * tool.overhang, axis: *axis, radius, corner_radius: 0.0 };
+        let holder = tool.holder(*foot, *axis);
+        let radius = holder.radius;
         let (e1, e2) = frame_about(axis);
         let around = 12;
         let rim = |k: i32, up: f64| {

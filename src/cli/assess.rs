@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::args::AssessArgs;
-use super::report::number;
+use super::report::{head, number};
 use super::{Failure, assess_pictures, open, plan, say};
 use crate::assess::passage::{PassageMeasure, Place};
 use crate::assess::reach::{ReachLimits, ReachMap, Sides, Stretch};
@@ -83,13 +83,10 @@ fn object(found: &Found) -> Map<String, Value> {
     let (narrow, wide) = a.width_range();
     let share =
         |wanted: fn(Sides) -> bool| a.reach.as_ref().map_or(Value::Null, |map| number(map.share(wanted)));
-    let mut map = Map::new();
+    let mut map = head(part, None);
     let mut put = |key: &str, value: Value| {
         map.insert(key.to_owned(), value);
     };
-    put("part", json!(part.name));
-    put("blades", json!(part.blade_count));
-    put("splitters", json!(part.splitters.len() * part.blade_count));
     put("twisting", number(a.twisting().to_degrees()));
     put("bending", number(a.bending()));
     put("passage_depth", number(a.depth()));

@@ -1,5 +1,6 @@
 //! `vanecut bench`: throughput of the kernels on this machine, as a table.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -8,7 +9,7 @@ use super::{Failure, bench_flank, say};
 use crate::formats::gltf::GltfScene;
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
-use crate::job::{PlanOutcome, PlanRequest, run as run_job};
+use crate::job::{PlanJob, PlanOutcome, PlanRequest, run as run_job};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Blank, Channel, Impeller, Setup, Tool};
@@ -68,13 +69,38 @@ fn growth(outcome: &PlanOutcome) -> Result<(), Failure> {
     ))
 }
 
+/// How long the window waits for a minimal plan and its fields after one slider moved: what it moved decides what is
+/// stale.
+fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
+    let job = PlanJob::default();
+    let mut request = PlanRequest {
+        part: outcome.part.clone(),
+        setup: outcome.setup.clone(),
+        policy: AxisPolicy::Minimal,
+        compare: false,
+        field_cells: 512,
+    };
+    let mut moved = |what: &str, slider: &dyn Fn(&mut Setup, f64)| {
+        let mut turn = 0.0;
+        let seconds = median(|| {
+            turn += 1.0;
+            slider(&mut request.setup, turn);
+            let _ = job.run(&request, &Monitor::default());
+        });
+        line(&format!("  again, {what} moved"), seconds)
+    };
+    moved("safety distance", &|setup, turn| setup.stock.safety_distance = 2.0 + 0.1 * turn)?;
+    moved("inlet end of the last section", &|setup, turn| {
+        if let Some(section) = setup.plunge.sections.last_mut() {
+            section.to = section.to.max(1e-3) + 1e-3 * turn;
+        }
+    })?;
+    moved("hub allowance", &|setup, turn| setup.stock.hub_allowance = 0.5 + 0.01 * turn)
+}
+
 /// Measures on the largest sample part and prints the medians.
 pub fn run() -> Result<(), Failure> {
-    let text = include_bytes!("../../assets/parts/impeller532.toml");
-    let description = read_part_bytes("impeller532.toml", text, "toml")?;
-    let part = std::sync::Arc::new(
-        Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?,
-    );
+    let part = sample("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
     let channel = Channel::of(&part);
     let request = PlanRequest {
         part: part.clone(),
@@ -96,6 +122,7 @@ pub fn run() -> Result<(), Failure> {
             minimal(&outcome, None);
         }),
     )?;
+    sliders(&outcome)?;
     growth(&outcome)?;
 
     bench_flank::lines()?;
@@ -147,6 +174,13 @@ pub fn run() -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// A sample part that comes with the program, built.
+pub(super) fn sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Failure> {
+    let description = read_part_bytes(name, text, "toml")?;
+    let part = Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?;
+    Ok(Arc::new(part))
 }
 
 /// A mesh of about a million triangles opened as a part.

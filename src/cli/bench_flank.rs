@@ -1,25 +1,20 @@
 //! Times of the flank planner.
 
-use super::bench::{line, median};
+use super::bench::{line, median, sample};
 use super::{Failure, say};
 use crate::flank::CurveSource;
 use crate::flank::choice::choose_tool;
-use crate::formats::part_file::read_part_bytes;
 use crate::formats::tool_library::flank_cutters;
 use crate::job::flank::{FlankJob, FlankRequest};
 use crate::monitor::Monitor;
-use crate::part::{Channel, Impeller, Setup};
+use crate::part::{Channel, Setup};
 
 /// Depths of layers over which growth is measured, mm: the curves' points grow as they fall.
 const DEPTHS: [f64; 4] = [6.0, 3.0, 1.5, 0.75];
 
 /// Measures on the sample wheel with splitters and prints the medians.
 pub fn lines() -> Result<(), Failure> {
-    let text = include_bytes!("../../assets/parts/impeller9x9.toml");
-    let description = read_part_bytes("impeller9x9.toml", text, "toml")?;
-    let part = std::sync::Arc::new(
-        Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?,
-    );
+    let part = sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
     let channel = Channel::of(&part);
     let mut setup = Setup::default();
     let tool = choose_tool(&part, &channel, &setup, flank_cutters())

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::args::FlankArgs;
 use super::plan::{check_folder, make_folder, watched};
-use super::report::number;
+use super::report::{head, number};
 use super::{Failure, open, say};
 use crate::flank::FlankPlan;
 use crate::formats::apt::{ClProgram, write_apt};
@@ -67,14 +67,10 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     let curves = &plan.curves;
     let scheme = curves.scheme;
     let of = |scheme: FlankScheme| &curves.totals[scheme as usize];
-    let mut map = Map::new();
+    let mut map = head(part, Some(1));
     let mut put = |key: &str, value: Value| {
         map.insert(key.to_owned(), value);
     };
-    put("part", json!(part.name));
-    put("blades", json!(part.blade_count));
-    put("splitters", json!(part.splitters.len() * part.blade_count));
-    put("channels", json!(1));
     put("scheme", json!(scheme));
     put("tool", json!(plan.tool));
     put("reason", json!(plan.reason));

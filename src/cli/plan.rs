@@ -143,13 +143,8 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 fn object(outcome: &PlanOutcome, channels: usize) -> serde_json::Map<String, Value> {
-    let head = report::Head {
-        part: &outcome.part.name,
-        blades: outcome.part.blade_count,
-        splitters: outcome.part.splitters.len() * outcome.part.blade_count,
-        channels,
-    };
-    let mut map = report::plan_object(&head, &outcome.after, &outcome.grid, &outcome.reasons);
+    let mut map =
+        report::plan_object(&outcome.part, channels, &outcome.after, &outcome.grid, &outcome.reasons);
     map.insert("policy".into(), json!(outcome.after.plan.policy));
     map.insert("before".into(), report::compared(&outcome.before, &outcome.grid, &outcome.reasons));
     let mut policies = serde_json::Map::new();
@@ -177,6 +172,7 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
     text += &report::table(&outcome.policies(), &outcome.grid);
     text += &format!("{} as written:\n", outcome.after.plan.policy.name());
     text += &report::reasons(&outcome.after.plan, &outcome.reasons);
+    text += &report::added(&outcome.after.plan);
     text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
     text += &report::held(&outcome.after.plan);
     text += &report::blocked(&outcome.after.plan);

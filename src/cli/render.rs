@@ -9,7 +9,7 @@ use super::plan::FIELD_CELLS;
 use super::plot::escaped;
 use super::{Failure, open, plan, render_flank, report};
 use crate::formats::flank_file::{is_flank, read_flank_bytes};
-use crate::formats::plan_file::read_plan;
+use crate::formats::plan_file::read_plan_bytes;
 use crate::formats::source::{name_of, read_bytes};
 use crate::formats::write::write_whole;
 use crate::gpu::legend::add_legend;
@@ -36,13 +36,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let size = parse_size(&args.size)?;
     let view: View = args.view.parse().map_err(|e| Failure::Input(format!("--view: {e}")))?;
     let is_plan = args.source.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-    if is_plan {
-        let bytes = read_bytes(&args.source)?;
-        if is_flank(&bytes) {
-            let plan = read_flank_bytes(&name_of(&args.source), &bytes)?;
-            write_whole(&args.output, &render_flank::picture(args, &plan, view, size)?)?;
-            return Ok(());
-        }
+    let plan_bytes = if is_plan { Some(read_bytes(&args.source)?) } else { None };
+    if let Some(bytes) = plan_bytes.as_deref().filter(|bytes| is_flank(bytes)) {
+        let plan = read_flank_bytes(&name_of(&args.source), bytes)?;
+        write_whole(&args.output, &render_flank::picture(args, &plan, view, size)?)?;
+        return Ok(());
     }
     let colours: FloorColours = match &args.show {
         Some(word) => word.parse().map_err(|e| Failure::Input(format!("--show: {e}")))?,
@@ -67,8 +65,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             }
         };
     }
-    let (part, stored) = if is_plan {
-        let stored = read_plan(&args.source)?;
+    let (part, stored) = if let Some(bytes) = &plan_bytes {
+        let stored = read_plan_bytes(&name_of(&args.source), bytes)?;
         (stored.part, Some((stored.setup, stored.plan)))
     } else {
         let (_, part) = open::part(&args.source, &args.mesh)?;

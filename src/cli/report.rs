@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
-use crate::part::Feed;
+use crate::part::{Feed, Impeller};
 use crate::plunge::{Held, PlungePlan, Position};
 use crate::residual::FloorGrid;
 
@@ -25,19 +25,28 @@ fn decisive(s: &Summary) -> Map<String, Value> {
     map
 }
 
+/// The first keys of every object: the part, and how many of its `channels` are cut, where any is.
+pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
+    let mut map = Map::new();
+    map.insert("part".into(), json!(part.name));
+    map.insert("blades".into(), json!(part.blade_count));
+    map.insert("splitters".into(), json!(part.splitters.len() * part.blade_count));
+    if let Some(channels) = channels {
+        map.insert("channels".into(), json!(channels));
+    }
+    map
+}
+
 /// What every plan prints: the keys of CONTRACT that describe one plan. `reasons` say why each section was chosen.
 pub fn plan_object(
-    head: &Head,
+    part: &Impeller,
+    channels: usize,
     result: &PolicyResult,
     grid: &FloorGrid,
     reasons: &[Option<String>],
 ) -> Map<String, Value> {
     let (plan, s) = (&result.plan, &result.summary);
-    let mut map = Map::new();
-    map.insert("part".into(), json!(head.part));
-    map.insert("blades".into(), json!(head.blades));
-    map.insert("splitters".into(), json!(head.splitters));
-    map.insert("channels".into(), json!(head.channels));
+    let mut map = head(part, Some(channels));
     map.insert("positions".into(), json!(s.positions));
     map.insert("rows".into(), json!(plan.sections.iter().map(|s| s.rows).sum::<usize>()));
     map.insert("sections".into(), json!(plan.sections.len()));
@@ -55,18 +64,6 @@ pub fn plan_object(
     map.insert("rounds".into(), json!(plan.rounds));
     map.insert("by_section".into(), by_section(result, grid, reasons));
     map
-}
-
-/// What is the same for all plans of a part.
-pub struct Head<'a> {
-    /// Name of the part.
-    pub part: &'a str,
-    /// Number of main blades.
-    pub blades: usize,
-    /// Number of splitters.
-    pub splitters: usize,
-    /// Channels the program cuts.
-    pub channels: usize,
 }
 
 /// Residual and contact keys of a plan, with its sections: for `before` and `policies`.
@@ -94,6 +91,8 @@ fn by_section(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>
             map.append(&mut decisive(&s));
             map.insert("blocked".into(), json!(s.blocked));
             map.insert("held".into(), held_object(&held_back(&result.plan, Some(index))));
+            map.insert("added".into(), json!(section.added.map(|(count, _)| count)));
+            map.insert("stopped".into(), json!(section.added.map(|(_, stopped)| stopped.name())));
             map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
             Value::Object(map)
         })
@@ -193,6 +192,19 @@ pub fn reasons(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
             "{:.2} to {:.2}, tool {} (D {}): {reason}\n",
             section.from, section.to, tool.number, tool.diameter
         );
+    }
+    text
+}
+
+/// What was added to the rows of each section, and why no more.
+pub fn added(plan: &PlungePlan) -> String {
+    let mut text = String::new();
+    for section in &plan.sections {
+        if let Some((count, stopped)) = section.added {
+            let (from, to) = (section.from, section.to);
+            text +=
+                &format!("{from:.2} to {to:.2}: {count} plunges added to the rows; {}\n", stopped.words());
+        }
     }
     text
 }

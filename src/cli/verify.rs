@@ -85,13 +85,7 @@ fn plunges(
     let field = residual_field(&grid, &cutters_of(&verdict.plan));
     let summary = Summary::of(&verdict.plan, &grid, &field);
     let result = PolicyResult { plan: verdict.plan, field, summary };
-    let head = report::Head {
-        part: &part.name,
-        blades: part.blade_count,
-        splitters: part.splitters.len() * part.blade_count,
-        channels: verdict.channels,
-    };
-    let mut map = report::plan_object(&head, &result, &grid, &[]);
+    let mut map = report::plan_object(part, verdict.channels, &result, &grid, &[]);
     map.insert("kind".into(), json!("plunge"));
     for key in ["max_overcut", "max_undercut", "uncovered_share"] {
         map.insert(key.into(), Value::Null);

@@ -261,6 +261,14 @@ impl<'a> Chart<'a> {
         }
     }
 
+    /// Where a point lies; inside the splitter the region beside its nearer side.
+    pub fn nearest_region(&self, p: LayerPoint) -> Region {
+        self.region(p).unwrap_or_else(|| {
+            let y = |side: usize| self.borders.splitter.as_ref().map_or(p.y, |s| y_at(&s.sides[side], p.x));
+            if 2.0 * p.y < y(0) + y(1) { Region::LowSide } else { Region::HighSide }
+        })
+    }
+
     /// By how much a point is free of all walls, mm: at 0 the cutter's axis is at the least distance. Negative inside
     /// the splitter and beyond the walls.
     pub fn freedom(&self, p: LayerPoint) -> f64 {

@@ -9,8 +9,8 @@
 mod scene;
 mod search;
 
-use crate::geometry::{CutterSolid, Point, Vector};
-use crate::part::{Channel, Impeller, SideProbe, Tool};
+use crate::geometry::{Point, Vector};
+use crate::part::{Channel, Tool};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
 use scene::{BladePoints, Cone, HubDistance, Least, Near, Shape};
@@ -89,8 +89,7 @@ pub struct FixedAxes {
 pub struct FixedAxisSearch<'a> {
     tool: &'a Tool,
     limits: FixedAxisLimits,
-    finished: FinishedPart<'a>,
-    sides: Vec<SideProbe>,
+    finished: &'a FinishedPart<'a>,
     blades: BladePoints,
     hub: HubDistance,
     shape: Shape,
@@ -121,16 +120,20 @@ const HUB_SLACK: f64 = 0.05;
 const HUB_HEIGHTS: usize = 4;
 
 impl<'a> FixedAxisSearch<'a> {
-    /// For `tool` in channel 1 of `part`.
-    pub fn new(part: &'a Impeller, channel: &Channel, tool: &'a Tool, limits: &FixedAxisLimits) -> Self {
+    /// For `tool` in `channel`, whose surfaces are those of `finished`.
+    pub fn new(
+        finished: &'a FinishedPart<'a>,
+        channel: &Channel,
+        tool: &'a Tool,
+        limits: &FixedAxisLimits,
+    ) -> Self {
         let reach = tool.radius() + limits.blade_allowance;
         Self {
             tool,
             limits: *limits,
-            finished: FinishedPart::new(part, &channel.sides),
-            sides: channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect(),
+            finished,
             blades: BladePoints::new(&channel.sides, reach.max(1e-3)),
-            hub: HubDistance::new(part, tool.overhang + 2.0 * tool.holder_diameter()),
+            hub: HubDistance::new(finished.part, tool.overhang + 2.0 * tool.holder_diameter()),
             shape: Shape::of(tool),
         }
     }
@@ -217,29 +220,17 @@ impl<'a> FixedAxisSearch<'a> {
     ) -> Result<f64, Obstacle> {
         let tip = self.tip(contact, axis, layer);
         let cutter = self.tool.placed(tip, *axis);
-        let mut nearest = least;
-        for side in &self.sides {
-            if let Some(near) = side.nearest_below(&cutter, nearest) {
-                nearest = nearest.min(near.distance);
-            }
-        }
+        let nearest = self.finished.blade_clearance_below(&cutter, least);
         if nearest < self.limits.blade_allowance {
             return Err(Obstacle::Blade);
         }
         if self.finished.hub_clearance(&cutter) < self.limits.hub_allowance - HUB_TOLERANCE {
             return Err(Obstacle::Hub);
         }
-        let holder = CutterSolid {
-            tip: tip + axis * self.tool.overhang,
-            axis: *axis,
-            radius: 0.5 * self.tool.holder_diameter(),
-            corner_radius: 0.0,
-        };
-        let meets =
-            |side: &SideProbe| side.nearest_below(&holder, 0.0).is_some_and(|near| near.distance < 0.0);
-        if self.sides.iter().any(meets) {
-            return Err(Obstacle::Holder);
+        if self.finished.clears(&self.tool.holder(tip, *axis), 0.0) {
+            Ok(nearest)
+        } else {
+            Err(Obstacle::Holder)
         }
-        Ok(nearest)
     }
 }

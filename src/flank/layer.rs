@@ -33,8 +33,6 @@ pub struct Layer {
     pub to: f64,
     /// Height above the hub, mm; of an isoparametric layer that at the leading edge.
     pub height: f64,
-    /// Whether the layer ends at the shroud, before the rim.
-    pub cut_off: bool,
     /// ±1: angles about the axis grow with y, or fall.
     turn: f64,
 }
@@ -76,7 +74,6 @@ impl Layer {
             let stretch = 1.0 - height * hub.at(t).curvature;
             stretch > LEAST_STRETCH
         };
-        let mut cut_off = false;
         let mut last = from;
         let mut inside = false;
         for i in 0..=count {
@@ -89,7 +86,6 @@ impl Layer {
                 }
                 (true, false) => {
                     last = if sound(t) { search::root(&depth_left, last, t, 1e-9) } else { last };
-                    cut_off = true;
                     break;
                 }
                 _ => {}
@@ -112,7 +108,7 @@ impl Layer {
         let points: Vec<Meridional> =
             (0..=CURVE_POINTS + ahead).map(|i| at(from + step * (i as f64 - ahead as f64))).collect();
         let outer = hub.offset_derivative(0.5 * (from + last), height + 0.01 * hub.length()).0;
-        Self::through(part, &points, ahead, outer, height, cut_off)
+        Self::through(part, &points, ahead, outer, height)
     }
 
     /// The layer at the fraction `eta` of the way from hub to shroud, nowhere lower above the hub than `least`, mm.
@@ -130,7 +126,7 @@ impl Layer {
             (0..=CURVE_POINTS + ahead).map(|i| raised(step * (i as f64 - ahead as f64))).collect();
         let height = part.hub.point(0.0).distance(points[ahead]);
         let outer = part.meridional(0.5, eta + 0.05);
-        Self::through(part, &points, ahead, outer, height, false)
+        Self::through(part, &points, ahead, outer, height)
     }
 
     /// Through `points`, of which `ahead` lie before the leading edge.
@@ -140,7 +136,6 @@ impl Layer {
         ahead: usize,
         outer: Meridional,
         height: f64,
-        cut_off: bool,
     ) -> Option<Self> {
         if points.windows(2).any(|p| p[0].distance(p[1]) <= 1e-9 || p[0].r.is_nan() || p[0].r <= 0.0) {
             return None;
@@ -148,14 +143,7 @@ impl Layer {
         let curve = MeridionalCurve::through(points).facing(outer);
         let to = curve.length();
         let from = if ahead == 0 { 0.0 } else { curve.project(points[ahead]).0 };
-        (to - from > LEAST_LENGTH).then(|| Self {
-            curve,
-            from,
-            to,
-            height,
-            cut_off,
-            turn: part.pitch().signum(),
-        })
+        (to - from > LEAST_LENGTH).then(|| Self { curve, from, to, height, turn: part.pitch().signum() })
     }
 
     /// Distance from the rotation axis at `x`, mm, and its slope.

@@ -12,7 +12,8 @@ use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Tool};
 use crate::plunge::choice::estimate::RAPID_FEED;
-use crate::plunge::retract::{RetractSurface, bottom_clearance};
+use crate::plunge::flight::Flight;
+use crate::plunge::retract::{NearBottom, RetractSurface, bottom_clearance, pulled_clear};
 
 /// How a move is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -72,10 +73,10 @@ const MOST_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 const LINK_STEP: f64 = 1.0;
 /// Rounds in which the ends of a flight are raised until it is clear.
 const MAX_ROUNDS: usize = 30;
-/// Flights are looked at in places: what they may lose between them, mm.
+
+/// Flights keep so much more than the safety distance, mm: of a bottom that is near to the blank in two places, the nearer
+/// one may change unseen between two looks.
 const FLIGHT_MARGIN: f64 = 0.05;
-/// Spacing of looks along a flight, in cutter diameters.
-const FLIGHT_LOOKS: f64 = 0.25;
 
 /// What a program is written with.
 pub struct PathMaker<'a> {
@@ -100,8 +101,6 @@ pub struct LayerPasses<'a> {
     pub number: usize,
     /// The surface.
     pub layer: &'a Layer,
-    /// Distance of neighbouring curves, mm.
-    pub interval: f64,
     /// In any order.
     pub passes: Vec<Pass>,
     /// Whether a cutter over a place of the layer keeps clear of the walls.
@@ -295,18 +294,9 @@ impl Writer<'_> {
 
     fn above(&self, (tip, axis): (Point, Vector)) -> Point {
         let tool = self.maker.tool;
-        let mut above =
-            tip + axis * (self.top.height(&tip, &axis, tool.radius() - tool.corner_radius) + 1e-6);
-        for _ in 0..MAX_ROUNDS {
-            // Flat ends of the blank between its circles: go on until it is really clear.
-            let short =
-                self.maker.safety_distance - bottom_clearance(&tool.placed(above, axis), self.maker.blank);
-            if short <= 0.0 {
-                break;
-            }
-            above += axis * (1.5 * short + 1e-3);
-        }
-        above
+        let above = tip + axis * (self.top.height(&tip, &axis, tool.radius() - tool.corner_radius) + 1e-6);
+        let (cutter, blank) = (tool.placed(above, axis), self.maker.blank);
+        pulled_clear(&cutter, bottom_clearance(&cutter, blank), blank, self.maker.safety_distance).0
     }
 
     /// Raises both ends of every flight until the bottom stays clear of the blank all the way.
@@ -316,7 +306,7 @@ impl Writer<'_> {
             let mut clear = true;
             for &k in &flights {
                 monitor.check()?;
-                let short = self.maker.safety_distance + FLIGHT_MARGIN - self.flight_clearance(k);
+                let short = self.lacking(k);
                 if short > 0.0 {
                     clear = false;
                     let lift = (1.0 + 0.3 * round as f64) * short + 0.25 * self.maker.safety_distance + 1e-3;
@@ -335,19 +325,14 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Least distance of the bottom from the blank on the way to move `k`, mm.
-    fn flight_clearance(&self, k: usize) -> f64 {
-        let (from, to) = (&self.moves[k - 1], &self.moves[k]);
-        let tool = self.maker.tool;
-        let looks =
-            ((to.tip - from.tip).norm() / (FLIGHT_LOOKS * tool.diameter)).ceil().clamp(1.0, 400.0) as usize;
-        (0..=looks)
-            .map(|i| {
-                let share = i as f64 / looks as f64;
-                let axis = (from.axis + (to.axis - from.axis) * share).normalize();
-                bottom_clearance(&tool.placed(from.tip + (to.tip - from.tip) * share, axis), self.maker.blank)
-            })
-            .fold(f64::INFINITY, f64::min)
+    /// By how much the bottom comes too near to the blank on the way to move `k`, mm; 0 and less where it does not.
+    fn lacking(&self, k: usize) -> f64 {
+        let PathMaker { tool, blank, .. } = *self.maker;
+        let [from, to] = [k - 1, k].map(|k| (self.moves[k].tip, self.moves[k].axis));
+        let [start, end] = [from, to].map(|(tip, axis)| NearBottom::of(&tool.placed(tip, axis), blank));
+        let wanted = self.maker.safety_distance + FLIGHT_MARGIN;
+        let between = Flight { tool, blank, from, to }.clearance([&start, &end], wanted);
+        wanted - between.min(start.clearance).min(end.clearance)
     }
 }
 

@@ -9,10 +9,11 @@ use super::choice::ChosenTool;
 use super::curves::{CurveSource, FlankCurves, FlankError};
 use super::passes::{LayerAxes, LeftOut, PassMaker};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
-use super::wall::{WallAxes, WallMilling};
+use super::wall::{WallAxes, WallFit, WallMilling};
 use crate::geometry::Vector;
 use crate::monitor::Monitor;
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
+use crate::plunge::clearance::FinishedPart;
 
 use super::chart::WallName;
 
@@ -135,6 +136,7 @@ pub fn plan(
     let source = CurveSource { part, channel, setup, tool };
     let known_curves = stages.curves.take().filter(|(s, t, _)| *s == curve_inputs(setup) && t == tool);
     let known_walls = stages.walls.take().filter(|(s, t, _)| *s == wall_inputs(setup) && t == tool);
+    let finished = FinishedPart::new(part, &channel.sides);
     let (curves, walls) = rayon::join(
         || match known_curves {
             Some((_, _, curves)) => Ok(curves),
@@ -142,7 +144,7 @@ pub fn plan(
         },
         || match known_walls {
             Some((_, _, walls)) => walls,
-            None => Arc::new(milled_walls(part, channel, setup, tool, monitor)),
+            None => Arc::new(milled_walls(&finished, channel, setup, tool, monitor)),
         },
     );
     let curves = curves?;
@@ -151,7 +153,7 @@ pub fn plan(
     stages.walls = Some((wall_inputs(setup), tool.clone(), walls.clone()));
     monitor.report(0.3);
 
-    let maker = PassMaker::new(part, channel, setup, tool, &walls);
+    let maker = PassMaker::new(&finished, channel, setup, tool, &walls);
     let clear = tool.radius() + setup.stock.blade_allowance;
     let beyond = setup.flank.extension_of(tool) + LINK_SPACING;
     let made: Vec<(Chart, LayerAxes)> = curves
@@ -179,10 +181,9 @@ pub fn plan(
         layers.push(LayerPasses {
             number: layers.len(),
             layer: &found.layer,
-            interval: found.interval,
             passes: made.passes,
             fits: Box::new(|p, cutter| {
-                chart.freedom(p) >= -LINK_SLACK && maker.finished.clears(cutter, setup.stock.blade_allowance)
+                chart.freedom(p) >= -LINK_SLACK && finished.clears(cutter, setup.stock.blade_allowance)
             }),
         });
     }
@@ -221,7 +222,7 @@ const LINK_SLACK: f64 = 0.05;
 
 /// All walls of the channel, fitted.
 fn milled_walls(
-    part: &Impeller,
+    finished: &FinishedPart,
     channel: &Channel,
     setup: &Setup,
     tool: &Tool,
@@ -231,7 +232,6 @@ fn milled_walls(
         tool,
         blade_allowance: setup.stock.blade_allowance,
         hub_allowance: setup.stock.hub_allowance,
-        tolerance: WALL_TOLERANCES[0],
         extension: setup.flank.extension_of(tool).max(1e-3),
         step: WALL_STEP,
         chord_error: WALL_CHORD,
@@ -248,20 +248,15 @@ fn milled_walls(
         .into_par_iter()
         .filter(|_| !monitor.is_cancelled())
         .filter_map(|(wall, region, passage, number)| {
-            let mut axes = WallAxes::fit(part, channel, passage, number, &milling)?;
+            let fit = WallFit::new(finished, passage, number, &milling)?;
+            let mut swept = fit.swept(WALL_TOLERANCES[0]);
             for &tolerance in &WALL_TOLERANCES[1..] {
-                if axes.max_undercut <= MOST_UNDERCUT || monitor.is_cancelled() {
+                if swept.map.max_undercut() <= MOST_UNDERCUT || monitor.is_cancelled() {
                     break;
                 }
-                axes = WallAxes::fit(
-                    part,
-                    channel,
-                    passage,
-                    number,
-                    &WallMilling { tolerance, ..milling.clone() },
-                )?;
+                swept = fit.swept(tolerance);
             }
-            Some(MilledWall { wall, region, axes })
+            Some(MilledWall { wall, region, axes: fit.axes(swept) })
         })
         .collect()
 }

@@ -5,14 +5,17 @@
 //! same lines.
 
 mod fit;
+mod places;
 mod swept;
 
 use rayon::prelude::*;
 
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
-use crate::part::{Channel, Impeller, Passage, SideProbe, Tool};
+use crate::part::{Passage, SideProbe, Tool};
+use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
-use fit::{Face, Line};
+use fit::{Face, Fitted, Line};
+use places::{evenly, station_places};
 pub use swept::DeviationMap;
 use swept::{deviation_map, push_off, settle};
 
@@ -25,8 +28,6 @@ pub struct WallMilling<'a> {
     pub blade_allowance: f64,
     /// Stock that stays on the hub: below it, and below the cutter's corner, nothing of the wall is cut.
     pub hub_allowance: f64,
-    /// How much the swept cutter may cut below the allowance. With none, all that a straight edge cannot do is left.
-    pub tolerance: f64,
     /// How far the pass reaches beyond either end of the wall.
     pub extension: f64,
     /// Greatest distance between stations.
@@ -85,10 +86,6 @@ const JUDGED_PER_HEIGHT: usize = 2;
 const MOST_TILT: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Turn between neighbouring axes that cannot come from the wall, rad.
 const JUMP: f64 = 2.0 * MOST_TURN;
-/// Samples along a wall for the spacing of stations.
-const SPACING_SAMPLES: usize = 160;
-/// Most stations of a wall.
-const MAX_STATIONS: usize = 2000;
 /// Rounds of moving positions off the wall between which the swept cutter cuts too deep.
 const CORRECTIONS: usize = 4;
 /// Distances are met to this, mm, and stay clear of the limit by three times as much.
@@ -106,51 +103,86 @@ impl WallStation {
     }
 }
 
-impl WallAxes {
-    /// Positions along `wall` (0 or 1) of `passage`. `None` where the wall has no direction to follow.
-    pub fn fit(
-        part: &Impeller,
-        channel: &Channel,
-        passage: &Passage,
+/// A wall with positions fitted to it, before it is decided how deep they may cut.
+pub struct WallFit<'a> {
+    finished: &'a FinishedPart<'a>,
+    milling: &'a WallMilling<'a>,
+    face: Face<'a>,
+    /// u of the positions.
+    places: Vec<f64>,
+    fitted: Vec<Fitted>,
+    /// Heights of the wall that the fit looked at.
+    heights: usize,
+}
+
+/// Positions along a wall that cut no more than a tolerance below the allowance, and what they leave.
+pub struct SweptWall {
+    tolerance: f64,
+    lines: Vec<Line>,
+    /// Swept deviation over the flank.
+    pub map: DeviationMap,
+}
+
+impl<'a> WallFit<'a> {
+    /// Positions along `wall` (0 or 1) of `passage`, between the surfaces of `finished`. `None` where the wall has no
+    /// direction to follow.
+    pub fn new(
+        finished: &'a FinishedPart<'a>,
+        passage: &'a Passage,
         wall: usize,
-        milling: &WallMilling,
+        milling: &'a WallMilling<'a>,
     ) -> Option<Self> {
         let side = passage.walls.get(wall)?.side();
         let (p, pu, pv) = side.derivatives(0.5, 0.5);
-        let inward = part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 };
+        let inward = finished.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 };
         let into_passage = Vector::new(-p.y, p.x, 0.0) * inward;
         let sign = if pu.cross(&pv).dot(&into_passage) < 0.0 { -1.0 } else { 1.0 };
         let face = Face { side, sign, reach: milling.tool.radius() + milling.blade_allowance };
         let places = station_places(&face, milling)?;
         let count = if side.is_ruled() { RULED_HEIGHTS } else { BOWED_HEIGHTS };
-        let uncut = milling.hub_allowance + milling.tool.corner_radius;
-        let heights = |u: f64, count: usize| {
-            let height = (side.point(u, 1.0) - side.point(u, 0.0)).norm();
-            evenly((uncut / height.max(1e-9)).min(0.9), 1.0, count)
+        let mut fit = Self { finished, milling, face, places, fitted: Vec::new(), heights: count };
+        let fitted = |most_tilt: f64| -> Vec<Fitted> {
+            let fitted = |&u: &f64| fit.face.fit(u, &fit.heights_at(u, count), most_tilt);
+            fit.places.par_iter().map(fitted).collect()
         };
-        let fitted = |most_tilt: f64| -> Vec<Line> {
-            let fit = |&u: &f64| face.fit(u, &heights(u, count), milling.tolerance, most_tilt);
-            places.par_iter().map(fit).collect()
-        };
-        let mut lines = fitted(MOST_TILT);
-        if lines.windows(2).any(|pair| pair[0].axis().angle(&pair[1].axis()) > JUMP) {
-            // A strongly bowed wall has several best tilts, between which neighbours jump.
-            lines = fitted(0.0);
-        }
-        let judged = JUDGED_PER_HEIGHT * (count - 1) + 1;
-        let spare =
-            |line: &Line, u: f64| face.least(line, &heights(u, judged), u) + milling.tolerance - MARGIN;
-        settle(&face, &places, &mut lines, spare);
+        let jumps = |pair: &[Fitted]| pair[0].line().axis().angle(&pair[1].line().axis()) > JUMP;
+        let tilted = fitted(MOST_TILT);
+        // A strongly bowed wall has several best tilts, between which neighbours jump.
+        fit.fitted = if tilted.windows(2).any(jumps) { fitted(0.0) } else { tilted };
+        Some(fit)
+    }
 
-        let (first, last) = (side.u_knots()[0].max(0.0), 1.0);
+    /// Heights of the wall at `u`, from the lowest that the flank cuts up to its tip.
+    fn heights_at(&self, u: f64, count: usize) -> Vec<f64> {
+        let uncut = self.milling.hub_allowance + self.milling.tool.corner_radius;
+        let height = (self.face.side.point(u, 1.0) - self.face.side.point(u, 0.0)).norm();
+        evenly((uncut / height.max(1e-9)).min(0.9), 1.0, count)
+    }
+
+    /// The positions moved along the wall's normals, so that the swept cutter cuts no more than `tolerance` mm below the
+    /// allowance. With none, all that a straight edge cannot do is left.
+    pub fn swept(&self, tolerance: f64) -> SweptWall {
+        let (face, places) = (&self.face, &self.places);
+        let judged = JUDGED_PER_HEIGHT * (self.heights - 1) + 1;
+        let mut lines: Vec<Line> = self
+            .places
+            .par_iter()
+            .zip(&self.fitted)
+            .map(|(&u, fitted)| face.moved_off(fitted, &self.heights_at(u, self.heights), tolerance))
+            .collect();
+        let spare =
+            |line: &Line, u: f64| face.least(line, &self.heights_at(u, judged), u) + tolerance - MARGIN;
+        settle(face, places, &mut lines, spare);
+
+        let (first, last) = (face.side.u_knots()[0].max(0.0), 1.0);
         let on_wall = |u: &f64| (first..=last).contains(u);
-        let low = |u: f64| heights(u, judged)[0];
+        let low = |u: f64| self.heights_at(u, judged)[0];
         let lowest = places.iter().filter(|u| on_wall(u)).map(|&u| low(u)).fold(0.9, f64::min);
         let halves = places.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]);
         let map_u: Vec<f64> = halves.filter(on_wall).collect();
         let map_v = evenly(lowest, 1.0, judged);
         let judge = |lines: &[Line]| {
-            let (mut map, segments) = deviation_map(&face, lines, &map_u, &map_v);
+            let (mut map, segments) = deviation_map(face, lines, &map_u, &map_v);
             // Below the cutter's corner its flank leaves nothing and takes nothing.
             for (k, deviation) in map.deviation.iter_mut().enumerate() {
                 let (u, v) = (map_u[k / map_v.len()], map_v[k % map_v.len()]);
@@ -164,108 +196,35 @@ impl WallAxes {
         for _ in 0..CORRECTIONS {
             let mut spares = vec![0.0; lines.len() - 1];
             for (&deviation, &segment) in map.deviation.iter().zip(&segments) {
-                spares[segment] = f64::min(spares[segment], deviation + milling.tolerance - MARGIN);
+                spares[segment] = f64::min(spares[segment], deviation + tolerance - MARGIN);
             }
             if spares.iter().all(|&spare| spare > -SETTLED) {
                 break;
             }
-            push_off(&face, &places, &mut lines, &spares);
+            push_off(face, places, &mut lines, &spares);
             (map, segments) = judge(&lines);
         }
-        Some(Self {
-            stations: stations(part, channel, milling, &places, &lines),
-            max_overcut: map.max_overcut(),
-            max_undercut: map.max_undercut(),
-            map,
-        })
+        SweptWall { tolerance, lines, map }
     }
-}
 
-/// `count` values from `from` to `to`.
-fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
-    (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
-}
-
-/// u of the stations: as far apart as `step` and the bend of the wall let them.
-fn station_places(face: &Face, milling: &WallMilling) -> Option<Vec<f64>> {
-    let side = face.side;
-    let ends = [side.u_knots()[0], 1.0];
-    let beyond = |u: f64| {
-        let speed = [0.0, 1.0].map(|v| side.derivatives(u, v).1.norm());
-        milling.extension / speed[0].min(speed[1]).max(1e-9)
-    };
-    let (from, to) = (ends[0] - beyond(ends[0]), ends[1] + beyond(ends[1]));
-    let u = evenly(from, to, SPACING_SAMPLES + 1);
-    let du = (to - from) / SPACING_SAMPLES as f64;
-    let offsets = |v: f64| -> Vec<(Point, Vector)> {
-        u.iter()
-            .map(|&u| {
-                let (p, n, _) = face.frame(u, v);
-                (p + n * face.reach, n)
-            })
-            .collect()
-    };
-    // Stations per unit of u.
-    let mut density = vec![0.0f64; u.len()];
-    let edges = [0.0, 0.5, 1.0].map(offsets);
-    let axis = |i: usize| edges[2][i].0 - edges[0][i].0;
-    for i in 1..u.len() {
-        let by_turn = axis(i - 1).angle(&axis(i)) / (MOST_TURN * du);
-        density[i] = density[i].max(by_turn);
-    }
-    for line in &edges {
-        for i in 0..u.len() {
-            let k = i.clamp(1, SPACING_SAMPLES - 1);
-            let (before, (here, normal), after) = (line[k - 1].0, line[k], line[k + 1].0);
-            let speed = (after - before).norm() / (2.0 * du);
-            let bend = ((after - here) - (here - before)).dot(&normal).abs() / (du * du);
-            let by_bend = (bend / (8.0 * milling.chord_error.max(1e-6))).sqrt();
-            density[i] = density[i].max(speed / milling.step.max(1e-3)).max(by_bend);
-        }
-    }
-    let mut number = vec![0.0f64; u.len()];
-    for i in 1..u.len() {
-        // A narrow bend counts on both sides of it.
-        let around = i.saturating_sub(2)..(i + 2).min(u.len());
-        number[i] = number[i - 1] + du * density[around].iter().copied().fold(0.0, f64::max);
-    }
-    let total = number[SPACING_SAMPLES];
-    if !total.is_finite() || total <= 0.0 {
-        return None;
-    }
-    let count = (total.ceil() as usize).clamp(2, MAX_STATIONS);
-    let mut at = 0;
-    let place = |k: usize| {
-        let wanted = total * k as f64 / count as f64;
-        while at + 2 < u.len() && number[at + 1] < wanted {
-            at += 1;
-        }
-        u[at] + du * (wanted - number[at]) / (number[at + 1] - number[at]).max(1e-12)
-    };
-    Some((0..=count).map(place).collect())
-}
-
-/// The positions with what stands in their way.
-fn stations(
-    part: &Impeller,
-    channel: &Channel,
-    milling: &WallMilling,
-    places: &[f64],
-    lines: &[Line],
-) -> Vec<WallStation> {
-    let probes: Vec<SideProbe> = channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect();
-    let hub = part.hub.curve();
-    let wanted = milling.blade_allowance - milling.tolerance;
-    places
-        .par_iter()
-        .zip(lines)
-        .map(|(&u, line)| {
+    /// The positions with what stands in their way.
+    pub fn axes(&self, swept: SweptWall) -> WallAxes {
+        let hub = self.finished.part.hub.curve();
+        let wanted = self.milling.blade_allowance - swept.tolerance;
+        let station = |(&u, line): (&f64, &Line)| {
             let axis = line.axis();
-            let cutter = milling.tool.placed(line.low + axis * milling.hub_allowance, axis);
-            let s = part.hub.s_at(hub.project(Meridional::of(&line.low)).0);
-            WallStation { u, s, foot: line.low, axis, blocked: obstacle(&probes, &cutter, wanted) }
-        })
-        .collect()
+            let cutter = self.milling.tool.placed(line.low + axis * self.milling.hub_allowance, axis);
+            let s = self.finished.part.hub.s_at(hub.project(Meridional::of(&line.low)).0);
+            let blocked = obstacle(self.finished.blades(), &cutter, wanted);
+            WallStation { u, s, foot: line.low, axis, blocked }
+        };
+        WallAxes {
+            stations: self.places.par_iter().zip(&swept.lines).map(station).collect(),
+            max_overcut: swept.map.max_overcut(),
+            max_undercut: swept.map.max_undercut(),
+            map: swept.map,
+        }
+    }
 }
 
 /// The nearest of the sides that `cutter` comes nearer to than `wanted`.

@@ -1,19 +1,16 @@
 //! `flank.json`: a flank plan with everything needed to show it again, part and setup included.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::part_file::read_part_bytes;
-use super::setup_file::{read_setup_bytes, write_setup};
-use super::source::{name_of, read_bytes};
+use super::setup_file::write_setup;
+use super::stored::{self, Origin, are_sane, damaged};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::schemes::Role;
 use crate::flank::wall::DeviationMap;
 use crate::flank::{FlankMove, FlankPlan, MoveKind};
-use crate::geometry::{Point, Vector};
+use crate::geometry::Point;
 use crate::part::{FlankScheme, Impeller, PartDescription, Setup};
 
 /// Version of the file; readers refuse newer ones.
@@ -189,14 +186,6 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
     text
 }
 
-/// Reads a flank plan file.
-///
-/// # Errors
-/// As [`read_flank_bytes`], or when the file cannot be read.
-pub fn read_flank(path: &Path) -> Result<StoredFlank, InputError> {
-    read_flank_bytes(&name_of(path), &read_bytes(path)?)
-}
-
 /// Whether the bytes look like a flank plan file rather than a plunge plan.
 pub fn is_flank(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(64)];
@@ -216,50 +205,30 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
             "give a flank.json that `vanecut flank` wrote",
         )
     })?;
-    if file.vanecut_flank > VERSION {
-        return Err(InputError::new(
-            name,
-            0,
-            format!(
-                "the flank plan file has version {}, this program reads up to {VERSION}",
-                file.vanecut_flank
-            ),
-            "open it with a newer vanecut",
-        ));
-    }
-    let inside = |what: &str| format!("{name} ({what})");
-    let description = read_part_bytes(&inside("part"), file.part.as_bytes(), "toml")?;
-    let part = Impeller::build(&description)
-        .map_err(|e| InputError::new(&inside("part"), e.line, e.what, e.cure))?;
-    let setup = read_setup_bytes(&inside("setup"), file.setup.as_bytes())?;
-    let broken = |what: String| InputError::new(name, 0, what, "plan the part again");
-    let sane = |p: &[f64; 3]| p.iter().all(|x| x.is_finite() && x.abs() < 1e6);
+    stored::check_version(name, "flank plan file", file.vanecut_flank, VERSION)?;
+    let Origin { description, part, setup } = stored::origin(name, &file.part, &file.setup)?;
     let layers = file.layers.len();
     let mut curves = Vec::new();
     for (layer, found) in file.layers.into_iter().enumerate() {
         for curve in found.curves {
-            if !curve.points.iter().all(sane) {
-                return Err(broken(format!("a curve of layer {} is damaged", layer + 1)));
+            if !are_sane(curve.points.iter().flatten()) {
+                return Err(damaged(name, format!("a curve of layer {} is damaged", layer + 1)));
             }
-            let points = curve.points.into_iter().map(|p| Point::from(Vector::from(p))).collect();
+            let points = curve.points.into_iter().map(stored::point).collect();
             curves.push(ShownCurve { layer, region: curve.region, wall: curve.wall, points });
         }
     }
     let mut moves = Vec::with_capacity(file.moves.len());
     for (number, (kind, layer, region, wall, tip, axis)) in file.moves.into_iter().enumerate() {
-        let direction = Vector::from(axis);
-        if !sane(&tip) || (direction.norm() - 1.0).abs() > 1e-6 || layer >= layers.max(1) {
-            return Err(broken(format!("move {} is damaged", number + 1)));
-        }
-        let tip = Point::from(Vector::from(tip));
-        moves.push(FlankMove { kind, tip, axis: direction, layer, region, wall });
+        let axis = stored::unit_axis(axis).filter(|_| are_sane(&tip) && layer < layers.max(1));
+        let Some(axis) = axis else { return Err(damaged(name, format!("move {} is damaged", number + 1))) };
+        moves.push(FlankMove { kind, tip: stored::point(tip), axis, layer, region, wall });
     }
     let mut walls = Vec::new();
     for wall in file.walls {
         let numbers = wall.u.iter().chain(&wall.v).chain(&wall.deviation);
-        if wall.deviation.len() != wall.u.len() * wall.v.len() || !numbers.into_iter().all(|x| x.abs() < 1e6)
-        {
-            return Err(broken("the deviation of a wall is damaged".to_owned()));
+        if wall.deviation.len() != wall.u.len() * wall.v.len() || !are_sane(numbers) {
+            return Err(damaged(name, "the deviation of a wall is damaged"));
         }
         let map = DeviationMap { u: wall.u, v: wall.v, deviation: wall.deviation };
         walls.push(ShownWall { wall: wall.wall, region: wall.region, map });

@@ -15,6 +15,7 @@ pub mod plan_file;
 pub mod project_file;
 pub mod setup_file;
 pub(crate) mod source;
+mod stored;
 mod table;
 pub mod tool_library;
 pub mod turbogrid;

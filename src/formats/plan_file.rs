@@ -1,18 +1,14 @@
 //! `plan.json`: a plunge plan with everything needed to show it again, part and setup included.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::part_file::read_part_bytes;
-use super::setup_file::{read_setup_bytes, write_setup};
-use super::source::{name_of, read_bytes};
-use crate::geometry::{Point, Vector};
+use super::setup_file::write_setup;
+use super::stored::{self, Origin, are_sane, damaged};
 use crate::part::{AxisPolicy, Impeller, PartDescription, Setup};
 use crate::plunge::sections::tool_of;
-use crate::plunge::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan};
+use crate::plunge::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan, Stopped};
 
 /// Version of the file; readers refuse newer ones.
 const VERSION: u32 = 1;
@@ -29,6 +25,9 @@ struct PlanFile {
     rounds: usize,
     settled: bool,
     rows: Vec<usize>,
+    /// Plunges added to each section and why no more. Files of earlier versions have none.
+    #[serde(default)]
+    added: Vec<Option<(usize, Stopped)>>,
     positions: Vec<PositionFile>,
     dropped: Vec<(usize, usize, f64)>,
 }
@@ -87,6 +86,7 @@ pub fn write_plan(
         rounds: plan.rounds,
         settled: plan.settled,
         rows: plan.sections.iter().map(|s| s.rows).collect(),
+        added: plan.sections.iter().map(|s| s.added).collect(),
         positions: plan
             .positions
             .iter()
@@ -117,14 +117,6 @@ pub fn write_plan(
     text
 }
 
-/// Reads a plan file.
-///
-/// # Errors
-/// As [`read_plan_bytes`], or when the file cannot be read.
-pub fn read_plan(path: &Path) -> Result<StoredPlan, InputError> {
-    read_plan_bytes(&name_of(path), &read_bytes(path)?)
-}
-
 /// Reads a plan file; `name` stands for it in messages.
 ///
 /// # Errors
@@ -138,47 +130,35 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
             "give a plan.json that `vanecut plan` wrote",
         )
     })?;
-    if file.vanecut_plan > VERSION {
-        return Err(InputError::new(
-            name,
-            0,
-            format!("the plan file has version {}, this program reads up to {VERSION}", file.vanecut_plan),
-            "open it with a newer vanecut",
-        ));
-    }
-    let inside = |what: &str| format!("{name} ({what})");
-    let description = read_part_bytes(&inside("part"), file.part.as_bytes(), "toml")?;
-    let part = Impeller::build(&description)
-        .map_err(|e| InputError::new(&inside("part"), e.line, e.what, e.cure))?;
-    let setup = read_setup_bytes(&inside("setup"), file.setup.as_bytes())?;
-    let broken = |what: String| InputError::new(name, 0, what, "plan the part again");
+    stored::check_version(name, "plan file", file.vanecut_plan, VERSION)?;
+    let Origin { description, part, setup } = stored::origin(name, &file.part, &file.setup)?;
     let mut sections = Vec::new();
     for (index, section) in setup.plunge.sections.iter().enumerate() {
         sections.push(SectionPlan {
-            tool: tool_of(&setup, section.tool).map_err(|e| broken(e.what))?.clone(),
+            tool: tool_of(&setup, section.tool).map_err(|e| damaged(name, e.what))?.clone(),
             from: section.from,
             to: section.to,
             feed: section.feed.unwrap_or(crate::part::Feed::Inward),
             rows: file.rows.get(index).copied().unwrap_or(0),
+            added: file.added.get(index).copied().flatten(),
         });
     }
     let mut positions = Vec::with_capacity(file.positions.len());
     for (index, p) in file.positions.into_iter().enumerate() {
-        let axis = Vector::from(p.axis);
-        let finite = p.tip.iter().chain(&p.retract).all(|x| x.is_finite() && x.abs() < 1e6);
-        if p.section >= sections.len() || !finite || (axis.norm() - 1.0).abs() > 1e-6 {
-            return Err(broken(format!("position {} is damaged", index + 1)));
-        }
+        let sane = are_sane(p.tip.iter().chain(&p.retract)) && p.section < sections.len();
+        let Some(axis) = stored::unit_axis(p.axis).filter(|_| sane) else {
+            return Err(damaged(name, format!("position {} is damaged", index + 1)));
+        };
         positions.push(Position {
-            tip: Point::from(Vector::from(p.tip)),
+            tip: stored::point(p.tip),
             axis,
-            retract: Point::from(Vector::from(p.retract)),
+            retract: stored::point(p.retract),
             section: p.section,
             row: p.row,
             s: p.s,
             lambda: p.lambda,
             alpha: p.alpha.to_radians(),
-            contact_point: Point::from(Vector::from(p.contact_point)),
+            contact_point: stored::point(p.contact_point),
             contact: CoreContact { depth: p.contact_depth, area_share: p.contact_area },
             lift: p.lift,
             blocked: p.blocked,

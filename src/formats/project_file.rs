@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::setup_file::{read_setup_bytes, write_setup};
+use super::setup_file::write_setup;
 use super::source::{name_of, read_bytes};
+use super::stored::{check_version, setup_within};
 use crate::part::{PartDescription, Setup};
 
 /// Version of the file; readers refuse newer ones.
@@ -46,9 +47,9 @@ pub struct Viewpoint {
     pub parallel: bool,
 }
 
-/// What a set came to when it was planned; lengths mm, time s, share 0…1.
+/// What sets are compared by: what a setup came to when it was planned. Lengths mm, time s, share 0…1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StoredFigures {
+pub struct Figures {
     /// Number of plunges.
     pub positions: usize,
     /// Plunges whose core meets stock.
@@ -71,7 +72,7 @@ pub struct StoredSet {
     /// The setup.
     pub setup: Setup,
     /// What it came to, if it was planned.
-    pub figures: Option<StoredFigures>,
+    pub figures: Option<Figures>,
 }
 
 /// A project.
@@ -112,7 +113,7 @@ struct SetFile {
     name: String,
     setup: String,
     #[serde(default)]
-    figures: Option<StoredFigures>,
+    figures: Option<Figures>,
 }
 
 /// Hash of what a part file describes, the same for every file that describes the same part.
@@ -185,13 +186,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         fault(e.line(), format!("this is no project file ({e})"), "open a file that was saved as a project")
     };
     let version: Version = serde_json::from_slice(bytes).map_err(broken)?;
-    if version.vanecut_project > VERSION {
-        let what = format!(
-            "the project has version {}, this program reads up to {VERSION}",
-            version.vanecut_project
-        );
-        return Err(fault(0, what, "open it with a newer vanecut"));
-    }
+    check_version(&name, "project", version.vanecut_project, VERSION)?;
     let file: ProjectFile = serde_json::from_slice(bytes).map_err(broken)?;
     if file.sets.len() > MAX_SETS {
         let what = format!("{} sets are more than {MAX_SETS}", file.sets.len());
@@ -199,7 +194,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     }
     let part_hash = u64::from_str_radix(&file.part_hash, 16)
         .map_err(|_| fault(0, "part_hash is no hexadecimal number".to_owned(), "save the project again"))?;
-    let setup = |what: &str, text: &str| read_setup_bytes(&format!("{name} ({what})"), text.as_bytes());
+    let setup = |what: &str, text: &str| setup_within(&name, what, text);
     let sets = file.sets.iter().map(|set| {
         Ok(StoredSet { name: set.name.clone(), setup: setup(&set.name, &set.setup)?, figures: set.figures })
     });
@@ -244,7 +239,7 @@ mod tests {
             sets: vec![StoredSet {
                 name: "Set 1".to_owned(),
                 setup,
-                figures: Some(StoredFigures {
+                figures: Some(Figures {
                     positions: 120,
                     interferential: 0,
                     residual_mean: 0.83,

@@ -17,6 +17,8 @@
 //! to = 0.6
 //! [flank]                    # tool, layer_depth, allowed_error
 //! layer_depth = 3.0
+//! [machine]                  # max_axis_tilt
+//! max_axis_tilt = 95.0
 //! ```
 //!
 //! Defaults of a tool: number = its place in the list, sharp corner, insert width 0.9 R (core radius
@@ -39,6 +41,7 @@ const LONGEST: f64 = 10_000.0;
 const LENGTH: Range = Range::Above(0.0, LONGEST);
 const ALLOWANCE: Range = Range::Between(0.0, LONGEST);
 const ANGLE: Range = Range::Above(0.0, 90.0);
+const HALF_TURN: Range = Range::Above(0.0, 180.0);
 const RATE: Range = Range::Above(0.0, 1e6);
 
 /// Greatest number of a tool.
@@ -61,7 +64,7 @@ pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
     let document = Document::new(name, bytes)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
-    root.check_keys(&["part", "stock", "tool", "plunge", "flank"])?;
+    root.check_keys(&["part", "stock", "tool", "plunge", "flank", "machine"])?;
     let mut setup =
         Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..Setup::default() };
     if let Some(table) = root.table("stock")? {
@@ -73,6 +76,12 @@ pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
     }
     if let Some(table) = root.table("flank")? {
         flank(&table, &mut setup.flank)?;
+    }
+    if let Some(table) = root.table("machine")? {
+        table.check_keys(&["max_axis_tilt"])?;
+        if let Some(angle) = table.number("max_axis_tilt", HALF_TURN)? {
+            setup.machine.max_axis_tilt = angle.value.to_radians();
+        }
     }
     Ok(setup)
 }
@@ -363,6 +372,9 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     }
     if let Some(feed) = setup.flank.feed {
         writeln!(out, "feed = {feed:?}")?;
+    }
+    if setup.machine != Setup::default().machine {
+        writeln!(out, "\n[machine]\nmax_axis_tilt = {}", degrees_text(setup.machine.max_axis_tilt))?;
     }
     Ok(())
 }

@@ -14,6 +14,7 @@ mod pipelines;
 pub mod renderer;
 pub mod residual;
 pub mod scene;
+mod target;
 mod uniform;
 pub mod view;
 pub mod walls;

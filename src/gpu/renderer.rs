@@ -12,6 +12,7 @@ use super::mesh::Segment;
 use super::pick::{self, PickTarget};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
 use super::scene::{FloorColours, Layer, MeshBuffers, Scene, SceneOptions, Wheel};
+use super::target;
 use super::uniform::FrameUniform;
 
 /// A picture in memory: 8-bit RGBA, top row first.
@@ -211,43 +212,14 @@ impl Renderer {
         self.stream_cutters(gpu, scene, camera, options);
         let (Some(target), Some(pipelines)) = (&self.target, &self.pipelines[set]) else { return };
 
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        {
-            let (view, resolve_target) = match &target.multisampled {
-                Some(view) => (view, Some(&target.view)),
-                None => (&target.view, None),
-            };
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("scene"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view,
-                    depth_slice: None,
-                    resolve_target,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                        store: if resolve_target.is_some() {
-                            wgpu::StoreOp::Discard
-                        } else {
-                            wgpu::StoreOp::Store
-                        },
-                    },
-                })],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &target.depth,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(1.0),
-                        store: wgpu::StoreOp::Discard,
-                    }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes: None,
-                occlusion_query_set: None,
-                multiview_mask: None,
-            });
+        let (view, resolved) = match &target.multisampled {
+            Some(view) => (view, Some(&target.view)),
+            None => (&target.view, None),
+        };
+        target::draw(gpu, "scene", view, resolved, &target.depth, |pass| {
             pass.set_bind_group(0, &self.bind_group, &[]);
-            self.draw(&mut pass, pipelines, scene, options);
-        }
-        gpu.queue.submit([encoder.finish()]);
+            self.draw(pass, pipelines, scene, options);
+        });
     }
 
     /// Opaque things first, then glass from the inside out: walls, cutters, shroud.
@@ -399,18 +371,8 @@ impl Renderer {
         if self.target.as_ref().is_some_and(|t| t.size == size && t.samples == samples) {
             return;
         }
-        let texture = |label, format, samples, usage| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: samples,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            })
-        };
+        let texture =
+            |label, format, samples, usage| target::texture(&gpu.device, label, format, size, samples, usage);
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
         // The shown texture outlives a change of samples: the window need not register it again.
         let (colour, view) = match self.target.take() {
@@ -453,7 +415,7 @@ impl Renderer {
         let failed = |what: &dyn std::fmt::Display| GpuError::Failed(what.to_string());
         let target = self.target.as_ref().ok_or_else(|| failed(&"no picture was drawn yet"))?;
         let (width, height) = (target.size.x, target.size.y);
-        let mut rgba = pick::read_back(gpu, &target.colour, target.size, 4)?;
+        let mut rgba = target::read_back(gpu, &target.colour, target.size, 4)?;
         // Where nothing covers a pixel wholly, its colour came multiplied by its opacity.
         for pixel in rgba.chunks_exact_mut(4).filter(|pixel| !matches!(pixel[3], 0 | 255)) {
             for k in 0..3 {

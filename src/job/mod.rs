@@ -5,7 +5,8 @@ pub mod flank;
 pub mod summary;
 pub mod worker;
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 pub use summary::Summary;
 
@@ -15,7 +16,7 @@ use crate::formats::tool_library::plunge_cutters;
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, Setup};
 use crate::plunge::sections::{self, Resolved, SetupFault};
-use crate::plunge::{PlanError, Planner, PlungePlan};
+use crate::plunge::{KnownSections, PlanError, Planner, PlungePlan};
 use crate::residual::{
     FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of_setup,
 };
@@ -106,9 +107,39 @@ pub fn resolve(setup: &Setup, part: &Impeller, channel: &Channel) -> Result<Reso
 /// Plans one channel. The one way to a plan for window and command line alike.
 ///
 /// # Errors
-/// [`JobError::Cancelled`] soon after `monitor` is told so; [`JobError::Setup`] when part and setup
-/// do not go together.
+/// As [`PlanJob::run`].
 pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
+    PlanJob::default().run(request, monitor)
+}
+
+/// By policy the sections that were planned last.
+type Known = HashMap<AxisPolicy, KnownSections>;
+
+/// Plans channels and remembers the sections of the last plan, so that only stale ones are planned again.
+#[derive(Debug, Default)]
+pub struct PlanJob {
+    last: Mutex<Option<(Arc<Impeller>, Known)>>,
+}
+
+impl PlanJob {
+    /// Plans one channel.
+    ///
+    /// # Errors
+    /// [`JobError::Cancelled`] soon after `monitor` is told so; [`JobError::Setup`] when part and setup
+    /// do not go together.
+    pub fn run(&self, request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
+        let part = &request.part;
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = last.take().filter(|(known, _)| Arc::ptr_eq(known, part)).map(|(_, known)| known);
+        let mut known = known.unwrap_or_default();
+        let outcome = plan(request, &mut known, monitor);
+        *last = Some((part.clone(), known));
+        outcome
+    }
+}
+
+/// As [`PlanJob::run`], with what is `known`.
+fn plan(request: &PlanRequest, known: &mut Known, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
     let started = std::time::Instant::now();
     let part = &request.part;
     let channel = Channel::of(part);
@@ -119,9 +150,11 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
         monitor.check()?;
         Ok(with_field(plan, grid))
     };
+    let mut known_of = |policy: AxisPolicy| known.remove(&policy).unwrap_or_default();
+    let mut known_conventional = known_of(AxisPolicy::Conventional);
     // The conventional plan is ready long before others: meanwhile it is measured.
     let conventional = || -> Result<(PolicyResult, FloorGrid), PlanError> {
-        let plan = planner.plan(AxisPolicy::Conventional, monitor)?;
+        let plan = planner.plan_knowing(AxisPolicy::Conventional, &mut known_conventional, monitor)?;
         monitor.check()?;
         let cutters = stretches_of_setup(&setup);
         let (blank, stock) = (planner.blank(), &setup.stock);
@@ -132,11 +165,14 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     let wanted = |policy: &&AxisPolicy| {
         **policy != AxisPolicy::Conventional && (request.compare || **policy == request.policy)
     };
-    let policies: Vec<AxisPolicy> = AxisPolicy::ALL.iter().filter(wanted).copied().collect();
+    let mut policies: Vec<(AxisPolicy, KnownSections)> =
+        AxisPolicy::ALL.iter().filter(wanted).map(|&policy| (policy, known_of(policy))).collect();
     let asked = || -> Result<Vec<PlungePlan>, PlanError> {
-        policies.par_iter().map(|&policy| planner.plan(policy, monitor)).collect()
+        policies.par_iter_mut().map(|(policy, known)| planner.plan_knowing(*policy, known, monitor)).collect()
     };
     let (before, asked) = rayon::join(conventional, asked);
+    known.insert(AxisPolicy::Conventional, known_conventional);
+    known.extend(policies);
     let ((before, grid), asked) = (before?, asked?);
     let mut others =
         asked.into_iter().map(|plan| measured(plan, &grid)).collect::<Result<Vec<PolicyResult>, _>>()?;

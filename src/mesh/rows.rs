@@ -44,8 +44,10 @@ pub struct Rows {
 /// Takes blade meshes (each one or more blades, with its role) apart.
 pub fn blades(meshes: &[(Role, TriangleMesh)]) -> Vec<BladeMesh> {
     let mut found: Vec<BladeMesh> = Vec::new();
-    for (role, mesh) in meshes {
-        found.extend(joined(pieces(mesh)).into_iter().map(|mesh| BladeMesh::new(mesh, *role)));
+    // The sides of a blade may be meshes of their own.
+    for role in [Role::Blade, Role::Splitter] {
+        let all = meshes.iter().filter(|(r, _)| *r == role).flat_map(|(_, mesh)| pieces(mesh)).collect();
+        found.extend(joined(all).into_iter().map(|mesh| BladeMesh::new(mesh, role)));
     }
     let longest = found.iter().map(|b| b.length).fold(0.0, f64::max);
     found.retain(|b| b.length > SCRAP * longest);

@@ -1,7 +1,7 @@
 //! Walls by their one-sided envelope (paper C, section II, fig. 5): the ruled surface that a plunging cutter can
 //! follow without cutting the blade, and what it leaves on it.
 
-use super::impeller::Blade;
+use super::blade::Blade;
 use super::side::BladeSide;
 use crate::geometry::envelope::envelope_above;
 use crate::geometry::{Point, Vector};

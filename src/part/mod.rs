@@ -1,10 +1,12 @@
 //! The part in work: impeller, channel, blank, tools and setup.
 
+mod blade;
 pub mod blank;
 mod camber;
 pub mod channel;
 pub mod description;
 pub mod envelope;
+mod flowpath;
 pub mod impeller;
 pub mod probe;
 pub mod setup;
@@ -12,15 +14,17 @@ mod side;
 pub mod tool;
 mod width;
 
+pub use blade::Blade;
 pub use blank::Blank;
 pub use channel::{Channel, ChannelPoint, Passage, Wall, WallAngle, passage_angle};
 pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
 };
 pub use envelope::{BladeWall, WallEnvelope};
-pub use impeller::{Blade, Flowpath, Impeller};
+pub use flowpath::Flowpath;
+pub use impeller::Impeller;
 pub use probe::{Nearest, SideProbe};
-pub use setup::{AxisPolicy, Feed, FlankScheme, FlankSetup, Setup};
+pub use setup::{AxisPolicy, Feed, FlankScheme, FlankSetup, Machine, Setup};
 pub use side::BladeSide;
 pub use tool::Tool;
 pub use width::PassageWidth;

@@ -1,6 +1,8 @@
 //! The setup: stock, tools, and what the programmer asks of the planner. Keys as in the TOML file.
 
+use super::Impeller;
 use super::tool::Tool;
+use crate::geometry::Vector;
 
 /// Axis policy of the plunge planner (paper A and ours).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -154,6 +156,21 @@ impl FlankSetup {
     }
 }
 
+/// `[machine]`: what the machine can reach.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// Largest angle of a tool axis from the part's axis of rotation, where that points out of the inlet, rad (degrees in the
+    /// file). π: any.
+    pub max_axis_tilt: f64,
+}
+
+impl Machine {
+    /// By how much `axis` (unit, tip → holder) at `part` is beyond what the machine reaches, rad; 0 or less when it is not.
+    pub fn beyond(&self, part: &Impeller, axis: &Vector) -> f64 {
+        axis.angle(&part.out_of_inlet()) - self.max_axis_tilt
+    }
+}
+
 /// A whole setup. [`Setup::default`] is what an empty file means.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
@@ -167,6 +184,8 @@ pub struct Setup {
     pub plunge: PlungeSetup,
     /// `[flank]`.
     pub flank: FlankSetup,
+    /// `[machine]`.
+    pub machine: Machine,
 }
 
 impl Setup {
@@ -204,6 +223,7 @@ impl Default for Setup {
                 extension: None,
                 feed: None,
             },
+            machine: Machine { max_axis_tilt: std::f64::consts::PI },
         }
     }
 }

@@ -42,6 +42,12 @@ impl Tool {
         CutterSolid { tip, axis, radius: self.radius(), corner_radius: self.corner_radius }
     }
 
+    /// The holder of the cutter that [`Self::placed`] puts there, as a cylinder without end.
+    pub fn holder(&self, tip: Point, axis: Vector) -> CutterSolid {
+        let radius = 0.5 * self.holder_diameter();
+        CutterSolid { tip: tip + axis * self.overhang, axis, radius, corner_radius: 0.0 }
+    }
+
     /// Tip of the cutter with unit `axis` that touches a surface at `contact` with its corner, or with the rim of its
     /// bottom; `normal` is the unit normal of the surface, out of the stock.
     pub fn tip_at_contact(&self, contact: &Point, normal: &Vector, axis: &Vector) -> Point {

@@ -6,7 +6,8 @@ use crate::part::{Impeller, SideProbe};
 /// The finished surfaces around a channel, ready for many measurements.
 #[derive(Debug)]
 pub struct FinishedPart<'a> {
-    part: &'a Impeller,
+    /// The part itself.
+    pub part: &'a Impeller,
     blades: Vec<SideProbe>,
 }
 
@@ -16,11 +17,26 @@ impl<'a> FinishedPart<'a> {
         Self { part, blades: sides.iter().map(|s| SideProbe::new(s, 0.0, 1.0)).collect() }
     }
 
+    /// The sides of the blades, in the order they were given in.
+    pub fn blades(&self) -> &[SideProbe] {
+        &self.blades
+    }
+
     /// Least signed distance of the cutter (bottom and column) to any blade, mm.
     pub fn blade_clearance(&self, cutter: &CutterSolid) -> f64 {
-        self.blades.iter().fold(f64::INFINITY, |least, blade| {
+        self.blade_clearance_below(cutter, f64::INFINITY)
+    }
+
+    /// As [`Self::blade_clearance`], or `cap` mm where no blade is nearer than that.
+    pub fn blade_clearance_below(&self, cutter: &CutterSolid, cap: f64) -> f64 {
+        self.blades.iter().fold(cap, |least, blade| {
             blade.nearest_below(cutter, least).map_or(least, |near| near.distance.min(least))
         })
+    }
+
+    /// Distance of a point to the nearest blade, mm.
+    pub fn blade_distance(&self, point: &Point) -> f64 {
+        self.blades.iter().map(|blade| blade.nearest_to_point(point).distance).fold(f64::INFINITY, f64::min)
     }
 
     /// Whether the cutter (bottom and column) keeps `allowance` mm from every blade.

@@ -1,13 +1,16 @@
 //! The loop of paper A, fig. 16: conventional positions → step inspection → axis optimisation →
 //! slotting depth and safe height, again until nothing changes; then everything is measured.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::clearance::FinishedPart;
 use super::contact::{BlankTop, Column, Columns, Earlier, core_contact, planned_contact};
 use super::ground::Ground;
+use super::known::KnownSections;
 use super::links::raise_links;
-use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
+use super::plan::{Dropped, PlungePlan, Position, SectionPlan, Stopped};
 use super::retract::RetractSurface;
 use super::row::Station;
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many, tool_of};
@@ -18,6 +21,8 @@ use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 
 /// Times a plunge is lifted before its contact is left to the verdict.
 const MAX_LIFTS: usize = 8;
+/// Air above the safety distance at a retract point, mm: between two looks along a link it may dip by some µm.
+const RETRACT_MARGIN: f64 = 0.02;
 /// Air left between a freed core and the stock below it, mm.
 const LIFT_MARGIN: f64 = 1e-3;
 
@@ -45,6 +50,7 @@ pub struct Planner<'a> {
 }
 
 /// A cutter in its final place.
+#[derive(Debug)]
 struct Placed {
     cutter: CutterSolid,
     hub_clearance: f64,
@@ -54,6 +60,7 @@ struct Placed {
 }
 
 /// One row, planned.
+#[derive(Debug)]
 pub(super) struct Row {
     pub stations: Vec<Station>,
     pub lambda: f64,
@@ -68,6 +75,7 @@ impl Row {
 }
 
 /// A row, cut: every cutter where it really goes.
+#[derive(Debug)]
 pub(super) struct CutRow {
     row: Row,
     /// One for each station; `None` where blades or stock leave no place for it.
@@ -116,11 +124,14 @@ impl CutRow {
 }
 
 /// A section, cut.
+#[derive(Debug)]
 pub(super) struct SectionCut {
     pub feed: Feed,
     pub rows: Vec<CutRow>,
     /// All plunges so far, those of earlier sections first.
     pub columns: Columns,
+    /// See [`SectionPlan::added`].
+    pub added: Option<(usize, Stopped)>,
 }
 
 impl<'a> Planner<'a> {
@@ -149,6 +160,20 @@ impl<'a> Planner<'a> {
     /// [`PlanError::Cancelled`] soon after the monitor asks for it, [`PlanError::Setup`] when a cutter
     /// does not fit where it shall work.
     pub fn plan(&self, policy: AxisPolicy, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
+        self.plan_knowing(policy, &mut KnownSections::default(), monitor)
+    }
+
+    /// As [`Self::plan`], with what is known from the last plan of the same part by the same policy. Remembers what
+    /// it plans, the finished sections of a plan that was cancelled as well.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn plan_knowing(
+        &self,
+        policy: AxisPolicy,
+        known: &mut KnownSections,
+        monitor: &Monitor,
+    ) -> Result<PlungePlan, PlanError> {
         let mut plan = PlungePlan {
             policy,
             sections: Vec::new(),
@@ -157,17 +182,21 @@ impl<'a> Planner<'a> {
             rounds: 0,
             settled: true,
         };
-        let mut columns = Columns::default();
+        let mut last: Option<Arc<SectionCut>> = None;
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
             monitor.check()?;
             monitor.report(0.8 * index as f64 / sections.len() as f64);
             let tool = tool_of(self.setup, section.tool)?;
             let place = SetupPlace::Section { index, tool: tool.number };
-            let cut = self.section(index, policy, columns, monitor).map_err(|error| match error {
-                PlanError::Setup(fault) if fault.place == SetupPlace::Whole => fault.at(place).into(),
-                other => other,
-            })?;
+            let make = |before: Option<&SectionCut>| {
+                let columns = before.map(|cut| cut.columns.clone()).unwrap_or_default();
+                self.section(index, policy, columns, monitor).map_err(|error| match error {
+                    PlanError::Setup(fault) if fault.place == SetupPlace::Whole => fault.at(place).into(),
+                    other => other,
+                })
+            };
+            let cut = self.known_or(index, known, make)?;
             let planned: usize = cut.rows.iter().map(|row| row.placed.len()).sum();
             self.check_count(plan.positions.len() + planned, tool, place)?;
             plan.sections.push(SectionPlan {
@@ -176,6 +205,7 @@ impl<'a> Planner<'a> {
                 to: section.to,
                 feed: cut.feed,
                 rows: cut.rows.len(),
+                added: cut.added,
             });
             for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
                 plan.rounds = plan.rounds.max(row.rounds);
@@ -194,10 +224,12 @@ impl<'a> Planner<'a> {
                     });
                 }
             }
-            columns = cut.columns;
+            last = Some(cut);
         }
         monitor.report(0.85);
-        self.measure(&mut plan, &columns, monitor)?;
+        if let Some(cut) = last {
+            self.measure(&mut plan, &cut.columns, monitor)?;
+        }
         raise_links(&mut plan, &self.blank, self.setup.stock.safety_distance, monitor)?;
         monitor.report(1.0);
         Ok(plan)
@@ -328,7 +360,7 @@ impl<'a> Planner<'a> {
         let tool = tool_of(self.setup, section.tool)?;
         let rows = self.section_rows(index, grounds, axes, &columns, monitor)?;
         let feed = section.feed.unwrap_or(Feed::Inward);
-        let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns };
+        let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns, added: None };
         for row in rows {
             cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, monitor)?);
         }
@@ -403,7 +435,7 @@ impl<'a> Planner<'a> {
                     &cutter.axis,
                     tool.radius() - tool.corner_radius,
                 );
-                let retract = cutter.tip + cutter.axis * (lift + 1e-6);
+                let retract = cutter.tip + cutter.axis * (lift + RETRACT_MARGIN);
                 let mut position = position.clone();
                 position.retract = retract;
                 position.contact = core_contact(column, columns.before(k), &self.blank);

@@ -7,8 +7,8 @@
 //! | 1 conventional positions, 2 step inspection | [`row`] |
 //! | 3 axis optimisation | [`monotone`] |
 //! | 4 slotting depth | [`slotting`] |
-//! | 5 safe height | [`retract`], [`links`] |
-//! | 6 the loop | [`cycle`] |
+//! | 5 safe height | [`retract`], [`flight`], [`links`] |
+//! | 6 the loop | [`cycle`], and what still holds of the plan before: [`KnownSections`] |
 //! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
 //! | a look at one position of a plan | [`inspect`] |
 
@@ -18,8 +18,10 @@ pub mod clearance;
 pub mod contact;
 pub mod cycle;
 mod fit_table;
+pub mod flight;
 mod ground;
 pub mod inspect;
+mod known;
 pub mod lane;
 pub mod links;
 mod minimal;
@@ -32,4 +34,5 @@ pub mod slotting;
 pub mod survey;
 
 pub use cycle::{PlanError, Planner};
-pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan};
+pub use known::KnownSections;
+pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan, Stopped};

@@ -84,3 +84,23 @@ impl NearBottom {
 pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
     NearBottom::of(cutter, blank).clearance
 }
+
+/// Times a cutter is pulled back further before it has to do.
+const MAX_PULLS: usize = 30;
+
+/// Tip of `cutter` when it is pulled back along its axis until its bottom keeps `safety` mm from `blank`, and what it keeps
+/// there; `clearance` is what it keeps now.
+///
+/// Where a [`RetractSurface`] has brought it this is seldom more than nothing: the flat ends of the blank lie between the
+/// circles of that surface.
+pub fn pulled_clear(cutter: &CutterSolid, clearance: f64, blank: &Blank, safety: f64) -> (Point, f64) {
+    let (mut cutter, mut clearance) = (*cutter, clearance);
+    for _ in 0..MAX_PULLS {
+        if clearance >= safety {
+            break;
+        }
+        cutter.tip += cutter.axis * (1.5 * (safety - clearance) + 1e-3);
+        clearance = bottom_clearance(&cutter, blank);
+    }
+    (cutter.tip, clearance)
+}

@@ -11,9 +11,9 @@ mod walls;
 
 use rayon::prelude::*;
 
-use super::Fault;
+use super::{Fault, beyond_machine};
 use crate::formats::apt::{ClProgram, Motion};
-use crate::part::{Blank, Channel, Impeller, Setup, SideProbe};
+use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::retract::bottom_clearance;
@@ -101,9 +101,7 @@ pub fn verify_flank(
     let (steps, tools) = steps_of(part, channel, program, setup)?;
     let blank = Blank::of(part, setup.stock.inlet_extension);
     let surroundings = Surroundings {
-        part,
         finished: FinishedPart::new(part, &channel.sides),
-        sides: channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect(),
         tools: &tools,
         hub_allowance: setup.stock.hub_allowance,
         blade_allowance: setup.stock.blade_allowance,
@@ -128,7 +126,7 @@ pub fn verify_flank(
         faults: Vec::new(),
     };
     for (step, look) in steps.iter().zip(&looks) {
-        verdict.add(step, look, setup);
+        verdict.add(step, look, part, setup);
     }
     let mut channels: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
     channels.sort_unstable();
@@ -142,7 +140,7 @@ pub fn verify_flank(
             shares.map(move |&share| RapidPlace { step: index, share }).collect::<Vec<_>>()
         };
         let rapids: Vec<RapidPlace> = here.iter().enumerate().flat_map(place).collect();
-        let floor = floor_after(part, channel, setup, &blank, &tools, &ours, &rapids);
+        let floor = floor_after(&surroundings.finished, channel, setup, &blank, &tools, &ours, &rapids);
         for (step, volume) in floor.rapids {
             let what = format!(
                 "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
@@ -203,7 +201,7 @@ fn look(step: &Step, around: &Surroundings, blank: &Blank) -> Look {
 }
 
 impl FlankVerdict {
-    fn add(&mut self, step: &Step, look: &Look, setup: &Setup) {
+    fn add(&mut self, step: &Step, look: &Look, part: &Impeller, setup: &Setup) {
         let length = step.length();
         match step.feed {
             Some(feed) => {
@@ -242,6 +240,8 @@ impl FlankVerdict {
                 look.retract, stock.safety_distance
             ),
         );
+        let beyond = beyond_machine(part, setup, &step.to.1);
+        fault(beyond.is_some(), beyond.unwrap_or_default());
         fault(
             step.feed.is_some() && step.turn() > MOST_TURN,
             format!(

@@ -11,7 +11,7 @@ pub use flank::{FlankVerdict, is_flank, verify_flank};
 pub use plunges::{Cut, cuts_of};
 
 use crate::formats::apt::ClProgram;
-use crate::geometry::{CutterSolid, Meridional, Point, rotate_vector_z, rotate_z};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{AxisPolicy, Feed, Tool};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::clearance::FinishedPart;
@@ -129,6 +129,8 @@ pub fn verify(
                 setup.stock.safety_distance
             ),
         );
+        let beyond = beyond_machine(part, setup, &here.axis);
+        fault(beyond.is_some(), beyond.unwrap_or_default());
         fault(
             contact.interferes(),
             format!(
@@ -162,6 +164,21 @@ pub fn verify(
     Ok(Verdict { plan, channels: distinct.len(), faults })
 }
 
+/// Tilt beyond the machine's limit that is put down to rounding, rad.
+const TILT_TOLERANCE: f64 = 1e-6;
+
+/// What is wrong with a tool axis that the machine of `setup` does not reach.
+fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> Option<String> {
+    let (limit, beyond) = (setup.machine.max_axis_tilt, setup.machine.beyond(part, axis));
+    (beyond > TILT_TOLERANCE).then(|| {
+        format!(
+            "tilts the axis by {:.2}° from the part's; the machine reaches {:.2}°",
+            (beyond + limit).to_degrees(),
+            limit.to_degrees()
+        )
+    })
+}
+
 fn turned(cutter: &CutterSolid, angle: f64) -> CutterSolid {
     CutterSolid { tip: rotate_z(&cutter.tip, angle), axis: rotate_vector_z(&cutter.axis, angle), ..*cutter }
 }
@@ -193,6 +210,7 @@ fn sections_of(part: &Impeller, cuts: &[Cut]) -> Vec<SectionPlan> {
                 to: ours.iter().map(s).fold(1.0, f64::min),
                 feed: if last <= first { Feed::Inward } else { Feed::Outward },
                 rows: ours.iter().map(|c| c.row + 1).max().unwrap_or(0),
+                added: None,
             })
         })
         .collect()

@@ -1,7 +1,7 @@
-//! Number fields: number and unit in one box, drag or type, arithmetic allowed, a dot where the value
-//! differs from the default (a click on it resets), and an accessible name.
+//! Rows of a form. Number fields: number and unit in one box, drag or type, arithmetic allowed. Lists to choose from. Both
+//! with a dot where the value differs from the default (a click on it resets), and an accessible name.
 
-use egui::{Color32, DragValue, Response, Sense, Slider, Ui, Vec2};
+use egui::{Color32, ComboBox, DragValue, Response, Sense, Slider, Ui, Vec2};
 
 use super::super::{number, theme};
 
@@ -121,6 +121,41 @@ pub fn angle_row(ui: &mut Ui, radians: &mut f64, default: f64, spec: &Spec) -> b
         *radians = degrees.to_radians();
     }
     changed
+}
+
+/// A choice of a few: how it is called, what there is to choose from, and each one's name and meaning.
+pub struct Choice<T: 'static> {
+    /// Name, sentence case.
+    pub label: &'static str,
+    /// What it decides.
+    pub tip: &'static str,
+    /// All there are, in the order of the list.
+    pub all: &'static [T],
+    /// Name of one of them.
+    pub name: fn(T) -> &'static str,
+    /// What one of them means.
+    pub meaning: fn(T) -> &'static str,
+}
+
+/// A row of the form with a list to choose from: name, list, dot.
+pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, choice: &Choice<T>) {
+    let label = ui.label(choice.label).on_hover_text(choice.tip);
+    ui.horizontal(|ui| {
+        ComboBox::from_id_salt(choice.label)
+            .width(104.0)
+            .selected_text((choice.name)(*value))
+            .show_ui(ui, |ui| {
+                for &one in choice.all {
+                    ui.selectable_value(value, one, (choice.name)(one)).on_hover_text((choice.meaning)(one));
+                }
+            })
+            .response
+            .labelled_by(label.id);
+        if *value != default && reset_dot(ui, choice.label) {
+            *value = default;
+        }
+    });
+    ui.end_row();
 }
 
 /// 5° went through radians and comes back as 5.000000000000001.

@@ -1,6 +1,6 @@
 //! Panel "Flank curves": layers, scheme and error of the flank plan, how the schemes compare, and what is shown of it.
 
-use egui::{ComboBox, Grid, RichText, ScrollArea, Ui};
+use egui::{Grid, RichText, ScrollArea, Ui};
 
 use crate::gpu::flank::FlankColours;
 use crate::job::flank::FlankOutcome;
@@ -8,7 +8,7 @@ use crate::part::{FlankScheme, Setup};
 
 use super::super::command::Command;
 use super::super::look::FlankLook;
-use super::fields::{self, Spec};
+use super::fields::{self, Choice, Spec};
 use super::verdict::duration;
 
 const DEPTH: Spec =
@@ -38,6 +38,14 @@ fn scheme_tip(scheme: FlankScheme) -> &'static str {
     }
 }
 
+const SCHEME: Choice<FlankScheme> = Choice {
+    label: "Scheme",
+    tip: "How a layer is filled with curves",
+    all: &FlankScheme::ALL,
+    name: scheme_label,
+    meaning: scheme_tip,
+};
+
 /// Draws the panel; returns what the user asks for.
 pub fn show(
     ui: &mut Ui,
@@ -48,25 +56,7 @@ pub fn show(
 ) -> Option<Command> {
     let default = Setup::default().flank;
     Grid::new("flank fields").num_columns(2).min_col_width(92.0).spacing([8.0, 4.0]).show(ui, |ui| {
-        let label = ui.label("Scheme").on_hover_text("How a layer is filled with curves");
-        let scheme = &mut setup.flank.scheme;
-        ui.horizontal(|ui| {
-            ComboBox::from_id_salt("flank scheme")
-                .width(104.0)
-                .selected_text(scheme_label(*scheme))
-                .show_ui(ui, |ui| {
-                    for choice in FlankScheme::ALL {
-                        ui.selectable_value(scheme, choice, scheme_label(choice))
-                            .on_hover_text(scheme_tip(choice));
-                    }
-                })
-                .response
-                .labelled_by(label.id);
-            if *scheme != default.scheme && fields::reset_dot(ui, "Scheme") {
-                *scheme = default.scheme;
-            }
-        });
-        ui.end_row();
+        fields::choice_row(ui, &mut setup.flank.scheme, default.scheme, &SCHEME);
         fields::row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
         fields::row(ui, &mut setup.flank.allowed_error, default.allowed_error, &ERROR);
         let now = planned.map(|p| p.setup.flank.extension_of(&p.plan.tool));

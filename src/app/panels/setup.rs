@@ -1,10 +1,10 @@
 //! Panel "Setup": policy, limits, allowances.
 
-use egui::{ComboBox, Grid, Ui};
+use egui::{Grid, Ui};
 
 use crate::part::{AxisPolicy, Setup};
 
-use super::fields::{self, Spec};
+use super::fields::{self, Choice, Spec};
 
 /// Name of a policy on the screen.
 pub fn policy_label(policy: AxisPolicy) -> &'static str {
@@ -25,9 +25,13 @@ fn policy_tip(policy: AxisPolicy) -> &'static str {
     }
 }
 
-/// Policies the planner has.
-const POLICIES: [AxisPolicy; 4] =
-    [AxisPolicy::Minimal, AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Conventional];
+const POLICY: Choice<AxisPolicy> = Choice {
+    label: "Axis policy",
+    tip: "How the axes of the \"after\" plan are made",
+    all: &[AxisPolicy::Minimal, AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Conventional],
+    name: policy_label,
+    meaning: policy_tip,
+};
 
 const STEP: Spec = Spec::mm(
     "Step",
@@ -66,25 +70,7 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     let first = chosen.and_then(|chosen| chosen.tools.first());
     let default = Setup::default().plunge;
     form(ui, "plunge fields", |ui| {
-        let label = ui.label("Axis policy").on_hover_text("How the axes of the \"after\" plan are made");
-        let policy = &mut setup.plunge.axis;
-        ui.horizontal(|ui| {
-            ComboBox::from_id_salt("axis policy")
-                .width(104.0)
-                .selected_text(policy_label(*policy))
-                .show_ui(ui, |ui| {
-                    for choice in POLICIES {
-                        ui.selectable_value(policy, choice, policy_label(choice))
-                            .on_hover_text(policy_tip(choice));
-                    }
-                })
-                .response
-                .labelled_by(label.id);
-            if *policy != default.axis && fields::reset_dot(ui, "Axis policy") {
-                *policy = default.axis;
-            }
-        });
-        ui.end_row();
+        fields::choice_row(ui, &mut setup.plunge.axis, default.axis, &POLICY);
         let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
         fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
         fields::optional_row(ui, &mut setup.plunge.row_spacing, &ROW_SPACING, spacing);

@@ -2,11 +2,11 @@
 
 use egui::{RichText, TextEdit, Ui};
 
+use crate::formats::project_file::Figures;
 use crate::formats::write_setup;
 use crate::part::Setup;
 
 use super::super::command::Command;
-use super::super::results::Figures;
 use super::super::state::State;
 use super::super::theme::Condition;
 use super::verdict::duration;

@@ -2,22 +2,18 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::cli::report::number;
+use crate::cli::report::{head, number};
 use crate::part::Impeller;
 use crate::verify::FlankVerdict;
 
 /// The object of `--json`: every key that a plunge program has, null where it says nothing of this one.
 pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Value> {
     let layer = &verdict.layer;
-    let mut map = Map::new();
+    let mut map = head(part, Some(verdict.channels));
     let mut put = |key: &str, value: Value| {
         map.insert(key.to_owned(), value);
     };
     put("kind", json!("flank"));
-    put("part", json!(part.name));
-    put("blades", json!(part.blade_count));
-    put("splitters", json!(part.splitters.len() * part.blade_count));
-    put("channels", json!(verdict.channels));
     put("positions", json!(verdict.positions));
     for key in
         ["rows", "sections", "interferential", "max_contact_depth", "blocked", "held", "settled", "rounds"]

@@ -39,6 +39,17 @@ pub(super) struct Seen {
     share: f64,
 }
 
+/// An axis fitted to the wall, before it is decided how deep it may cut.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fitted {
+    start: Line,
+    freedoms: [Vector; 3],
+    /// The free numbers, mm.
+    x: Vector3<f64>,
+    /// How it sees the wall at the heights of the fit.
+    seen: [Seen; MAX_LINES],
+}
+
 /// Steps of the fit, and steps of the search for the nearest place of a line of the wall.
 const FIT_STEPS: usize = 12;
 const NEAREST_STEPS: usize = 8;
@@ -70,6 +81,22 @@ impl Line {
         let d = p - self.low;
         let along = d.dot(axis);
         (d.norm_squared() - along * along).max(0.0).sqrt()
+    }
+}
+
+impl Fitted {
+    /// The axis itself.
+    pub(super) fn line(&self) -> Line {
+        self.at(&self.x)
+    }
+
+    /// The axis with other free numbers.
+    fn at(&self, x: &Vector3<f64>) -> Line {
+        let Self { start, freedoms, .. } = self;
+        Line {
+            low: start.low + freedoms[0] * x[0],
+            high: start.high + freedoms[1] * x[1] + freedoms[2] * x[2],
+        }
     }
 }
 
@@ -144,57 +171,64 @@ impl Face<'_> {
         least
     }
 
-    /// The axis at `u` whose greatest deviation over the heights `v` is least, then moved along the normals until the
-    /// least deviation is −`tolerance` or the deviations are as far above as below. It tilts along the feed by no
-    /// more than `most_tilt` (rad) from the plain offset. At most [`MAX_LINES`] heights count.
-    pub(super) fn fit(&self, u: f64, heights: &[f64], tolerance: f64, most_tilt: f64) -> Line {
+    /// How `line` sees the wall at `heights`, each followed from where it was `seen` before.
+    fn look(&self, line: &Line, heights: &[f64], seen: &mut [Seen; MAX_LINES]) {
+        let axis = line.axis();
+        for (seen, &v) in seen.iter_mut().zip(heights) {
+            *seen = self.seen(line, &axis, v, seen.u);
+        }
+    }
+
+    /// The axis at `u` whose greatest deviation over the heights `v` is least. It tilts along the feed by no more than
+    /// `most_tilt` (rad) from the plain offset. At most [`MAX_LINES`] heights count.
+    pub(super) fn fit(&self, u: f64, heights: &[f64], most_tilt: f64) -> Fitted {
         let heights = &heights[..heights.len().min(MAX_LINES)];
         let count = heights.len();
         let (start, freedoms) = self.start(u);
-        let placed = |x: &Vector3<f64>| Line {
-            low: start.low + freedoms[0] * x[0],
-            high: start.high + freedoms[1] * x[1] + freedoms[2] * x[2],
-        };
         let blank = Seen { u, excess: 0.0, away: Vector::zeros(), share: 0.0 };
-        let mut seen = [blank; MAX_LINES];
-        let look = |line: &Line, seen: &mut [Seen; MAX_LINES]| {
-            let axis = line.axis();
-            for (seen, &v) in seen.iter_mut().zip(heights) {
-                *seen = self.seen(line, &axis, v, seen.u);
-            }
-        };
+        let mut fitted = Fitted { start, freedoms, x: Vector3::zeros(), seen: [blank; MAX_LINES] };
         let most_shift = most_tilt.tan() * (start.high - start.low).norm();
-        let mut x = Vector3::zeros();
         let most = |seen: &[Seen]| seen.iter().map(|s| s.excess.abs()).fold(0.0, f64::max);
-        look(&placed(&x), &mut seen);
-        let mut worst = most(&seen[..count]);
+        self.look(&fitted.line(), heights, &mut fitted.seen);
+        let mut worst = most(&fitted.seen[..count]);
         let mut shorter = 1.0;
         for _ in 0..FIT_STEPS {
-            let Some(step) = min_max_step(&seen[..count], &freedoms, x[2], most_shift) else { break };
+            let Some(step) = min_max_step(&fitted.seen[..count], &freedoms, fitted.x[2], most_shift) else {
+                break;
+            };
             let limit = 0.5 * self.reach * shorter;
             let step = step * (limit / step.amax().max(limit));
-            let mut there = seen;
-            look(&placed(&(x + step)), &mut there);
+            let mut there = fitted.seen;
+            self.look(&fitted.at(&(fitted.x + step)), heights, &mut there);
             let then = most(&there[..count]);
             if then >= worst {
                 // Too far for slopes to tell the truth.
                 shorter = (0.3 * step.amax() / self.reach).min(0.5 * shorter);
             } else {
-                (x, seen, worst) = (x + step, there, then);
+                (fitted.x, fitted.seen, worst) = (fitted.x + step, there, then);
             }
             if step.amax() < SETTLED {
                 break;
             }
         }
+        fitted
+    }
+
+    /// A fitted axis moved along the normals until the least deviation over the heights it was fitted at is −`tolerance`
+    /// or the deviations are as far above as below.
+    pub(super) fn moved_off(&self, fitted: &Fitted, heights: &[f64], tolerance: f64) -> Line {
+        let heights = &heights[..heights.len().min(MAX_LINES)];
+        let (mut x, mut seen) = (fitted.x, fitted.seen);
         for _ in 0..3 {
-            look(&placed(&x), &mut seen);
-            let low = seen[..count].iter().map(|s| s.excess).fold(f64::INFINITY, f64::min);
-            let high = seen[..count].iter().map(|s| s.excess).fold(f64::NEG_INFINITY, f64::max);
+            self.look(&fitted.at(&x), heights, &mut seen);
+            let excess = || seen[..heights.len()].iter().map(|s| s.excess);
+            let (low, high) =
+                (excess().fold(f64::INFINITY, f64::min), excess().fold(f64::NEG_INFINITY, f64::max));
             let out = -tolerance.min(0.5 * (high - low)) - low;
             x[0] += out;
             x[1] += out;
         }
-        placed(&x)
+        fitted.at(&x)
     }
 }
 

@@ -2,6 +2,7 @@
 //! walls and neighbouring rows let it be, lowered onto the hub.
 
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
+use crate::part::Machine;
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::contact::{BlankTop, Column};
 use crate::plunge::lane::{AxisEnds, is_wall};
@@ -88,6 +89,7 @@ pub struct CandidateMaker<'a> {
     pub hub_allowance: f64,
     pub blade_allowance: f64,
     pub max_tilt: f64,
+    pub machine: &'a Machine,
     /// Layer whose square weighs as much as itself, mm.
     pub scale: f64,
     /// What the row has to clear: from half way to the row or wall before it to half way to the next, as angles about Z
@@ -279,8 +281,11 @@ impl CandidateMaker<'_> {
         })
     }
 
-    /// Whether the cutter of a station keeps clear of the blades.
+    /// Whether the machine reaches the axis of a station and its cutter keeps clear of the blades.
     pub fn allowed(&self, station: &Station) -> bool {
+        if self.machine.beyond(self.maker.part, &station.axis) > 0.0 {
+            return false;
+        }
         let slack = if is_wall(self.maker.lambda) { DRAFT_SLACK } else { 0.0 };
         self.finished.clears(&self.maker.cutter(station), self.blade_allowance - slack)
     }
@@ -289,10 +294,12 @@ impl CandidateMaker<'_> {
         Some(self.candidate(self.within_tilt(ends, reference)?, floor))
     }
 
-    /// The station of an axis no further than the greatest tilt from `reference`.
+    /// The station of an axis that the machine reaches, no further than the greatest tilt from `reference`.
     fn within_tilt(&self, ends: AxisEnds, reference: &Vector) -> Option<Station> {
         let (_, axis) = self.maker.lane.line(&ends);
-        (axis.angle(reference) <= self.max_tilt).then(|| self.maker.lowered(ends))
+        let reached =
+            axis.angle(reference) <= self.max_tilt && self.machine.beyond(self.maker.part, &axis) <= 0.0;
+        reached.then(|| self.maker.lowered(ends))
     }
 
     fn candidate(&self, station: Station, floor: &FloorPoints) -> Candidate {

@@ -2,14 +2,12 @@
 
 use super::steps::Step;
 use crate::geometry::{CutterSolid, Meridional};
-use crate::part::{Impeller, SideProbe, Tool};
+use crate::part::Tool;
 use crate::plunge::clearance::FinishedPart;
 
 /// The finished part, ready for many steps.
 pub(super) struct Surroundings<'a> {
-    pub(super) part: &'a Impeller,
     pub(super) finished: FinishedPart<'a>,
-    pub(super) sides: Vec<SideProbe>,
     pub(super) tools: &'a [Tool],
     pub(super) hub_allowance: f64,
     pub(super) blade_allowance: f64,
@@ -46,15 +44,13 @@ impl Clearance {
 
 impl Surroundings<'_> {
     fn blade(&self, cutter: &CutterSolid) -> f64 {
-        self.sides.iter().fold(self.blade_allowance + LOOKED_AT, |least, side| {
-            side.nearest_below(cutter, least).map_or(least, |near| near.distance.min(least))
-        })
+        self.finished.blade_clearance_below(cutter, self.blade_allowance + LOOKED_AT)
     }
 
     fn hub(&self, cutter: &CutterSolid) -> f64 {
         let cap = self.hub_allowance + LOOKED_AT;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
-        let (_, distance) = self.part.hub.curve().project(Meridional::of(&centre));
+        let (_, distance) = self.finished.part.hub.curve().project(Meridional::of(&centre));
         if distance.abs() > 2.5 * cutter.radius + cap {
             cap
         } else {
@@ -63,13 +59,10 @@ impl Surroundings<'_> {
     }
 
     fn holder_meets(&self, cutter: &CutterSolid, tool: &Tool) -> bool {
-        let radius = 0.5 * tool.holder_diameter();
-        let tip = cutter.tip + cutter.axis * tool.overhang;
-        let holder = CutterSolid { tip, axis: cutter.axis, radius, corner_radius: 0.0 };
-        let meets =
-            |side: &SideProbe| side.nearest_below(&holder, 0.0).is_some_and(|near| near.distance < 0.0);
-        let (_, distance) = self.part.hub.curve().project(Meridional::of(&tip));
-        self.sides.iter().any(meets) || (distance < radius && self.finished.hub_clearance(&holder) < 0.0)
+        let holder = tool.holder(cutter.tip, cutter.axis);
+        let (_, distance) = self.finished.part.hub.curve().project(Meridional::of(&holder.tip));
+        !self.finished.clears(&holder, 0.0)
+            || (distance < holder.radius && self.finished.hub_clearance(&holder) < 0.0)
     }
 
     /// At one place of a step.

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::steps::Step;
 use crate::geometry::{Point, Vector};
-use crate::part::{Blank, Channel, Impeller, Setup, SideProbe, Tool};
+use crate::part::{Blank, Channel, Setup, Tool};
+use crate::plunge::clearance::FinishedPart;
 use crate::residual::{
     CutterStretch, FieldCutter, FloorGrid, FloorSource, ResidualField, ResidualStatistics, residual_field,
     statistics,
@@ -39,7 +40,7 @@ pub(super) struct Floor {
 
 /// Walks `steps` (of one channel) in order.
 pub(super) fn floor_after(
-    part: &Impeller,
+    finished: &FinishedPart,
     channel: &Channel,
     setup: &Setup,
     blank: &Blank,
@@ -52,7 +53,7 @@ pub(super) fn floor_after(
         return Floor { uncovered_share: 1.0, layer: ResidualStatistics::default(), rapids: Vec::new() };
     };
     let source = FloorSource {
-        part,
+        part: finished.part,
         channel,
         blank,
         stock: &setup.stock,
@@ -73,7 +74,7 @@ pub(super) fn floor_after(
         }
     }
     Floor {
-        uncovered_share: uncovered(channel, setup, finest, &grid, &field),
+        uncovered_share: uncovered(finished, setup, finest, &grid, &field),
         layer: statistics(&grid, &field.heights, |_| true),
         rapids: struck,
     }
@@ -110,10 +111,15 @@ fn swept(tools: &[Tool], steps: &[&Step], rapids: &[RapidPlace]) -> (Vec<FieldCu
 }
 
 /// See [`Floor::uncovered_share`].
-fn uncovered(channel: &Channel, setup: &Setup, tool: &Tool, grid: &FloorGrid, field: &ResidualField) -> f64 {
+fn uncovered(
+    finished: &FinishedPart,
+    setup: &Setup,
+    tool: &Tool,
+    grid: &FloorGrid,
+    field: &ResidualField,
+) -> f64 {
     let allowance = setup.stock.hub_allowance;
     let corner = tool.corner_radius;
-    let sides: Vec<SideProbe> = channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect();
     // How far a corner that touches the floor's allowance over a cell is from the blades, on a coarser grid.
     let nodes = CELLS / WALL_STRIDE;
     let room: Vec<f64> = (0..nodes * nodes)
@@ -125,7 +131,7 @@ fn uncovered(channel: &Channel, setup: &Setup, tool: &Tool, grid: &FloorGrid, fi
             let double = |v: [f32; 3]| v.map(f64::from);
             let up = Vector::from(double(grid.normals[cell]));
             let centre = Point::from(double(grid.points[cell])) + up * (allowance + corner);
-            sides.iter().map(|side| side.nearest_to_point(&centre).distance).fold(f64::INFINITY, f64::min)
+            finished.blade_distance(&centre)
         })
         .collect();
     let reach = corner + setup.stock.blade_allowance;

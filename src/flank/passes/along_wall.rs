@@ -1,0 +1,144 @@
+//! Curves along walls: the cutter stands on the axes that were fitted to the wall.
+
+use super::{CHORD, LayerAxes, OnLayer, PassMaker};
+use crate::flank::chart::{Region, WallName};
+use crate::flank::layer::{Layer, LayerPoint};
+use crate::flank::plan::MilledWall;
+use crate::flank::schemes::Role;
+use crate::geometry::{Point, Vector};
+use crate::plunge::slotting::DepthSurface;
+
+/// Why a stretch along a wall is not cut.
+pub(super) const IN_THE_WAY: &str = "another blade stands in the way of the cutter along the wall";
+
+/// A cutter on a layer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    pub(super) tip: Point,
+    pub(super) axis: Vector,
+    pub(super) place: LayerPoint,
+}
+
+impl Placed {
+    /// The cutter at `share` of the way to another place: tip straight, axis turned evenly.
+    pub(super) fn between(&self, other: &Self, share: f64) -> Self {
+        let share = share.clamp(0.0, 1.0);
+        Self {
+            tip: self.tip + (other.tip - self.tip) * share,
+            axis: (self.axis + (other.axis - self.axis) * share).normalize(),
+            place: self.place.lerp(other.place, share),
+        }
+    }
+}
+
+/// The cutter at the stations along a wall, on a layer.
+pub(super) struct Milled {
+    pub(super) wall: WallName,
+    pub(super) region: Region,
+    /// Where it misses the layer there is none; with whether something stands in its way.
+    placed: Vec<Option<(Placed, bool)>>,
+}
+
+impl Milled {
+    /// Lowers the cutter on all stations of a wall until it touches `surface`.
+    pub(super) fn on(maker: &PassMaker, layer: &Layer, milled: &MilledWall, surface: &DepthSurface) -> Self {
+        let mut y = None;
+        let placed = milled.axes.stations.iter().map(|station| {
+            let tip = station.tip_on(surface, maker.tool)? + station.axis * CHORD;
+            let axis = station.axis;
+            let (place, _) = layer.place(&(tip + axis * maker.tool.corner_radius), y.unwrap_or(0.0), None);
+            y = Some(place.y);
+            Some((Placed { tip, axis, place }, station.blocked.is_some()))
+        });
+        Self { wall: milled.wall, region: milled.region, placed: placed.collect() }
+    }
+
+    /// Axis at `x`; that of the nearest station beyond both ends.
+    pub(super) fn axis(&self, x: f64) -> Option<Vector> {
+        let stations = || self.placed.iter().flatten().map(|(placed, _)| placed);
+        let mut last: Option<&Placed> = None;
+        for here in stations() {
+            if here.place.x >= x {
+                return Some(last.map_or(here.axis, |last| {
+                    last.between(here, (x - last.place.x) / (here.place.x - last.place.x).max(1e-9)).axis
+                }));
+            }
+            last = Some(here);
+        }
+        last.map(|last| last.axis)
+    }
+}
+
+impl OnLayer<'_> {
+    /// Passes of a curve along a wall.
+    pub(super) fn along_wall(
+        &self,
+        wall: WallName,
+        region: Region,
+        points: &[LayerPoint],
+        made: &mut LayerAxes,
+    ) {
+        if wall == WallName::Splitter && region == Region::Inlet {
+            self.round_nose(points, made);
+            return;
+        }
+        let from = points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+        let to = points.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
+        let mut positions = Vec::new();
+        for position in self.wall_positions(wall, region, (from, to)) {
+            match position {
+                Ok(position) => positions.push(position),
+                Err(length) => {
+                    self.leave_out(made, region, length, IN_THE_WAY);
+                    self.push_wall(wall, region, &mut positions, made);
+                }
+            }
+        }
+        self.push_wall(wall, region, &mut positions, made);
+    }
+
+    pub(super) fn push_wall(
+        &self,
+        wall: WallName,
+        region: Region,
+        positions: &mut Vec<Placed>,
+        made: &mut LayerAxes,
+    ) {
+        let positions = std::mem::take(positions);
+        if let (Some(first), Some(last)) = (positions.first(), positions.last()) {
+            let ends = [first.place, last.place];
+            let positions = positions.iter().map(|p| (p.tip, p.axis)).collect();
+            made.passes.extend(self.pass(Role::Wall(wall), region, 0, ends, positions));
+        }
+    }
+
+    /// The cutter at the stations along a wall whose contacts lie between two x, and at both ends; a length instead where
+    /// something stands in its way.
+    pub(super) fn wall_positions(
+        &self,
+        wall: WallName,
+        region: Region,
+        (from, to): (f64, f64),
+    ) -> Vec<Result<Placed, f64>> {
+        let ours = |m: &&Milled| m.wall == wall && (wall != WallName::Splitter || m.region == region);
+        let Some(milled) = self.milled.iter().find(ours) else { return Vec::new() };
+        let mut result = Vec::new();
+        for pair in milled.placed.windows(2) {
+            let [Some((a, a_blocked)), Some((b, b_blocked))] = pair else { continue };
+            let (low, high) = (a.place.x.max(from), b.place.x.min(to));
+            if low >= high {
+                continue;
+            }
+            if *a_blocked || *b_blocked {
+                result.push(Err(self.layer.step(a.place, b.place)));
+                continue;
+            }
+            let at = |x: f64| a.between(b, (x - a.place.x) / (b.place.x - a.place.x));
+            if !matches!(result.last(), Some(Ok(_))) {
+                result.push(Ok(at(low)));
+            }
+            result.push(Ok(at(high)));
+        }
+        result
+    }
+}

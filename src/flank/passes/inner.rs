@@ -1,0 +1,174 @@
+//! Inner curves: as few fixed axes as possible, turned towards the axes of the walls near them.
+
+use super::stretches::pieces_between;
+use super::{CHORD, LayerAxes, OnLayer};
+use crate::flank::chart::{Region, WallName};
+use crate::flank::fixed_axis::{Contact, Obstacle};
+use crate::flank::layer::LayerPoint;
+use crate::flank::plan::RegionAxis;
+use crate::flank::schemes::Role;
+use crate::geometry::{Point, Vector};
+
+/// Distance of the stations at which fixed axes are looked for, mm along the meridian, and the most of them.
+const STATION_STEP: f64 = 4.0;
+const MAX_STATIONS: usize = 48;
+/// Curves of a region that are looked at in a station.
+const ACROSS: usize = 5;
+/// Intervals from the curve along a wall within which inner curves turn their axis towards the wall's.
+const TURNING: f64 = 1.75;
+/// Nearer than this many intervals they have the wall's axis, and the pass along the wall covers what they leave out.
+const TURNED: f64 = 0.5;
+/// Greatest turn of the axis from position to position, rad: a ball's tip then stays within a µm of its way.
+const MOST_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
+/// Most positions that a turn adds to a step.
+const MAX_TURNS: f64 = 60.0;
+
+impl OnLayer<'_> {
+    /// Passes of the inner curves of a region.
+    pub(super) fn inner(&self, region: Region, lines: &[&[LayerPoint]], made: &mut LayerAxes) {
+        let ends = |f: fn(f64, f64) -> f64, start: f64| {
+            lines.iter().flat_map(|line| line.iter()).map(|p| p.x).fold(start, f)
+        };
+        let (from, to) = (ends(f64::min, f64::INFINITY), ends(f64::max, f64::NEG_INFINITY));
+        if from >= to {
+            return;
+        }
+        let count = ((to - from) / STATION_STEP).ceil().clamp(1.0, MAX_STATIONS as f64) as usize;
+        let width = (to - from) / count as f64;
+        // A station is a strip across the region, and its contacts are where curves enter, halve and leave it.
+        let stations: Vec<Vec<Contact>> = (0..count)
+            .map(|k| {
+                let x = [0.0, 0.5, 1.0].map(|share| from + width * (k as f64 + share));
+                x.iter().flat_map(|&x| self.across(lines, x)).map(|p| self.contact(p)).collect()
+            })
+            .collect();
+        let found = self.maker.search.runs(&stations, self.surface);
+        let border = |station: usize| from + width * station as f64;
+        for run in &found.runs {
+            made.axes.push(RegionAxis {
+                layer: self.number,
+                region,
+                from: border(run.from),
+                to: border(run.to + 1),
+                axis: run.axis,
+                clearance: run.clearance,
+            });
+        }
+        for line in lines {
+            for (group, run) in found.runs.iter().enumerate() {
+                // Stations with nothing away from the walls belong to no run of their own: the nearest one serves.
+                let from = if group == 0 { f64::NEG_INFINITY } else { border(run.from) };
+                let to = found.runs.get(group + 1).map_or(f64::INFINITY, |next| border(next.from));
+                for piece in pieces_between(line, from, to) {
+                    self.fixed(region, group, &piece, run.axis, made);
+                }
+            }
+            if found.runs.is_empty() {
+                let why = found.unreachable.first().map_or(Obstacle::NoCommonAxis, |u| u.why);
+                self.leave_out(made, region, self.layer.length(line), reason(why));
+            }
+        }
+    }
+
+    /// Places of some lines at `x`: the outermost and some between.
+    fn across(&self, lines: &[&[LayerPoint]], x: f64) -> Vec<LayerPoint> {
+        let mut places: Vec<LayerPoint> = lines
+            .iter()
+            .flat_map(|line| line.windows(2))
+            .filter(|w| (w[0].x - x) * (w[1].x - x) <= 0.0 && w[0].x != w[1].x)
+            .map(|w| w[0].lerp(w[1], (x - w[0].x) / (w[1].x - w[0].x)))
+            .filter(|p| self.share_of_wall(*p) == 0.0)
+            .collect();
+        places.sort_by(|a, b| a.y.total_cmp(&b.y));
+        places.dedup_by(|a, b| (a.y - b.y).abs() < 1e-9);
+        let n = places.len();
+        if n <= ACROSS {
+            return places;
+        }
+        (0..ACROSS).map(|k| places[k * (n - 1) / (ACROSS - 1)]).collect()
+    }
+
+    /// Passes along `line` under one axis, which turns towards that of a wall where the line comes near it. Where the
+    /// cutter comes too near to a blade all the same nothing is cut.
+    fn fixed(&self, region: Region, group: usize, line: &[LayerPoint], axis: Vector, made: &mut LayerAxes) {
+        let maker = self.maker;
+        let mut open: Vec<(LayerPoint, (Point, Vector))> = Vec::new();
+        let mut pieces = Vec::new();
+        let mut lost = 0.0;
+        let mut last: Option<LayerPoint> = None;
+        for p in self.turning(self.dense(line), axis) {
+            let turned = self.turned(p, axis);
+            let tip = maker.search.tip(&self.contact(p), &turned, self.surface) + turned * CHORD;
+            if maker.finished.clears(&maker.tool.placed(tip, turned), maker.setup.stock.blade_allowance) {
+                open.push((p, (tip, turned)));
+            } else {
+                // Beside a wall the pass along it cuts what a curve leaves out there.
+                if let Some(q) = last.filter(|_| self.share_of_wall(p) < 1.0) {
+                    lost += self.layer.step(q, p);
+                }
+                pieces.push(std::mem::take(&mut open));
+            }
+            last = Some(p);
+        }
+        pieces.push(open);
+        for piece in pieces.into_iter().filter(|piece| piece.len() >= 2) {
+            let ends = [piece[0].0, piece[piece.len() - 1].0];
+            let positions = piece.into_iter().map(|(_, position)| position).collect();
+            made.passes.extend(self.pass(Role::Inner, region, group, ends, positions));
+        }
+        self.leave_out(made, region, lost, reason(Obstacle::Blade));
+    }
+
+    /// The fixed `axis`, turned towards that of a wall next to `p`.
+    fn turned(&self, p: LayerPoint, axis: Vector) -> Vector {
+        let share = self.share_of_wall(p);
+        match self.wall_axis(p).filter(|_| share > 0.0) {
+            Some(wall) => (axis + (wall - axis) * share).normalize(),
+            None => axis,
+        }
+    }
+
+    /// The line with so many points more that the axis turns little between two of them.
+    fn turning(&self, line: Vec<LayerPoint>, axis: Vector) -> Vec<LayerPoint> {
+        let mut points = vec![line[0]];
+        for w in line.windows(2) {
+            let middle = w[0].lerp(w[1], 0.5);
+            let [a, b, c] = [w[0], middle, w[1]].map(|p| self.turned(p, axis));
+            let count = ((a.angle(&b) + b.angle(&c)) / MOST_TURN).ceil().clamp(1.0, MAX_TURNS) as usize;
+            points.extend((1..=count).map(|k| w[0].lerp(w[1], k as f64 / count as f64)));
+        }
+        points
+    }
+
+    /// How much of a wall's own axis a place near it has: 0 in the middle, 1 next to the curve along the wall.
+    fn share_of_wall(&self, p: LayerPoint) -> f64 {
+        let intervals = self.chart.freedom(p) / self.found.interval;
+        ((TURNING - intervals) / (TURNING - TURNED)).clamp(0.0, 1.0)
+    }
+
+    /// Axis of the pass along the wall that is nearest to `p`, beside `p`.
+    fn wall_axis(&self, p: LayerPoint) -> Option<Vector> {
+        let wall = WallName::ALL
+            .into_iter()
+            .min_by(|a, b| self.chart.distance(*a, p).total_cmp(&self.chart.distance(*b, p)))?;
+        let ours = self.milled.iter().filter(|m| m.wall == wall);
+        let axes: Vec<Vector> = match (wall, self.chart.region(p)) {
+            (WallName::Splitter, Some(Region::LowSide | Region::HighSide)) => {
+                ours.filter(|m| Some(m.region) == self.chart.region(p)).filter_map(|m| m.axis(p.x)).collect()
+            }
+            _ => ours.filter_map(|m| m.axis(p.x)).collect(),
+        };
+        axes.iter().sum::<Vector>().try_normalize(1e-9)
+    }
+}
+
+/// What stands in the way, for people.
+fn reason(why: Obstacle) -> &'static str {
+    match why {
+        Obstacle::Blade => "a blade is too near",
+        Obstacle::Hub => "the hub is too near",
+        Obstacle::Holder => "the holder meets the part",
+        Obstacle::Tilt => "the axis would tilt too far",
+        Obstacle::NoCommonAxis => "no one axis suits all curves there",
+    }
+}

@@ -1,0 +1,217 @@
+//! Blades: from described sections or camber lines to surfaces, trimmed to hub and shroud.
+
+use super::camber;
+use super::description::{BladeDescription, CamberSpan, PartError};
+use super::side::{BladeSide, common_parameters};
+use crate::geometry::{Meridional, MeridionalCurve, Point, search};
+
+/// A blade in its place (the others of its row follow by rotation by the pitch).
+#[derive(Clone, Debug)]
+pub struct Blade {
+    /// Suction side.
+    pub suction: BladeSide,
+    /// Pressure side. At LE both sides meet; at a blunt TE they do not.
+    pub pressure: BladeSide,
+}
+
+impl Blade {
+    /// The blade turned about the rotation axis.
+    pub fn rotated(&self, angle: f64) -> Self {
+        Self { suction: self.suction.rotated(angle), pressure: self.pressure.rotated(angle) }
+    }
+}
+
+/// Most sections (or spans) of a blade.
+const MAX_SECTIONS: usize = 200;
+/// Most points of a section.
+const MAX_SECTION_POINTS: usize = 20_000;
+
+/// Line of the file in which a blade is described.
+pub(super) fn blade_line(description: &BladeDescription) -> usize {
+    match description {
+        BladeDescription::Sections { line, .. } | BladeDescription::Camber { line, .. } => *line,
+    }
+}
+
+/// A blade lofted and trimmed, before s is known.
+pub(super) struct RawBlade {
+    pub(super) blade: Blade,
+}
+
+impl RawBlade {
+    pub(super) fn new(
+        description: &BladeDescription,
+        hub: &MeridionalCurve,
+        shroud: &MeridionalCurve,
+    ) -> Result<Self, PartError> {
+        let line = blade_line(description);
+        let made;
+        let (suction, pressure) = match description {
+            BladeDescription::Sections { suction, pressure, .. } => (suction, pressure),
+            BladeDescription::Camber { spans, .. } => {
+                check_spans(spans, line)?;
+                made = camber::sections(spans, hub, shroud);
+                (&made.0, &made.1)
+            }
+        };
+        let side = |sections: &[Vec<Point>], name: &str| trimmed(sections, hub, shroud, line, name);
+        let blade = Blade { suction: side(suction, "suction")?, pressure: side(pressure, "pressure")? };
+        Ok(Self { blade })
+    }
+
+    /// Arc lengths on `curve` of leading edge and rim, along the blade's edge at `v`.
+    pub(super) fn ends_on(&self, curve: &MeridionalCurve, v: f64) -> (f64, f64) {
+        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
+        for side in [&self.blade.suction, &self.blade.pressure] {
+            for i in 0..=60 {
+                let (t, _) = curve.project(Meridional::of(&side.point(0.15 * f64::from(i) / 60.0, v)));
+                start = start.min(t);
+            }
+            let (t, _) = curve.project(Meridional::of(&side.point(1.0, v)));
+            end = end.max(t);
+        }
+        (start, end)
+    }
+}
+
+fn check_spans(spans: &[CamberSpan], line: usize) -> Result<(), PartError> {
+    let fault = |what: &str, cure: &str| Err(PartError::new(line, what.to_string(), cure.to_string()));
+    if spans.len() < 2 {
+        return fault("a blade needs two spans or more", "give one at the hub and one at the shroud");
+    }
+    if spans.len() > MAX_SECTIONS {
+        return fault("a blade with more than 200 spans", "give fewer, hub to shroud");
+    }
+    if spans.windows(2).any(|w| w[1].span <= w[0].span) {
+        return fault("the spans of a blade do not increase", "order them hub to shroud, 0 to 1");
+    }
+    for span in spans {
+        let increasing =
+            |pairs: &[(f64, f64)]| !pairs.is_empty() && pairs.windows(2).all(|w| w[1].0 > w[0].0 + 1e-9);
+        if !increasing(&span.angle) || !increasing(&span.thickness) {
+            return fault(
+                "angle or thickness has no values or fractions that do not increase",
+                "give [fraction, value] pairs with growing fractions from 0 to 1",
+            );
+        }
+        if span.angle.iter().any(|a| a.1.abs() > 85f64.to_radians()) {
+            return fault("a blade angle beyond 85°", "angles count from the meridional direction");
+        }
+        if span.thickness.iter().any(|t| !(t.1 > 0.0 && t.1 < 1e3)) {
+            return fault("a blade without thickness", "give thicknesses above 0 mm");
+        }
+        if !(0.0..0.95).contains(&span.leading_edge) {
+            return fault("a leading edge outside the channel", "give a fraction from 0 to below 0.95");
+        }
+    }
+    Ok(())
+}
+
+/// Lofts raw sections and trims (or extends) the surface to hub and shroud.
+fn trimmed(
+    sections: &[Vec<Point>],
+    hub: &MeridionalCurve,
+    shroud: &MeridionalCurve,
+    line: usize,
+    name: &str,
+) -> Result<BladeSide, PartError> {
+    let longest = sections.iter().map(Vec::len).max().unwrap_or(0);
+    if sections.len() > MAX_SECTIONS || longest > MAX_SECTION_POINTS {
+        return Err(PartError::new(
+            line,
+            format!("the {name} side has {} sections of up to {longest} points", sections.len()),
+            format!("give at most {MAX_SECTIONS} sections of {MAX_SECTION_POINTS} points"),
+        ));
+    }
+    if sections.len() < 2 {
+        return Err(PartError::new(
+            line,
+            format!("the {name} side has {} section", sections.len()),
+            "give two sections or more, hub to tip".to_string(),
+        ));
+    }
+    let spread = |s: &[Point]| s.iter().any(|p| (p - s[0]).norm() > 1e-6);
+    let wild = |s: &[Point]| s.iter().any(|p| !p.iter().all(|x| x.is_finite() && x.abs() < 1e5));
+    if sections.iter().any(|s| s.len() < 4 || wild(s) || !spread(s)) {
+        return Err(PartError::new(
+            line,
+            format!("a section of the {name} side has fewer than four different points"),
+            "give the points of each side, LE to TE".to_string(),
+        ));
+    }
+    let (u, sections) = common_parameters(sections);
+    let mut heights = vec![0.0];
+    for pair in sections.windows(2) {
+        let gap = pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a).norm()).sum::<f64>() / u.len() as f64;
+        if gap < 1e-6 {
+            return Err(PartError::new(
+                line,
+                format!("two sections of the {name} side coincide"),
+                "give sections at different spans".to_string(),
+            ));
+        }
+        heights.push(heights[heights.len() - 1] + gap);
+    }
+    let total = heights[heights.len() - 1];
+    let stations: Vec<f64> = heights.iter().map(|h| h / total).collect();
+    let raw = BladeSide::loft(&u, &stations, &sections);
+
+    let miss = |surface: &str, u: f64| {
+        PartError::new(
+            line,
+            format!("the {name} side misses the {surface} at {:.0} % of its chord", 100.0 * u),
+            format!("give sections that reach the {surface} (or nearly so), in the same units"),
+        )
+    };
+    let count = sections.len();
+    let mut cut = vec![Vec::with_capacity(u.len()); count];
+    let (mut hub_guess, mut shroud_guess) = (None, None);
+    for &u in &u {
+        let bottom = crossing(&raw, u, hub, 0.0, &mut hub_guess).ok_or_else(|| miss("hub", u))?;
+        let top = crossing(&raw, u, shroud, 1.0, &mut shroud_guess).ok_or_else(|| miss("shroud", u))?;
+        if top - bottom < 1e-3 {
+            return Err(miss("channel between hub and shroud", u));
+        }
+        for (k, section) in cut.iter_mut().enumerate() {
+            section.push(raw.point(u, bottom + (top - bottom) * k as f64 / (count - 1) as f64));
+        }
+    }
+    let even: Vec<f64> = (0..count).map(|k| k as f64 / (count - 1) as f64).collect();
+    Ok(BladeSide::loft(&u, &even, &cut))
+}
+
+/// v near `around` at which the ruling u of `side` crosses `curve`; `guess` carries the arc length on.
+fn crossing(
+    side: &BladeSide,
+    u: f64,
+    curve: &MeridionalCurve,
+    around: f64,
+    guess: &mut Option<f64>,
+) -> Option<f64> {
+    let mut near = match *guess {
+        Some(t) => t,
+        None => curve.project(Meridional::of(&side.point(u, around))).0,
+    };
+    let mut height = |v: f64| {
+        let (t, d) = curve.project_near(Meridional::of(&side.point(u, v)), near, 0.1 * curve.length());
+        near = t;
+        d
+    };
+    let here = height(around);
+    let mut found = None;
+    if here.abs() < 1e-9 {
+        found = Some(around);
+    } else {
+        for reach in [0.02, 0.05, 0.1, 0.2, 0.35, 0.5] {
+            for v in [around - reach, around + reach] {
+                if found.is_none() && height(v) * here <= 0.0 {
+                    found = Some(search::root(&mut height, around, v, 1e-12));
+                }
+            }
+        }
+    }
+    if found.is_some() {
+        *guess = Some(near);
+    }
+    found
+}

@@ -1,0 +1,198 @@
+//! Hub and shroud: from described curves to the stretches that bound the channel.
+
+use super::description::{CurveDescription, PartDescription, PartError};
+use crate::geometry::meridian::CurvePoint;
+use crate::geometry::{Cubic, Meridional, MeridionalCurve};
+
+/// Hub or shroud: a meridional curve with s = 0 where the main blade's leading edge meets it and
+/// s = 1 at the rim, proportional to arc length. The curve may reach upstream of s = 0 (hub nose); it
+/// ends at s = 1.
+#[derive(Clone, Debug)]
+pub struct Flowpath {
+    curve: MeridionalCurve,
+    /// Arc length at s = 0, mm.
+    leading_edge: f64,
+}
+
+impl Flowpath {
+    /// The stretch of `curve` around the channel, between arc lengths of the leading edge and the rim, mm.
+    pub(super) fn new(curve: &MeridionalCurve, leading_edge: f64, rim: f64) -> Self {
+        // What lies further upstream than half the channel is inlet duct, not impeller.
+        let start = (leading_edge - 0.5 * (rim - leading_edge)).max(0.0);
+        Self { curve: curve.piece(start, rim), leading_edge: leading_edge - start }
+    }
+
+    /// The curve, by arc length; its normal points away from the hub body.
+    pub fn curve(&self) -> &MeridionalCurve {
+        &self.curve
+    }
+
+    /// Arc length from s = 0 to s = 1, mm.
+    pub fn length(&self) -> f64 {
+        self.curve.length() - self.leading_edge
+    }
+
+    /// Arc length of the curve at `s`, mm.
+    pub fn arc_at(&self, s: f64) -> f64 {
+        self.leading_edge + s * self.length()
+    }
+
+    /// s at arc length `t` of the curve.
+    pub fn s_at(&self, t: f64) -> f64 {
+        (t - self.leading_edge) / self.length()
+    }
+
+    /// Range of s the curve covers: (≤ 0, 1).
+    pub fn s_range(&self) -> (f64, f64) {
+        (self.s_at(0.0), 1.0)
+    }
+
+    /// Point at fraction `s` of the arc length; straight on beyond the curve's ends.
+    pub fn point(&self, s: f64) -> Meridional {
+        self.curve.point(self.arc_at(s))
+    }
+
+    /// Point, tangent, normal and curvature at `s`.
+    pub fn at(&self, s: f64) -> CurvePoint {
+        self.curve.at(self.arc_at(s))
+    }
+
+    /// Unit normal at `s`, away from the hub body (for the hub: into the channel).
+    pub fn normal(&self, s: f64) -> Meridional {
+        self.at(s).normal
+    }
+}
+
+/// The curve of a description, checked; `name` says which in messages.
+pub(super) fn curve(
+    description: &CurveDescription,
+    line: usize,
+    name: &str,
+) -> Result<MeridionalCurve, PartError> {
+    let finite = |points: &[Meridional]| {
+        points.iter().all(|p| p.r.is_finite() && p.z.is_finite() && p.r.abs() < 1e5 && p.z.abs() < 1e5)
+    };
+    let few = || {
+        PartError::new(
+            line,
+            format!("the {name} has fewer than two different points"),
+            "give its meridional curve, inlet to outlet".to_string(),
+        )
+    };
+    let wild = || {
+        PartError::new(
+            line,
+            format!("a {name} point is not a number or further than 100 m away"),
+            "check the points and the unit".to_string(),
+        )
+    };
+    match description {
+        CurveDescription::Points(points) => {
+            if !finite(points) {
+                return Err(wild());
+            }
+            let mut points = points.clone();
+            points.dedup_by(|a, b| a.distance(*b) < 1e-6);
+            if points.len() < 2 {
+                return Err(few());
+            }
+            Ok(MeridionalCurve::through(&points))
+        }
+        CurveDescription::BSpline { control, degree, knots } => {
+            if !finite(control) {
+                return Err(wild());
+            }
+            if control.len() < 2 || !(1..=3).contains(degree) || control.len() <= *degree {
+                return Err(few());
+            }
+            let knots = if knots.is_empty() { clamped_knots(control.len(), *degree) } else { knots.clone() };
+            let increasing = knots.windows(2).all(|k| k[1] >= k[0])
+                && knots.len() == control.len() + degree + 1
+                && knots[control.len()] > knots[*degree];
+            if !increasing {
+                return Err(PartError::new(
+                    line,
+                    format!("the {name}'s knots do not fit its control points"),
+                    format!("give {} non-decreasing knots or none", control.len() + degree + 1),
+                ));
+            }
+            let control: Vec<[f64; 2]> = control.iter().map(|p| [p.r, p.z]).collect();
+            Ok(MeridionalCurve::from_cubic(&Cubic::b_spline(&control, *degree, &knots), 512))
+        }
+    }
+}
+
+fn clamped_knots(count: usize, degree: usize) -> Vec<f64> {
+    let inner = count - degree;
+    (0..count + degree + 1).map(|i| i.saturating_sub(degree).min(inner) as f64 / inner as f64).collect()
+}
+
+/// Turns the normals of both curves away from the hub body; catches swapped curves.
+pub(super) fn face(
+    hub: MeridionalCurve,
+    shroud: MeridionalCurve,
+    d: &PartDescription,
+) -> Result<(MeridionalCurve, MeridionalCurve), PartError> {
+    let swapped = || {
+        PartError::new(
+            d.hub_line,
+            "hub and shroud are swapped: the hub lies outside the shroud".to_string(),
+            "exchange the two curves".to_string(),
+        )
+    };
+    let middle = shroud.point(0.5 * shroud.length());
+    let hub = hub.facing(middle);
+    // At the inlet the hub is nearer to the rotation axis; the inlet is where the curves are furthest in.
+    let (h0, s0) = (hub.at(0.35 * hub.length()), shroud.at(0.35 * shroud.length()));
+    if h0.normal.r < 0.0 && h0.point.r > s0.point.r {
+        return Err(swapped());
+    }
+    let beyond = middle.lerp(hub.point(hub.project(middle).0), -1.0);
+    Ok((hub, shroud.facing(beyond)))
+}
+
+/// Whether both curves make the channel of a centrifugal impeller.
+pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescription) -> Result<(), PartError> {
+    let (h0, s0) = (hub.point(0.0), shroud.point(0.0));
+    if h0.r >= s0.r {
+        return Err(PartError::new(
+            d.hub_line,
+            format!(
+                "hub and shroud are swapped: at the leading edge the hub is at r = {:.2}, the shroud at {:.2}",
+                h0.r, s0.r
+            ),
+            "exchange the two curves".to_string(),
+        ));
+    }
+    let rim = hub.at(1.0);
+    if rim.tangent.r < 0.5 || rim.point.r < 1.05 * s0.r {
+        return Err(PartError::new(
+            d.hub_line,
+            format!(
+                "no radial outlet: the hub leaves at r = {:.1} mm, {:.0}° from the axis",
+                rim.point.r,
+                rim.tangent.r.atan2(rim.tangent.z.abs()).to_degrees().round() + 0.0
+            ),
+            "open a centrifugal impeller; axial rotors are not planned".to_string(),
+        ));
+    }
+    for i in 0..=200 {
+        let s = f64::from(i) / 200.0;
+        let (_, gap) = hub.curve().project(shroud.point(s));
+        if gap <= 1e-3 * hub.length() {
+            return Err(PartError::new(
+                d.shroud_line,
+                format!("hub and shroud cross or touch at {:.0} % of the channel", 100.0 * s),
+                "check both curves; the shroud must stay outside the hub".to_string(),
+            ));
+        }
+        if hub.point(s).r <= 0.0 {
+            return Err(PartError::new(
+                d.hub_line,
+                format!("the hub reaches the rotation axis at {:.0} % of the channel", 100.0 * s),
+                "check the hub's r coordinates".to_string(),
+            ));
+        }
+    }
+    Ok(())
+}
