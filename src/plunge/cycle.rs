@@ -183,6 +183,7 @@ impl<'a> Planner<'a> {
             settled: true,
         };
         let mut last: Option<Arc<SectionCut>> = None;
+        known.keep_for(self.setup)?;
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
             monitor.check()?;
@@ -196,7 +197,7 @@ impl<'a> Planner<'a> {
                     other => other,
                 })
             };
-            let cut = self.known_or(index, known, make)?;
+            let cut = known.get_or_make(index, self.setup, make)?;
             let planned: usize = cut.rows.iter().map(|row| row.placed.len()).sum();
             self.check_count(plan.positions.len() + planned, tool, place)?;
             plan.sections.push(SectionPlan {
