@@ -71,7 +71,7 @@ impl Survey {
             at
         });
         let tape = Tape::new(part, channel);
-        Self { stations: s.into_iter().map(|s| tape.station(s)).collect(), joint }
+        Self { stations: s.into_par_iter().map(|s| tape.station(s)).collect(), joint }
     }
 
     /// Tries cylinders of these diameters, mm, largest first, between the walls of every station: the way the planner
