@@ -10,6 +10,7 @@
 //! | [`theme`] | colours and sizes, declared once |
 //! | [`panels`] | the panels, one file each |
 //! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: where they stand; mouse and camera; the textures they show |
+//! | [`mouse`], `point_menu` | what the mouse does, by preset; what a right click offers |
 //! | [`overlay`], [`cube`] | what floats over them |
 //! | [`scrub`] | stock at a place of the timeline |
 //! | [`dialogs`], [`files`] | choosing files; reading and writing them in the background |
@@ -31,12 +32,14 @@ pub mod home;
 mod latest;
 pub mod look;
 pub mod menu;
+pub mod mouse;
 pub mod number;
 pub mod overlay;
 pub mod palette;
 pub mod panels;
 pub mod picture;
 pub mod planned;
+mod point_menu;
 mod project;
 pub mod results;
 pub mod run;
@@ -76,6 +79,8 @@ pub struct App {
     scrubbed: scrub::Scrubbed,
     inspected: scrub::Inspected,
     hover: Option<viewport::Hover>,
+    /// What was right-clicked, while its menu is open.
+    pointed: Option<view3d::Hit>,
     glass: viewport::Glass,
     palette: palette::Palette,
     session: project::Session,
@@ -108,6 +113,7 @@ impl App {
             scrubbed: scrub::Scrubbed::new(&cc.egui_ctx),
             inspected: scrub::Inspected::new(&cc.egui_ctx),
             hover: None,
+            pointed: None,
             glass: viewport::Glass::default(),
             palette: palette::Palette::default(),
             session: project::Session::default(),

@@ -8,6 +8,7 @@ use crate::gpu::scene::FloorColours;
 
 use super::command::Command;
 use super::look::{Across, Arrangement, Layers, Look};
+use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
 use super::planned::Side;
 use super::state::State;
@@ -124,6 +125,43 @@ pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
             }
         });
     });
+}
+
+/// What the mouse does, beside the layers; returns the command that gives it other habits.
+pub fn mouse_help(ui: &mut Ui, rect: Rect, mouse: MousePreset) -> Option<Command> {
+    // The switch between before and after goes first; the menu tells the same.
+    if rect.width() < 340.0 {
+        return None;
+    }
+    let at = Rect::from_min_max(
+        rect.right_top() + egui::vec2(-98.0, 10.0),
+        rect.right_top() + egui::vec2(-72.0, 40.0),
+    );
+    let shown = floating(ui, at, |ui| {
+        let (menu, inner) = MenuButton::new("?").ui(ui, |ui| {
+            ui.label(mouse.help());
+            ui.separator();
+            mouse_choice(ui, mouse)
+        });
+        menu.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "What the mouse does"));
+        if inner.is_none() {
+            menu.on_hover_text(mouse.help());
+        }
+        inner
+    });
+    shown.and_then(|inner| inner.inner)
+}
+
+/// The presets of the mouse, in a menu.
+pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
+    let mut chosen = None;
+    for (preset, command) in MousePreset::all() {
+        if ui.radio(preset == mouse, command.label()).on_hover_text(preset.help()).clicked() {
+            chosen = Some(command);
+            ui.close();
+        }
+    }
+    chosen
 }
 
 /// The layers with the commands that switch them.

@@ -272,6 +272,14 @@ impl State {
         rows.into_iter().map(|(_, k)| k).collect()
     }
 
+    /// Brings the selected position into sight in the table, past the filter if that hides it.
+    pub fn show_in_table(&mut self) {
+        if self.look.selected.is_some_and(|k| !self.rows().contains(&k)) {
+            self.look.filter = Filter::All;
+        }
+        self.look.reveal_selection = REVEAL;
+    }
+
     /// Selects the row `step` below the selected one, as the table is filtered and sorted; it ends at the ends.
     pub fn step_row(&mut self, step: isize) {
         let rows = self.rows();

@@ -41,13 +41,13 @@ pub(super) struct Glass {
 }
 
 /// Where a side is drawn.
-struct Pane {
-    side: Side,
+pub(super) struct Pane {
+    pub(super) side: Side,
     /// Where its mouse and its labels are.
-    rect: Rect,
+    pub(super) rect: Rect,
     /// Part of `rect` that shows it.
-    visible: Rect,
-    response: Response,
+    pub(super) visible: Rect,
+    pub(super) response: Response,
 }
 
 impl App {
@@ -148,8 +148,9 @@ impl App {
             return;
         };
         let size = pane.rect.size();
+        let preset = self.state.look.mouse;
         let clicked =
-            self.view.mouse(ui, &pane.response, |camera, at| picture.hit(camera, &options, at, size));
+            self.view.mouse(ui, &pane.response, preset, |camera, at| picture.hit(camera, &options, at, size));
         let Some((at, camera)) = clicked.zip(self.view.current()) else { return };
         let at = pixel(pane.rect, at);
         if let Some(points) = &mut self.state.look.measure {
@@ -246,6 +247,10 @@ impl App {
             overlay::policy(ui, corner, &mut self.state, pane.side);
         }
         overlay::layers(ui, whole, &mut self.state.look.layers);
+        if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
+            self.obey(ui.ctx(), command);
+        }
+        self.point_menu(panes, &camera);
         let reach = camera.bounds.1;
         overlay::section_bar(ui, whole, &mut self.state.look, reach);
         if let Some(command) = overlay::view_buttons(ui, whole) {

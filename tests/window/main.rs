@@ -5,6 +5,7 @@ mod fake;
 mod flank;
 mod harness;
 mod look;
+mod mouse;
 mod project;
 mod real;
 mod review;
