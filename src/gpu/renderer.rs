@@ -3,7 +3,6 @@
 
 use bytemuck::Pod;
 use glam::{UVec2, Vec2, Vec3};
-use wgpu::util::DeviceExt;
 
 use super::camera::Camera;
 use super::cutters::{self, CutterInstance, UnitCutter};
@@ -166,11 +165,7 @@ impl Renderer {
             let UnitCutter { vertices, indices, solid } = UnitCutter::new(facets);
             let mesh = MeshBuffers {
                 vertices: super::scene::vertex_buffer(gpu, "unit cutter", &vertices),
-                indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some("unit cutter triangles"),
-                    contents: bytemuck::cast_slice(&indices),
-                    usage: wgpu::BufferUsages::INDEX,
-                }),
+                indices: super::scene::index_buffer(gpu, "unit cutter triangles", &indices),
                 count: indices.len() as u32,
             };
             Unit { mesh, solid }

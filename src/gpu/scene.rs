@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
-use wgpu::util::DeviceExt;
 
 use super::camera::{Camera, Ray};
 use super::cutters::{self, Cutter, CutterChoice, CutterFilter};
@@ -221,22 +220,18 @@ impl MeshBuffers {
     fn new(gpu: &Gpu, mesh: &Mesh) -> Self {
         Self {
             vertices: vertex_buffer(gpu, "floor corners", &mesh.vertices),
-            indices: gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("floor triangles"),
-                contents: bytemuck::cast_slice(&mesh.indices),
-                usage: wgpu::BufferUsages::INDEX,
-            }),
+            indices: index_buffer(gpu, "floor triangles", &mesh.indices),
             count: mesh.indices.len() as u32,
         }
     }
 }
 
 pub(super) fn vertex_buffer<T: Pod>(gpu: &Gpu, label: &str, contents: &[T]) -> wgpu::Buffer {
-    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some(label),
-        contents: bytemuck::cast_slice(contents),
-        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-    })
+    gpu.filled_buffer(label, bytemuck::cast_slice(contents), wgpu::BufferUsages::VERTEX)
+}
+
+pub(super) fn index_buffer(gpu: &Gpu, label: &str, indices: &[u32]) -> wgpu::Buffer {
+    gpu.filled_buffer(label, bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX)
 }
 
 /// Surfaces and edges of the wheel, in one degree of detail.

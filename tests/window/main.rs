@@ -1,6 +1,8 @@
 //! The window, driven through its accessible names on software Vulkan.
 
 mod compare;
+mod device;
+mod drop;
 mod fake;
 mod flank;
 mod harness;
