@@ -11,7 +11,7 @@
 //! | [`panels`] | the panels, one file each |
 //! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: where they stand; mouse and camera; the textures they show |
 //! | [`mouse`], `point_menu` | what the mouse does, by preset; what a right click offers |
-//! | [`overlay`], [`cube`] | what floats over them |
+//! | [`overlay`], [`cube`], `borders` | what floats over them; the borders of sections, to be dragged |
 //! | [`scrub`] | stock at a place of the timeline |
 //! | [`dialogs`], [`files`] | choosing files; reading and writing them in the background |
 //! | `project`, [`home`] | the project as a file, and what is asked before it is lost; recent ones, copies that survive a crash |
@@ -21,6 +21,7 @@
 //! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which ask for a repaint when
 //! they are done; without input and without work nothing is drawn.
 
+mod borders;
 pub mod command;
 pub mod cube;
 pub mod dialogs;
@@ -81,6 +82,8 @@ pub struct App {
     hover: Option<viewport::Hover>,
     /// What was right-clicked, while its menu is open.
     pointed: Option<view3d::Hit>,
+    /// Whether a border between sections is being dragged.
+    border_held: bool,
     glass: viewport::Glass,
     palette: palette::Palette,
     session: project::Session,
@@ -114,6 +117,7 @@ impl App {
             inspected: scrub::Inspected::new(&cc.egui_ctx),
             hover: None,
             pointed: None,
+            border_held: false,
             glass: viewport::Glass::default(),
             palette: palette::Palette::default(),
             session: project::Session::default(),
@@ -397,7 +401,10 @@ impl eframe::App for App {
         }
         self.ask_unsaved(ui);
         self.ask_export(ui);
-        let time = ui.input(|input| input.time);
-        self.state.document.watch(time);
+        // A drag of a border is one step, however long it takes.
+        if !self.border_held {
+            let time = ui.input(|input| input.time);
+            self.state.document.watch(time);
+        }
     }
 }

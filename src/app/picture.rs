@@ -106,6 +106,11 @@ impl Pictures {
             .or(self.mesh.as_ref().map(|m| &m.fine.framing))
     }
 
+    /// Points across the floor of the channel in work at `s` with their normals; `None` while no part is loaded.
+    pub fn floor_line(&self, s: f64) -> Option<Vec<(Vec3, Vec3)>> {
+        self.mesh.as_ref().map(|mesh| mesh.fine.floor_line(s)).filter(|line| !line.is_empty())
+    }
+
     /// The picture of a side; `None` while no part is loaded.
     pub fn side(&mut self, side: Side) -> Option<&mut Picture> {
         let slot = &mut self.sides[side as usize];

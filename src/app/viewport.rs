@@ -233,6 +233,7 @@ impl App {
                 overlay::measurement(ui, pane.rect, &camera, &points, under);
             }
         }
+        self.section_borders(ui, panes, &camera);
         overlay::legend(ui, whole, &mut self.state, values);
         match overlay::side_switch(ui, whole, &self.state.look) {
             Some(Choice::Side(side)) => {

@@ -189,12 +189,16 @@ const ON_HUB: u32 = 2;
 /// When a piece is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layer {
-    /// With the hub.
+    /// With the hub; closed.
     Hub,
+    /// With the hub, on which it lies.
+    Floor,
     /// With the blades.
     Blades,
     /// With the blades; as glass when walls are cut away.
     CutAway,
+    /// Never; closes the blades at the hub.
+    Foot,
     /// With the shroud.
     Shroud,
 }
@@ -249,7 +253,7 @@ impl Wheel {
         let mut builder = Builder::default();
         let still = |kind, flags| SurfaceInstance { turn: [1.0, 0.0], kind, flags };
         builder.add(Layer::Hub, &part.hub, &[still(HUB, 0)]);
-        builder.add(Layer::Hub, &part.floor, &[still(FLOOR, ON_HUB)]);
+        builder.add(Layer::Floor, &part.floor, &[still(FLOOR, ON_HUB)]);
         builder.add_blade(&part.main, 2);
         for splitter in &part.splitters {
             builder.add_blade(splitter, 1);
@@ -514,5 +518,8 @@ impl Builder {
         self.place(Layer::Blades, &loaded, &pale);
         let near: Vec<SurfaceInstance> = (0..lit).map(|k| copy(k, WALL, 0)).collect();
         self.place(Layer::Blades, &loaded, &near);
+        let foot = self.load(&blade.foot);
+        let all: Vec<SurfaceInstance> = (0..blade.turns.len()).map(|k| copy(k, BLADE, 0)).collect();
+        self.place(Layer::Foot, &foot, &all);
     }
 }

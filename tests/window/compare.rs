@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::look::Arrangement;
+use vanecut::app::look::{Across, Arrangement};
 use vanecut::app::planned::Side;
 use vanecut::part::AxisPolicy;
 
@@ -125,6 +125,12 @@ fn a_section_plane_cuts_the_part_open() {
     window.run_steps(4);
     assert!(window.state().state().look.section.is_some());
     snapshot_view(&mut window, "section_plane");
+    // Seen squarely: the hub with its bore, and the blades, are full where the plane cuts them.
+    window.state_mut().look_mut().section.as_mut().expect("a plane").across = Across::X;
+    window.get_by_label("View from +X").click();
+    window.key_press(egui::Key::F);
+    window.run_steps(4);
+    snapshot_view(&mut window, "section_cap");
     window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(12.0);
     window.get_by_label("Flip").click();
     window.run_steps(3);

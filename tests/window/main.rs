@@ -1,5 +1,6 @@
 //! The window, driven through its accessible names on software Vulkan.
 
+mod borders;
 mod compare;
 mod device;
 mod drop;
