@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::formats::InputError;
+use crate::gpu::flank::FlankColours;
 use crate::job::flank::FlankOutcome;
 use crate::part::AxisPolicy;
 use crate::plunge::{PlungePlan, Position};
@@ -173,6 +174,14 @@ impl State {
         self.look.flank.shown = true;
         self.problems.retain(|problem| !problem.of_plan);
         self.notice = None;
+    }
+
+    /// Greatest over- or undercut of the walls, mm, while the view shows it in place of the stock on the hub.
+    pub fn shown_deviation(&self) -> Option<f32> {
+        let look = self.look.flank;
+        let plan =
+            &self.results.flank.as_ref().filter(|_| look.shown && look.colours == FlankColours::Walls)?.plan;
+        Some((plan.max_overcut().max(plan.max_undercut()) as f32).max(1e-3))
     }
 
     /// Whether the flank plan was made with other allowances, another cutter or other fields than there are now.

@@ -178,8 +178,8 @@ impl App {
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
         };
-        picture.load(content);
         picture.load_flank(flank);
+        picture.load(content);
         // The very first picture is a fast one too: something to see comes before something smooth.
         let moving = moving || !picture.has_drawn();
         let scale = ui.pixels_per_point();
@@ -317,20 +317,30 @@ impl App {
     pub(super) fn options(&self, side: Side) -> SceneOptions {
         let (state, look) = (&self.state, &self.state.look);
         let layers = look.layers;
+        let walls = state.shown_deviation();
         let difference = look.difference && side == Side::After;
         let (low, high) = state.range();
         let count = state.on(side).map_or(0, |shown| shown.plan().positions.len());
         SceneOptions {
             show_hub: layers.hub,
-            show_blades: layers.blades,
+            // The blades would hide what lies on them.
+            show_blades: layers.blades && walls.is_none(),
             show_shroud: layers.shroud,
             show_cutters: if layers.cutters { CutterFilter::All } else { CutterFilter::Hidden },
             show_axes: layers.axes,
             show_holders: layers.holders,
             show_links: layers.links,
-            show_floor_colours: if difference { FloorColours::Values } else { layers.floor },
-            map: if difference { ColourMap::Difference } else { ColourMap::Cividis },
-            range_mm: if difference { (-high, high) } else { (low, high) },
+            show_floor_colours: if difference || walls.is_some() {
+                FloorColours::Values
+            } else {
+                layers.floor
+            },
+            map: if difference || walls.is_some() { ColourMap::Difference } else { ColourMap::Cividis },
+            range_mm: match walls {
+                Some(most) => (-most, most),
+                None if difference => (-high, high),
+                None => (low, high),
+            },
             theme: self.glass.theme,
             at: look.cut.filter(|&cut| cut < count || cut == 0),
             selected: look.selected.filter(|_| side == look.side),
