@@ -4,6 +4,7 @@
 //!
 //! | room | holds |
 //! |---|---|
+//! | [`palette`] | the colours, declared once |
 //! | [`geometry`] | curves, surfaces of revolution, blade sides, root finding, distances |
 //! | [`part`] | impeller, channel, blank, tools, setup |
 //! | [`mesh`] | triangle meshes of a part, and parts from triangle meshes |
@@ -35,6 +36,7 @@ pub mod gpu;
 pub mod job;
 pub mod mesh;
 pub mod monitor;
+pub mod palette;
 pub mod part;
 pub mod plunge;
 pub mod residual;

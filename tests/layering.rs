@@ -4,41 +4,45 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in order, each with the rooms it may look into besides itself.
-const ROOMS: [(&str, &[&str]); 14] = [
+const ROOMS: [(&str, &[&str]); 15] = [
     ("monitor", &[]),
+    ("palette", &[]),
     ("geometry", &[]),
     ("part", &["geometry"]),
     ("mesh", &["geometry", "part", "monitor"]),
     ("assess", &["geometry", "part"]),
     ("plunge", &["geometry", "part", "monitor"]),
     ("flank", &["geometry", "part", "plunge", "monitor"]),
-    ("residual", &["geometry", "part", "plunge", "monitor"]),
-    ("formats", &["geometry", "part", "mesh", "plunge", "flank"]),
+    ("residual", &["geometry", "part", "mesh", "plunge", "monitor"]),
+    ("formats", &["palette", "geometry", "part", "mesh", "plunge", "flank", "residual"]),
     ("verify", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats"]),
     ("job", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "monitor"]),
     (
         "gpu",
-        &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "job", "monitor"],
+        &[
+            "palette", "geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "job",
+            "monitor",
+        ],
     ),
     (
         "app",
         &[
-            "geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "job", "monitor",
-            "gpu",
+            "palette", "geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "job",
+            "monitor", "gpu",
         ],
     ),
     (
         "cli",
         &[
-            "geometry", "part", "mesh", "assess", "plunge", "flank", "residual", "formats", "verify", "job",
-            "monitor", "gpu", "app",
+            "palette", "geometry", "part", "mesh", "assess", "plunge", "flank", "residual", "formats",
+            "verify", "job", "monitor", "gpu", "app",
         ],
     ),
 ];
 /// Rooms of the core.
-const CORE: [&str; 11] = [
-    "monitor", "geometry", "part", "mesh", "assess", "plunge", "flank", "residual", "formats", "verify",
-    "job",
+const CORE: [&str; 12] = [
+    "monitor", "palette", "geometry", "part", "mesh", "assess", "plunge", "flank", "residual", "formats",
+    "verify", "job",
 ];
 /// What the core may not know.
 const OUTSIDE: [&str; 9] = ["egui", "eframe", "wgpu", "winit", "glam", "rfd", "bytemuck", "pollster", "naga"];

@@ -6,8 +6,8 @@ use std::path::Path;
 use glam::{UVec2, Vec2, Vec3};
 use vanecut::formats::read_part;
 use vanecut::geometry::{Point, Vector};
-use vanecut::gpu::palette::{INTERFERENTIAL, SELECTED};
 use vanecut::gpu::{Camera, CutterFilter, FloorColours, Gpu, Picture, Renderer, Scene, SceneOptions, View};
+use vanecut::palette::{INTERFERENTIAL, SELECTED};
 use vanecut::part::{AxisPolicy, Feed, Impeller, Tool};
 use vanecut::plunge::plan::{CoreContact, PlungePlan, Position, SectionPlan};
 use vanecut::residual::FloorGrid;
@@ -61,7 +61,7 @@ fn plan(part: &Impeller) -> PlungePlan {
     };
     PlungePlan {
         policy: AxisPolicy::Conventional,
-        sections: vec![SectionPlan { tool, from: 1.0, to: 0.6, feed: Feed::Inward, rows: 1 }],
+        sections: vec![SectionPlan { tool, from: 1.0, to: 0.6, feed: Feed::Inward, rows: 1, added: None }],
         positions: vec![position(0.95, 0.0), position(0.75, 2.0)],
         dropped: Vec::new(),
         rounds: 1,

@@ -13,7 +13,7 @@ use vanecut::plunge::contact::{BlankTop, Column, Columns, core_contact};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
 use vanecut::plunge::slotting::DepthSurface;
-use vanecut::plunge::{Planner, PlungePlan};
+use vanecut::plunge::{KnownSections, Planner, PlungePlan};
 use vanecut::verify::verify;
 
 fn sample(name: &str) -> Impeller {
@@ -244,4 +244,39 @@ fn axes_stay_within_what_the_machine_reaches() {
     };
     assert_eq!(beyond(&held, &setup), 0);
     assert!(beyond(&free, &setup) > 0, "the plan that knows no machine is refused");
+}
+
+#[test]
+fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
+    let part = sample("impeller532.toml");
+    let channel = Channel::of(&part);
+    let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
+    let sections = setup.plunge.sections.len();
+    assert!(sections >= 2);
+    let monitor = Monitor::default();
+    let mut known = KnownSections::default();
+    let mut held = |setup: &Setup| -> (usize, PlungePlan) {
+        let holding = known.holding(setup).expect("tools");
+        let planner = Planner::new(&part, &channel, setup);
+        let plan = planner.plan_knowing(AxisPolicy::Monotone, &mut known, &monitor).expect("a plan");
+        assert_eq!(plan, planner.plan(AxisPolicy::Monotone, &monitor).expect("a plan"), "as from scratch");
+        (holding, plan)
+    };
+    assert_eq!(held(&setup).0, 0);
+
+    setup.stock.safety_distance = 5.0;
+    setup.tools[0].plunge_feed = 111.0;
+    let (holding, higher) = held(&setup);
+    assert_eq!(holding, sections, "nothing that cuts has changed");
+    assert!(higher.positions.iter().all(|p| p.retract_clearance >= 5.0 - 1e-6), "but links have");
+
+    setup.plunge.sections[sections - 1].to += 0.03;
+    assert_eq!(held(&setup).0, sections - 1, "an end moved");
+    setup.plunge.sections[0].to += 0.05;
+    setup.plunge.sections[1].from += 0.05;
+    assert_eq!(held(&setup).0, 0, "a border moved");
+    setup.stock.hub_allowance = 0.7;
+    assert_eq!(held(&setup).0, 0, "another allowance");
+    setup.plunge.sections.pop();
+    assert_eq!(held(&setup).0, sections - 1, "a section less");
 }

@@ -58,11 +58,12 @@ commands! {
     OpenProject "Open project…" "Opens a project: part, setup, what-if sets and view" [];
     SaveProject "Save project" "Writes the project to its file" [CTRL, S];
     SaveProjectAs "Save project as…" "Writes the project to another file" [CTRL | SHIFT, S];
-    OpenPart "Open part…" "Opens an impeller: .toml, .geomTurbo or TurboGrid .inf" [CTRL, O];
+    OpenPart "Open part…" "Opens an impeller: .toml, .geomTurbo, TurboGrid .inf, or a mesh (.glb, .gltf)" [CTRL, O];
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     SaveSetup "Save setup…" "Writes the setup as it stands" [];
     ExportCl "Export CL…" "Writes the plan shown as \"after\" as an APT cutter-location file" [CTRL, E];
     ExportFlank "Export flank CL…" "Writes the flank plan as an APT cutter-location file" [];
+    ExportScene "Export scene…" "Writes the part, with the plan that is shown, as a glTF scene (.glb)" [];
     SavePicture "Save picture…" "Writes the 3D view as a PNG" [CTRL | SHIFT, E];
     Palette "Search a command" "Finds any command by its name" [CTRL, K];
     KeepSet "Keep as what-if set" "Keeps the setup as it stands, to compare others with it" [CTRL, D];

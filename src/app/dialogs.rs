@@ -26,6 +26,8 @@ pub enum Purpose {
     ExportCl,
     /// Where the flank plan's CL file goes.
     ExportFlank,
+    /// Where the glTF scene goes.
+    ExportScene,
     /// Where the picture goes.
     SavePicture,
 }
@@ -40,6 +42,7 @@ impl Purpose {
             Self::SaveSetup => "Save setup",
             Self::ExportCl => "Export CL",
             Self::ExportFlank => "Export flank CL",
+            Self::ExportScene => "Export scene",
             Self::SavePicture => "Save picture",
         }
     }
@@ -47,16 +50,22 @@ impl Purpose {
     fn saves(self) -> bool {
         matches!(
             self,
-            Self::SaveProject | Self::SaveSetup | Self::ExportCl | Self::ExportFlank | Self::SavePicture
+            Self::SaveProject
+                | Self::SaveSetup
+                | Self::ExportCl
+                | Self::ExportFlank
+                | Self::ExportScene
+                | Self::SavePicture
         )
     }
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf"]),
+            Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf", "glb", "gltf"]),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::ExportCl | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
+            Self::ExportScene => ("glTF scenes", &["glb"]),
             Self::SavePicture => ("Pictures", &["png"]),
         }
     }

@@ -9,7 +9,7 @@ use crate::gpu::{GpuError, SceneOptions};
 
 use super::App;
 use super::dialogs::Purpose;
-use super::files::WriteTask;
+use super::files::{SceneTask, WriteTask};
 use super::state::Problem;
 
 /// How a picture is saved.
@@ -100,6 +100,14 @@ impl App {
     fn screen_size(&self) -> [u32; 2] {
         let size = self.glass.size * self.glass.scale;
         [size.x, size.y].map(|side| (side.round() as u32).clamp(1, MAX_SIDE))
+    }
+
+    /// Writes the part as a scene, with the plan of the side that is shown.
+    pub(super) fn export_scene(&mut self, path: PathBuf) {
+        let Some(part) = &self.state.document.part else { return };
+        let planned = self.state.results.planned.clone().zip(self.state.policy(self.state.look.side));
+        let scene = SceneTask { part: part.impeller.clone(), planned, range: self.state.range() };
+        self.write(WriteTask::Scene(path, scene));
     }
 
     /// Writes the view of the side that is shown.

@@ -5,12 +5,15 @@ use std::sync::Arc;
 
 use crate::formats::InputError;
 use crate::formats::apt::{ClProgram, write_apt};
+use crate::formats::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::formats::part_file::{read_part, read_part_bytes};
 use crate::formats::project_file::{EXTENSION, part_hash};
 use crate::formats::setup_file::write_setup;
 use crate::formats::write::write_whole;
 use crate::gpu::encode_png;
-use crate::part::{Impeller, Setup};
+use crate::mesh::tessellate::{Fineness, Tessellation};
+use crate::palette::ColourMap;
+use crate::part::{AxisPolicy, Impeller, Setup};
 
 use super::document::Edited;
 use super::engine::{PartSource, Sample};
@@ -104,6 +107,16 @@ pub struct Written {
     pub project: Option<(PathBuf, Edited)>,
 }
 
+/// What a scene shows.
+pub struct SceneTask {
+    /// The part.
+    pub part: Arc<Impeller>,
+    /// A plan, and the policy of it that is shown.
+    pub planned: Option<(Arc<Planned>, AxisPolicy)>,
+    /// Ends of the colour scale of the stock, mm.
+    pub range: (f32, f32),
+}
+
 /// Something to write.
 pub enum WriteTask {
     /// A project's text, and what it holds.
@@ -114,6 +127,8 @@ pub enum WriteTask {
     Cl(PathBuf, Arc<Planned>),
     /// The flank plan as APT.
     Flank(PathBuf, Arc<FlankOutcome>),
+    /// A glTF scene.
+    Scene(PathBuf, SceneTask),
     /// A picture: width, height, RGBA.
     Picture(PathBuf, u32, u32, Vec<u8>),
 }
@@ -125,6 +140,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Setup(path, setup) => (path, write_setup(setup).into_bytes()),
         WriteTask::Cl(path, planned) => (path, cl_text(planned).into_bytes()),
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
+        WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Picture(path, width, height, rgba) => {
             let png = encode_png(*width, *height, rgba).map_err(|error| InputError {
                 file: path.display().to_string(),
@@ -145,6 +161,26 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
 
 fn cl_text(planned: &Planned) -> String {
     write_apt(&ClProgram::of_plan(&planned.outcome.part.name, &planned.outcome.after.plan))
+}
+
+fn scene_bytes(scene: &SceneTask) -> Vec<u8> {
+    let shape = Tessellation::new(&scene.part, &Fineness::default());
+    let Some((planned, policy)) = &scene.planned else {
+        return GltfScene::of_part(&scene.part, &shape).glb();
+    };
+    let result = planned.result(*policy);
+    let shown = PlanScene {
+        part: &scene.part,
+        shape: &shape,
+        setup: &planned.outcome.setup,
+        plan: &result.plan,
+        grid: &planned.outcome.grid,
+        heights: &result.field.heights,
+        range: scene.range,
+        map: ColourMap::default(),
+        cutters: CutterNodes::default(),
+    };
+    GltfScene::of_plan(&shown).glb()
 }
 
 fn flank_text(outcome: &FlankOutcome) -> String {

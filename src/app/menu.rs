@@ -19,7 +19,13 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
         &[
             &[Command::NewProject, Command::OpenProject, Command::OpenPart, Command::OpenSetup],
             &[Command::SaveProject, Command::SaveProjectAs],
-            &[Command::SaveSetup, Command::ExportCl, Command::ExportFlank, Command::SavePicture],
+            &[
+                Command::SaveSetup,
+                Command::ExportCl,
+                Command::ExportFlank,
+                Command::ExportScene,
+                Command::SavePicture,
+            ],
             &[Command::Quit],
         ],
     ),
@@ -146,7 +152,14 @@ impl App {
             C::DismissProblems => !self.state.problems.is_empty(),
             C::PlanFlank => open,
             C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
-            C::SaveSetup | C::Plan | C::Fit | C::ViewIso | C::ViewFront | C::ViewTop | C::ViewChannel => open,
+            C::ExportScene
+            | C::SaveSetup
+            | C::Plan
+            | C::Fit
+            | C::ViewIso
+            | C::ViewFront
+            | C::ViewTop
+            | C::ViewChannel => open,
             C::Perspective | C::SectionPlane | C::Measure => open,
             C::SavePicture => open && self.pictures.is_some(),
             C::ExportCl | C::BeforeAfter | C::SideBySide | C::Wipe | C::Difference | C::ViewSection => {
@@ -186,6 +199,7 @@ impl App {
             C::OpenSetup => self.dialogs.ask(ctx, Purpose::OpenSetup, String::new()),
             C::SaveSetup => self.dialogs.ask(ctx, Purpose::SaveSetup, self.suggest("setup.toml")),
             C::ExportCl => self.dialogs.ask(ctx, Purpose::ExportCl, self.suggest("plunge.apt")),
+            C::ExportScene => self.dialogs.ask(ctx, Purpose::ExportScene, self.suggest("scene.glb")),
             C::SavePicture => self.export_dialog.open(),
             C::Quit => self.guarded(ctx, Pending::Quit),
             C::Undo => self.state.document.undo(),

@@ -7,8 +7,6 @@ use crate::part::{AxisPolicy, Setup};
 use crate::plunge::{PlungePlan, Position};
 use crate::residual::{FloorGrid, ResidualField};
 
-use super::theme::Condition;
-
 /// Which of the two plans is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Side {
@@ -90,17 +88,6 @@ impl Planned {
     pub fn stock(&self, policy: AxisPolicy, index: usize) -> f32 {
         let of = self.stock.iter().find(|(known, _)| *known == policy);
         of.and_then(|(_, stock)| stock.get(index)).copied().unwrap_or(f32::NAN)
-    }
-}
-
-/// State of a position.
-pub fn condition(position: &Position) -> Condition {
-    if position.contact.interferes() {
-        Condition::Interferential
-    } else if position.blocked.is_some() {
-        Condition::Blocked
-    } else {
-        Condition::Sound
     }
 }
 

@@ -13,7 +13,7 @@ use crate::plunge::{PlungePlan, Position};
 use super::document::{Document, Edited, OpenPart};
 use super::engine::PartSource;
 use super::look::{Arrangement, Column, Filter, Look, REVEAL};
-use super::planned::{Planned, Side, condition};
+use super::planned::{Planned, Side};
 use super::results::Results;
 use super::theme::Condition;
 
@@ -255,8 +255,8 @@ impl State {
         let filter = self.look.filter;
         let passes = |position: &Position| match filter {
             Filter::All => true,
-            Filter::Interferential => condition(position) == Condition::Interferential,
-            Filter::Blocked => condition(position) == Condition::Blocked,
+            Filter::Interferential => position.condition() == Condition::Interferential,
+            Filter::Blocked => position.condition() == Condition::Blocked,
         };
         let passing = plan.positions.iter().enumerate().filter(|(_, p)| passes(p));
         let mut rows: Vec<(f64, usize)> = passing

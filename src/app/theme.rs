@@ -4,27 +4,9 @@
 
 use egui::{Color32, Context, CornerRadius, Stroke, Theme, Visuals};
 
-/// What a position is like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Condition {
-    /// The core is free.
-    Sound,
-    /// The policy's axis could not be had.
-    Blocked,
-    /// The core meets stock.
-    Interferential,
-}
+pub use crate::plunge::plan::Condition;
 
 impl Condition {
-    /// The word that goes with the colour.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Sound => "sound",
-            Self::Blocked => "blocked",
-            Self::Interferential => "interferential",
-        }
-    }
-
     /// Colour of the mark: bluish green, orange, vermilion.
     pub fn mark(self) -> Color32 {
         match self {

@@ -9,9 +9,9 @@ use glam::Vec3;
 use crate::gpu::camera::Camera;
 use crate::gpu::cutters::CutterFilter;
 use crate::gpu::flank::FlankColours;
-use crate::gpu::palette::ColourMap;
 use crate::gpu::scene::{FloorColours, SceneOptions, SectionPlane};
 use crate::job::flank::FlankOutcome;
+use crate::palette::ColourMap;
 use crate::plunge::inspect::feed_direction;
 
 use super::App;

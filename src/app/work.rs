@@ -319,6 +319,7 @@ impl App {
                     self.write(WriteTask::Flank(path, outcome));
                 }
             }
+            Purpose::ExportScene => self.export_scene(path),
             Purpose::SavePicture => self.export_picture(path),
         }
     }

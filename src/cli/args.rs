@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::mesh::axis::Axis;
+use crate::mesh::{MeshOptions, Role, Unit};
+
 /// Plans the rough milling of centrifugal impellers. Without a command it opens the window.
 #[derive(Debug, Parser)]
 #[command(name = "vanecut", version, args_conflicts_with_subcommands = true)]
@@ -27,15 +30,55 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Picture of a part or of a plan.json, without a window
     Render(RenderArgs),
+    /// Parts from format to format; a part or a plan to a glTF scene
+    Convert(ConvertArgs),
     /// Throughput of the kernels on this machine
     Bench,
+}
+
+/// What to know of a part that is a mesh.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Meshes")]
+pub struct MeshArgs {
+    /// Role of a node by its name: hub, shroud, blade, splitter or ignore; may be repeated
+    #[arg(long = "role", value_name = "NODE=ROLE", value_parser = role)]
+    pub roles: Vec<(String, Role)>,
+    /// Unit of the file's numbers: mm, cm, m or in; absent: metres
+    #[arg(long)]
+    pub unit: Option<Unit>,
+    /// Axis of rotation in the file: x, y or z; absent: found from the hub
+    #[arg(long, value_name = "AXIS")]
+    pub rotation_axis: Option<Axis>,
+    /// Number of main blades, where the file holds only one
+    #[arg(long, value_name = "N")]
+    pub blades: Option<usize>,
+}
+
+impl MeshArgs {
+    /// As a reader takes it.
+    pub fn options(&self) -> MeshOptions {
+        MeshOptions {
+            roles: self.roles.clone(),
+            unit: self.unit,
+            axis: self.rotation_axis,
+            blades: self.blades,
+        }
+    }
+}
+
+/// `NODE=ROLE`; a node's name may hold `=` too.
+fn role(text: &str) -> Result<(String, Role), String> {
+    let (node, role) = text.rsplit_once('=').ok_or("give NODE=ROLE, such as Body3=hub")?;
+    Ok((node.to_owned(), role.parse()?))
 }
 
 /// `vanecut plan`.
 #[derive(Debug, Args)]
 pub struct PlanArgs {
-    /// Part: .toml, .geomTurbo or TurboGrid .inf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
     pub part: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// Setup file; `-` reads it from standard input
     #[arg(long)]
     pub setup: Option<PathBuf>,
@@ -59,8 +102,10 @@ pub struct PlanArgs {
 /// `vanecut flank`.
 #[derive(Debug, Args)]
 pub struct FlankArgs {
-    /// Part: .toml, .geomTurbo or TurboGrid .inf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
     pub part: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// Setup file; `-` reads it from standard input
     #[arg(long)]
     pub setup: Option<PathBuf>,
@@ -78,8 +123,10 @@ pub struct FlankArgs {
 /// `vanecut assess`.
 #[derive(Debug, Args)]
 pub struct AssessArgs {
-    /// Part: .toml, .geomTurbo or TurboGrid .inf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
     pub part: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// Setup file with the tools whose reach is asked for; `-` reads it from standard input
     #[arg(long)]
     pub setup: Option<PathBuf>,
@@ -94,8 +141,10 @@ pub struct AssessArgs {
 /// `vanecut verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// Part: .toml, .geomTurbo or TurboGrid .inf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
     pub part: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// APT program; `-` reads it from standard input
     pub program: PathBuf,
     /// Setup file with the allowances and the insert widths
@@ -111,6 +160,8 @@ pub struct VerifyArgs {
 pub struct RenderArgs {
     /// Part, a plan.json, or a flank.json
     pub source: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// PNG to write
     #[arg(short, long)]
     pub output: PathBuf,
@@ -145,4 +196,21 @@ pub struct RenderArgs {
     /// Also draw the colour scale
     #[arg(long)]
     pub legend: bool,
+}
+
+/// `vanecut convert`.
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// Part, a plan.json, or a flank.json
+    pub input: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// File to write: .toml, .glb or .gltf
+    pub output: PathBuf,
+    /// Largest distance of triangles from the surfaces, mm
+    #[arg(long, default_value_t = 0.01)]
+    pub chord_error: f64,
+    /// One node per cutter, for viewers without EXT_mesh_gpu_instancing
+    #[arg(long)]
+    pub plain: bool,
 }

@@ -23,7 +23,7 @@ struct Found<'a> {
 /// Assesses, draws, prints.
 pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
-    let (_, part) = open::part(&args.part)?;
+    let (_, part) = open::part(&args.part, &args.mesh)?;
     let opened = open::setup(args.setup.as_deref(), &args.part)?;
     if let Some(folder) = &args.output {
         plan::check_folder(folder)?;

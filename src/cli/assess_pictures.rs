@@ -12,11 +12,12 @@ use crate::assess::passage::{PassageMeasure, Place, wall_widths};
 use crate::assess::reach::{ReachMap, Sides};
 use crate::assess::shape::tangents;
 use crate::formats::write::write_together;
-use crate::gpu::floor::{FINE, floor_mesh};
+use crate::gpu::floor::floor_mesh;
 use crate::gpu::mesh::{Mesh, even};
 use crate::gpu::walls::wall_mesh;
 use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
 use crate::part::{Blade, BladeSide, Blank, Channel, Impeller, Setup};
+use crate::residual::surface::FINE;
 use crate::residual::{FloorGrid, FloorSource};
 
 /// Size of the pictures, pixels.

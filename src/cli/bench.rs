@@ -6,9 +6,11 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::{Failure, bench_flank, say};
+use crate::formats::gltf::GltfScene;
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
 use crate::job::{PlanJob, PlanOutcome, PlanRequest, run as run_job};
+use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Blank, Channel, Impeller, Setup, Tool};
 use crate::plunge::Planner;
@@ -124,6 +126,7 @@ pub fn run() -> Result<(), Failure> {
     growth(&outcome)?;
 
     bench_flank::lines()?;
+    mesh(&part)?;
 
     let plan = &outcome.after.plan;
     let hub = DepthSurface::new(part.hub.curve(), 0.5);
@@ -178,6 +181,20 @@ pub(super) fn sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Failure> 
     let description = read_part_bytes(name, text, "toml")?;
     let part = Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?;
     Ok(Arc::new(part))
+}
+
+/// A mesh of about a million triangles opened as a part.
+fn mesh(part: &Impeller) -> Result<(), Failure> {
+    let shape = Tessellation::new(part, &Fineness { chord_error: 0.007, ..Fineness::default() });
+    let triangles = shape.triangles() + (part.blade_count - 1) * shape.main.triangles();
+    let bytes = GltfScene::of_part(part, &shape).glb();
+    line(
+        &format!("a mesh of {triangles} triangles opened"),
+        median(|| {
+            let read = read_part_bytes("wheel.glb", &bytes, "glb");
+            std::hint::black_box(read.is_ok());
+        }),
+    )
 }
 
 pub(super) fn median(mut work: impl FnMut()) -> f64 {

@@ -7,6 +7,7 @@ mod assess_pictures;
 mod bench;
 mod bench_flank;
 mod bench_frames;
+mod convert;
 mod flank;
 mod open;
 mod plan;
@@ -122,6 +123,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Assess(a)) => assess::run(&a),
         Some(Command::Verify(a)) => verify::run(&a),
         Some(Command::Render(a)) => render::run(&a),
+        Some(Command::Convert(a)) => convert::run(&a),
         Some(Command::Bench) => bench::run(),
     }
 }

@@ -4,7 +4,8 @@ use std::io::Read;
 use std::path::Path;
 
 use super::Failure;
-use crate::formats::part_file::read_part;
+use super::args::MeshArgs;
+use crate::formats::part_file::read_part_with;
 use crate::formats::setup_file::{line_of, read_setup_bytes};
 use crate::formats::source::{MAX_BYTES, name_of, read_bytes};
 use crate::part::{Impeller, PartDescription, Setup};
@@ -14,8 +15,8 @@ use crate::plunge::sections::SetupFault;
 const STANDARD_INPUT: &str = "standard input";
 
 /// Reads, trims and checks a part.
-pub fn part(path: &Path) -> Result<(PartDescription, Impeller), Failure> {
-    let description = read_part(path)?;
+pub fn part(path: &Path, mesh: &MeshArgs) -> Result<(PartDescription, Impeller), Failure> {
+    let description = read_part_with(path, &mesh.options())?;
     let part = Impeller::build(&description)
         .map_err(|e| Failure::at(&path.display().to_string(), e.line, &e.to_string()))?;
     Ok((description, part))

@@ -25,7 +25,7 @@ pub const FIELD_CELLS: usize = 512;
 
 /// Plans, writes the files, prints the figures.
 pub fn run(args: &PlanArgs) -> Result<(), Failure> {
-    let (description, part) = open::part(&args.part)?;
+    let (description, part) = open::part(&args.part, &args.mesh)?;
     let setup = open::setup(args.setup.as_deref(), &args.part)?;
     let policy = match &args.axis {
         None => setup.setup.plunge.axis,
@@ -172,6 +172,7 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
     text += &report::table(&outcome.policies(), &outcome.grid);
     text += &format!("{} as written:\n", outcome.after.plan.policy.name());
     text += &report::reasons(&outcome.after.plan, &outcome.reasons);
+    text += &report::added(&outcome.after.plan);
     text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
     text += &report::held(&outcome.after.plan);
     text += &report::blocked(&outcome.after.plan);

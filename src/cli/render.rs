@@ -14,12 +14,12 @@ use crate::formats::source::{name_of, read_bytes};
 use crate::formats::write::write_whole;
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
-    Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View,
-    encode_png, floor,
+    Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View, encode_png,
 };
 use crate::job::PlanOutcome;
 use crate::part::{Blank, Channel, Impeller};
 use crate::plunge::PlungePlan;
+use crate::residual::surface::fitting_range;
 use crate::residual::{FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of};
 
 /// Largest picture, pixels a side.
@@ -69,7 +69,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         let stored = read_plan_bytes(&name_of(&args.source), bytes)?;
         (stored.part, Some((stored.setup, stored.plan)))
     } else {
-        let (_, part) = open::part(&args.source)?;
+        let (_, part) = open::part(&args.source, &args.mesh)?;
         // A part alone is drawn as it is; with plan colours asked for, it is planned with the defaults.
         if colours == FloorColours::Plain && args.at.is_none() && args.cutters.is_none() {
             (part, None)
@@ -118,7 +118,7 @@ fn picture(
     let mut scene = Scene::new(&gpu, part);
     let mut options = options;
     if let Some((plan, grid, field)) = planned {
-        options.range_mm = range.unwrap_or_else(|| floor::fitting_range(grid, &field.heights));
+        options.range_mm = range.unwrap_or_else(|| fitting_range(grid, &field.heights));
         scene.set_plan(Some(plan));
         scene.set_floor(&gpu, Some((grid, &field.heights)), Some(plan));
     }
@@ -166,7 +166,7 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
     let mut renderer = Renderer::new(&gpu);
     let mut scene = Scene::new(&gpu, &outcome.part);
     let size = UVec2::new(900, 640);
-    let range = floor::fitting_range(&outcome.grid, &outcome.before.field.heights);
+    let range = fitting_range(&outcome.grid, &outcome.before.field.heights);
     let mut figures = String::new();
     for (name, result) in [("before", &outcome.before), ("after", &outcome.after)] {
         scene.set_plan(Some(&result.plan));

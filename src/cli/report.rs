@@ -91,6 +91,8 @@ fn by_section(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>
             map.append(&mut decisive(&s));
             map.insert("blocked".into(), json!(s.blocked));
             map.insert("held".into(), held_object(&held_back(&result.plan, Some(index))));
+            map.insert("added".into(), json!(section.added.map(|(count, _)| count)));
+            map.insert("stopped".into(), json!(section.added.map(|(_, stopped)| stopped.name())));
             map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
             Value::Object(map)
         })
@@ -190,6 +192,19 @@ pub fn reasons(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
             "{:.2} to {:.2}, tool {} (D {}): {reason}\n",
             section.from, section.to, tool.number, tool.diameter
         );
+    }
+    text
+}
+
+/// What was added to the rows of each section, and why no more.
+pub fn added(plan: &PlungePlan) -> String {
+    let mut text = String::new();
+    for section in &plan.sections {
+        if let Some((count, stopped)) = section.added {
+            let (from, to) = (section.from, section.to);
+            text +=
+                &format!("{from:.2} to {to:.2}: {count} plunges added to the rows; {}\n", stopped.words());
+        }
     }
     text
 }

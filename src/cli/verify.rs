@@ -22,7 +22,7 @@ const MAX_SHOWN: usize = 20;
 /// Checks, prints what was found; exit 1 when there is a fault.
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
-    let (_, part) = open::part(&args.part)?;
+    let (_, part) = open::part(&args.part, &args.mesh)?;
     if args.program == Path::new("-") && args.setup.as_deref() == Some(Path::new("-")) {
         return Err(Failure::Input(
             "standard input cannot be setup and program; give one as a file".to_owned(),

@@ -2,11 +2,13 @@
 //!
 //! One file per format; [`part_file`] picks the reader by extension. Whatever a file holds, a reader
 //! answers with a value or an [`InputError`]: no panic, no endless loop, no memory beyond a small
-//! multiple of the file. Limits: 64 MiB a file, 1,000,000 points, 1,000 blades, |x| ≤ 1,000,000 mm.
+//! multiple of the file. Limits: 64 MiB a file, 1,000,000 points, 1,000 blades, |x| ≤ 1,000,000 mm;
+//! of meshes 512 MiB and 8,000,000 triangles.
 
 pub mod apt;
 pub mod flank_file;
 pub mod geomturbo;
+pub mod gltf;
 pub mod native;
 pub mod part_file;
 pub mod plan_file;
@@ -20,8 +22,9 @@ pub mod turbogrid;
 pub mod write;
 
 pub use apt::{ClProgram, ClTool, ClWarning, Motion, Move, read_apt, read_apt_bytes, write_apt};
+pub use gltf::GltfScene;
 pub use native::write_native;
-pub use part_file::{read_part, read_part_bytes};
+pub use part_file::{read_part, read_part_bytes, read_part_with};
 pub use setup_file::{axis_policy, flank_scheme, read_setup, read_setup_bytes, write_setup};
 pub use write::write_whole;
 

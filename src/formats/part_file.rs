@@ -3,29 +3,37 @@
 use std::path::Path;
 
 use super::source::{name_of, read_bytes};
-use super::{InputError, geomturbo, native, turbogrid};
+use super::{InputError, geomturbo, gltf, native, turbogrid};
+use crate::mesh::MeshOptions;
 use crate::part::PartDescription;
 
-const CAN_OPEN: &str = "open a .toml, .geomTurbo or .inf (TurboGrid) file";
+const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .glb or .gltf file";
 
-/// Reads a part file: `.toml`, `.geomTurbo` or TurboGrid `.inf` with its `.curve` files beside it.
-/// The extension's case does not matter. Lengths come out in mm, angles in rad.
+/// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, or a mesh, `.glb` or
+/// `.gltf`. The extension's case does not matter. Lengths come out in mm, angles in rad.
 pub fn read_part(path: &Path) -> Result<PartDescription, InputError> {
+    read_part_with(path, &MeshOptions::default())
+}
+
+/// As [`read_part`], with what a user says about a mesh; other formats need none of it.
+pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescription, InputError> {
     let name = name_of(path);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
         "inf" => turbogrid::read(path),
+        "glb" | "gltf" => gltf::read(path, options),
         "toml" | "geomturbo" => read_part_bytes(&name, &read_bytes(path)?, &extension),
         other => Err(unknown(&name, other)),
     }
 }
 
-/// Reads a part from the bytes of its one file; `ext` is `toml` or `geomTurbo` in any case.
+/// Reads a part from the bytes of its one file; `ext` is `toml`, `geomTurbo`, `glb` or `gltf` in any case.
 /// `name` is the file name that messages use, its stem the name of a part that has none.
 pub fn read_part_bytes(name: &str, bytes: &[u8], ext: &str) -> Result<PartDescription, InputError> {
     match ext.to_lowercase().as_str() {
         "toml" => native::read(name, bytes),
         "geomturbo" => geomturbo::read(name, bytes),
+        "glb" | "gltf" => gltf::read_bytes(name, bytes, &MeshOptions::default()),
         "inf" => Err(InputError::new(
             name,
             0,

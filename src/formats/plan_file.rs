@@ -8,7 +8,7 @@ use super::setup_file::write_setup;
 use super::stored::{self, Origin, are_sane, damaged};
 use crate::part::{AxisPolicy, Impeller, PartDescription, Setup};
 use crate::plunge::sections::tool_of;
-use crate::plunge::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan};
+use crate::plunge::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan, Stopped};
 
 /// Version of the file; readers refuse newer ones.
 const VERSION: u32 = 1;
@@ -25,6 +25,9 @@ struct PlanFile {
     rounds: usize,
     settled: bool,
     rows: Vec<usize>,
+    /// Plunges added to each section and why no more. Files of earlier versions have none.
+    #[serde(default)]
+    added: Vec<Option<(usize, Stopped)>>,
     positions: Vec<PositionFile>,
     dropped: Vec<(usize, usize, f64)>,
 }
@@ -83,6 +86,7 @@ pub fn write_plan(
         rounds: plan.rounds,
         settled: plan.settled,
         rows: plan.sections.iter().map(|s| s.rows).collect(),
+        added: plan.sections.iter().map(|s| s.added).collect(),
         positions: plan
             .positions
             .iter()
@@ -136,6 +140,7 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
             to: section.to,
             feed: section.feed.unwrap_or(crate::part::Feed::Inward),
             rows: file.rows.get(index).copied().unwrap_or(0),
+            added: file.added.get(index).copied().flatten(),
         });
     }
     let mut positions = Vec::with_capacity(file.positions.len());

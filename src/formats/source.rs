@@ -116,6 +116,11 @@ pub fn stem_of(file: &str) -> String {
 
 /// All bytes of a file of at most [`MAX_BYTES`].
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
+    read_bytes_up_to(path, MAX_BYTES)
+}
+
+/// All bytes of a file of at most `limit` bytes.
+pub fn read_bytes_up_to(path: &Path, limit: usize) -> Result<Vec<u8>, InputError> {
     let name = name_of(path);
     let source = Source { file: &name };
     let unreadable = |error: std::io::Error| {
@@ -135,14 +140,15 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     }
     let file = std::fs::File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
-    file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    check_size(source, &bytes)?;
+    file.take(limit as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    check_size(source, &bytes, limit)?;
     Ok(bytes)
 }
 
-fn check_size(source: Source<'_>, bytes: &[u8]) -> Result<(), InputError> {
-    if bytes.len() > MAX_BYTES {
-        return Err(source.fault(0, "is larger than 64 MiB", "give a smaller file"));
+fn check_size(source: Source<'_>, bytes: &[u8], limit: usize) -> Result<(), InputError> {
+    if bytes.len() > limit {
+        let what = format!("is larger than {} MiB", limit >> 20);
+        return Err(source.fault(0, what, "give a smaller file"));
     }
     Ok(())
 }
@@ -167,7 +173,7 @@ pub fn text_lossy<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<Cow<'a, str
 }
 
 fn checked<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a [u8], InputError> {
-    check_size(source, bytes)?;
+    check_size(source, bytes, MAX_BYTES)?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if let Some(offset) = bytes.iter().position(|b| *b == 0) {
         let line = line_at(bytes, offset);

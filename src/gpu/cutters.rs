@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::camera::Ray;
 use super::mesh::{LineColour, Segment, polyline};
-use crate::plunge::plan::PlungePlan;
+use crate::plunge::plan::{Condition, PlungePlan};
 
 /// What a position's colour says.
 #[repr(u32)]
@@ -91,12 +91,10 @@ pub fn cutters(plan: &PlungePlan) -> Vec<Cutter> {
     for (id, position) in plan.positions.iter().enumerate() {
         let Some(section) = plan.sections.get(position.section) else { continue };
         let tool = &section.tool;
-        let state = if position.contact.interferes() {
-            CutterState::Interferential
-        } else if position.blocked.is_some() {
-            CutterState::Blocked
-        } else {
-            CutterState::Sound
+        let state = match position.condition() {
+            Condition::Sound => CutterState::Sound,
+            Condition::Blocked => CutterState::Blocked,
+            Condition::Interferential => CutterState::Interferential,
         };
         let tip = to(position.tip.into());
         let retract = Vec3::from_array(to(position.retract.into()));

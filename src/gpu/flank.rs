@@ -3,12 +3,12 @@
 use std::str::FromStr;
 
 use super::mesh::{Mesh, Segment};
-use super::palette::{self, ColourMap, Rgb, TABLE_LEN};
 use super::walls::wall_mesh;
 use crate::flank::chart::{Region, WallName};
 use crate::flank::{FlankMove, MoveKind};
 use crate::formats::flank_file::{ShownCurve, ShownWall};
 use crate::geometry::Point;
+use crate::palette::{self, ColourMap, Rgb, TABLE_LEN};
 use crate::part::Impeller;
 
 /// What the colours of the lines tell.

@@ -2,39 +2,13 @@
 
 use glam::Vec3;
 
-use super::mesh::{Mesh, Vertex, quads};
+use super::mesh::{Mesh, Vertex};
 use crate::plunge::plan::PlungePlan;
 use crate::residual::FloorGrid;
+use crate::residual::surface::{FINE, FloorSurface, is_uncut};
 
-/// Most mesh lines along s and across, in still pictures.
-pub const FINE: (usize, usize) = (257, 129);
-/// The same in motion.
+/// Most lines along s and across, in motion.
 pub const DRAFT: (usize, usize) = (65, 25);
-
-/// Which cells of a grid become corners of the mesh.
-#[derive(Clone, Debug, PartialEq)]
-struct Stride {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-}
-
-impl Stride {
-    fn of(grid: &FloorGrid, most: (usize, usize)) -> Self {
-        let pick = |count: usize, most: usize| -> Vec<usize> {
-            let kept = count.min(most);
-            let step = |i: usize| if kept > 1 { i * (count - 1) / (kept - 1) } else { 0 };
-            (0..kept).map(step).collect()
-        };
-        Self { rows: pick(grid.rows, most.0), columns: pick(grid.columns, most.1) }
-    }
-
-    fn cells<'a>(&'a self, grid: &'a FloorGrid) -> impl Iterator<Item = usize> + 'a {
-        self.rows.iter().flat_map(move |&i| self.columns.iter().map(move |&j| i * grid.columns + j))
-    }
-}
-
-/// Height below which a cell counts as cut although the blank is hardly higher, mm.
-const UNCUT_TOLERANCE: f32 = 1e-3;
 
 /// Mesh of the floor with a height of stock per corner, thinned to `most` lines either way.
 /// Cells that are no floor (under a splitter, within the allowance of a wall) are left out.
@@ -44,19 +18,17 @@ pub fn floor_mesh(grid: &FloorGrid, heights: &[f32], most: (usize, usize)) -> Op
     if heights.len() != grid.points.len() {
         return None;
     }
-    let stride = Stride::of(grid, most);
-    let vertices = stride
-        .cells(grid)
-        .map(|cell| Vertex {
-            position: grid.points[cell],
-            value: heights[cell],
-            normal: grid.normals[cell],
-            uncut: f32::from(heights[cell] >= grid.blank_heights[cell] - UNCUT_TOLERANCE),
-        })
-        .collect();
-    let floor = |i: usize, j: usize| grid.floor[stride.rows[i] * grid.columns + stride.columns[j]];
-    let keep = |i: usize, j: usize| floor(i, j) && floor(i + 1, j) && floor(i, j + 1) && floor(i + 1, j + 1);
-    Some(Mesh { vertices, indices: quads(stride.rows.len(), stride.columns.len(), keep) })
+    let surface = FloorSurface::new(grid, most);
+    let corner = |&cell: &usize| Vertex {
+        position: grid.points[cell],
+        value: heights[cell],
+        normal: grid.normals[cell],
+        uncut: f32::from(is_uncut(grid, cell, heights[cell])),
+    };
+    Some(Mesh {
+        vertices: surface.cells.iter().map(corner).collect(),
+        indices: surface.triangles.into_flattened(),
+    })
 }
 
 /// The same floor with a value of another kind per cell, such as the difference of two plans; none of it counts
@@ -81,9 +53,9 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
             Some((to(p.tip.into()), to(p.axis.into()), tool.core_radius() as f32, p.contact.depth as f32))
         })
         .collect();
-    let stride = Stride::of(grid, FINE);
+    let cells = FloorSurface::new(grid, FINE).cells;
     let mut mesh = floor_mesh(grid, &grid.blank_heights, FINE).unwrap_or_default();
-    for (vertex, cell) in mesh.vertices.iter_mut().zip(stride.cells(grid)) {
+    for (vertex, &cell) in mesh.vertices.iter_mut().zip(&cells) {
         let p = Vec3::from_array(grid.points[cell]);
         vertex.uncut = 0.0;
         vertex.value = 0.0;
@@ -99,25 +71,6 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
         }
     }
     mesh
-}
-
-/// A colour range that one outlier does not ruin: lowest height to the 98th percentile of what
-/// was cut, mm. (0, 1) when nothing was.
-pub fn fitting_range(grid: &FloorGrid, heights: &[f32]) -> (f32, f32) {
-    let mut cut: Vec<f32> = heights
-        .iter()
-        .zip(&grid.blank_heights)
-        .zip(&grid.floor)
-        .filter(|((height, blank), floor)| **floor && **height < **blank - UNCUT_TOLERANCE)
-        .map(|((height, _), _)| *height)
-        .collect();
-    if cut.is_empty() {
-        return (0.0, 1.0);
-    }
-    cut.sort_by(f32::total_cmp);
-    let low = cut[0];
-    let high = cut[(cut.len() - 1) * 98 / 100];
-    (low, high.max(low + 1e-3))
 }
 
 /// Cell of the grid at a point of the floor, for the value under the cursor; `None` away from it.
@@ -148,16 +101,6 @@ mod tests {
     }
 
     #[test]
-    fn large_grids_are_thinned_and_keep_their_corners() {
-        let grid = grid(600, 400);
-        let heights: Vec<f32> = (0..600 * 400).map(|k| k as f32 * 1e-5).collect();
-        let mesh = floor_mesh(&grid, &heights, FINE).expect("fits");
-        assert_eq!(mesh.triangles(), 256 * 128 * 2);
-        assert_eq!(mesh.vertices[0].position, [0.0, 0.0, 0.0]);
-        assert_eq!(mesh.vertices.last().expect("some").position, [599.0, 399.0, 0.0]);
-    }
-
-    #[test]
     fn cells_without_floor_are_left_out_and_uncut_ones_marked() {
         let mut grid = grid(4, 4);
         grid.floor[5] = false;
@@ -175,16 +118,5 @@ mod tests {
         let grid = grid(10, 10);
         assert_eq!(cell_at(&grid, Vec3::new(3.2, 4.1, 0.5)), Some(34));
         assert_eq!(cell_at(&grid, Vec3::new(3.0, 40.0, 0.0)), None);
-    }
-
-    #[test]
-    fn the_range_ignores_uncut_cells_and_outliers() {
-        let grid = grid(10, 20);
-        let mut heights: Vec<f32> = (0..200).map(|k| 0.5 + k as f32 * 0.01).collect();
-        heights[0] = 20.0;
-        heights[1] = 15.0;
-        let (low, high) = fitting_range(&grid, &heights);
-        assert!((low - 0.52).abs() < 1e-6 && high < 2.5, "{low} {high}");
-        assert_eq!(fitting_range(&grid, &[20.0; 200]), (0.0, 1.0));
     }
 }

@@ -1,9 +1,9 @@
 //! The legend drawn into a picture: the colour bar with the values at its ends, in small letters of its own, so that
 //! pictures need no fonts.
 
-use super::palette::{ColourMap, TABLE_LEN, Theme};
 use super::renderer::Picture;
 use super::scene::{FloorColours, SceneOptions};
+use crate::palette::{ColourMap, TABLE_LEN, Theme};
 
 /// Letters of 5 × 7 dots, one number a row, the highest of five bits to the left.
 const LETTERS: &[(char, [u8; 7])] = &[

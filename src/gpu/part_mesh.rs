@@ -10,6 +10,7 @@ use glam::Vec3;
 use super::mesh::{LineColour, Mesh, PointGrid, ProfilePoint, Segment, even, polyline, thin, turn};
 use super::view::{Frame, Framing};
 use crate::geometry::{Point, wrap_angle};
+use crate::mesh::tessellate::{body_outline, nose, up_sign};
 use crate::part::{Blade, BladeSide, Channel, Flowpath, Impeller};
 
 /// How finely a part is tessellated.
@@ -88,8 +89,8 @@ impl PartMesh {
 
     fn with_detail(part: &Impeller, detail: &Detail) -> Self {
         let channel = WallFeet::new(part);
-        let up_sign = if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 };
-        let body = body_profile(&part.hub, up_sign);
+        let up_sign = up_sign(part) as f32;
+        let body = body_outline(part).map(|p| (p.r as f32, p.z as f32));
         let angles: Vec<f64> = even(detail.turn).iter().map(|t| t * TAU).collect();
         let mut hub = Mesh::revolve(&profile(&part.hub, &hub_range(&part.hub, detail)), &angles, |_, _| 1.0);
         let mut edges = Vec::new();
@@ -166,7 +167,7 @@ impl PartMesh {
 
 /// Values of s of the hub that are drawn: from a short nose ahead of the blades to the rim.
 fn hub_range(hub: &Flowpath, detail: &Detail) -> Vec<f64> {
-    let nose = hub.s_range().0.max(-0.12);
+    let nose = nose(hub);
     even(detail.meridian).iter().map(|t| nose + (1.0 - nose) * t).collect()
 }
 
@@ -177,23 +178,6 @@ fn profile(path: &Flowpath, at: &[f64]) -> Vec<ProfilePoint> {
             ProfilePoint { r: p.r as f32, z: p.z as f32, normal_r: n.r as f32, normal_z: n.z as f32 }
         })
         .collect()
-}
-
-/// (r, z) of the closed rest of the body: rim, back, bore and nose ring. A picture of a solid
-/// wheel, not the drawing's back side, which part files do not hold.
-fn body_profile(hub: &Flowpath, up_sign: f32) -> Vec<(f32, f32)> {
-    let nose = hub.point(hub_range(hub, &DRAFT)[0]);
-    let rim = hub.point(1.0);
-    let plate = (0.03 * rim.r).max(3.0) as f32;
-    let bore = (0.45 * nose.r) as f32;
-    let back = rim.z as f32 - up_sign * plate;
-    vec![
-        (rim.r as f32, rim.z as f32),
-        (rim.r as f32, back),
-        (bore, back),
-        (bore, nose.z as f32),
-        (nose.r as f32, nose.z as f32),
-    ]
 }
 
 /// Parameters of mesh lines along a blade: from the file's points, thinned.
@@ -307,7 +291,7 @@ impl WallFeet {
                 });
             }
         }
-        mesh.indices = super::mesh::quads(stations.len(), lambdas.len(), |_, _| true);
+        mesh.indices = super::mesh::quads(stations.len(), lambdas.len());
         mesh
     }
 

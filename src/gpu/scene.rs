@@ -11,12 +11,13 @@ use super::cutters::{self, Cutter, CutterChoice, CutterFilter};
 use super::device::Gpu;
 use super::floor;
 use super::mesh::{Mesh, Segment, turn};
-use super::palette::{ColourMap, Theme};
 use super::part_mesh::{BladeMesh, PartMesh};
 use super::view::{Frame, Framing};
+use crate::palette::{ColourMap, Theme};
 use crate::part::Impeller;
 use crate::plunge::plan::PlungePlan;
 use crate::residual::FloorGrid;
+use crate::residual::surface::FINE;
 
 /// What the floor of the channel in work shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -337,7 +338,7 @@ impl Scene {
     /// its cores, whatever [`SceneOptions::at`] says. Heights that do not fit the grid show no floor colours.
     pub fn set_floor(&mut self, gpu: &Gpu, floor: Option<(&FloorGrid, &[f32])>, plan: Option<&PlungePlan>) {
         self.floor = floor.and_then(|(grid, heights)| {
-            let mesh = floor::floor_mesh(grid, heights, floor::FINE)?;
+            let mesh = floor::floor_mesh(grid, heights, FINE)?;
             let draft =
                 floor::floor_mesh(grid, heights, floor::DRAFT).map(|mesh| MeshBuffers::new(gpu, &mesh));
             let contact = plan.map(|plan| MeshBuffers::new(gpu, &floor::contact_mesh(grid, plan)));
@@ -354,8 +355,7 @@ impl Scene {
     /// Replaces the heights on the floor, e.g. while scrubbing; the grid is the one of
     /// [`Self::set_floor`], and nothing happens before that or when the sizes differ.
     pub fn set_heights(&mut self, gpu: &Gpu, grid: &FloorGrid, heights: &[f32]) {
-        let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights, floor::FINE))
-        else {
+        let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights, FINE)) else {
             return;
         };
         if mesh.vertices.len() == floor.mesh.vertices.len() {

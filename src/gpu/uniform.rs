@@ -5,9 +5,9 @@ use glam::{Mat4, UVec2, Vec2, Vec3};
 
 use super::camera::{Camera, Projection};
 use super::mesh::LineColour;
-use super::palette::{self, Rgb, TABLE_LEN};
 use super::scene::{FloorColours, SceneOptions};
 use super::view::Framing;
+use crate::palette::{self, Rgb, TABLE_LEN};
 
 /// Uniform of `shaders/scene.wgsl`.
 #[repr(C)]

@@ -10,7 +10,7 @@ use super::contact::{BlankTop, Column, Columns, Earlier, core_contact, planned_c
 use super::ground::Ground;
 use super::known::KnownSections;
 use super::links::raise_links;
-use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
+use super::plan::{Dropped, PlungePlan, Position, SectionPlan, Stopped};
 use super::retract::RetractSurface;
 use super::row::Station;
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many, tool_of};
@@ -21,6 +21,8 @@ use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 
 /// Times a plunge is lifted before its contact is left to the verdict.
 const MAX_LIFTS: usize = 8;
+/// Air above the safety distance at a retract point, mm: between two looks along a link it may dip by some µm.
+const RETRACT_MARGIN: f64 = 0.02;
 /// Air left between a freed core and the stock below it, mm.
 const LIFT_MARGIN: f64 = 1e-3;
 
@@ -128,6 +130,8 @@ pub(super) struct SectionCut {
     pub rows: Vec<CutRow>,
     /// All plunges so far, those of earlier sections first.
     pub columns: Columns,
+    /// See [`SectionPlan::added`].
+    pub added: Option<(usize, Stopped)>,
 }
 
 impl<'a> Planner<'a> {
@@ -179,6 +183,7 @@ impl<'a> Planner<'a> {
             settled: true,
         };
         let mut last: Option<Arc<SectionCut>> = None;
+        known.keep_for(self.setup)?;
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
             monitor.check()?;
@@ -192,7 +197,7 @@ impl<'a> Planner<'a> {
                     other => other,
                 })
             };
-            let cut = self.known_or(index, known, make)?;
+            let cut = known.get_or_make(index, self.setup, make)?;
             let planned: usize = cut.rows.iter().map(|row| row.placed.len()).sum();
             self.check_count(plan.positions.len() + planned, tool, place)?;
             plan.sections.push(SectionPlan {
@@ -201,6 +206,7 @@ impl<'a> Planner<'a> {
                 to: section.to,
                 feed: cut.feed,
                 rows: cut.rows.len(),
+                added: cut.added,
             });
             for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
                 plan.rounds = plan.rounds.max(row.rounds);
@@ -355,7 +361,7 @@ impl<'a> Planner<'a> {
         let tool = tool_of(self.setup, section.tool)?;
         let rows = self.section_rows(index, grounds, axes, &columns, monitor)?;
         let feed = section.feed.unwrap_or(Feed::Inward);
-        let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns };
+        let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns, added: None };
         for row in rows {
             cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, monitor)?);
         }
@@ -430,7 +436,7 @@ impl<'a> Planner<'a> {
                     &cutter.axis,
                     tool.radius() - tool.corner_radius,
                 );
-                let retract = cutter.tip + cutter.axis * (lift + 1e-6);
+                let retract = cutter.tip + cutter.axis * (lift + RETRACT_MARGIN);
                 let mut position = position.clone();
                 position.retract = retract;
                 position.contact = core_contact(column, columns.before(k), &self.blank);

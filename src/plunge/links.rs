@@ -15,7 +15,7 @@ use crate::part::Blank;
 const MAX_ROUNDS: usize = 20;
 
 /// Pulls retract points back until links and retracts keep `safety` mm from `blank`, and measures what each
-/// retract point keeps.
+/// retract point and the link after it keep.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
@@ -37,15 +37,16 @@ pub fn raise_links(
         .par_iter()
         .map(|p| if monitor.is_cancelled() { NearBottom::NOWHERE } else { bottom_of(plan, p, blank) })
         .collect();
+    // What each of the links keeps.
+    let mut kept = Vec::new();
     for _ in 0..MAX_ROUNDS {
         monitor.check()?;
         let links = Links { plan, bottoms: &bottoms, blank, safety };
-        let low: Vec<usize> = numbers
-            .par_iter()
-            .copied()
-            .filter(|&k| !monitor.is_cancelled() && links.clearance(k) < safety)
-            .collect();
+        let clearance = |&k: &usize| if monitor.is_cancelled() { safety } else { links.clearance(k) };
+        kept = numbers.par_iter().map(clearance).collect();
         monitor.check()?;
+        let low: Vec<usize> =
+            numbers.iter().zip(&kept).filter(|(_, kept)| **kept < safety).map(|(&k, _)| k).collect();
         if low.is_empty() {
             break;
         }
@@ -59,6 +60,10 @@ pub fn raise_links(
         let cutter = tool.placed(p.retract, p.axis);
         (p.retract, p.retract_clearance) = pulled_clear(&cutter, bottom.clearance, blank, safety);
     });
+    for (k, kept) in numbers.into_iter().zip(kept) {
+        let position = &mut plan.positions[k];
+        position.retract_clearance = position.retract_clearance.min(kept);
+    }
     monitor.check()
 }
 

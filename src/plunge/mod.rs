@@ -35,4 +35,4 @@ pub mod survey;
 
 pub use cycle::{PlanError, Planner};
 pub use known::KnownSections;
-pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan};
+pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan, Stopped};

@@ -23,6 +23,60 @@ impl CoreContact {
     }
 }
 
+/// What is to be said of a position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Condition {
+    /// Its core meets no stock.
+    Sound,
+    /// The blades keep it from the axis its policy asks for.
+    Blocked,
+    /// Its core meets stock.
+    Interferential,
+}
+
+impl Condition {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::Blocked => "blocked",
+            Self::Interferential => "interferential",
+        }
+    }
+}
+
+/// Why `minimal` added no more plunges to a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stopped {
+    /// None that is possible would take enough.
+    NothingWorthwhile,
+    /// There are as many as a section may get beside its rows.
+    ShareReached,
+    /// The whole plan has as many positions as one may have for more to be added.
+    PlanFull,
+}
+
+impl Stopped {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NothingWorthwhile => "nothing_worthwhile",
+            Self::ShareReached => "share_reached",
+            Self::PlanFull => "plan_full",
+        }
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::NothingWorthwhile => "no other would take enough",
+            Self::ShareReached => "as many as a section may get",
+            Self::PlanFull => "the plan is too long for more",
+        }
+    }
+}
+
 /// Why a position could not get the axis its policy asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -94,11 +148,22 @@ pub struct Position {
     pub hub_clearance: f64,
     /// Least distance of the cutter to the finished blades, mm.
     pub blade_clearance: f64,
-    /// Least distance of the bottom at the retract point to the blank, mm.
+    /// Least distance of the bottom to the blank at the retract point and on the link after it, mm.
     pub retract_clearance: f64,
 }
 
 impl Position {
+    /// What is to be said of it; contact of the core counts first.
+    pub fn condition(&self) -> Condition {
+        if self.contact.interferes() {
+            Condition::Interferential
+        } else if self.blocked.is_some() {
+            Condition::Blocked
+        } else {
+            Condition::Sound
+        }
+    }
+
     /// A planned position before anything was measured of it.
     pub(super) fn unmeasured(station: &super::row::Station, section: usize, row: usize, lambda: f64) -> Self {
         Self {
@@ -146,6 +211,8 @@ pub struct SectionPlan {
     pub feed: Feed,
     /// Number of rows.
     pub rows: usize,
+    /// Plunges that were added to those of the rows, and why no more; `None` by policies that add none.
+    pub added: Option<(usize, Stopped)>,
 }
 
 /// A plunge plan of one channel.

@@ -14,6 +14,7 @@ mod overhang;
 mod profile;
 pub mod reach;
 pub mod statistics;
+pub mod surface;
 pub mod tiles;
 pub(crate) mod trace;
 

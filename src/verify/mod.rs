@@ -210,6 +210,7 @@ fn sections_of(part: &Impeller, cuts: &[Cut]) -> Vec<SectionPlan> {
                 to: ours.iter().map(s).fold(1.0, f64::min),
                 feed: if last <= first { Feed::Inward } else { Feed::Outward },
                 rows: ours.iter().map(|c| c.row + 1).max().unwrap_or(0),
+                added: None,
             })
         })
         .collect()

@@ -119,7 +119,8 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
             });
         }
     }
-    let section = SectionPlan { tool: tool.clone(), from: 1.0, to: 0.5, feed: Feed::Inward, rows: 2 };
+    let section =
+        SectionPlan { tool: tool.clone(), from: 1.0, to: 0.5, feed: Feed::Inward, rows: 2, added: None };
     PlungePlan { policy, sections: vec![section], positions, dropped: Vec::new(), rounds: 2, settled: true }
 }
 

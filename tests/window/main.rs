@@ -316,9 +316,12 @@ fn setup_cl_file_and_picture_are_written() {
     window.run_steps(2);
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
-    for (purpose, name) in
-        [(Purpose::SaveSetup, "s.toml"), (Purpose::ExportCl, "p.apt"), (Purpose::SavePicture, "v.png")]
-    {
+    for (purpose, name) in [
+        (Purpose::SaveSetup, "s.toml"),
+        (Purpose::ExportCl, "p.apt"),
+        (Purpose::ExportScene, "s.glb"),
+        (Purpose::SavePicture, "v.png"),
+    ] {
         let ctx = window.ctx.clone();
         window.state_mut().file_chosen(&ctx, purpose, path(name));
         settle(&mut window);
@@ -331,6 +334,12 @@ fn setup_cl_file_and_picture_are_written() {
     let positions =
         window.state().state().results.planned.as_ref().expect("planned").outcome.after.plan.positions.len();
     assert_eq!(program.moves.len(), 3 * positions, "down and back per position");
+    let scene = std::fs::read(path("s.glb")).expect("a scene");
+    let node = format!("\"positions\":{positions},");
+    assert!(
+        scene.starts_with(b"glTF") && scene.windows(node.len()).any(|w| w == node.as_bytes()),
+        "of the plan"
+    );
     let picture = std::fs::read(path("v.png")).expect("a picture");
     assert!(picture.starts_with(b"\x89PNG"), "a PNG");
     let ctx = window.ctx.clone();

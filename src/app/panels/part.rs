@@ -102,7 +102,7 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
             ui.add_space(10.0);
         }
         ui.heading("Drop a part here");
-        ui.label("a .toml, .geomTurbo or TurboGrid .inf file, with or without its setup; or a project");
+        ui.label("a .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf file, with or without its setup; or a project");
         ui.add_space(10.0);
         for command in [Command::OpenPart, Command::OpenProject] {
             let button = ui.button(command.label());

@@ -4,7 +4,6 @@ use egui::{Align2, FontId, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 
 use crate::plunge::inspect::{row_of, step_before};
 
-use super::super::planned::condition;
 use super::super::state::State;
 use super::super::theme::{self, Condition};
 
@@ -47,7 +46,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         curve("Stock", "St", " mm", true, &|k| f64::from(shown.stock(k))),
         curve("Step", "Sp", " mm", true, &|k| step_before(plan, k)),
     ];
-    let faulty: Vec<bool> = row.clone().map(|k| condition(at(k)) == Condition::Interferential).collect();
+    let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interferential).collect();
     let mut clicked = None;
     let gap = 6.0;
     let width = ((ui.available_width() - 3.0 * gap) / 4.0).max(20.0);

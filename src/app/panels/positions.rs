@@ -6,7 +6,6 @@ use egui_extras::{Column, TableBuilder};
 use crate::plunge::{Blocked, Position};
 
 use super::super::look::{Column as Key, Filter, REVEAL};
-use super::super::planned::condition;
 use super::super::state::State;
 use super::super::theme::{self, Condition};
 
@@ -97,7 +96,7 @@ fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
                 let Some(position) = plan.positions.get(k) else { return };
                 row.set_selected(selected == Some(k));
                 let tool = plan.sections.get(position.section).map(|section| &section.tool);
-                let of = condition(position);
+                let of = position.condition();
                 row.col(|ui| mark(ui, of));
                 let cells = [
                     (k + 1).to_string(),
@@ -201,7 +200,7 @@ pub fn headline(ui: &mut Ui, state: &State, k: usize) {
     let Some(plan) = state.shown().map(|shown| shown.plan()) else { return };
     let Some(position) = plan.positions.get(k) else { return };
     ui.add_space(4.0);
-    let of = condition(position);
+    let of = position.condition();
     ui.horizontal(|ui| {
         mark(ui, of);
         let text = format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.word());
@@ -259,7 +258,7 @@ fn remarks(ui: &mut Ui, position: &Position) {
 
 /// What the tip over a row says.
 fn about(ui: &mut Ui, k: usize, position: &Position) {
-    ui.label(RichText::new(format!("Position {}: {}", k + 1, condition(position).word())).strong());
+    ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().word())).strong());
     if position.contact.interferes() {
         let share = 100.0 * position.contact.area_share;
         ui.label(format!(

@@ -3,7 +3,6 @@
 use egui::{Button, Rect, Sense, Slider, Stroke, Ui};
 
 use super::super::command::Command;
-use super::super::planned::condition;
 use super::super::state::State;
 use super::super::theme::Condition;
 
@@ -57,7 +56,7 @@ fn ticks(ui: &Ui, rect: Rect, state: &State) {
     let place =
         |k: usize| egui::lerp(rect.left() + inset..=rect.right() - inset, k as f32 / positions.len() as f32);
     for (k, position) in positions.iter().enumerate() {
-        let of = condition(position);
+        let of = position.condition();
         if of != Condition::Sound {
             let x = place(k + 1);
             let line = [egui::pos2(x, rect.top() - 2.0), egui::pos2(x, rect.top() + 3.0)];

@@ -59,7 +59,12 @@ impl Planner<'_> {
             _ => None,
         };
         let Some(Fed { mut cut, .. }) = other.or(first) else {
-            return Ok(SectionCut { feed: Feed::Inward, rows: Vec::new(), columns: earlier.clone() });
+            return Ok(SectionCut {
+                feed: Feed::Inward,
+                rows: Vec::new(),
+                columns: earlier.clone(),
+                added: None,
+            });
         };
         self.add_extras(index, grounds, &mut cut, monitor)?;
         Ok(cut)
@@ -79,7 +84,7 @@ impl Planner<'_> {
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let inward = feed.inward();
-        let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.clone() };
+        let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.clone(), added: None };
         let (mut cost, mut least) = (0.0, 0.0);
         for ground in grounds {
             let Ground { stretch, lane, rows, .. } = ground;

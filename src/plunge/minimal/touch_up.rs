@@ -6,6 +6,7 @@ use crate::monitor::Monitor;
 use crate::plunge::contact::BlankTop;
 use crate::plunge::cycle::{CutRow, PlanError, Planner, SectionCut};
 use crate::plunge::ground::Ground;
+use crate::plunge::plan::Stopped;
 use crate::plunge::row::RowMaker;
 use crate::plunge::sections::{MAX_POSITIONS, tool_of};
 
@@ -17,13 +18,15 @@ const ROUNDS: [f64; 3] = [4.0, 2.0, 1.0];
 const STEP_SHARE: f64 = 0.5;
 /// See [`STEP_SHARE`].
 const PARTS: usize = 4;
+/// At most so many for each plunge of the rows.
+const MOST_SHARE: usize = 2;
 /// Plans of so many positions get no more: they are fine already, and the limit of all is for what the setup asks for.
 const MOST_POSITIONS: usize = MAX_POSITIONS / 4;
 /// They are tried no nearer to each other than this, in cutter radii.
 const NEAREST_RADII: f64 = 0.12;
 
 impl Planner<'_> {
-    /// Adds plunges where the rows of a section left the most, at most as many as there are.
+    /// Adds plunges where the rows of a section left the most, up to [`MOST_SHARE`] times as many as there are.
     pub(super) fn add_extras(
         &self,
         index: usize,
@@ -37,7 +40,9 @@ impl Planner<'_> {
         let scale = SCALE_RADII * tool.radius();
         let allowances = (stock.hub_allowance, stock.blade_allowance);
         let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
-        let most = planned.min(MOST_POSITIONS.saturating_sub(cut.columns.len()));
+        let room = MOST_POSITIONS.saturating_sub(cut.columns.len());
+        let most = room.min(MOST_SHARE * planned);
+        let (mut added_in_all, mut stopped) = (0, Stopped::NothingWorthwhile);
         for ground in grounds {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice() {
@@ -82,9 +87,17 @@ impl Planner<'_> {
                 }
                 // Nothing is missing where one of these has no place after all.
                 let added: Vec<CutRow> = cut.rows.drain(before..).collect();
-                cut.rows.extend(added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0));
+                let added = added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0);
+                for row in added {
+                    added_in_all += row.len();
+                    cut.rows.push(row);
+                }
+            }
+            if budget == 0 {
+                stopped = if room < MOST_SHARE * planned { Stopped::PlanFull } else { Stopped::ShareReached };
             }
         }
+        cut.added = Some((added_in_all, stopped));
         Ok(())
     }
 }

@@ -130,6 +130,13 @@ impl ColourMap {
     }
 }
 
+/// Colour of `value` in a table that runs over `range`.
+pub fn looked_up(table: &[[u8; 3]; TABLE_LEN], value: f32, range: (f32, f32)) -> Rgb {
+    let t = (value - range.0) / (range.1 - range.0).max(1e-6);
+    let entry = (t.clamp(0.0, 1.0) * (TABLE_LEN - 1) as f32).round() as usize;
+    table[entry].map(|x| f32::from(x) / 255.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,204 @@
+//! The JSON of a glTF 2.0 file, as far as meshes in their places need it. Everything else (materials' looks,
+//! textures, animations, cameras) is skipped unread.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Error, IgnoredAny, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+/// Most elements of any list of the document.
+pub const MAX_ITEMS: usize = 100_000;
+
+/// The whole document.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Document {
+    pub asset: Asset,
+    #[serde(default, deserialize_with = "limited")]
+    pub extensions_required: Vec<String>,
+    pub scene: Option<usize>,
+    #[serde(default, deserialize_with = "limited")]
+    pub scenes: Vec<Scene>,
+    #[serde(default, deserialize_with = "limited")]
+    pub nodes: Vec<Node>,
+    #[serde(default, deserialize_with = "limited")]
+    pub meshes: Vec<Mesh>,
+    #[serde(default, deserialize_with = "limited")]
+    pub materials: Vec<Named>,
+    #[serde(default, deserialize_with = "limited")]
+    pub accessors: Vec<Accessor>,
+    #[serde(default, deserialize_with = "limited")]
+    pub buffer_views: Vec<BufferView>,
+    #[serde(default, deserialize_with = "limited")]
+    pub buffers: Vec<Buffer>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Asset {
+    pub version: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Scene {
+    #[serde(default, deserialize_with = "limited")]
+    pub nodes: Vec<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Named {
+    pub name: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Node {
+    pub name: Option<String>,
+    pub mesh: Option<usize>,
+    #[serde(default, deserialize_with = "limited")]
+    pub children: Vec<usize>,
+    pub matrix: Option<[f64; 16]>,
+    pub translation: Option<[f64; 3]>,
+    pub rotation: Option<[f64; 4]>,
+    pub scale: Option<[f64; 3]>,
+    pub extensions: Option<NodeExtensions>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub instancing: Option<Instancing>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Instancing {
+    pub attributes: InstanceAttributes,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub struct InstanceAttributes {
+    pub translation: Option<usize>,
+    pub rotation: Option<usize>,
+    pub scale: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Mesh {
+    pub name: Option<String>,
+    #[serde(default, deserialize_with = "limited")]
+    pub primitives: Vec<Primitive>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Primitive {
+    pub attributes: Attributes,
+    pub indices: Option<usize>,
+    pub material: Option<usize>,
+    pub mode: Option<u32>,
+    pub extensions: Option<PrimitiveExtensions>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Attributes {
+    #[serde(rename = "POSITION")]
+    pub position: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct PrimitiveExtensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    pub draco: Option<IgnoredAny>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Accessor {
+    pub buffer_view: Option<usize>,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub component_type: u32,
+    #[serde(default)]
+    pub normalized: bool,
+    pub count: usize,
+    #[serde(rename = "type")]
+    pub shape: String,
+    pub sparse: Option<Sparse>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Sparse {
+    pub count: usize,
+    pub indices: SparseIndices,
+    pub values: SparseValues,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SparseIndices {
+    pub buffer_view: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub component_type: u32,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SparseValues {
+    pub buffer_view: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct BufferView {
+    pub buffer: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub byte_length: usize,
+    pub byte_stride: Option<usize>,
+    pub extensions: Option<ViewExtensions>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
+    pub meshopt: Option<IgnoredAny>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Buffer {
+    pub uri: Option<String>,
+    pub byte_length: usize,
+}
+
+/// A list of at most [`MAX_ITEMS`] elements: a short text may not fill the memory with empty objects.
+fn limited<'de, D, T>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    struct List<T>(PhantomData<T>);
+
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for List<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a list")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
+            let mut items = Vec::new();
+            while let Some(item) = list.next_element()? {
+                if items.len() == MAX_ITEMS {
+                    return Err(A::Error::custom(format!("a list has more than {MAX_ITEMS} elements")));
+                }
+                items.push(item);
+            }
+            Ok(items)
+        }
+    }
+
+    deserializer.deserialize_seq(List(PhantomData))
+}

@@ -1,0 +1,50 @@
+//! Reads a glTF file as a part.
+
+use std::path::Path;
+
+use super::container::{Container, MAX_MESH_BYTES};
+use super::scene;
+use crate::formats::InputError;
+use crate::formats::source::{MAX_COORDINATE, Source, name_of, read_bytes_up_to, stem_of};
+use crate::mesh::{MeshOptions, NamedMesh, Unit, describe};
+use crate::part::{PartDescription, PartError};
+
+/// Reads a part from a `.glb` or `.gltf` file and the buffers beside it.
+pub fn read(path: &Path, options: &MeshOptions) -> Result<PartDescription, InputError> {
+    let name = name_of(path);
+    part(&name, read_meshes(path)?, options)
+}
+
+/// Reads a part from the bytes of a file that names no other.
+pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<PartDescription, InputError> {
+    part(name, read_meshes_bytes(name, bytes)?, options)
+}
+
+/// The meshes of a file in their places, in metres, in the file's frame.
+pub fn read_meshes(path: &Path) -> Result<Vec<NamedMesh>, InputError> {
+    let name = name_of(path);
+    let bytes = read_bytes_up_to(path, MAX_MESH_BYTES)?;
+    let folder = match path.parent() {
+        Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
+        Some(folder) => folder,
+        None => Path::new("."),
+    };
+    scene::meshes(&mut Container::open(Source { file: &name }, bytes, Some(folder))?)
+}
+
+/// As [`read_meshes`], from bytes; `name` stands for the file in messages.
+pub fn read_meshes_bytes(name: &str, bytes: &[u8]) -> Result<Vec<NamedMesh>, InputError> {
+    scene::meshes(&mut Container::open(Source { file: name }, bytes.to_vec(), None)?)
+}
+
+fn part(name: &str, meshes: Vec<NamedMesh>, options: &MeshOptions) -> Result<PartDescription, InputError> {
+    let fault = |e: PartError| InputError::new(name, e.line, e.what, e.cure);
+    let scale = options.unit.unwrap_or(Unit::Metre).mm();
+    // 1,000 times what any part may measure, so that the question about the unit comes first.
+    let beyond = |m: &NamedMesh| m.mesh.points.iter().any(|p| p.coords.amax() * scale > 1e3 * MAX_COORDINATE);
+    if let Some(mesh) = meshes.iter().find(|m| beyond(m)) {
+        let what = format!("the mesh `{}` has points beyond 1,000,000 m", mesh.name);
+        return Err(InputError::new(name, 0, what, "give the unit of its numbers with --unit, or repair it"));
+    }
+    describe(&stem_of(name), meshes, Unit::Metre, options).map_err(fault)
+}

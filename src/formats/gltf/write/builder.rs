@@ -1,0 +1,181 @@
+//! A glTF 2.0 document under construction: one buffer with its views and accessors, and the lists that refer to them.
+
+use serde_json::{Map, Value, json};
+
+/// First bytes of a `.glb`, and its version.
+const MAGIC: (&[u8; 4], u32) = (b"glTF", 2);
+const JSON_CHUNK: u32 = 0x4E4F_534A;
+const BINARY_CHUNK: u32 = 0x004E_4942;
+
+const ARRAY_BUFFER: u32 = 34_962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34_963;
+const UNSIGNED_SHORT: u32 = 5_123;
+const UNSIGNED_INT: u32 = 5_125;
+const FLOAT: u32 = 5_126;
+
+/// What an accessor of floats is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Positions of corners: with bounds, as the format asks.
+    Positions,
+    /// Another attribute of corners.
+    Corners,
+    /// Attribute of instances.
+    Instances,
+}
+
+/// The document.
+#[derive(Debug, Default)]
+pub struct Builder {
+    binary: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    materials: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+    extensions: Vec<&'static str>,
+}
+
+impl Builder {
+    fn view(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>) -> usize {
+        let start = self.binary.len();
+        self.binary.extend(bytes);
+        let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": self.binary.len() - start });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        // Every element starts at a multiple of its size.
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    fn accessor(&mut self, accessor: Value) -> usize {
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    /// Accessor of vectors of `N` floats.
+    pub fn floats<const N: usize>(&mut self, rows: &[[f32; N]], what: Use) -> usize {
+        let target = (what != Use::Instances).then_some(ARRAY_BUFFER);
+        let view = self.view(rows.iter().flatten().flat_map(|x| x.to_le_bytes()), target);
+        let mut accessor = json!({
+            "bufferView": view, "componentType": FLOAT, "count": rows.len(), "type": format!("VEC{N}"),
+        });
+        if what == Use::Positions {
+            let mut bounds = [[f32::INFINITY; N], [f32::NEG_INFINITY; N]];
+            for row in rows {
+                for k in 0..N {
+                    bounds[0][k] = bounds[0][k].min(row[k]);
+                    bounds[1][k] = bounds[1][k].max(row[k]);
+                }
+            }
+            for (key, bound) in ["min", "max"].into_iter().zip(bounds) {
+                accessor[key] = bound.iter().map(|&x| json!(f64::from(x))).collect();
+            }
+        }
+        self.accessor(accessor)
+    }
+
+    /// Accessor of colours: linear, each part 0…1.
+    pub fn colours(&mut self, colours: &[[f32; 3]]) -> usize {
+        let part = |x: f32| (x.clamp(0.0, 1.0) * 65_535.0).round() as u16;
+        let four = colours.iter().flat_map(|&[r, g, b]| [part(r), part(g), part(b), u16::MAX]);
+        let view = self.view(four.flat_map(u16::to_le_bytes), Some(ARRAY_BUFFER));
+        self.accessor(json!({
+            "bufferView": view, "componentType": UNSIGNED_SHORT, "normalized": true,
+            "count": colours.len(), "type": "VEC4",
+        }))
+    }
+
+    /// Accessor of indices of `corners` corners.
+    pub fn indices(&mut self, indices: &[u32], corners: usize) -> usize {
+        // The largest number of a type ends a strip.
+        let short = corners < usize::from(u16::MAX);
+        let target = Some(ELEMENT_ARRAY_BUFFER);
+        let view = if short {
+            self.view(indices.iter().flat_map(|&i| (i as u16).to_le_bytes()), target)
+        } else {
+            self.view(indices.iter().flat_map(|i| i.to_le_bytes()), target)
+        };
+        let kind = if short { UNSIGNED_SHORT } else { UNSIGNED_INT };
+        self.accessor(json!({
+            "bufferView": view, "componentType": kind, "count": indices.len(), "type": "SCALAR",
+        }))
+    }
+
+    /// Adds a material.
+    pub fn material(&mut self, material: Value) -> usize {
+        self.materials.push(material);
+        self.materials.len() - 1
+    }
+
+    /// Adds a mesh.
+    pub fn mesh(&mut self, name: &str, primitives: Vec<Value>) -> usize {
+        self.meshes.push(json!({ "name": name, "primitives": primitives }));
+        self.meshes.len() - 1
+    }
+
+    /// Adds a node.
+    pub fn node(&mut self, node: Value) -> usize {
+        self.nodes.push(node);
+        self.nodes.len() - 1
+    }
+
+    /// Notes that an extension is used; none is required.
+    pub fn uses(&mut self, extension: &'static str) {
+        if !self.extensions.contains(&extension) {
+            self.extensions.push(extension);
+        }
+    }
+
+    /// The document with the node `root` as its only scene; `uri` names the buffer if it is a file of its own.
+    fn document(&self, root: usize, uri: Option<&str>) -> Value {
+        let mut buffer = json!({ "byteLength": self.binary.len() });
+        if let Some(uri) = uri {
+            buffer["uri"] = json!(uri);
+        }
+        let mut document = Map::new();
+        let generator = concat!("vanecut ", env!("CARGO_PKG_VERSION"));
+        document.insert("asset".into(), json!({ "version": "2.0", "generator": generator }));
+        document.insert("scene".into(), json!(0));
+        document.insert("scenes".into(), json!([{ "nodes": [root] }]));
+        document.insert("nodes".into(), json!(self.nodes));
+        for (key, list) in [
+            ("meshes", &self.meshes),
+            ("materials", &self.materials),
+            ("accessors", &self.accessors),
+            ("bufferViews", &self.views),
+        ] {
+            document.insert(key.into(), json!(list));
+        }
+        document.insert("buffers".into(), json!([buffer]));
+        if !self.extensions.is_empty() {
+            document.insert("extensionsUsed".into(), json!(self.extensions));
+        }
+        Value::Object(document)
+    }
+
+    /// The bytes of a `.glb`.
+    pub fn glb(&self, root: usize) -> Vec<u8> {
+        let mut json = self.document(root, None).to_string().into_bytes();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let mut glb = Vec::with_capacity(12 + 8 + json.len() + 8 + self.binary.len());
+        glb.extend_from_slice(MAGIC.0);
+        glb.extend_from_slice(&MAGIC.1.to_le_bytes());
+        glb.extend_from_slice(&((28 + json.len() + self.binary.len()) as u32).to_le_bytes());
+        for (kind, chunk) in [(JSON_CHUNK, &json), (BINARY_CHUNK, &self.binary)] {
+            glb.extend_from_slice(&(chunk.len() as u32).to_le_bytes());
+            glb.extend_from_slice(&kind.to_le_bytes());
+            glb.extend_from_slice(chunk);
+        }
+        glb
+    }
+
+    /// The text of a `.gltf`, and the bytes of the file beside it that its JSON calls `uri`.
+    pub fn gltf(&self, root: usize, uri: &str) -> (String, Vec<u8>) {
+        let mut text = serde_json::to_string_pretty(&self.document(root, Some(uri))).unwrap_or_default();
+        text.push('\n');
+        (text, self.binary.clone())
+    }
+}

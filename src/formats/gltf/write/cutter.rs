@@ -1,0 +1,93 @@
+//! A plunge cutter as it is shown: the core solid, the ring of inserts and the wall as glass.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use nalgebra::UnitQuaternion;
+use serde_json::{Value, json};
+
+use super::builder::{Builder, Use};
+use super::part::{direction, metres};
+use crate::geometry::{Meridional, Vector};
+use crate::part::Tool;
+
+/// Facets around.
+const STEPS: u32 = 72;
+/// Chords of a rounded corner.
+const CORNER_STEPS: u32 = 6;
+
+/// A place of an outline and the normal there, in the plane of axis and radius.
+type Place = (Meridional, Meridional);
+
+/// Core and glass of a cutter of `height` mm, its bottom at the origin and its axis along Z.
+pub fn primitives(builder: &mut Builder, tool: &Tool, height: f64, solid: usize, glass: usize) -> Vec<Value> {
+    let at = |r: f64, z: f64| Meridional { r, z };
+    let (down, up, out) = (at(0.0, -1.0), at(0.0, 1.0), at(1.0, 0.0));
+    let radius = tool.radius();
+    let core = tool.core_radius().clamp(0.0, radius);
+    let corner = tool.corner_radius.clamp(0.0, (radius - core).min(height));
+    let mut made = Vec::new();
+    if core > 0.0 {
+        let bands: [Vec<Place>; 3] = [
+            vec![(at(0.0, 0.0), down), (at(core, 0.0), down)],
+            vec![(at(core, 0.0), out), (at(core, height), out)],
+            vec![(at(core, height), up), (at(0.0, height), up)],
+        ];
+        made.push(primitive(builder, &bands, solid));
+    }
+    let mut bands: Vec<Vec<Place>> = vec![vec![(at(core, 0.0), down), (at(radius - corner, 0.0), down)]];
+    if corner > 0.0 {
+        let arc = (0..=CORNER_STEPS).map(|i| {
+            let (sin, cos) = (FRAC_PI_2 * f64::from(i) / f64::from(CORNER_STEPS)).sin_cos();
+            (at(radius - corner + corner * sin, corner - corner * cos), at(sin, -cos))
+        });
+        bands.push(arc.collect());
+    }
+    bands.push(vec![(at(radius, corner), out), (at(radius, height), out)]);
+    made.push(primitive(builder, &bands, glass));
+    made
+}
+
+fn primitive(builder: &mut Builder, bands: &[Vec<Place>], material: usize) -> Value {
+    let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for band in bands {
+        for (row, (place, normal)) in band.iter().enumerate() {
+            let first = positions.len() as u32;
+            for j in 0..STEPS {
+                let angle = TAU * f64::from(j) / f64::from(STEPS);
+                positions.push(metres(&place.at_angle(angle)));
+                normals.push(direction(&normal.direction_at_angle(angle)));
+                if row > 0 {
+                    let next = (j + 1) % STEPS;
+                    let [a, b] = [first - STEPS + j, first - STEPS + next];
+                    let [c, d] = [first + j, first + next];
+                    let on_axis = |k: usize| band[k].0.r == 0.0;
+                    if !on_axis(row - 1) {
+                        indices.extend([a, b, d]);
+                    }
+                    if !on_axis(row) {
+                        indices.extend([a, d, c]);
+                    }
+                }
+            }
+        }
+    }
+    json!({
+        "attributes": {
+            "POSITION": builder.floats(&positions, Use::Positions),
+            "NORMAL": builder.floats(&normals, Use::Corners),
+        },
+        "indices": builder.indices(&indices, positions.len()),
+        "material": material,
+    })
+}
+
+/// The turn of Z into `axis`.
+pub fn turn_of(axis: &Vector) -> UnitQuaternion<f64> {
+    UnitQuaternion::rotation_between(&Vector::z(), axis)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector::x_axis(), PI))
+}
+
+/// A turn as the file has it.
+pub fn quaternion(turn: &UnitQuaternion<f64>) -> [f32; 4] {
+    [turn.i, turn.j, turn.k, turn.w].map(|x| x as f32)
+}

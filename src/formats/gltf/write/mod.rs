@@ -1,0 +1,48 @@
+//! Writes glTF 2.0: parts and plans as scenes that any viewer opens.
+//!
+//! The unit of the file is the metre. Its root node turns the part's axis Z to the file's Y, so that the wheel stands
+//! upright; all nodes below it are in the part's frame. `extras.vanecut` of the root names that axis and holds the figures
+//! (mm, degrees).
+
+mod builder;
+mod cutter;
+mod flank;
+mod part;
+mod plan;
+
+pub use plan::{CutterNodes, PlanScene};
+
+use serde_json::json;
+
+use builder::Builder;
+use part::{Walls, part_nodes, root};
+
+use crate::mesh::tessellate::Tessellation;
+use crate::part::Impeller;
+
+/// A scene, ready to be written.
+#[derive(Debug)]
+pub struct GltfScene {
+    builder: Builder,
+    root: usize,
+}
+
+impl GltfScene {
+    /// A part alone.
+    pub fn of_part(part: &Impeller, shape: &Tessellation) -> Self {
+        let mut builder = Builder::default();
+        let nodes = part_nodes(&mut builder, part, shape, Walls::Alike);
+        let root = root(&mut builder, part, shape, &nodes, json!({}));
+        Self { builder, root }
+    }
+
+    /// The bytes of a `.glb`.
+    pub fn glb(&self) -> Vec<u8> {
+        self.builder.glb(self.root)
+    }
+
+    /// The text of a `.gltf`, and the bytes of the file beside it that goes by the name `binary`.
+    pub fn gltf(&self, binary: &str) -> (String, Vec<u8>) {
+        self.builder.gltf(self.root, binary)
+    }
+}

@@ -1,0 +1,187 @@
+//! An impeller as nodes of a glTF scene.
+
+use std::f64::consts::TAU;
+
+use serde_json::{Value, json};
+
+use super::builder::{Builder, Use};
+use crate::geometry::{Point, Vector};
+use crate::mesh::solid::{Face, FaceKind, Solid};
+use crate::mesh::tessellate::Tessellation;
+use crate::palette::{Rgb, Theme};
+use crate::part::Impeller;
+
+const UNLIT: &str = "KHR_materials_unlit";
+
+/// The file's unit is the metre.
+const METRES: f64 = 1e-3;
+
+/// mm of the part to metres of the file.
+pub fn metres(p: &Point) -> [f32; 3] {
+    [p.x, p.y, p.z].map(|x| (x * METRES) as f32)
+}
+
+/// A direction as the file has it.
+pub fn direction(v: &Vector) -> [f32; 3] {
+    [v.x, v.y, v.z].map(|x| x as f32)
+}
+
+/// A gamma-encoded colour as the file has it: linear.
+pub fn linear(colour: Rgb) -> Rgb {
+    colour.map(|x| if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) })
+}
+
+/// A material of one colour, matt.
+pub fn matt(builder: &mut Builder, name: &str, colour: Rgb) -> usize {
+    builder.material(json!({ "name": name, "pbrMetallicRoughness": factors(colour, 1.0) }))
+}
+
+/// A material that lets light through, seen from both sides.
+pub fn glass(builder: &mut Builder, name: &str, colour: Rgb, opacity: f64) -> usize {
+    builder.material(json!({
+        "name": name, "pbrMetallicRoughness": factors(colour, opacity), "alphaMode": "BLEND", "doubleSided": true,
+    }))
+}
+
+/// A material whose colour shows as it is, whatever the light: a colour scale is to be read.
+pub fn unlit(builder: &mut Builder, name: &str, colour: Rgb) -> usize {
+    builder.uses(UNLIT);
+    builder.material(json!({
+        "name": name, "pbrMetallicRoughness": factors(colour, 1.0), "extensions": { UNLIT: {} },
+    }))
+}
+
+fn factors(colour: Rgb, opacity: f64) -> Value {
+    let [r, g, b] = linear(colour).map(|x| (f64::from(x) * 1e5).round() / 1e5);
+    json!({ "baseColorFactor": [r, g, b, opacity], "metallicFactor": 0.0, "roughnessFactor": 0.75 })
+}
+
+/// A rotation about the part's axis.
+pub fn turn(angle: f64) -> Value {
+    let (sin, cos) = (0.5 * angle).sin_cos();
+    json!([0.0, 0.0, sin as f32, cos as f32])
+}
+
+/// What the channel in work looks like in a scene: other colours for its walls, or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Walls {
+    /// All blades look alike.
+    Alike,
+    /// The two walls of channel 1 and the splitters between them stand out.
+    InWork,
+}
+
+/// Adds the part; returns its nodes: `hub`, `shroud`, `blade_1`…, `splitter_1`…, in the part's frame.
+pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, walls: Walls) -> Vec<usize> {
+    let greys = Theme::Light.greys();
+    let hub = matt(builder, "hub", greys.hub);
+    let shroud = glass(builder, "shroud", greys.shroud, 0.25);
+    let blade = matt(builder, "blade", greys.blade);
+    let mut nodes = Vec::new();
+    for (name, solid, material) in [("hub", &shape.hub, hub), ("shroud", &shape.shroud, shroud)] {
+        let faces = primitives(builder, solid);
+        let mesh = builder.mesh(name, painted(&faces, material));
+        nodes.push(builder.node(json!({ "name": name, "mesh": mesh })));
+    }
+    let in_work = (walls == Walls::InWork).then(|| matt(builder, "wall", greys.wall));
+    let mut rows = vec![("blade", &shape.main, 2)];
+    rows.extend(shape.splitters.iter().map(|s| ("splitter", s, 1)));
+    let mut count = 0;
+    for (index, (name, solid, lit)) in rows.into_iter().enumerate() {
+        let faces = primitives(builder, solid);
+        let plain = builder.mesh(name, painted(&faces, blade));
+        let wall =
+            in_work.map(|material| builder.mesh(&format!("{name} in work"), painted(&faces, material)));
+        // Splitters of several kinds are numbered on.
+        if index < 2 {
+            count = 0;
+        }
+        for k in 0..part.blade_count {
+            count += 1;
+            let mesh = wall.filter(|_| k < lit).unwrap_or(plain);
+            let mut node = json!({ "name": format!("{name}_{count}"), "mesh": mesh });
+            if k > 0 {
+                node["rotation"] = turn((k as f64 * part.pitch()) % TAU);
+            }
+            nodes.push(builder.node(node));
+        }
+    }
+    nodes
+}
+
+/// The faces of a solid as primitives without material, foot and edges of a blade joined with its tip.
+fn primitives(builder: &mut Builder, solid: &Solid) -> Vec<Value> {
+    let group = |kind: FaceKind| match kind {
+        FaceKind::Foot | FaceKind::LeadingEdge | FaceKind::TrailingEdge => FaceKind::Tip,
+        own => own,
+    };
+    let mut kinds: Vec<FaceKind> = Vec::new();
+    for face in &solid.faces {
+        if !kinds.contains(&group(face.kind)) {
+            kinds.push(group(face.kind));
+        }
+    }
+    kinds
+        .into_iter()
+        .map(|kind| {
+            let faces: Vec<&Face> = solid.faces.iter().filter(|face| group(face.kind) == kind).collect();
+            primitive(builder, &solid.points, &faces)
+        })
+        .collect()
+}
+
+fn primitive(builder: &mut Builder, points: &[Point], faces: &[&Face]) -> Value {
+    let corners = || faces.iter().flat_map(|face| &face.corners);
+    let positions: Vec<[f32; 3]> = corners().map(|c| metres(&points[c.point as usize])).collect();
+    let normals: Vec<[f32; 3]> = corners().map(|c| direction(&c.normal)).collect();
+    let mut indices = Vec::new();
+    let mut first = 0;
+    for face in faces {
+        indices.extend(face.triangles.iter().flatten().map(|i| first + i));
+        first += face.corners.len() as u32;
+    }
+    json!({
+        "attributes": {
+            "POSITION": builder.floats(&positions, Use::Positions),
+            "NORMAL": builder.floats(&normals, Use::Corners),
+        },
+        "indices": builder.indices(&indices, positions.len()),
+    })
+}
+
+fn painted(primitives: &[Value], material: usize) -> Vec<Value> {
+    let paint = |primitive: &Value| {
+        let mut primitive = primitive.clone();
+        primitive["material"] = json!(material);
+        primitive
+    };
+    primitives.iter().map(paint).collect()
+}
+
+/// The root of a scene: turns the part's axis Z upright, to the file's Y, and says what the file is about.
+pub fn root(
+    builder: &mut Builder,
+    part: &Impeller,
+    shape: &Tessellation,
+    children: &[usize],
+    more: Value,
+) -> usize {
+    let mut facts = json!({
+        "rotation_axis": "z",
+        "unit": "mm",
+        "part": part.name,
+        "blades": part.blade_count,
+        "splitters": part.blade_count * part.splitters.len(),
+        "chord_error": shape.chord_error,
+    });
+    if let (Some(facts), Value::Object(more)) = (facts.as_object_mut(), more) {
+        facts.extend(more);
+    }
+    builder.node(json!({
+        "name": part.name,
+        // Columns: x stays, y becomes −z, z becomes y. A matrix holds it without rounding.
+        "matrix": [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1],
+        "children": children,
+        "extras": { "vanecut": facts },
+    }))
+}

@@ -1,0 +1,177 @@
+//! The axis of rotation of a mesh, and the turn that brings it to Z.
+
+use std::str::FromStr;
+
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitVector3};
+
+use super::surface::Surface;
+use crate::geometry::{Point, Vector};
+
+/// An axis of the file's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Through the origin, along x.
+    X,
+    /// Along y.
+    Y,
+    /// Along z.
+    Z,
+}
+
+impl FromStr for Axis {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.to_lowercase().as_str() {
+            "x" => Ok(Self::X),
+            "y" => Ok(Self::Y),
+            "z" => Ok(Self::Z),
+            _ => Err(format!("`{text}` is no axis; give x, y or z")),
+        }
+    }
+}
+
+/// Moves points of the file's frame so that the axis of rotation becomes Z through the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Frame {
+    /// Coordinates change places: exact.
+    Along(Axis),
+    /// Any other axis.
+    Turned {
+        /// Turns the axis to Z.
+        turn: Rotation3<f64>,
+        /// A point of the axis.
+        through: Point,
+    },
+}
+
+impl Frame {
+    /// A point in the frame of the part.
+    pub fn apply(&self, p: &Point) -> Point {
+        match self {
+            Self::Along(Axis::X) => Point::new(p.y, p.z, p.x),
+            // A glTF file stands upright along y; this turn lays its y along z.
+            Self::Along(Axis::Y) => Point::new(p.x, -p.z, p.y),
+            Self::Along(Axis::Z) => *p,
+            Self::Turned { turn, through } => turn * Point::from(p - through),
+        }
+    }
+}
+
+/// Share of a wall's slope against a surface of revolution, as mean over the area, up to which an axis counts as found.
+const FOUND: f64 = 0.02;
+/// Slope up to which a triangle counts as turned.
+const TURNED: f64 = 0.05;
+/// Turn, rad, and offset as share of the size, within which a found axis is one of the file's own.
+const SNAP: (f64, f64) = (0.002, 5e-4);
+
+/// How far `surface` is from one of revolution about the axis through `through` along `along`: mean over the area of
+/// the normals' share along the circumference.
+fn miss(surface: &Surface, along: &Vector, through: &Point) -> f64 {
+    let (mut sum, mut total) = (0.0, 0.0);
+    for t in 0..surface.triangles.len() {
+        let arm = along.cross(&(surface.centre(t) - through));
+        let r = arm.norm();
+        if r > 1e-9 {
+            let area = surface.area(t);
+            sum += area * (surface.normals[t].dot(&arm) / r).abs();
+            total += area;
+        }
+    }
+    if total > 0.0 { sum / total } else { 1.0 }
+}
+
+/// The frame in which the hub's axis of rotation is Z; `None` when it has none.
+pub fn found(hub: &Surface) -> Option<Frame> {
+    let axes = [(Axis::Z, Vector::z()), (Axis::Y, Vector::y()), (Axis::X, Vector::x())];
+    let (axis, least) = axes
+        .iter()
+        .map(|(axis, along)| (*axis, miss(hub, along, &Point::origin())))
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    if least < FOUND {
+        return Some(Frame::Along(axis));
+    }
+    let (along, through) = fitted(hub)?;
+    let missed = miss(hub, &along, &through);
+    // Blades that belong to the same body miss in any case.
+    if missed > 0.6 * least && missed > FOUND {
+        return most_turned(hub).map(Frame::Along);
+    }
+    let size = hub.points.iter().map(|p| (p - through).norm()).fold(0.0, f64::max);
+    for (axis, own) in axes {
+        let offset = through.coords - own * own.dot(&through.coords);
+        if along.dot(&own).abs() > 1.0 - 0.5 * SNAP.0 * SNAP.0 && offset.norm() < SNAP.1 * size {
+            return Some(Frame::Along(axis));
+        }
+    }
+    let turn = Rotation3::rotation_between(&along, &Vector::z())?;
+    Some(Frame::Turned { turn, through })
+}
+
+/// The file's axis about which by far the largest share of the area is turned: of a wheel with its blades, the hub and
+/// the tips.
+fn most_turned(surface: &Surface) -> Option<Axis> {
+    let share = |along: &Vector| {
+        let (mut turned, mut total) = (0.0, 0.0);
+        for t in 0..surface.triangles.len() {
+            let arm = along.cross(&surface.centre(t).coords);
+            let area = surface.area(t);
+            total += area;
+            if surface.normals[t].dot(&arm).abs() < TURNED * arm.norm() {
+                turned += area;
+            }
+        }
+        turned / f64::max(total, 1e-300)
+    };
+    let mut shares =
+        [(Axis::X, Vector::x()), (Axis::Y, Vector::y()), (Axis::Z, Vector::z())].map(|(a, v)| (a, share(&v)));
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    (shares[0].1 > 1.5 * shares[1].1).then_some(shares[0].0)
+}
+
+/// The line that the normals of a surface of revolution all meet: n·(a × c) + n·m = 0 for every triangle, solved by
+/// least squares, twice more with those that miss it weighed less.
+fn fitted(hub: &Surface) -> Option<(Vector, Point)> {
+    let mut middle = Vector::zeros();
+    let mut total = 0.0;
+    for t in 0..hub.triangles.len() {
+        middle += hub.centre(t).coords * hub.area(t);
+        total += hub.area(t);
+    }
+    let middle = middle / total;
+    if !middle.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let mut found: Option<(Vector, Vector)> = None;
+    for _ in 0..4 {
+        let (mut aa, mut am, mut mm) = (Matrix3::zeros(), Matrix3::zeros(), Matrix3::zeros());
+        for t in 0..hub.triangles.len() {
+            let c = hub.centre(t).coords - middle;
+            let n = hub.normals[t];
+            let arm = c.cross(&n);
+            let mut weight = hub.area(t);
+            if let Some((a, m)) = &found {
+                let missed = (arm.dot(a) + n.dot(m)) / c.norm().max(1e-9);
+                weight /= 1.0 + (missed / FOUND).powi(2);
+            }
+            aa += arm * arm.transpose() * weight;
+            am += arm * n.transpose() * weight;
+            mm += n * n.transpose() * weight;
+        }
+        let inverse = (mm + Matrix3::identity() * (1e-9 * mm.trace())).try_inverse()?;
+        let eigen = SymmetricEigen::try_new(aa - am * inverse * am.transpose(), 1e-14, 200)?;
+        let k = eigen.eigenvalues.imin();
+        let a = Vector::from(eigen.eigenvectors.column(k));
+        found = Some((a, -inverse * am.transpose() * a));
+    }
+    let (a, m) = found?;
+    let a = UnitVector3::try_new(a, 1e-12)?.into_inner();
+    // m = −a × p for a point p of the axis: p = a × m is the one nearest to the middle.
+    let p = Point::from(middle + a.cross(&m));
+    let a = if a.iter().copied().fold(0.0, |x: f64, y| if y.abs() > x.abs() { y } else { x }) < 0.0 {
+        -a
+    } else {
+        a
+    };
+    p.iter().all(|x| x.is_finite()).then_some((a, p))
+}

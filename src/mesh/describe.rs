@@ -1,0 +1,341 @@
+//! From named meshes to the description of a part.
+
+use std::str::FromStr;
+
+use super::TriangleMesh;
+use super::axis::{Axis, Frame, found};
+use super::profile::{Course, Profile, flow_side};
+use super::roles::{NamedMesh, Role, assign, listed};
+use super::rows::{Rows, blades};
+use super::rulings::Rulings;
+use super::sections::{Band, Cutter};
+use super::segment::segmented;
+use super::sides::{Section, SideCurve};
+use super::surface::Surface;
+use super::tips::tip_curve;
+use crate::geometry::{Meridional, MeridionalCurve, Point};
+use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError};
+
+/// Span sections of a blade.
+const SECTIONS: usize = 13;
+/// Points of a side of a section.
+const SECTION_POINTS: usize = 180;
+/// Sections keep this share of the height away from hub and shroud, where cuts would run along the blade's border.
+const INSET: f64 = 0.01;
+/// Largest distance of straight lines from a side that counts as made of them, mm.
+const STRAIGHT: f64 = 0.012;
+/// Diameters of impellers, mm.
+const DIAMETERS: std::ops::RangeInclusive<f64> = 3.0..=5000.0;
+/// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
+const TOLERANCE: (f64, f64) = (0.05, 1e-4);
+
+/// A unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Millimetres.
+    Millimetre,
+    /// Centimetres.
+    Centimetre,
+    /// Metres.
+    Metre,
+    /// Inches.
+    Inch,
+}
+
+impl Unit {
+    /// Millimetres in it.
+    pub fn mm(self) -> f64 {
+        match self {
+            Self::Millimetre => 1.0,
+            Self::Centimetre => 10.0,
+            Self::Metre => 1000.0,
+            Self::Inch => 25.4,
+        }
+    }
+}
+
+impl FromStr for Unit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.to_lowercase().as_str() {
+            "mm" => Ok(Self::Millimetre),
+            "cm" => Ok(Self::Centimetre),
+            "m" => Ok(Self::Metre),
+            "in" => Ok(Self::Inch),
+            _ => Err(format!("`{text}` is no unit; give mm, cm, m or in")),
+        }
+    }
+}
+
+/// What a user says about a mesh file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshOptions {
+    /// Roles by the name of a node; they come before what names tell.
+    pub roles: Vec<(String, Role)>,
+    /// Unit of the file's numbers, if it is not the format's own.
+    pub unit: Option<Unit>,
+    /// Axis of rotation in the file's frame; otherwise found from the hub.
+    pub axis: Option<Axis>,
+    /// Number of main blades, if the meshes do not tell.
+    pub blades: Option<usize>,
+}
+
+/// The part that `meshes` (in the file's frame, in `unit`) stand for. `name` becomes its name.
+///
+/// # Errors
+/// What is missing or does not fit, and which option would help.
+pub fn describe(
+    name: &str,
+    meshes: Vec<NamedMesh>,
+    unit: Unit,
+    options: &MeshOptions,
+) -> Result<PartDescription, PartError> {
+    let roles = assign(&meshes, &options.roles)?;
+    let sorted = sorted(meshes, &roles)?;
+    let scale = options.unit.unwrap_or(unit).mm();
+    let Sorted { mut hub, mut shroud, blades: mut blade_meshes, one } = sorted;
+    let all = || std::iter::once(&hub).chain(&shroud).chain(blade_meshes.iter().map(|(_, m)| m));
+    check_size(all(), scale, unit, options)?;
+    for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
+        mesh.points.iter_mut().for_each(|p| *p *= scale);
+    }
+    let mut hub = Surface::of(&hub);
+    let frame = match options.axis {
+        Some(axis) => Frame::Along(axis),
+        None => found(&hub).ok_or_else(|| {
+            PartError::new(0, "the hub turns about no axis", "give the axis with --rotation-axis x, y or z")
+        })?,
+    };
+    let turn = |points: &mut [Point]| points.iter_mut().for_each(|p| *p = frame.apply(p));
+    if frame != Frame::Along(Axis::Z) {
+        turn(&mut hub.points);
+        hub.normals =
+            Surface::of(&TriangleMesh { points: hub.points.clone(), triangles: hub.triangles.clone() })
+                .normals;
+        shroud.iter_mut().for_each(|m| turn(&mut m.points));
+        blade_meshes.iter_mut().for_each(|(_, m)| turn(&mut m.points));
+    }
+    let size = hub.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    if let Some(name) = one {
+        let segments = segmented(&hub, &name)?;
+        hub = segments.hub;
+        shroud = shroud.or(segments.shroud);
+        blade_meshes = segments.blades.into_iter().map(|mesh| (Role::Blade, mesh)).collect();
+    }
+    let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
+
+    let rows = Rows::of(blades(&blade_meshes), options.blades)?;
+    drop(blade_meshes);
+    let main = Surface::of(&rows.main);
+    let splitters: Vec<Surface> = rows.splitters.iter().map(Surface::of).collect();
+    let corners: Vec<Meridional> = main.points.iter().map(Meridional::of).collect();
+    let course = Course::of(&corners);
+    let hub_curve = turned(&hub, &course, &corners, "hub", tolerance)?;
+    let shroud_curve = match shroud {
+        Some(mesh) => turned(&Surface::of(&mesh), &course, &corners, "shroud", tolerance)?,
+        None => {
+            let hub = MeridionalCurve::through(&hub_curve.points);
+            let tips = tip_curve(std::slice::from_ref(&main), &hub, &course);
+            let tips = tips.ok_or_else(|| {
+                PartError::new(
+                    0,
+                    "the blades have no tips to lay a shroud on",
+                    "give one with --role NODE=shroud",
+                )
+            })?;
+            judged(tips, "line of the blade tips", tolerance)?
+        }
+    };
+    let curve = |profile: &Profile| MeridionalCurve::through(&profile.points);
+    let band = Band::new(&curve(&hub_curve), &curve(&shroud_curve), &corners);
+    let main = blade(&main, &band, "main blade")?;
+    let splitters =
+        splitters.iter().map(|s| blade(s, &band, "splitter")).collect::<Result<Vec<_>, PartError>>()?;
+    Ok(PartDescription {
+        name: name.to_owned(),
+        hub: CurveDescription::Points(hub_curve.points),
+        shroud: CurveDescription::Points(shroud_curve.points),
+        blade_count: rows.count,
+        main,
+        splitters,
+        hub_line: 0,
+        shroud_line: 0,
+        count_line: 0,
+    })
+}
+
+/// Meshes by role.
+struct Sorted {
+    hub: TriangleMesh,
+    shroud: Option<TriangleMesh>,
+    /// One mesh for each node and place.
+    blades: Vec<(Role, TriangleMesh)>,
+    /// Name of the one mesh, held as the hub, in which hub and blades are still to be told apart.
+    one: Option<String>,
+}
+
+fn sorted(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted, PartError> {
+    let names = listed(&meshes);
+    let missing = |what: &str| {
+        let cure = format!("name it with --role NODE={what}; there are: {names}");
+        PartError::new(0, format!("no mesh is called {what}"), cure)
+    };
+    if !meshes.iter().any(|m| !m.mesh.triangles.is_empty()) {
+        return Err(PartError::new(0, "holds no triangles", "export the impeller's surfaces as meshes"));
+    }
+    let has = |role: Role| roles.contains(&Some(role));
+    let one = !has(Role::Hub) && !has(Role::Blade) && roles.contains(&None);
+    if !one && !has(Role::Hub) {
+        return Err(missing("hub"));
+    }
+    if !one && !has(Role::Blade) {
+        return Err(missing("blade"));
+    }
+    let mut sorted = Sorted { hub: TriangleMesh::default(), shroud: None, blades: Vec::new(), one: None };
+    let mut places: Vec<(usize, usize, Role)> = Vec::new();
+    for (mesh, role) in meshes.into_iter().zip(roles) {
+        match role {
+            Some(Role::Hub) => sorted.hub.append(&mesh.mesh),
+            Some(Role::Shroud) => sorted.shroud.get_or_insert_default().append(&mesh.mesh),
+            Some(role @ (Role::Blade | Role::Splitter)) => {
+                let place = (mesh.node, mesh.instance, *role);
+                match places.iter().position(|p| *p == place) {
+                    Some(at) => sorted.blades[at].1.append(&mesh.mesh),
+                    None => {
+                        places.push(place);
+                        sorted.blades.push((*role, mesh.mesh));
+                    }
+                }
+            }
+            None if one => {
+                sorted.hub.append(&mesh.mesh);
+                sorted.one.get_or_insert(mesh.name);
+            }
+            Some(Role::Ignored) | None => {}
+        }
+    }
+    Ok(sorted)
+}
+
+/// A wheel has a size that is possible.
+fn check_size<'a>(
+    meshes: impl Iterator<Item = &'a TriangleMesh>,
+    scale: f64,
+    unit: Unit,
+    options: &MeshOptions,
+) -> Result<(), PartError> {
+    let (mut low, mut high) = (Point::from([f64::INFINITY; 3]), Point::from([f64::NEG_INFINITY; 3]));
+    for p in meshes.flat_map(|m| &m.points) {
+        low = low.inf(p);
+        high = high.sup(p);
+    }
+    let across = (high - low).amax();
+    let size = across * scale;
+    if DIAMETERS.contains(&size) {
+        return Ok(());
+    }
+    let shown = if size >= 1e4 { format!("{:.4} m", size / 1e3) } else { format!("{size:.4} mm") };
+    let known = [(Unit::Millimetre, "mm"), (Unit::Inch, "in"), (Unit::Centimetre, "cm"), (Unit::Metre, "m")];
+    let fits = known
+        .iter()
+        .find(|(u, _)| Some(*u) != options.unit && *u != unit && DIAMETERS.contains(&(across * u.mm())));
+    let cure = match fits {
+        Some((Unit::Millimetre, _)) => {
+            format!("give --unit mm (it would be {across:.4} mm), or cm or in, whichever its numbers are")
+        }
+        Some((u, name)) => format!(
+            "give --unit {name} (it would be {:.4} mm), if that is what its numbers are",
+            across * u.mm()
+        ),
+        None => "scale the file to its true size".to_owned(),
+    };
+    Err(PartError::new(
+        0,
+        format!("the wheel would be {shown} across, which is no size of an impeller"),
+        cure,
+    ))
+}
+
+fn turned(
+    surface: &Surface,
+    course: &Course,
+    blades: &[Meridional],
+    name: &str,
+    tolerance: f64,
+) -> Result<Profile, PartError> {
+    let side = flow_side(surface, course, blades, name)?;
+    let profile = course.curve(&side).ok_or_else(|| {
+        PartError::new(0, format!("the {name} has no extent"), format!("check which mesh is the {name}"))
+    })?;
+    judged(profile, name, tolerance)
+}
+
+fn judged(profile: Profile, name: &str, tolerance: f64) -> Result<Profile, PartError> {
+    if profile.residual > tolerance {
+        return Err(PartError::new(
+            0,
+            format!(
+                "the {name} is not a surface of revolution: {:.2} mm off at z = {:.1}, r = {:.1} mm",
+                profile.residual, profile.at.z, profile.at.r
+            ),
+            format!(
+                "check which mesh is the {name}, the axis of rotation (--rotation-axis), and that it has no fillets"
+            ),
+        ));
+    }
+    Ok(profile)
+}
+
+/// Sections of a blade between hub and shroud.
+fn blade(surface: &Surface, band: &Band, name: &str) -> Result<BladeDescription, PartError> {
+    let cutter = Cutter::new(surface, band);
+    let (low, high) = cutter.reach(40);
+    let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
+    if !(0.2..=1.0).contains(&(high - low)) {
+        return Err(PartError::new(
+            0,
+            format!("the {name} does not reach from hub to shroud"),
+            "check the roles of the meshes (--role NODE=hub, shroud or blade)",
+        ));
+    }
+    let mut sections = Vec::with_capacity(SECTIONS);
+    for k in 0..SECTIONS {
+        let height = low + (high - low) * k as f64 / (SECTIONS - 1) as f64;
+        let section = Section::of(&cutter.cut(height)).ok_or_else(|| {
+            PartError::new(
+                0,
+                format!(
+                    "the {name} is no whole blade: at {:.0} % of its height it has no two sides",
+                    100.0 * height
+                ),
+                "close its gaps, or leave scraps out with --role NODE=ignore",
+            )
+        })?;
+        sections.push(section);
+    }
+    let turn: f64 = sections.iter().flat_map(|s| &s.sides).map(|s| s.turn()).sum();
+    // The suction side lies on the side towards which the blade does not lean downstream.
+    let (suction, pressure) = if turn >= 0.0 { (0, 1) } else { (1, 0) };
+    let at = |k: usize| k as f64 / (SECTION_POINTS - 1) as f64;
+    let side = |which: usize| -> Vec<Vec<Point>> {
+        sections.iter().map(|s| (0..SECTION_POINTS).map(|k| s.sides[which].point(at(k))).collect()).collect()
+    };
+    let lines = |which: usize| {
+        let side: Vec<&SideCurve> = sections.iter().map(|s| &s.sides[which]).collect();
+        Rulings::of(&side).filter(|r| r.off < STRAIGHT)
+    };
+    if let (Some(a), Some(b)) = (lines(suction), lines(pressure)) {
+        let ends = |r: &Rulings, end: usize| (0..SECTION_POINTS).map(|k| r.ends(at(k))[end]).collect();
+        return Ok(BladeDescription::Sections {
+            suction: vec![ends(&a, 0), ends(&a, 1)],
+            pressure: vec![ends(&b, 0), ends(&b, 1)],
+            line: 0,
+        });
+    }
+    let (suction, mut pressure) = (side(suction), side(pressure));
+    for (a, b) in suction.iter().zip(&mut pressure) {
+        b[0] = a[0];
+    }
+    Ok(BladeDescription::Sections { suction, pressure, line: 0 })
+}

@@ -1,0 +1,138 @@
+//! Normals of the surface that a mesh stands for, at its corners: by a quadratic surface through the corners about
+//! each, within one smooth patch. They tell how an edge bows out between its ends, which lie on the surface.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::surface::Surface;
+use crate::geometry::{Point, Vector, frame_about};
+
+/// Corners about a corner, and triangles about one of them, that are looked at: the hub of a fan has very many.
+const MOST_NEAR: usize = 200;
+
+/// Normals of a surface's corners.
+#[derive(Clone, Debug)]
+pub struct CornerNormals {
+    /// Per triangle, at its three corners, as its own patch has them.
+    pub of: Vec<[Vector; 3]>,
+}
+
+impl CornerNormals {
+    /// `patch` numbers the smooth patch of each triangle.
+    pub fn new(surface: &Surface, patch: &[u32]) -> Self {
+        let around = Around::new(surface);
+        let mut of = vec![[Vector::zeros(); 3]; surface.triangles.len()];
+        let mut near: Vec<u32> = Vec::new();
+        for corner in 0..surface.points.len() {
+            let own = around.triangles(corner);
+            for (k, &t) in own.iter().enumerate() {
+                let here = patch[t as usize];
+                if own[..k].iter().any(|&other| patch[other as usize] == here) {
+                    continue;
+                }
+                near.clear();
+                let mut mean = Vector::zeros();
+                for &first in own.iter().filter(|&&other| patch[other as usize] == here) {
+                    mean += surface.normals[first as usize] * surface.area(first as usize);
+                    if near.len() > MOST_NEAR {
+                        continue;
+                    }
+                    for ring in surface.triangles[first as usize] {
+                        for &second in around.triangles(ring as usize).iter().take(MOST_NEAR) {
+                            if patch[second as usize] == here {
+                                near.extend(surface.triangles[second as usize]);
+                            }
+                        }
+                    }
+                }
+                near.sort_unstable();
+                near.dedup();
+                near.retain(|&i| i as usize != corner);
+                let mean = mean.try_normalize(1e-12).unwrap_or(surface.normals[t as usize]);
+                let normal = fitted(&surface.points, corner, &near, &mean).unwrap_or(mean);
+                for &other in own.iter().filter(|&&other| patch[other as usize] == here) {
+                    for c in 0..3 {
+                        if surface.triangles[other as usize][c] as usize == corner {
+                            of[other as usize][c] = normal;
+                        }
+                    }
+                }
+            }
+        }
+        Self { of }
+    }
+}
+
+/// Normal at `corner` of the quadratic surface through it and, as nearly as may be, the corners `near`.
+fn fitted(points: &[Point], corner: usize, near: &[u32], mean: &Vector) -> Option<Vector> {
+    if near.len() < 6 {
+        return None;
+    }
+    let centre = points[corner];
+    let (e1, e2) = frame_about(mean);
+    // Patches are often much longer one way than the other: both directions are brought to one scale.
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for &i in near {
+        let d = points[i as usize] - centre;
+        let (x, y) = (d.dot(&e1), d.dot(&e2));
+        (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
+    }
+    let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
+    let (a, b) = (e1 * turn.cos() + e2 * turn.sin(), e2 * turn.cos() - e1 * turn.sin());
+    let size = |e: &Vector| {
+        (near.iter().map(|&i| (points[i as usize] - centre).dot(e).powi(2)).sum::<f64>() / near.len() as f64)
+            .sqrt()
+    };
+    let (sa, sb) = (size(&a), size(&b));
+    if sa < 1e-12 || sb < 1e-12 {
+        return None;
+    }
+    let mut matrix = SMatrix::<f64, 5, 5>::zeros();
+    let mut right = SVector::<f64, 5>::zeros();
+    for &i in near {
+        let d = points[i as usize] - centre;
+        let (x, y, h) = (d.dot(&a) / sa, d.dot(&b) / sb, d.dot(mean));
+        let row = SVector::<f64, 5>::new(x, y, x * x, x * y, y * y);
+        let weight = 1.0 / (0.3 + x * x + y * y);
+        matrix += row * row.transpose() * weight;
+        right += row * (h * weight);
+    }
+    for k in 0..5 {
+        matrix[(k, k)] += 1e-7 * near.len() as f64;
+    }
+    let solved = matrix.cholesky()?.solve(&right);
+    let normal = mean - a * (solved[0] / sa) - b * (solved[1] / sb);
+    let normal = normal.try_normalize(1e-12)?;
+    // A patch that folds over is no function over its mean plane.
+    (normal.dot(mean) > 0.7).then_some(normal)
+}
+
+/// Triangles about each corner.
+struct Around {
+    starts: Vec<u32>,
+    list: Vec<u32>,
+}
+
+impl Around {
+    fn new(surface: &Surface) -> Self {
+        let mut starts = vec![0_u32; surface.points.len() + 1];
+        for i in surface.triangles.iter().flatten() {
+            starts[*i as usize + 1] += 1;
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let mut next = starts.clone();
+        let mut list = vec![0; 3 * surface.triangles.len()];
+        for (t, triangle) in surface.triangles.iter().enumerate() {
+            for i in triangle {
+                list[next[*i as usize] as usize] = t as u32;
+                next[*i as usize] += 1;
+            }
+        }
+        Self { starts, list }
+    }
+
+    fn triangles(&self, corner: usize) -> &[u32] {
+        &self.list[self.starts[corner] as usize..self.starts[corner + 1] as usize]
+    }
+}

@@ -1,0 +1,249 @@
+//! Hub and shroud out of triangles: the side that faces the flow, and the meridional curve through its corners.
+
+use super::fit::SmoothFunction;
+use super::surface::{NONE, Surface};
+use crate::geometry::{Meridional, norm2};
+use crate::part::PartError;
+
+/// Largest turn between neighbouring triangles of one smooth side, as cosine.
+const SMOOTH: f64 = 0.82;
+/// Share of the votes of the most voted piece from which on a piece belongs to the flow side.
+const VOTES: f64 = 0.2;
+/// Blade corners that vote.
+const VOTERS: usize = 1000;
+/// Most cubic pieces of a curve.
+const MOST_SPANS: usize = 160;
+/// Share of the circumference in a normal from which on a triangle is none of revolution.
+const LEAST_ACROSS: f64 = 0.35;
+
+/// A meridional curve and how well it meets its corners.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// Points of the curve, inlet → outlet.
+    pub points: Vec<Meridional>,
+    /// Largest distance of a corner from the curve, mm.
+    pub residual: f64,
+    /// Where that is.
+    pub at: Meridional,
+}
+
+/// The direction in which a channel runs from its inlet, near the axis, to its outlet: halfway between along the axis
+/// and away from it. Every meridional curve of a radial wheel runs within ± 90° of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Course {
+    along: Meridional,
+    across: Meridional,
+}
+
+impl Course {
+    /// Of the blades whose corners are given.
+    pub fn of(blades: &[Meridional]) -> Self {
+        let mut by_radius: Vec<Meridional> = blades.to_vec();
+        by_radius.sort_by(|a, b| a.r.total_cmp(&b.r));
+        let few = (by_radius.len() / 10).max(1).min(by_radius.len());
+        let mean =
+            |points: &[Meridional]| points.iter().map(|p| p.z).sum::<f64>() / points.len().max(1) as f64;
+        let rise = mean(&by_radius[by_radius.len() - few..]) - mean(&by_radius[..few]);
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let along = Meridional { r: half, z: half.copysign(rise) };
+        Self { along, across: Meridional { r: -along.z, z: along.r } }
+    }
+
+    /// How far along the course a point is, and how far beside it.
+    pub fn of_point(&self, p: Meridional) -> (f64, f64) {
+        (p.r * self.along.r + p.z * self.along.z, p.r * self.across.r + p.z * self.across.z)
+    }
+
+    fn point(&self, x: f64, y: f64) -> Meridional {
+        Meridional { r: x * self.along.r + y * self.across.r, z: x * self.along.z + y * self.across.z }
+    }
+
+    /// The curve through `points`, of which all count.
+    pub fn curve(&self, points: &[Meridional]) -> Option<Profile> {
+        let pairs: Vec<(f64, f64)> = points.iter().map(|p| self.of_point(*p)).collect();
+        let (low, high) = pairs
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
+        // As many pieces as there are different places along the course, or a few less.
+        let mut places = [false; 8 * MOST_SPANS];
+        for (x, _) in &pairs {
+            let share = (x - low) / (high - low).max(1e-12);
+            places[((share * places.len() as f64) as usize).min(places.len() - 1)] = true;
+        }
+        let distinct = places.iter().filter(|p| **p).count();
+        let function = SmoothFunction::fit(&pairs, (distinct * 2 / 3).clamp(4, MOST_SPANS))?;
+        let mut profile = Profile { points: Vec::new(), residual: 0.0, at: Meridional::default() };
+        for (&(x, y), p) in pairs.iter().zip(points) {
+            let slope = function.slope(x);
+            let off = (y - function.at(x)).abs() / norm2(1.0, slope);
+            if off > profile.residual {
+                (profile.residual, profile.at) = (off, *p);
+            }
+        }
+        let (start, end) = function.domain();
+        let count = 2 * function.spans() + 1;
+        profile.points = (0..count)
+            .map(|i| {
+                let x = start + (end - start) * i as f64 / (count - 1) as f64;
+                let p = self.point(x, function.at(x));
+                Meridional { r: p.r.max(0.0), z: p.z }
+            })
+            .collect();
+        Some(profile)
+    }
+}
+
+/// A triangle's normal in the meridional plane, and its share along the circumference.
+pub fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
+    let (c, n) = (surface.centre(t), surface.normals[t]);
+    let r = norm2(c.x, c.y).max(1e-9);
+    let across = (n.y * c.x - n.x * c.y) / r;
+    (Meridional { r: (n.x * c.x + n.y * c.y) / r, z: n.z }, across)
+}
+
+/// Corners of the flow side of a hub or shroud: the smooth piece nearest to the blades.
+///
+/// # Errors
+/// When there is no such side.
+pub fn flow_side(
+    surface: &Surface,
+    course: &Course,
+    blades: &[Meridional],
+    name: &str,
+) -> Result<Vec<Meridional>, PartError> {
+    // Fillets and what else is not turned take no part.
+    let turned: Vec<bool> =
+        (0..surface.triangles.len()).map(|t| meridional_normal(surface, t).1.abs() < LEAST_ACROSS).collect();
+    let smooth = |a: usize, b: usize| {
+        turned[a] && turned[b] && surface.normals[a].dot(&surface.normals[b]).abs() > SMOOTH
+    };
+    let (group, count) = surface.groups(smooth);
+    let corners: Vec<Meridional> = surface.points.iter().map(Meridional::of).collect();
+    // Groups by corner; a corner at an edge has several.
+    let mut groups_of: Vec<(u32, u32)> = Vec::with_capacity(3 * group.len());
+    for (t, g) in group.iter().enumerate().filter(|(t, _)| turned[*t]) {
+        groups_of.extend(surface.triangles[t].map(|i| (i, *g)));
+    }
+    groups_of.sort_unstable();
+    groups_of.dedup();
+    let mut votes = vec![0_usize; count];
+    let near = Nearest::of(&corners);
+    let stride = blades.len().div_ceil(VOTERS).max(1);
+    for p in blades.iter().step_by(stride) {
+        if let Some(corner) = near.nearest(*p) {
+            let from = groups_of.partition_point(|(c, _)| *c < corner);
+            for (_, g) in groups_of[from..].iter().take_while(|(c, _)| *c == corner) {
+                votes[*g as usize] += 1;
+            }
+        }
+    }
+    let most = votes.iter().copied().max().unwrap_or(0);
+    let chosen: Vec<bool> = votes.iter().map(|v| *v > 0 && *v as f64 >= VOTES * most as f64).collect();
+    let mut used = vec![false; corners.len()];
+    for (t, g) in group.iter().enumerate() {
+        if *g != NONE && chosen[*g as usize] && turned[t] && follows(course, surface, t) {
+            surface.triangles[t].iter().for_each(|i| used[*i as usize] = true);
+        }
+    }
+    let found: Vec<Meridional> =
+        corners.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p).collect();
+    if found.len() < 8 {
+        return Err(PartError::new(
+            0,
+            format!("the {name} has no side of revolution beside the blades"),
+            format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
+        ));
+    }
+    Ok(found)
+}
+
+/// Whether a triangle runs with the course, not back along a rim or a bore.
+fn follows(course: &Course, surface: &Surface, t: usize) -> bool {
+    let (n, _) = meridional_normal(surface, t);
+    let across = n.r * course.across.r + n.z * course.across.z;
+    // 0.2: a curve may turn a little beyond along the axis or away from it.
+    across.abs() > 0.2
+}
+
+/// Nearest of many points of the meridional plane, by cells.
+struct Nearest<'a> {
+    points: &'a [Meridional],
+    low: Meridional,
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    /// First entry of each cell, and the entries.
+    starts: Vec<u32>,
+    entries: Vec<u32>,
+}
+
+impl<'a> Nearest<'a> {
+    fn of(points: &'a [Meridional]) -> Self {
+        let (mut low, mut high) = (
+            Meridional { r: f64::INFINITY, z: f64::INFINITY },
+            Meridional { r: f64::NEG_INFINITY, z: f64::NEG_INFINITY },
+        );
+        for p in points {
+            low = Meridional { r: low.r.min(p.r), z: low.z.min(p.z) };
+            high = Meridional { r: high.r.max(p.r), z: high.z.max(p.z) };
+        }
+        let cell = ((high.r - low.r).max(high.z - low.z) / 256.0).max(1e-6);
+        let columns = ((high.r - low.r) / cell).max(0.0) as usize + 1;
+        let rows = ((high.z - low.z) / cell).max(0.0) as usize + 1;
+        let (columns, rows) = (columns.min(1024), rows.min(1024));
+        let mut nearest = Self { points, low, cell, columns, rows, starts: Vec::new(), entries: Vec::new() };
+        let mut counts = vec![0_u32; columns * rows + 1];
+        let cells: Vec<usize> = points.iter().map(|p| nearest.cell_of(*p)).collect();
+        cells.iter().for_each(|c| counts[c + 1] += 1);
+        for c in 1..counts.len() {
+            counts[c] += counts[c - 1];
+        }
+        nearest.starts = counts.clone();
+        nearest.entries = vec![0; points.len()];
+        for (i, c) in cells.iter().enumerate() {
+            nearest.entries[counts[*c] as usize] = i as u32;
+            counts[*c] += 1;
+        }
+        nearest
+    }
+
+    fn place(&self, p: Meridional) -> (usize, usize) {
+        let at = |x: f64, most: usize| ((x / self.cell).max(0.0) as usize).min(most - 1);
+        (at(p.r - self.low.r, self.columns), at(p.z - self.low.z, self.rows))
+    }
+
+    fn cell_of(&self, p: Meridional) -> usize {
+        let (i, j) = self.place(p);
+        i * self.rows + j
+    }
+
+    /// Number of the nearest point, searched in growing rings of cells.
+    fn nearest(&self, p: Meridional) -> Option<u32> {
+        let (ci, cj) = self.place(p);
+        let mut best: Option<(f64, u32)> = None;
+        for ring in 0..self.columns.max(self.rows) {
+            let (i0, i1) = (ci.saturating_sub(ring), (ci + ring).min(self.columns - 1));
+            let (j0, j1) = (cj.saturating_sub(ring), (cj + ring).min(self.rows - 1));
+            let rows = (i0..=i1).flat_map(|i| {
+                // Of the rows within the ring, only both ends are on it.
+                let whole = i.abs_diff(ci) == ring;
+                let ends = [cj.checked_sub(ring), (cj + ring < self.rows).then_some(cj + ring)];
+                let all = if whole { j0..j1 + 1 } else { 0..0 };
+                let two = if whole { [None, None] } else { ends };
+                all.chain(two.into_iter().flatten()).map(move |j| i * self.rows + j)
+            });
+            for cell in rows {
+                for &k in &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+                    let d = self.points[k as usize].distance(p);
+                    if best.is_none_or(|(least, _)| d < least) {
+                        best = Some((d, k));
+                    }
+                }
+            }
+            if best.is_some_and(|(d, _)| d <= ring as f64 * self.cell) {
+                break;
+            }
+        }
+        best.map(|(_, k)| k)
+    }
+}

@@ -1,0 +1,186 @@
+//! Which mesh is the hub, which the shroud, which are blades: by name, or as the user says.
+
+use std::str::FromStr;
+
+use super::TriangleMesh;
+use crate::part::PartError;
+
+/// What a mesh is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Role {
+    /// Body of the wheel: its flow side counts, whatever else it has.
+    Hub,
+    /// Inside of the casing, or the cover.
+    Shroud,
+    /// Main blades, one or more; splitters among them are told by their length.
+    Blade,
+    /// Splitter blades.
+    Splitter,
+    /// Nothing of the impeller.
+    Ignored,
+}
+
+impl Role {
+    /// All roles, in the order in which a choice shows them.
+    pub const ALL: [Self; 5] = [Self::Hub, Self::Shroud, Self::Blade, Self::Splitter, Self::Ignored];
+
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hub => "hub",
+            Self::Shroud => "shroud",
+            Self::Blade => "blade",
+            Self::Splitter => "splitter",
+            Self::Ignored => "ignore",
+        }
+    }
+}
+
+impl FromStr for Role {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.to_lowercase();
+        let known = Self::ALL.into_iter().find(|role| role.name() == text);
+        known
+            .or((text == "main").then_some(Self::Blade))
+            .ok_or_else(|| format!("`{text}` is no role; give hub, shroud, blade, splitter or ignore"))
+    }
+}
+
+/// A mesh of a file in its place.
+#[derive(Clone, Debug)]
+pub struct NamedMesh {
+    /// Name of its node.
+    pub name: String,
+    /// What else it goes by, from what says most to what says least: material, mesh, the nodes above.
+    pub other_names: Vec<String>,
+    /// Number of its node in the file: meshes of one node belong together.
+    pub node: usize,
+    /// Which of several places of the node.
+    pub instance: usize,
+    /// The triangles.
+    pub mesh: TriangleMesh,
+}
+
+/// Words that begin the name of a role, and words that are one only by themselves.
+const BEGINNINGS: [(Role, &[&str]); 4] = [
+    (Role::Splitter, &["splitter", "split"]),
+    (Role::Shroud, &["shroud", "casing", "cover", "deckscheibe"]),
+    (Role::Hub, &["hub", "disc", "disk", "nabe", "backplate", "tragscheibe", "moyeu"]),
+    (Role::Blade, &["blade", "vane", "airfoil", "aerofoil", "schaufel"]),
+];
+/// Endings of one-word compounds: mainblade, hubsurface goes by its beginning.
+const BLADE_ENDINGS: [&str; 6] = ["blade", "blades", "vane", "vanes", "schaufel", "schaufeln"];
+
+/// The role that a name tells, in any case and with numbers.
+pub fn role_named(name: &str) -> Option<Role> {
+    let words = words(name);
+    let begins = |start: &str| {
+        words.iter().any(|w| w.strip_prefix(start).is_some_and(|rest| !rest.starts_with("cut")))
+    };
+    let of = |role: Role| {
+        let (_, starts) = BEGINNINGS.iter().find(|(r, _)| *r == role)?;
+        starts.iter().any(|start| begins(start)).then_some(role)
+    };
+    let compound = || words.iter().any(|w| BLADE_ENDINGS.iter().any(|end| w.ends_with(end)));
+    of(Role::Splitter)
+        .or_else(|| of(Role::Shroud))
+        .or_else(|| of(Role::Hub))
+        .or_else(|| of(Role::Blade))
+        .or_else(|| compound().then_some(Role::Blade))
+        .or_else(|| words.iter().any(|w| w == "main").then_some(Role::Blade))
+}
+
+/// Words of a name in lower case: letters that stand together, `MainBlade` being two.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut lower_before = false;
+    for c in name.chars() {
+        let starts = !c.is_alphabetic() || (c.is_uppercase() && lower_before);
+        if starts && !words[words.len() - 1].is_empty() {
+            words.push(String::new());
+        }
+        if c.is_alphabetic() {
+            let last = words.len() - 1;
+            words[last].extend(c.to_lowercase());
+        }
+        lower_before = c.is_lowercase();
+    }
+    words.retain(|w| !w.is_empty());
+    words
+}
+
+/// The role that the names of a mesh tell; the first name that tells one counts.
+pub fn guessed(mesh: &NamedMesh) -> Option<Role> {
+    // A part by the name of a role, and a file's root node by the name of the part, must not outweigh the mesh itself.
+    role_named(&mesh.name).or_else(|| mesh.other_names.iter().find_map(|name| role_named(name)))
+}
+
+/// Roles of all meshes: as `given` by node name (case does not matter), else as guessed.
+///
+/// # Errors
+/// When a name given is that of no mesh.
+pub fn assign(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Vec<Option<Role>>, PartError> {
+    let is = |mesh: &NamedMesh, name: &str| {
+        let name = name.to_lowercase();
+        std::iter::once(&mesh.name).chain(&mesh.other_names).any(|n| n.to_lowercase() == name)
+    };
+    for (name, _) in given {
+        if !meshes.iter().any(|m| is(m, name)) {
+            return Err(PartError::new(
+                0,
+                format!("no mesh is called `{name}`"),
+                format!("name one of {}", listed(meshes)),
+            ));
+        }
+    }
+    Ok(meshes
+        .iter()
+        .map(|m| {
+            given.iter().rev().find(|(name, _)| is(m, name)).map(|(_, role)| *role).or_else(|| guessed(m))
+        })
+        .collect())
+}
+
+/// Names of the meshes for a message, the first few.
+pub fn listed(meshes: &[NamedMesh]) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for mesh in meshes {
+        let name: String = mesh.name.chars().take(40).collect();
+        if !names.contains(&name) {
+            names.push(name);
+        }
+        if names.len() > 8 {
+            names[8] = "…".to_owned();
+            break;
+        }
+    }
+    names.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_roles_in_any_case_and_with_numbers() {
+        for (name, role) in [
+            ("HUB", Role::Hub),
+            ("hub_surface.001", Role::Hub),
+            ("ImpellerShroud", Role::Shroud),
+            ("Main Blade 12", Role::Blade),
+            ("mainblade3", Role::Blade),
+            ("MAIN", Role::Blade),
+            ("SplitterBlade_2", Role::Splitter),
+            ("splitter", Role::Splitter),
+            ("Vane7", Role::Blade),
+            ("Laufschaufel", Role::Blade),
+        ] {
+            assert_eq!(role_named(name), Some(role), "{name}");
+        }
+        for name in ["Body 1", "Mesh.003", "vanecut", "", "42", "shaft"] {
+            assert_eq!(role_named(name), None, "{name}");
+        }
+    }
+}

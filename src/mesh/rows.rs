@@ -1,0 +1,191 @@
+//! Blades out of their meshes: single blades, main ones and splitters apart, and their number round the wheel.
+
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+use super::surface::{NONE, Surface, pieces};
+use super::{Role, TriangleMesh};
+use crate::geometry::{Meridional, Point, wrap_angle};
+use crate::part::PartError;
+
+/// Share of the longest blade's extent below which a blade is a splitter, where names do not tell.
+const SHORTER: f64 = 0.92;
+/// Share of the longest blade's extent below which a piece is a scrap, not a blade.
+const SCRAP: f64 = 0.15;
+/// Corners nearer to each other than this share of the size are neighbours of one blade.
+const TOUCHING: f64 = 1e-3;
+/// Share of a pitch by which a blade may stand off the pattern.
+const OFF_PATTERN: f64 = 0.05;
+
+/// One blade.
+#[derive(Clone, Debug)]
+pub struct BladeMesh {
+    /// Its triangles.
+    pub mesh: TriangleMesh,
+    /// What its name says.
+    role: Role,
+    /// Angle of the middle of its corners.
+    angle: f64,
+    /// Length in the meridional plane.
+    length: f64,
+}
+
+/// The blades of a wheel: one for each row of one pitch.
+#[derive(Clone, Debug)]
+pub struct Rows {
+    /// Number of main blades.
+    pub count: usize,
+    /// The first main blade.
+    pub main: TriangleMesh,
+    /// A splitter for each place in a pitch, in the order of the file.
+    pub splitters: Vec<TriangleMesh>,
+}
+
+/// Takes blade meshes (each one or more blades, with its role) apart.
+pub fn blades(meshes: &[(Role, TriangleMesh)]) -> Vec<BladeMesh> {
+    let mut found: Vec<BladeMesh> = Vec::new();
+    // The sides of a blade may be meshes of their own.
+    for role in [Role::Blade, Role::Splitter] {
+        let all = meshes.iter().filter(|(r, _)| *r == role).flat_map(|(_, mesh)| pieces(mesh)).collect();
+        found.extend(joined(all).into_iter().map(|mesh| BladeMesh::new(mesh, role)));
+    }
+    let longest = found.iter().map(|b| b.length).fold(0.0, f64::max);
+    found.retain(|b| b.length > SCRAP * longest);
+    found
+}
+
+impl BladeMesh {
+    fn new(mesh: TriangleMesh, role: Role) -> Self {
+        let (mut sum, mut low, mut high) =
+            (Point::origin(), (f64::INFINITY, f64::INFINITY), (0.0_f64, f64::NEG_INFINITY));
+        for p in &mesh.points {
+            let m = Meridional::of(p);
+            sum += p.coords / m.r.max(1e-9);
+            low = (low.0.min(m.r), low.1.min(m.z));
+            high = (high.0.max(m.r), high.1.max(m.z));
+        }
+        let length = (high.0 - low.0).max(0.0) + (high.1 - low.1).max(0.0);
+        Self { mesh, role, angle: sum.y.atan2(sum.x), length }
+    }
+}
+
+/// Pieces whose borders touch are sides of one blade.
+fn joined(pieces: Vec<TriangleMesh>) -> Vec<TriangleMesh> {
+    if pieces.len() < 2 {
+        return pieces;
+    }
+    let size = pieces.iter().flat_map(|p| &p.points).map(|p| p.coords.norm()).fold(0.0, f64::max);
+    let cell = (TOUCHING * size).max(1e-9);
+    let key = |p: &Point| [p.x, p.y, p.z].map(|x| (x / cell).floor() as i64);
+    let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    let borders: Vec<Vec<Point>> = pieces.iter().map(border).collect();
+    for (k, border) in borders.iter().enumerate() {
+        for p in border {
+            let list = cells.entry(key(p)).or_default();
+            if list.last() != Some(&k) {
+                list.push(k);
+            }
+        }
+    }
+    let mut group: Vec<usize> = (0..pieces.len()).collect();
+    for (k, border) in borders.iter().enumerate() {
+        for p in border {
+            let [x, y, z] = key(p);
+            for d in 0..27 {
+                let near = [x + d % 3 - 1, y + d / 3 % 3 - 1, z + d / 9 - 1];
+                for &other in cells.get(&near).into_iter().flatten() {
+                    let (a, b) = (group[k].min(group[other]), group[k].max(group[other]));
+                    if a != b {
+                        group.iter_mut().filter(|g| **g == b).for_each(|g| *g = a);
+                    }
+                }
+            }
+        }
+    }
+    let mut whole: Vec<(usize, TriangleMesh)> = Vec::new();
+    for (piece, group) in pieces.iter().zip(group) {
+        match whole.iter_mut().find(|(g, _)| *g == group) {
+            Some((_, mesh)) => mesh.append(piece),
+            None => whole.push((group, piece.clone())),
+        }
+    }
+    whole.into_iter().map(|(_, mesh)| mesh).collect()
+}
+
+/// Corners at open edges.
+fn border(piece: &TriangleMesh) -> Vec<Point> {
+    let surface = Surface::of(piece);
+    let mut corners = Vec::new();
+    for (t, neighbours) in surface.neighbours.iter().enumerate() {
+        for (k, _) in neighbours.iter().enumerate().filter(|(_, n)| **n == NONE) {
+            corners.push(surface.points[surface.triangles[t][k] as usize]);
+        }
+    }
+    corners
+}
+
+impl Rows {
+    /// Sorts blades into rows; `count` main blades, if it is given.
+    ///
+    /// # Errors
+    /// When there is no main blade, when they stand in no pattern, or when one blade alone does not tell how many there are.
+    pub fn of(blades: Vec<BladeMesh>, count: Option<usize>) -> Result<Self, PartError> {
+        let named = blades.iter().any(|b| b.role == Role::Splitter);
+        let longest = blades.iter().map(|b| b.length).fold(0.0, f64::max);
+        let is_splitter = |b: &BladeMesh| match named {
+            true => b.role == Role::Splitter,
+            false => b.length < SHORTER * longest,
+        };
+        let (splitters, mains): (Vec<BladeMesh>, Vec<BladeMesh>) = blades.into_iter().partition(is_splitter);
+        let Some(main) = mains.first() else {
+            return Err(PartError::new(0, "there is no main blade", "name one with --role NODE=blade"));
+        };
+        let count = match count {
+            Some(count) => count,
+            None => pattern(&mains)?,
+        };
+        let pitch = TAU / count.max(1) as f64;
+        let mut places: Vec<f64> = Vec::new();
+        let mut kept = Vec::new();
+        for splitter in splitters {
+            let place = (splitter.angle - main.angle).rem_euclid(pitch);
+            let apart = |a: f64| wrap_angle((a - place) * TAU / pitch).abs() * pitch / TAU;
+            if places.iter().all(|a| apart(*a) > OFF_PATTERN * pitch) {
+                places.push(place);
+                kept.push(splitter.mesh);
+            }
+        }
+        Ok(Self { count, main: main.mesh.clone(), splitters: kept })
+    }
+}
+
+/// Number of blades whose pattern the given ones fit into.
+fn pattern(mains: &[BladeMesh]) -> Result<usize, PartError> {
+    let mut angles: Vec<f64> = mains.iter().map(|b| (b.angle - mains[0].angle).rem_euclid(TAU)).collect();
+    angles.sort_by(f64::total_cmp);
+    if mains.len() == 1 {
+        return Err(PartError::new(
+            0,
+            "there is one main blade, and nothing tells how many stand round the wheel",
+            "give their number with --blades N",
+        ));
+    }
+    let gaps = angles.iter().zip(angles.iter().cycle().skip(1)).map(|(a, b)| (b - a).rem_euclid(TAU));
+    let least = gaps.filter(|g| *g > 1e-9).fold(TAU, f64::min);
+    let count = (TAU / least).round().max(1.0);
+    let pitch = TAU / count;
+    let off = |a: &f64| (a / pitch - (a / pitch).round()).abs();
+    if let Some(angle) = angles.iter().find(|a| off(a) > OFF_PATTERN) {
+        return Err(PartError::new(
+            0,
+            format!(
+                "the {} main blades stand in no even pattern: one is {:.1}° from the first, the closest pair {:.1}° apart",
+                mains.len(),
+                angle.to_degrees(),
+                least.to_degrees()
+            ),
+            "give splitters their role with --role NODE=splitter, leave strangers out with --role NODE=ignore, or give --blades N",
+        ));
+    }
+    Ok(count as usize)
+}

@@ -1,0 +1,155 @@
+//! Straight lines in a blade's side: a flank-milled blade is ruled, and its lines from hub to tip are a property of
+//! the surface that any plan follows. They are found again from sections.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::sides::SideCurve;
+use crate::geometry::{Cubic, Point, Vector};
+
+/// Places along the side at which the shift of the lines' upper ends is free.
+const FREE: usize = 50;
+/// Lines looked at.
+const LINES: usize = 120;
+/// Points of a section's curve.
+const SAMPLES: usize = 401;
+/// Rounds of the search.
+const ROUNDS: usize = 12;
+/// Weight of the bend of the shift against a square millimetre of distance.
+const STIFFNESS: f64 = 0.001;
+
+/// Lines from the lowest section of a side to its highest.
+#[derive(Clone, Debug)]
+pub struct Rulings {
+    lowest: Cubic<3>,
+    highest: Cubic<3>,
+    shift: Cubic<1>,
+    /// Largest distance of a line from the sections between, mm.
+    pub off: f64,
+}
+
+fn sampled(side: &SideCurve) -> Cubic<3> {
+    let w: Vec<f64> = (0..SAMPLES).map(|i| i as f64 / (SAMPLES - 1) as f64).collect();
+    let points: Vec<[f64; 3]> = w.iter().map(|&w| side.point(w).coords.into()).collect();
+    Cubic::interpolate(&w, &points)
+}
+
+fn shift(values: &[f64]) -> Cubic<1> {
+    let n = values.len() + 1;
+    let knots: Vec<f64> = (0..=n).map(|i| i as f64 / n as f64).collect();
+    // The lines at leading and trailing edge end on them.
+    let mut points = vec![[0.0]; n + 1];
+    points[1..n].iter_mut().zip(values).for_each(|(p, v)| p[0] = *v);
+    Cubic::interpolate(&knots, &points)
+}
+
+impl Rulings {
+    /// Looks for the lines of a side, sections hub → tip. `None` with fewer than three sections.
+    pub fn of(sections: &[&SideCurve]) -> Option<Self> {
+        let curves: Vec<Cubic<3>> = sections.iter().map(|s| sampled(s)).collect();
+        let (lowest, highest) = (curves.first()?, curves.last()?);
+        let between = &curves[1..curves.len() - 1];
+        if between.is_empty() {
+            return None;
+        }
+        let mut values = vec![0.0; FREE];
+        let line_at = |i: usize| (i as f64 + 0.5) / LINES as f64;
+        let errors = |values: &[f64]| -> Vec<f64> {
+            let shift = shift(values);
+            (0..LINES).flat_map(|i| distances(lowest, highest, between, &shift, line_at(i))).collect()
+        };
+        let cost = |errors: &[f64], values: &[f64]| {
+            errors.iter().map(|e| e * e).sum::<f64>()
+                + STIFFNESS * LINES as f64 * bends(values).map(|b| b * b).sum::<f64>()
+        };
+        let mut here = errors(&values);
+        let mut least = cost(&here, &values);
+        for _ in 0..ROUNDS {
+            let mut slopes = DMatrix::zeros(here.len(), FREE);
+            for k in 0..FREE {
+                let mut moved = values.clone();
+                moved[k] += 1e-5;
+                for (row, (a, b)) in errors(&moved).iter().zip(&here).enumerate() {
+                    slopes[(row, k)] = (a - b) / 1e-5;
+                }
+            }
+            let mut matrix = slopes.transpose() * &slopes;
+            let mut right = -(slopes.transpose() * DVector::from_column_slice(&here));
+            add_stiffness(&mut matrix, &mut right, &values);
+            let Some(step) = matrix.cholesky().map(|c| c.solve(&right)) else { break };
+            let mut found = false;
+            for damping in [1.0, 0.5, 0.2, 0.05] {
+                let tried: Vec<f64> = values.iter().zip(step.iter()).map(|(v, s)| v + damping * s).collect();
+                if !tried.iter().all(|v| v.abs() < 0.3) {
+                    continue;
+                }
+                let errors = errors(&tried);
+                let now = cost(&errors, &tried);
+                if now < least {
+                    found = now < least * (1.0 - 1e-4);
+                    (values, here, least) = (tried, errors, now);
+                    break;
+                }
+            }
+            if !found {
+                break;
+            }
+        }
+        let off = here.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()));
+        Some(Self { lowest: lowest.clone(), highest: highest.clone(), shift: shift(&values), off })
+    }
+
+    /// Both ends of the line at parameter `w` of the lowest section.
+    pub fn ends(&self, w: f64) -> [Point; 2] {
+        let upper = (w + self.shift.point(w)[0]).clamp(0.0, 1.0);
+        [self.lowest.point(w), self.highest.point(upper)].map(|p| Point::from(Vector::from(p)))
+    }
+}
+
+fn bends(values: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    let at = |i: usize| if i == 0 || i > FREE { 0.0 } else { values[i - 1] };
+    (1..=FREE).map(move |i| at(i - 1) - 2.0 * at(i) + at(i + 1))
+}
+
+fn add_stiffness(matrix: &mut DMatrix<f64>, right: &mut DVector<f64>, values: &[f64]) {
+    let weight = STIFFNESS * LINES as f64;
+    for (i, bend) in bends(values).enumerate() {
+        let row = [(i.checked_sub(1), 1.0), (Some(i), -2.0), (Some(i + 1).filter(|k| *k < FREE), 1.0)];
+        for (a, x) in row {
+            let Some(a) = a else { continue };
+            right[a] -= weight * x * bend;
+            for (b, y) in row {
+                if let Some(b) = b {
+                    matrix[(a, b)] += weight * x * y;
+                }
+            }
+        }
+    }
+}
+
+/// Distances, along the surface's normal, of the line at `w` from each section between.
+fn distances<'a>(
+    lowest: &Cubic<3>,
+    highest: &Cubic<3>,
+    between: &'a [Cubic<3>],
+    shift: &Cubic<1>,
+    w: f64,
+) -> impl Iterator<Item = f64> + 'a {
+    let vector = |p: [f64; 3]| Vector::from(p);
+    let upper = w + shift.point(w)[0];
+    let from = vector(lowest.point(w));
+    let way = vector(highest.point(upper)) - from;
+    let count = between.len() as f64 + 1.0;
+    between.iter().enumerate().map(move |(k, curve)| {
+        let mut at = w + (upper - w) * (k as f64 + 1.0) / count;
+        let mut off = 0.0;
+        for _ in 0..3 {
+            let (p, d, _) = curve.derivatives(at);
+            let (p, d) = (vector(p) - from, vector(d));
+            let Some(normal) = d.cross(&way).try_normalize(1e-12) else { return 0.0 };
+            let beside = way.cross(&normal);
+            off = p.dot(&normal);
+            at = (at - p.dot(&beside) / d.dot(&beside)).clamp(-0.1, 1.1);
+        }
+        off
+    })
+}

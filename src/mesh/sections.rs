@@ -1,0 +1,281 @@
+//! Cuts of a blade's mesh by surfaces between hub and shroud.
+
+use std::collections::HashMap;
+
+use super::normals::CornerNormals;
+use super::surface::Surface;
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
+
+/// Turn across an edge, as cosine, from which on a blade has an edge there.
+const SHARP: f64 = 0.82;
+
+/// As [`SHARP`], where a blade is closed.
+const CAP_TURN: f64 = 0.995;
+/// Stretch of a blade between its slanting edges.
+const MIDDLE: std::ops::Range<f64> = 0.35..0.9;
+/// Share of the height from hub or shroud within which triangles close a blade there.
+const AT_END: f64 = 1e-4;
+/// Share of the rim radius within which triangles that face outwards (normals within 8° of the radius) close it there.
+const AT_RIM: f64 = 5e-3;
+const RADIAL: f64 = 0.99;
+
+/// The channel between a hub and a shroud: how high over the hub a point lies, and how far along.
+#[derive(Clone, Debug)]
+pub struct Band {
+    hub: MeridionalCurve,
+    shroud: MeridionalCurve,
+    /// Arc lengths of hub and shroud at which the blades begin and end.
+    hub_ends: (f64, f64),
+    shroud_ends: (f64, f64),
+}
+
+impl Band {
+    /// Between `hub` and `shroud` over the extent of the corners `blade`.
+    pub fn new(hub: &MeridionalCurve, shroud: &MeridionalCurve, blade: &[Meridional]) -> Self {
+        let middle =
+            blade.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
+        let n = blade.len().max(1) as f64;
+        let middle = Meridional { r: middle.r / n, z: middle.z / n };
+        let (hub, shroud) = (hub.clone().facing(middle), shroud.clone().facing(middle));
+        let ends = |curve: &MeridionalCurve, other: &MeridionalCurve| {
+            let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
+            for p in blade {
+                let ((t, d), (_, e)) = (curve.project(*p), other.project(*p));
+                if d < 0.25 * (d + e) {
+                    ends = (ends.0.min(t), ends.1.max(t));
+                }
+            }
+            if ends.0 < ends.1 { ends } else { (0.0, curve.length()) }
+        };
+        let (hub_ends, shroud_ends) = (ends(&hub, &shroud), ends(&shroud, &hub));
+        Self { hub, shroud, hub_ends, shroud_ends }
+    }
+
+    /// (share of the way from inlet to outlet, share of the way from hub to shroud) of a point.
+    pub fn place(&self, p: &Point) -> (f64, f64) {
+        let p = Meridional::of(p);
+        let ((t, d), (u, e)) = (self.hub.project(p), self.shroud.project(p));
+        let height = if (d + e).abs() > 1e-12 { d / (d + e) } else { 0.5 };
+        let share = |t: f64, ends: (f64, f64)| (t - ends.0) / (ends.1 - ends.0);
+        let blend = height.clamp(0.0, 1.0);
+        (share(t, self.hub_ends) * (1.0 - blend) + share(u, self.shroud_ends) * blend, height)
+    }
+}
+
+/// A point of a cut.
+#[derive(Clone, Copy, Debug)]
+pub struct CutPoint {
+    /// The point, on the surface that the mesh stands for.
+    pub point: Point,
+    /// Share of the way from inlet to outlet.
+    pub along: f64,
+    /// Whether the blade has an edge here.
+    pub edge: bool,
+    /// How far the point was moved off its chord, mm: the less, the better it is known.
+    pub moved: f64,
+}
+
+/// What closes a blade at hub, shroud and rim meets its sides at flat angles too: which of them a triangle is of.
+fn caps(surface: &Surface, places: &[(f64, f64)]) -> Vec<u8> {
+    let widest = surface.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    let cap = |t: usize| {
+        let corners = surface.triangles[t].map(|i| i as usize);
+        let centre = surface.centre(t);
+        let r = Meridional::of(&centre).r;
+        let outwards = (surface.normals[t].x * centre.x + surface.normals[t].y * centre.y) / r.max(1e-9);
+        if corners.iter().all(|&i| places[i].1 < AT_END) {
+            1
+        } else if corners.iter().all(|&i| places[i].1 > 1.0 - AT_END) {
+            2
+        } else if r > widest * (1.0 - AT_RIM) && outwards.abs() > RADIAL {
+            3
+        } else {
+            0
+        }
+    };
+    (0..surface.triangles.len()).map(cap).collect()
+}
+
+/// A cut: a loop, or a line with two ends.
+#[derive(Clone, Debug)]
+pub struct Cut {
+    /// Its points in order; a loop's first point is not repeated.
+    pub points: Vec<CutPoint>,
+    /// Whether the last point is followed by the first.
+    pub closed: bool,
+}
+
+/// A blade ready to be cut.
+pub struct Cutter<'a> {
+    surface: &'a Surface,
+    band: &'a Band,
+    /// (along, height) of the corners.
+    places: Vec<(f64, f64)>,
+    patch: Vec<u32>,
+    normals: CornerNormals,
+}
+
+impl<'a> Cutter<'a> {
+    /// Finds the places of all corners, the smooth patches and the corners' normals.
+    pub fn new(surface: &'a Surface, band: &'a Band) -> Self {
+        let places: Vec<(f64, f64)> = surface.points.iter().map(|p| band.place(p)).collect();
+        let caps = caps(surface, &places);
+        let (patch, _) = surface.groups(|a, b| {
+            let straight = surface.normals[a].dot(&surface.normals[b]);
+            straight > SHARP && (caps[a] == caps[b] || straight > CAP_TURN)
+        });
+        let normals = CornerNormals::new(surface, &patch);
+        Self { surface, band, places, patch, normals }
+    }
+
+    /// Lowest and highest height that the blade reaches everywhere between its ends, from the lowest and the highest of
+    /// its corners in `stretches` stretches.
+    pub fn reach(&self, stretches: usize) -> (f64, f64) {
+        let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); stretches];
+        // Along the triangles' edges, so that coarse meshes have no stretch without a corner.
+        let ends =
+            self.places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, p| (e.0.min(p.0), e.1.max(p.0)));
+        let mut reached = |along: f64, height: f64| {
+            let share = (along - ends.0) / (ends.1 - ends.0);
+            if MIDDLE.contains(&share) {
+                let span = &mut spans[((along * stretches as f64).max(0.0) as usize).min(stretches - 1)];
+                *span = (span.0.min(height), span.1.max(height));
+            }
+        };
+        for t in &self.surface.triangles {
+            for k in 0..3 {
+                let (a, b) = (self.places[t[k] as usize], self.places[t[(k + 1) % 3] as usize]);
+                let steps =
+                    ((b.0 - a.0).abs() * stretches as f64).ceil().clamp(1.0, stretches as f64) as usize;
+                for i in 0..steps {
+                    let x = i as f64 / steps as f64;
+                    reached(a.0 + (b.0 - a.0) * x, a.1 + (b.1 - a.1) * x);
+                }
+            }
+        }
+        let filled = || spans.iter().filter(|s| s.0 < s.1);
+        let low = filled().map(|s| s.0).fold(f64::NEG_INFINITY, f64::max);
+        let high = filled().map(|s| s.1).fold(f64::INFINITY, f64::min);
+        (low, high)
+    }
+
+    /// The cut at a height, as the pieces it falls into, longest first.
+    pub fn cut(&self, height: f64) -> Vec<Cut> {
+        let above = |i: u32| self.places[i as usize].1 >= height;
+        let mut numbers: HashMap<(u32, u32), usize> = HashMap::new();
+        let mut points: Vec<CutPoint> = Vec::new();
+        let mut links: Vec<[usize; 2]> = Vec::new();
+        for t in 0..self.surface.triangles.len() {
+            let corners = self.surface.triangles[t];
+            let mut crossed = (0..3).filter(|&k| above(corners[k]) != above(corners[(k + 1) % 3]));
+            let (Some(first), Some(second)) = (crossed.next(), crossed.next()) else { continue };
+            let mut number = |k: usize| {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                *numbers.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    points.push(self.crossing(t, k, height));
+                    points.len() - 1
+                })
+            };
+            let link = [number(first), number(second)];
+            links.push(link);
+        }
+        chained(&points, &links)
+    }
+
+    /// Where the surface's line over edge `k` of a triangle crosses the height.
+    fn crossing(&self, t: usize, k: usize, height: f64) -> CutPoint {
+        let next = (k + 1) % 3;
+        let corners = self.surface.triangles[t];
+        let (i, j) = (corners[k] as usize, corners[next] as usize);
+        let (a, b) = (self.surface.points[i], self.surface.points[j]);
+        let (ha, hb) = (self.places[i].1, self.places[j].1);
+        let across = self.surface.neighbours[t][k];
+        let edge = across == super::surface::NONE || self.patch[across as usize] != self.patch[t];
+        let chord = b - a;
+        let tangent = |n: &Vector| chord - n * n.dot(&chord);
+        let (ta, tb) = match across {
+            // An edge of the blade runs along both of its sides.
+            other if edge && other != super::surface::NONE => {
+                let there = |corner: u32| {
+                    let o = other as usize;
+                    let c = (0..3).find(|&c| self.surface.triangles[o][c] == corner).unwrap_or(0);
+                    self.normals.of[o][c]
+                };
+                let both = |n: &Vector, m: &Vector| {
+                    let along = n.cross(m);
+                    match along.try_normalize(0.2) {
+                        Some(e) => e * e.dot(&chord),
+                        None => tangent(n),
+                    }
+                };
+                (
+                    both(&self.normals.of[t][k], &there(corners[k])),
+                    both(&self.normals.of[t][next], &there(corners[next])),
+                )
+            }
+            _ => (tangent(&self.normals.of[t][k]), tangent(&self.normals.of[t][next])),
+        };
+        // A tangent that leaves the chord far is that of a corner whose normal is not to be trusted.
+        let sound = |v: &Vector| v.norm_squared() > 0.5 * chord.norm_squared();
+        let at = |x: f64| {
+            let straight = a + chord * x;
+            if !(sound(&ta) && sound(&tb)) {
+                return straight;
+            }
+            let (x2, x3) = (x * x, x * x * x);
+            straight + (ta - chord) * (x3 - 2.0 * x2 + x) + (tb - chord) * (x3 - x2)
+        };
+        let mut x = if (hb - ha).abs() > 1e-15 { ((height - ha) / (hb - ha)).clamp(0.0, 1.0) } else { 0.5 };
+        // The height is not linear along the edge: two steps of the false position.
+        let (mut low, mut high) = ((0.0, ha - height), (1.0, hb - height));
+        for _ in 0..2 {
+            let off = self.band.place(&at(x)).1 - height;
+            if (off < 0.0) == (low.1 < 0.0) {
+                low = (x, off);
+            } else {
+                high = (x, off);
+            }
+            let steeper = high.1 - low.1;
+            if steeper.abs() > 1e-15 {
+                x = (low.0 - low.1 * (high.0 - low.0) / steeper).clamp(0.0, 1.0);
+            }
+        }
+        let point = at(x);
+        CutPoint { point, along: self.band.place(&point).0, edge, moved: (point - (a + chord * x)).norm() }
+    }
+}
+
+/// Lines out of linked points, the longest first.
+fn chained(points: &[CutPoint], links: &[[usize; 2]]) -> Vec<Cut> {
+    let mut next: Vec<[Option<usize>; 2]> = vec![[None; 2]; points.len()];
+    for [a, b] in links {
+        for (from, to) in [(*a, *b), (*b, *a)] {
+            if let Some(free) = next[from].iter_mut().find(|n| n.is_none()) {
+                *free = Some(to);
+            }
+        }
+    }
+    let mut done = vec![false; points.len()];
+    let mut cuts: Vec<(f64, Cut)> = Vec::new();
+    // Lines with ends first, each from an end; loops after them.
+    let ends = (0..points.len()).filter(|&i| next[i][1].is_none()).collect::<Vec<_>>();
+    for start in ends.into_iter().chain(0..points.len()) {
+        if done[start] {
+            continue;
+        }
+        let closed_if = next[start][1].is_some();
+        let mut line = vec![start];
+        done[start] = true;
+        let mut at = start;
+        while let Some(to) = next[at].iter().flatten().copied().find(|&n| !done[n]) {
+            done[to] = true;
+            line.push(to);
+            at = to;
+        }
+        let closed = closed_if && line.len() > 2 && next[at].contains(&Some(start));
+        let length: f64 = line.windows(2).map(|w| (points[w[1]].point - points[w[0]].point).norm()).sum();
+        cuts.push((length, Cut { points: line.into_iter().map(|i| points[i]).collect(), closed }));
+    }
+    cuts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    cuts.into_iter().map(|(_, cut)| cut).collect()
+}

@@ -1,0 +1,341 @@
+//! A cut of a blade split into its two sides at leading and trailing edge.
+
+use super::sections::{Cut, CutPoint};
+use crate::geometry::cubic::{Cubic, chord_lengths};
+use crate::geometry::{Point, Vector, wrap_angle};
+
+/// Shares of the length in which an edge of the blade is its leading or trailing edge.
+const AT_LEADING: f64 = 0.05;
+const AT_TRAILING: f64 = 0.15;
+/// Points nearer to each other than this share of the spacing about them become one.
+const CROWDED: f64 = 0.35;
+/// Share of the samples of a side that its nose (and a round trailing edge) gets.
+const NOSE_SHARE: f64 = 0.35;
+/// Where along a side its thickness at the nose is taken.
+const NOSE_END: f64 = 0.04;
+
+/// One side of a cut, from leading to trailing edge.
+#[derive(Clone, Debug)]
+pub struct SideCurve {
+    /// x, y, z and the share of the way from inlet to outlet, by chord length.
+    curve: Cubic<4>,
+    /// Chord lengths, and the parameter at them: 0 at the leading, 1 at the trailing edge.
+    table: Vec<(f64, f64)>,
+}
+
+/// Both sides of a cut: first the one at the smaller angle about the axis.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// The sides.
+    pub sides: [SideCurve; 2],
+}
+
+impl SideCurve {
+    fn new(points: &[CutPoint]) -> Option<Self> {
+        let mut raw: Vec<[f64; 4]> =
+            thinned(points).iter().map(|p| [p.point.x, p.point.y, p.point.z, p.along]).collect();
+        raw.dedup_by(|a, b| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs() < 1e-9);
+        if raw.len() < 4 {
+            return None;
+        }
+        let places: Vec<[f64; 3]> = raw.iter().map(|p| [p[0], p[1], p[2]]).collect();
+        Some(Self { curve: Cubic::interpolate(&chord_lengths(&places), &raw), table: Vec::new() })
+    }
+
+    fn length(&self) -> f64 {
+        self.curve.domain().1
+    }
+
+    fn raw(&self, t: f64) -> Point {
+        let [x, y, z, _] = self.curve.point(t);
+        Point::new(x, y, z)
+    }
+
+    /// Puts the parameter on the curve: along the channel, but around the nose (of half thickness `nose`), and around a
+    /// round trailing edge, along the curve.
+    fn parametrise(&mut self, nose: f64, tail: Option<f64>) {
+        let length = self.length();
+        let knots = self.curve.knots();
+        let mut nodes: Vec<f64> = Vec::with_capacity(4 * knots.len());
+        for pair in knots.windows(2) {
+            nodes.extend((0..4).map(|k| pair[0] + (pair[1] - pair[0]) * f64::from(k) / 4.0));
+        }
+        nodes.push(length);
+        let settled = |t: f64| 1.0 - (-t / (1.2 * nose)).exp();
+        let mut along = vec![0.0];
+        let mut total = 0.0;
+        for pair in nodes.windows(2) {
+            let gain = (self.curve.point(pair[1])[3] - self.curve.point(pair[0])[3])
+                .max(1e-9 * (pair[1] - pair[0]) / length);
+            let middle = 0.5 * (pair[0] + pair[1]);
+            total +=
+                gain * settled(middle) * tail.map_or(1.0, |b| 1.0 - (-(length - middle) / (1.2 * b)).exp());
+            along.push(total);
+        }
+        let round = |t: f64, a: f64| NOSE_SHARE * (1.0 - (-t / (2.0 * a)).exp());
+        let value = |i: usize| {
+            let end = tail.map_or(0.0, |b| round(length, b) - round(length - nodes[i], b));
+            along[i] / total.max(1e-300) + round(nodes[i], nose) + end
+        };
+        let whole = value(nodes.len() - 1);
+        self.table = (0..nodes.len()).map(|i| (nodes[i], value(i) / whole)).collect();
+    }
+
+    /// Point at parameter `w` (0 leading, 1 trailing edge).
+    pub fn point(&self, w: f64) -> Point {
+        let i = self.table.partition_point(|(_, v)| *v < w).clamp(1, self.table.len() - 1);
+        let ((t0, w0), (t1, w1)) = (self.table[i - 1], self.table[i]);
+        let share = if w1 > w0 { ((w - w0) / (w1 - w0)).clamp(0.0, 1.0) } else { 0.0 };
+        self.raw(t0 + (t1 - t0) * share)
+    }
+
+    /// Change of the angle about the axis from leading to trailing edge, rad.
+    pub fn turn(&self) -> f64 {
+        let angle = |p: Point| p.y.atan2(p.x);
+        (0..64)
+            .map(|i| {
+                let w = |i: i32| f64::from(i) / 64.0;
+                wrap_angle(angle(self.point(w(i + 1))) - angle(self.point(w(i))))
+            })
+            .sum()
+    }
+}
+
+impl Section {
+    /// Splits the pieces of a cut, longest first. `None` when they are no closed blade section.
+    pub fn of(cuts: &[Cut]) -> Option<Self> {
+        let line = joined(cuts)?;
+        let Split { mut first, mut second, round_tail } = split(&line)?;
+        let mut sides = [SideCurve::new(&first)?, SideCurve::new(&second)?];
+        let at = |side: &SideCurve, share: f64| side.raw(share * side.length());
+        // The sides are named by their angle in the middle, on one radius as nearly as may be.
+        let (a, b) = (at(&sides[0], 0.5), at(&sides[1], 0.5));
+        if wrap_angle(a.y.atan2(a.x) - b.y.atan2(b.x)) > 0.0 {
+            sides.swap(0, 1);
+            std::mem::swap(&mut first, &mut second);
+        }
+        let thickness = |share: f64| {
+            let from = at(&sides[0], share);
+            (0..=200)
+                .map(|k| (at(&sides[1], share + 0.1 * (f64::from(k) / 100.0 - 1.0)) - from).norm())
+                .fold(f64::INFINITY, f64::min)
+        };
+        let least = 1e-4 * sides[0].length();
+        let nose = (0.5 * thickness(NOSE_END)).max(least);
+        let tail = round_tail.then(|| (0.5 * thickness(1.0 - NOSE_END)).max(least));
+        sides.iter_mut().for_each(|s| s.parametrise(nose, tail));
+        Some(Self { sides })
+    }
+}
+
+/// Drops points that crowd; of two, the one moved less stays.
+fn thinned(points: &[CutPoint]) -> Vec<CutPoint> {
+    let last = points.len() - 1;
+    let mut kept: Vec<CutPoint> = vec![points[0]];
+    for i in 1..=last {
+        let (from, to) = (i.saturating_sub(2), (i + 2).min(last));
+        let spacing = (points[to].point - points[from].point).norm() / (to - from) as f64;
+        let Some(previous) = kept.last().copied() else { break };
+        if (points[i].point - previous.point).norm() >= CROWDED * spacing {
+            kept.push(points[i]);
+        } else if (i == last || points[i].moved < previous.moved) && kept.len() > 1 {
+            kept.pop();
+            kept.push(points[i]);
+        } else if i == last {
+            kept.push(points[i]);
+        }
+    }
+    kept
+}
+
+/// A closed line, or one that is open at the trailing edge.
+fn joined(cuts: &[Cut]) -> Option<Cut> {
+    let longest = cuts.first()?;
+    if longest.closed {
+        return Some(longest.clone());
+    }
+    let length = |cut: &Cut| cut.points.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum::<f64>();
+    let whole = length(longest);
+    let mut rest: Vec<Cut> =
+        cuts[1..].iter().filter(|c| !c.closed && length(c) > 0.01 * whole).take(16).cloned().collect();
+    let mut line = longest.points.clone();
+    while !rest.is_empty() {
+        let (first, last) = (line[0].point, line[line.len() - 1].point);
+        let mut best: Option<(f64, usize, bool, bool)> = None;
+        for (k, cut) in rest.iter().enumerate() {
+            for (at_end, from) in [(true, last), (false, first)] {
+                for (reversed, to) in [(false, cut.points[0]), (true, cut.points[cut.points.len() - 1])] {
+                    let gap = (to.point - from).norm();
+                    if best.is_none_or(|b| gap < b.0) {
+                        best = Some((gap, k, at_end, reversed));
+                    }
+                }
+            }
+        }
+        let (_, k, at_end, reversed) = best?;
+        let mut piece = rest.remove(k).points;
+        if reversed == at_end {
+            piece.reverse();
+        }
+        if at_end {
+            line.extend(piece);
+        } else {
+            piece.extend(line);
+            line = piece;
+        }
+    }
+    let (first, last) = (line[0], line[line.len() - 1]);
+    let (low, high) = extent(&line);
+    let gap_at_leading = 0.5 * (first.along + last.along) < 0.5 * (low + high);
+    let met = (first.point - last.point).norm() < 1e-3 * whole;
+    Some(Cut { points: line, closed: met || gap_at_leading })
+}
+
+fn extent(points: &[CutPoint]) -> (f64, f64) {
+    points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.along), high.max(p.along)))
+}
+
+struct Split {
+    first: Vec<CutPoint>,
+    second: Vec<CutPoint>,
+    round_tail: bool,
+}
+
+fn split(cut: &Cut) -> Option<Split> {
+    let points = &cut.points;
+    let n = points.len();
+    if n < 8 {
+        return None;
+    }
+    let (low, high) = extent(points);
+    let range = high - low;
+    let lowest = (0..n).min_by(|&a, &b| points[a].along.total_cmp(&points[b].along))?;
+    let step = |i: usize, forward: bool| -> Option<usize> {
+        match (forward, cut.closed) {
+            (true, true) => Some((i + 1) % n),
+            (false, true) => Some((i + n - 1) % n),
+            (true, false) => Some(i + 1).filter(|i| *i < n),
+            (false, false) => i.checked_sub(1),
+        }
+    };
+    // Leading edge: sharp or blunt where the blade has edges, else where it reaches furthest upstream.
+    let edge_from = |forward: bool| {
+        let mut at = lowest;
+        for _ in 0..n {
+            if points[at].edge && points[at].along < low + AT_LEADING * range {
+                return Some(at);
+            }
+            at = step(at, forward)?;
+            if points[at].along > low + AT_LEADING * range {
+                return None;
+            }
+        }
+        None
+    };
+    let leading = match (edge_from(true), edge_from(false)) {
+        (Some(a), Some(b)) if a == b => points[a],
+        (Some(a), Some(b)) => {
+            let middle = points[a].point + (points[b].point - points[a].point) * 0.5;
+            CutPoint {
+                point: middle,
+                along: 0.5 * (points[a].along + points[b].along),
+                edge: true,
+                moved: 0.0,
+            }
+        }
+        _ => extreme(points, lowest, &step, 1.0),
+    };
+    let side = |forward: bool| {
+        let mut line = vec![leading];
+        let mut at = lowest;
+        let mut round = true;
+        for k in 0..n {
+            let p = points[at];
+            // On the way out of the nose, points behind the leading edge belong to the other side.
+            if k > 2 || ahead(points, &step, lowest, forward, &leading.point, &p.point) {
+                line.push(p);
+            }
+            if p.edge && p.along > high - AT_TRAILING * range && k > 0 {
+                round = false;
+                break;
+            }
+            match step(at, forward) {
+                Some(next) => at = next,
+                None => {
+                    round = false;
+                    break;
+                }
+            }
+            if round && points[at].along < p.along && p.along > high - 0.02 * range && k > n / 8 {
+                break;
+            }
+        }
+        (line, round)
+    };
+    let ((mut first, round_first), (mut second, round_second)) = (side(true), side(false));
+    let round_tail = round_first && round_second;
+    if round_tail {
+        let highest = (0..n).max_by(|&a, &b| points[a].along.total_cmp(&points[b].along))?;
+        let trailing = extreme(points, highest, &step, -1.0);
+        for line in [&mut first, &mut second] {
+            line.retain(|p| (p.point - trailing.point).norm() > 1e-9);
+            line.push(trailing);
+        }
+    }
+    (first.len() > 3 && second.len() > 3).then_some(Split { first, second, round_tail })
+}
+
+/// Whether `p`, near the leading edge, lies on the way `forward` of it.
+fn ahead(
+    points: &[CutPoint],
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    lowest: usize,
+    forward: bool,
+    leading: &Point,
+    p: &Point,
+) -> bool {
+    let (Some(next), Some(previous)) = (step(lowest, forward), step(lowest, !forward)) else { return true };
+    let way: Vector = points[next].point - points[previous].point;
+    (p - leading).dot(&way) > 0.05 * (points[next].point - points[lowest].point).norm() * way.norm() * 0.2
+}
+
+/// The point of least `sign` · along about point `at` of a smooth line.
+fn extreme(
+    points: &[CutPoint],
+    at: usize,
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    sign: f64,
+) -> CutPoint {
+    let (mut before, mut after) = (vec![at], vec![at]);
+    for (line, forward) in [(&mut before, false), (&mut after, true)] {
+        for _ in 0..4 {
+            let Some(next) = line.last().and_then(|i| step(*i, forward)) else { break };
+            line.push(next);
+        }
+    }
+    before.reverse();
+    let around: Vec<usize> = before.iter().chain(&after[1..]).copied().collect();
+    let raw: Vec<[f64; 4]> = around
+        .iter()
+        .map(|&i| {
+            let p = &points[i];
+            [p.point.x, p.point.y, p.point.z, p.along]
+        })
+        .collect();
+    let places: Vec<[f64; 3]> = raw.iter().map(|p| [p[0], p[1], p[2]]).collect();
+    let knots = chord_lengths(&places);
+    if before.len() < 2 || after.len() < 2 || knots.windows(2).any(|k| k[1] - k[0] < 1e-12) {
+        return points[at];
+    }
+    let curve = Cubic::interpolate(&knots, &raw);
+    let (from, to) = (knots[before.len() - 2], knots[before.len()]);
+    let best = (0..=400)
+        .map(|k| curve.point(from + (to - from) * f64::from(k) / 400.0))
+        .min_by(|a, b| (sign * a[3]).total_cmp(&(sign * b[3])));
+    match best {
+        Some([x, y, z, along]) => CutPoint { point: Point::new(x, y, z), along, edge: false, moved: 0.0 },
+        None => points[at],
+    }
+}

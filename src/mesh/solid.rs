@@ -1,0 +1,164 @@
+//! Surfaces in smooth faces: the triangles of a solid over shared points, with normals that break where it
+//! has an edge.
+
+use super::TriangleMesh;
+use crate::geometry::{Point, Vector};
+
+/// What a face of an impeller is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FaceKind {
+    /// Hub, from a short nose to the rim.
+    Hub,
+    /// Rim, back, bore and nose ring.
+    Body,
+    /// Shroud.
+    Shroud,
+    /// Suction side of a blade.
+    Suction,
+    /// Pressure side of a blade.
+    Pressure,
+    /// Tip of a blade, on the shroud.
+    Tip,
+    /// Foot of a blade, on the hub.
+    Foot,
+    /// Leading edge, where it is blunt.
+    LeadingEdge,
+    /// Trailing edge, where it is blunt.
+    TrailingEdge,
+}
+
+/// A corner of a face: a point of the solid and the normal that this face has there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// Index into [`Solid::points`].
+    pub point: u32,
+    /// Unit normal, out of the material.
+    pub normal: Vector,
+}
+
+/// A smooth piece of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    /// What it is.
+    pub kind: FaceKind,
+    /// Its corners; no point twice.
+    pub corners: Vec<Corner>,
+    /// Three indices into `corners` each, counter-clockwise seen from outside the material.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Faces over shared points, mm.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Solid {
+    /// The points.
+    pub points: Vec<Point>,
+    /// The faces.
+    pub faces: Vec<Face>,
+}
+
+impl Solid {
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.faces.iter().map(|face| face.triangles.len()).sum()
+    }
+
+    /// All faces as one mesh over the shared points.
+    pub fn mesh(&self) -> TriangleMesh {
+        let whole = |face: &Face, t: &[u32; 3]| t.map(|corner| face.corners[corner as usize].point);
+        let triangles =
+            self.faces.iter().flat_map(|face| face.triangles.iter().map(move |t| whole(face, t))).collect();
+        TriangleMesh { points: self.points.clone(), triangles }
+    }
+
+    /// Six times the volume that the triangles enclose, mm³; negative when they face inwards.
+    pub fn volume_sixfold(&self) -> f64 {
+        let mesh = self.mesh();
+        let at = |i: u32| mesh.points[i as usize].coords;
+        mesh.triangles.iter().map(|&[a, b, c]| at(a).dot(&at(b).cross(&at(c)))).sum()
+    }
+
+    /// Turns every face over: triangles and normals.
+    pub fn turn_over(&mut self) {
+        for face in &mut self.faces {
+            face.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            face.corners.iter_mut().for_each(|c| c.normal = -c.normal);
+        }
+    }
+
+    /// Adds a face from a grid of points, `rows` × `columns` of them row by row, given by their indices. Cells whose
+    /// corners coincide become one triangle or none. `normal` gives the normal of a grid place; where it gives none
+    /// (zero), the triangles about the corner decide. The normals end up on the side of the triangles.
+    pub(super) fn add_grid(
+        &mut self,
+        kind: FaceKind,
+        grid: &Grid,
+        mut normal: impl FnMut(usize, usize) -> Vector,
+    ) {
+        let mut corner_of = vec![u32::MAX; self.points.len()];
+        let mut corners: Vec<Corner> = Vec::new();
+        let mut triangles = Vec::new();
+        for i in 0..grid.rows {
+            for j in 0..grid.columns {
+                let point = grid.at(i, j);
+                if corner_of[point as usize] == u32::MAX {
+                    corner_of[point as usize] = corners.len() as u32;
+                    corners.push(Corner { point, normal: normal(i, j) });
+                }
+            }
+        }
+        for i in 1..grid.rows {
+            for j in 1..grid.columns {
+                let cell = [grid.at(i - 1, j - 1), grid.at(i - 1, j), grid.at(i, j - 1), grid.at(i, j)];
+                for triangle in split(&self.points, cell) {
+                    let [a, b, c] = triangle;
+                    if a != b && b != c && c != a {
+                        triangles.push(triangle.map(|p| corner_of[p as usize]));
+                    }
+                }
+            }
+        }
+        if triangles.is_empty() {
+            return;
+        }
+        let mut sums = vec![Vector::zeros(); corners.len()];
+        for t in &triangles {
+            let [a, b, c] = t.map(|k| self.points[corners[k as usize].point as usize]);
+            let area = (b - a).cross(&(c - a));
+            t.iter().for_each(|&k| sums[k as usize] += area);
+        }
+        for (corner, sum) in corners.iter_mut().zip(&sums) {
+            if corner.normal.norm_squared() < 0.25 {
+                corner.normal = *sum;
+            }
+            let outside = if corner.normal.dot(sum) < 0.0 { -corner.normal } else { corner.normal };
+            corner.normal = outside.try_normalize(0.0).unwrap_or_else(Vector::z);
+        }
+        self.faces.push(Face { kind, corners, triangles });
+    }
+}
+
+/// Indices of points in rows and columns.
+pub(super) struct Grid {
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub columns: usize,
+    /// Row by row.
+    pub points: Vec<u32>,
+}
+
+impl Grid {
+    pub fn at(&self, i: usize, j: usize) -> u32 {
+        self.points[i * self.columns + j]
+    }
+}
+
+/// The two triangles of a cell (corners 00, 01, 10, 11) along its shorter diagonal.
+pub(super) fn split(points: &[Point], [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
+    let at = |i: u32| &points[i as usize];
+    if (at(a) - at(d)).norm_squared() < (at(b) - at(c)).norm_squared() {
+        [[a, c, d], [a, d, b]]
+    } else {
+        [[a, c, b], [b, c, d]]
+    }
+}

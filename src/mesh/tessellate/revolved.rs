@@ -1,0 +1,200 @@
+//! Surfaces of revolution: the hub with its body, and the shroud.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
+use crate::mesh::solid::{FaceKind, Grid, Solid};
+use crate::part::{Flowpath, Impeller};
+
+/// Fewest angular steps of a full turn.
+const FEWEST_STEPS: usize = 24;
+/// Rings nearer to each other than this are one, mm.
+const SAME: f64 = 1e-9;
+
+/// s at which the shown part of a flowpath begins: a short nose ahead of the blades, if the curve has one.
+pub fn nose(path: &Flowpath) -> f64 {
+    path.s_range().0.max(-0.12)
+}
+
+/// +1 when the hub's inlet lies above its rim, else −1.
+pub fn up_sign(part: &Impeller) -> f64 {
+    if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 }
+}
+
+/// The rest of the wheel's outline, hub excepted: rim, back, bore and nose ring, from the rim of the hub back to its nose.
+/// A solid wheel for looks, not the drawing's back side, which part files do not hold.
+pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
+    let (nose, rim) = (inside(part.hub.point(nose(&part.hub))), part.hub.point(1.0));
+    let back = rim.z - up_sign(part) * (0.03 * rim.r).max(3.0);
+    let bore = 0.45 * nose.r;
+    [
+        rim,
+        Meridional { r: rim.r, z: back },
+        Meridional { r: bore, z: back },
+        Meridional { r: bore, z: nose.z },
+        nose,
+    ]
+}
+
+/// The hub with its body: closed.
+pub(super) fn hub(part: &Impeller, chord_error: f64) -> Solid {
+    let outline = body_outline(part);
+    let widest = outline.iter().map(|p| p.r).fold(0.0, f64::max);
+    let error = share(&part.hub, chord_error);
+    let mut turned = Turned::new(widest, error);
+    let curve = part.hub.curve();
+    let stations = stations(&part.hub, error);
+    let rings: Vec<_> =
+        stations.iter().map(|&t| (turned.ring(inside(curve.point(t))), curve.at(t).normal)).collect();
+    turned.add(FaceKind::Hub, &rings);
+    let Some((&(first, _), &(last, _))) = rings.first().zip(rings.last()) else { return turned.solid };
+    let mut ends = [last; 5];
+    for k in 1..4 {
+        let same = outline[k].distance(outline[k - 1]) < SAME;
+        ends[k] = if same { ends[k - 1] } else { turned.ring(outline[k]) };
+    }
+    ends[4] = first;
+    for k in 1..5 {
+        let (a, b) = (outline[k - 1], outline[k]);
+        // At right angles to the outline; the side follows from the triangles.
+        let normal = Meridional { r: b.z - a.z, z: a.r - b.r };
+        turned.add(FaceKind::Body, &[(ends[k - 1], normal), (ends[k], normal)]);
+    }
+    outwards(turned.solid)
+}
+
+/// The shroud: a sheet, seen from outside the channel.
+pub(super) fn shroud(part: &Impeller, chord_error: f64) -> Solid {
+    let curve = part.shroud.curve();
+    let error = share(&part.shroud, chord_error);
+    let stations = stations(&part.shroud, error);
+    let widest = stations.iter().map(|&t| curve.point(t).r).fold(0.0, f64::max);
+    let mut turned = Turned::new(widest, error);
+    let rings: Vec<_> =
+        stations.iter().map(|&t| (turned.ring(inside(curve.point(t))), curve.at(t).normal)).collect();
+    turned.add(FaceKind::Shroud, &rings);
+    let mut solid = turned.solid;
+    let away = solid.faces.iter().flat_map(|f| &f.corners).map(|corner| {
+        let p = solid.points[corner.point as usize];
+        let outer = curve.at(curve.project(Meridional::of(&p)).0).normal;
+        corner.normal.dot(&outer.direction_at_angle(p.y.atan2(p.x)))
+    });
+    if away.sum::<f64>() < 0.0 {
+        solid.turn_over();
+    }
+    solid
+}
+
+/// Number of triangles of hub and shroud, without making them.
+pub(super) fn triangles(part: &Impeller, chord_error: f64) -> usize {
+    let of = |path: &Flowpath, more: usize| {
+        let error = share(path, chord_error);
+        2 * (stations(path, error).len() + more) * Turned::new(part.rim_radius(), error).steps
+    };
+    of(&part.hub, 4) + of(&part.shroud, 0)
+}
+
+fn inside(p: Meridional) -> Meridional {
+    Meridional { r: p.r.max(0.0), z: p.z }
+}
+
+/// Turns a closed solid over if it faces inwards.
+pub(super) fn outwards(mut solid: Solid) -> Solid {
+    if solid.volume_sixfold() < 0.0 {
+        solid.turn_over();
+    }
+    solid
+}
+
+/// What chords along the meridian and chords around may each be off. The bends of most flowpaths are opposite: the
+/// chords of one lie in front of the surface, those of the other behind it, and their errors do not add up.
+fn share(path: &Flowpath, chord_error: f64) -> f64 {
+    let (start, end) = (path.arc_at(nose(path)), path.arc_at(1.0));
+    let opposite = (0..=200).all(|i| {
+        let here = path.curve().at(start + (end - start) * f64::from(i) / 200.0);
+        here.curvature * here.normal.r >= 0.0
+    });
+    if opposite { 0.95 * chord_error } else { 0.5 * chord_error }
+}
+
+/// Arc lengths of a flowpath, from its nose to the rim, whose chords stay within `error`.
+fn stations(path: &Flowpath, error: f64) -> Vec<f64> {
+    let (start, end) = (path.arc_at(nose(path)), path.arc_at(1.0));
+    let mut stations = vec![start];
+    let pieces = 4;
+    for k in 0..pieces {
+        let at = |k: usize| start + (end - start) * k as f64 / pieces as f64;
+        halve(path.curve(), at(k), at(k + 1), error, &mut stations);
+    }
+    stations
+}
+
+/// Adds the ends of chords between `a` (already in the list) and `b`.
+fn halve(curve: &MeridionalCurve, a: f64, b: f64, error: f64, into: &mut Vec<f64>) {
+    let (p, q) = (curve.point(a), curve.point(b));
+    let length = p.distance(q).max(1e-12);
+    let off = |share: f64| {
+        let m = curve.point(a + (b - a) * share);
+        ((m.r - p.r) * (q.z - p.z) - (m.z - p.z) * (q.r - p.r)).abs() / length
+    };
+    let worst = [0.25, 0.5, 0.75].map(off).into_iter().fold(0.0, f64::max);
+    if worst > error && b - a > 1e-6 {
+        let middle = 0.5 * (a + b);
+        halve(curve, a, middle, error, into);
+        halve(curve, middle, b, error, into);
+    } else {
+        into.push(b);
+    }
+}
+
+/// A solid under construction from rings about the axis.
+struct Turned {
+    solid: Solid,
+    steps: usize,
+}
+
+/// Points of a ring: (index of the first, their number; one on the axis).
+type Ring = (u32, u32);
+
+impl Turned {
+    /// With as many steps as keep the sagitta at the radius `widest` within `error`.
+    fn new(widest: f64, error: f64) -> Self {
+        let half_step = (1.0 - (error / widest.max(1e-9)).min(1.0)).acos();
+        let steps = (PI / half_step.max(1e-6)).ceil() as usize;
+        Self { solid: Solid::default(), steps: steps.max(FEWEST_STEPS) }
+    }
+
+    fn angle(&self, j: usize) -> f64 {
+        TAU * (j % self.steps) as f64 / self.steps as f64
+    }
+
+    fn ring(&mut self, p: Meridional) -> Ring {
+        let first = self.solid.points.len() as u32;
+        if p.r < SAME {
+            self.solid.points.push(Point::new(0.0, 0.0, p.z));
+            return (first, 1);
+        }
+        for j in 0..self.steps {
+            self.solid.points.push(p.at_angle(self.angle(j)));
+        }
+        (first, self.steps as u32)
+    }
+
+    /// The face through rings, each with the meridional normal there.
+    fn add(&mut self, kind: FaceKind, rings: &[(Ring, Meridional)]) {
+        let columns = self.steps + 1;
+        let points = rings
+            .iter()
+            .flat_map(|&((first, count), _)| (0..columns as u32).map(move |j| first + j % count))
+            .collect();
+        let grid = Grid { rows: rings.len(), columns, points };
+        let directions: Vec<(f64, f64)> = (0..columns).map(|j| self.angle(j).sin_cos()).collect();
+        self.solid.add_grid(kind, &grid, |i, j| {
+            let ((_, count), n) = rings[i];
+            let (sin, cos) = directions[j];
+            // On the axis only the axial part is the same all around.
+            let radial = if count > 1 { n.r } else { 0.0 };
+            Vector::new(radial * cos, radial * sin, n.z).try_normalize(1e-9).unwrap_or_else(Vector::zeros)
+        });
+    }
+}

@@ -1,0 +1,94 @@
+//! The shroud of a wheel without one: the surface that the tips of the blades run along.
+
+use super::profile::{Course, Profile};
+use super::surface::{NONE, Surface};
+use crate::geometry::{Meridional, MeridionalCurve};
+
+/// Turn across an edge, as cosine, from which on it counts as sharp.
+const SHARP: f64 = 0.82;
+/// Distance from the curve through the highest corners within which a corner is of the tip, mm per mm of blade height.
+const NEAR: f64 = 2e-3;
+
+/// Rise of a tip over the hub, at most, mm per mm.
+const STEEPEST: f64 = 1.0;
+
+/// The curve through the tips of `blades` over `hub`.
+pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> Option<Profile> {
+    let middle = middle(blades);
+    let hub = hub.clone().facing(middle);
+    let mut edges: Vec<Meridional> = blades.iter().flat_map(|b| edge_corners(b, true)).collect();
+    if edges.len() < 8 {
+        // No sharp edge at the tip: rounded over. Every corner may be one.
+        edges = blades.iter().flat_map(|b| edge_corners(b, false)).collect();
+    }
+    let mut over: Vec<(f64, f64, Meridional)> = edges
+        .iter()
+        .map(|p| {
+            let (t, d) = hub.project(*p);
+            (t, d, *p)
+        })
+        .collect();
+    over.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let height = over.iter().map(|(_, d, _)| *d).fold(0.0, f64::max);
+    // A tip rises and falls slowly over the hub; corners of leading and trailing edge lie steeply below one.
+    let mut least = vec![f64::NEG_INFINITY; over.len()];
+    for forward in [true, false] {
+        let (mut peak, mut at) = (f64::NEG_INFINITY, 0.0);
+        for k in 0..over.len() {
+            let i = if forward { k } else { over.len() - 1 - k };
+            peak = (peak - STEEPEST * (over[i].0 - at).abs()).max(over[i].1);
+            at = over[i].0;
+            least[i] = least[i].max(peak);
+        }
+    }
+    let mut tips: Vec<Meridional> = over
+        .iter()
+        .zip(&least)
+        .filter(|((_, d, _), least)| *d > *least - NEAR * height)
+        .map(|(p, _)| p.2)
+        .collect();
+    // What lies under the curve is of the blade's ends, not of its tip, and is dropped.
+    let mut near = 16.0 * NEAR * height;
+    for _ in 0..8 {
+        let through = course.curve(&tips)?;
+        let curve = MeridionalCurve::through(&through.points).facing(middle);
+        let kept: Vec<Meridional> = tips.iter().filter(|p| curve.project(**p).1 < near).copied().collect();
+        near = (0.5 * near).max(NEAR * height);
+        let settled = kept.len() == tips.len();
+        if kept.len() < 8 {
+            break;
+        }
+        tips = kept;
+        if settled && near <= NEAR * height {
+            break;
+        }
+    }
+    let curve = MeridionalCurve::through(&course.curve(&tips)?.points).facing(middle);
+    let near: Vec<Meridional> =
+        tips.iter().filter(|p| curve.project(**p).1.abs() < NEAR * height).copied().collect();
+    course.curve(&near)
+}
+
+/// Middle of the blades in the meridional plane.
+pub fn middle(blades: &[Surface]) -> Meridional {
+    let all = blades.iter().flat_map(|b| b.points.iter().map(Meridional::of));
+    let (sum, count) = all
+        .fold((Meridional::default(), 0.0), |(s, n), p| (Meridional { r: s.r + p.r, z: s.z + p.z }, n + 1.0));
+    Meridional { r: sum.r / f64::max(count, 1.0), z: sum.z / f64::max(count, 1.0) }
+}
+
+/// Corners at sharp edges and borders, or all of them.
+fn edge_corners(blade: &Surface, sharp: bool) -> Vec<Meridional> {
+    let mut at_edge = vec![!sharp; blade.points.len()];
+    if sharp {
+        for (t, neighbours) in blade.neighbours.iter().enumerate() {
+            for (k, n) in neighbours.iter().enumerate() {
+                if *n == NONE || blade.normals[t].dot(&blade.normals[*n as usize]) < SHARP {
+                    at_edge[blade.triangles[t][k] as usize] = true;
+                    at_edge[blade.triangles[t][(k + 1) % 3] as usize] = true;
+                }
+            }
+        }
+    }
+    blade.points.iter().zip(&at_edge).filter(|(_, e)| **e).map(|(p, _)| Meridional::of(p)).collect()
+}
