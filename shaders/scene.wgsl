@@ -11,7 +11,7 @@ struct Frame {
     range: vec4f,     // lowest and highest value of the colour table, floor colours on, floor in relief
     look: vec4f,      // walls of the channel in work are cut away, floor values are heights
     plane: vec4f,     // section plane: what lies beyond w along xyz is not drawn; xyz = 0: none
-    greys: array<vec4f, 8>,
+    greys: array<vec4f, 9>,
     lines: array<vec4f, 8>,
     states: array<vec4f, 4>,
     table: array<vec4f, 256>,
@@ -22,6 +22,7 @@ struct Frame {
 const GREY_TOP = 0u;
 const GREY_BOTTOM = 1u;
 const GREY_UNCUT = 7u;
+const GREY_SECTION = 8u;
 
 // Kinds of surface; a kind's grey is at 2 + kind.
 const SHROUD = 4u;
@@ -165,6 +166,41 @@ fn glass_fragment(in: SurfaceOut) -> @location(0) vec4f {
     }
     let grey = frame.greys[2u + in.kind].rgb;
     return vec4f(grey * light(facing(n, v), v, in.value), alpha);
+}
+
+// ---- where the section plane cuts material ---------------------------------------------------------
+//
+// Hub and blades are closed: a line of sight that meets an odd number of their faces on the kept side crosses the
+// plane inside of them. Each face turns the stencil over; then the plane is drawn where it stands odd.
+
+@fragment
+fn parity_fragment(in: SurfaceOut) {
+    if cut_off(in.world) {
+        discard;
+    }
+}
+
+struct CapOut {
+    @builtin(position) clip: vec4f,
+}
+
+@vertex
+fn cap_vertex(@builtin(vertex_index) i: u32) -> CapOut {
+    let n = frame.plane.xyz;
+    let xy = across(n);
+    // The plane as far as three radii of the wheel: a strip of two triangles.
+    let reach = 3.0 * frame.viewport.w / 8e-4;
+    let p = vec2f(f32(i & 1u), f32(i >> 1u)) * 2.0 - 1.0;
+    let world = n * frame.plane.w + (xy[0] * p.x + xy[1] * p.y) * reach;
+    return CapOut(frame.clip_from_world * vec4f(world, 1.0));
+}
+
+// Lit as if it faced the viewer, and hatched as drawings have it.
+@fragment
+fn cap_fragment(in: CapOut) -> @location(0) vec4f {
+    let stripe = fract((in.clip.x + in.clip.y) / (9.0 * frame.viewport.z));
+    let hatch = select(1.0, 0.84, stripe < 0.2);
+    return vec4f(frame.greys[GREY_SECTION].rgb * hatch, 1.0);
 }
 
 // The floor with its heights. The turn is unused here; the floor stands in its place.

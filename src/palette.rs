@@ -45,6 +45,8 @@ pub struct Greys {
     pub shroud: Rgb,
     /// Stock that no position has reached.
     pub uncut: Rgb,
+    /// Material where the section plane cuts it.
+    pub section: Rgb,
     /// Edges away from the channel in work.
     pub edge: Rgb,
     /// Edges of the channel in work.
@@ -66,6 +68,7 @@ impl Theme {
                 wall: rgb(0xEADFBF),
                 shroud: rgb(0x9FB8CC),
                 uncut: rgb(0xA8A29A),
+                section: rgb(0x8C9BB0),
                 edge: rgb(0x767D84),
                 wall_edge: rgb(0x14181C),
                 axis: rgb(0x4A5157),
@@ -79,6 +82,7 @@ impl Theme {
                 wall: rgb(0xC2B693),
                 shroud: rgb(0x6F93AD),
                 uncut: rgb(0x6E6A64),
+                section: rgb(0x667A97),
                 edge: rgb(0x33383D),
                 wall_edge: rgb(0x08090A),
                 axis: rgb(0xB4BAC0),

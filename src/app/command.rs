@@ -100,6 +100,10 @@ commands! {
     Perspective "Switch perspective and parallel" "Switches between perspective and parallel projection" [NONE, P];
     SectionPlane "Section plane" "Cuts the part open along a plane" [NONE, X];
     Measure "Measure" "Measures between two points: distance, Δx, Δy, Δz" [NONE, M];
+    ShowInTable "Show in table" "Brings the row of the selected position into sight" [];
+    OpenSection "Open section" "Shows the cut through the selected position along its row" [];
+    ScrubHere "Scrub to here" "Shows the channel as it is after the selected position" [];
+    MeasureHere "Measure from here" "Begins to measure at the point under the pointer, else at the tip of the selected position" [];
     Plots "Plots along the row" "Shows tilt, contact, stock and step along the row of the selected position" [];
     Hub "Hub" "Shows the hub with the stock left on it" [];
     Blades "Blades" "Shows the blades" [];
@@ -109,6 +113,11 @@ commands! {
     Holders "Holders" "Shows the holder of the cutter in work and of the selected one" [];
     Links "Rapids" "Shows the rapids from retract point to retract point" [];
     FlankCurves "Flank curves" "Shows the curves of the flank plan" [];
+    MouseVanecut "Mouse: Vanecut" "Left button turns, middle or shift-left moves" [];
+    MouseNx "Mouse: NX" "Middle button turns, shift-middle moves, ctrl-middle zooms" [];
+    MouseSolidworks "Mouse: SolidWorks" "Middle button turns, ctrl-middle moves, shift-middle zooms" [];
+    MouseOnshape "Mouse: Onshape" "Right button turns, middle or ctrl-right moves" [];
+    MouseBlender "Mouse: Blender" "Middle button turns, shift-middle moves, ctrl-middle zooms; left with alt does the same" [];
     SwitchTheme "Switch light and dark" "Switches between light and dark" [];
 }
 

@@ -84,6 +84,11 @@ impl Document {
         self.undoer.feed_state(time, &self.edited);
     }
 
+    /// Makes what is there a step to undo.
+    pub fn step(&mut self) {
+        self.undoer.add_undo(&self.edited);
+    }
+
     /// Whether there is something to take back.
     pub fn can_undo(&self) -> bool {
         self.undoer.has_undo(&self.edited)

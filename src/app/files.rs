@@ -85,7 +85,7 @@ pub fn is_setup(path: &Path) -> bool {
     let Ok(text) = std::fs::read_to_string(path) else { return false };
     text.lines().any(|line| {
         let line = line.trim();
-        ["[stock]", "[[tool]]", "[plunge]", "[[plunge.section]]", "[flank]"]
+        ["[stock]", "[[tool]]", "[plunge]", "[[plunge.section]]", "[flank]", "[machine]"]
             .iter()
             .any(|t| line.starts_with(t))
     })

@@ -1,15 +1,29 @@
-//! The window's own files: projects opened lately, and copies that survive a crash. Runs without a home too; then
+//! The window's own files: projects opened lately, habits, and copies that survive a crash. Runs without a home too; then
 //! nothing of this is kept.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use serde::{Deserialize, Serialize};
+
 use crate::formats::InputError;
 use crate::formats::project_file::EXTENSION;
 use crate::formats::write::write_whole;
 
+use super::mouse::MousePreset;
+
+/// File of the habits.
+const HABITS: &str = "habits.json";
 /// Projects that are remembered.
 const MOST_RECENTS: usize = 10;
+
+/// How the user likes the window, whatever is open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Habits {
+    /// What the mouse does to the camera.
+    pub mouse: MousePreset,
+}
 
 /// Where the window keeps its own files.
 #[derive(Clone, Debug)]
@@ -85,6 +99,20 @@ impl Home {
         // A list that cannot be written is a list less, no fault of the user's work.
         let _ = write_whole(&self.list(), text.as_bytes());
         recents
+    }
+
+    /// How the user likes the window; the defaults where nothing, or nothing known, is kept.
+    pub fn habits(&self) -> Habits {
+        let text = std::fs::read_to_string(self.folder.join(HABITS)).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+
+    /// Keeps how the user likes the window.
+    pub fn note_habits(&self, habits: &Habits) {
+        let text = serde_json::to_string_pretty(habits).unwrap_or_default();
+        let _ = std::fs::create_dir_all(&self.folder);
+        // Habits that cannot be written last until the window closes; no fault of the user's work.
+        let _ = write_whole(&self.folder.join(HABITS), text.as_bytes());
     }
 
     fn list(&self) -> PathBuf {

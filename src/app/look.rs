@@ -5,6 +5,7 @@ use crate::gpu::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::part::AxisPolicy;
 
+use super::mouse::MousePreset;
 use super::planned::Side;
 
 /// What the 3D view shows.
@@ -215,6 +216,8 @@ pub struct Look {
     pub plots: bool,
     /// What is shown of the selected position.
     pub tab: Tab,
+    /// What the mouse does to the camera.
+    pub mouse: MousePreset,
 }
 
 /// What is shown of the selected position.
@@ -289,14 +292,16 @@ impl Default for Look {
             measure: None,
             plots: true,
             tab: Tab::Section,
+            mouse: MousePreset::default(),
         }
     }
 }
 
 impl Look {
-    /// Begins anew for another part; layers stay as the user likes them.
+    /// Begins anew for another part; layers, plots and the mouse stay as the user likes them.
     pub fn begin(&mut self) {
-        *self = Self { layers: self.layers, plots: self.plots, tab: self.tab, ..Self::default() };
+        let Self { layers, plots, tab, mouse, .. } = *self;
+        *self = Self { layers, plots, tab, mouse, ..Self::default() };
     }
 
     /// Selects a position, and sends the camera there.

@@ -7,7 +7,9 @@ use crate::gpu::view::View;
 use super::App;
 use super::command::Command;
 use super::dialogs::Purpose;
-use super::look::Arrangement;
+use super::look::{Arrangement, Tab};
+use super::mouse::MousePreset;
+use super::overlay;
 use super::project::Pending;
 
 /// The menus: groups of commands, parted by lines.
@@ -90,8 +92,12 @@ impl App {
                 if let Some(command) = self.menu_groups(ui, VIEWS) {
                     chosen = Some(command);
                 }
+                ui.menu_button("Mouse", |ui| {
+                    let command = overlay::mouse_choice(ui, self.state.look.mouse);
+                    chosen = command.or(chosen);
+                });
                 ui.separator();
-                for (shown, command) in super::overlay::switches(&mut self.state.look.layers) {
+                for (shown, command) in overlay::switches(&mut self.state.look.layers) {
                     ui.checkbox(shown, command.label()).on_hover_text(command.tip());
                 }
             });
@@ -165,7 +171,10 @@ impl App {
             C::StepBack | C::LeapForward | C::LeapBack | C::ToBlank | C::ToEnd => {
                 self.state.position_count() > 0
             }
-            C::FlyToSelection => self.state.selected().is_some(),
+            C::FlyToSelection | C::ShowInTable | C::OpenSection | C::ScrubHere => {
+                self.state.selected().is_some()
+            }
+            C::MeasureHere => self.place_to_measure().is_some(),
             C::Cancel => self.work.running().is_some() || self.state.look.measure.is_some(),
             C::Undo => self.state.document.can_undo(),
             C::Redo => self.state.document.can_redo(),
@@ -236,6 +245,16 @@ impl App {
                 look.section = if look.section.is_some() { None } else { Some(Default::default()) };
             }
             C::Measure => look.measure = if look.measure.is_some() { None } else { Some(Vec::new()) },
+            C::ShowInTable => self.state.show_in_table(),
+            C::OpenSection => look.tab = Tab::Section,
+            C::ScrubHere => {
+                let cut = look.selected.map(|k| k + 1);
+                self.state.set_cut(cut);
+            }
+            C::MeasureHere => {
+                let from = self.place_to_measure();
+                self.state.look.measure = Some(from.into_iter().collect());
+            }
             C::Plots => look.plots ^= true,
             C::Hub => look.layers.hub ^= true,
             C::Blades => look.layers.blades ^= true,
@@ -244,6 +263,10 @@ impl App {
             C::Axes => look.layers.axes ^= true,
             C::Holders => look.layers.holders ^= true,
             C::Links => look.layers.links ^= true,
+            C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
+                look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
+                self.note_habits();
+            }
             C::SwitchTheme => {
                 let dark = ctx.theme() == egui::Theme::Dark;
                 ctx.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });

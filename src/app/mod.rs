@@ -10,7 +10,8 @@
 //! | [`theme`] | colours and sizes, declared once |
 //! | [`panels`] | the panels, one file each |
 //! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: where they stand; mouse and camera; the textures they show |
-//! | [`overlay`], [`cube`] | what floats over them |
+//! | [`mouse`], `point_menu` | what the mouse does, by preset; what a right click offers |
+//! | [`overlay`], [`cube`], `borders` | what floats over them; the borders of sections, to be dragged |
 //! | [`scrub`] | stock at a place of the timeline |
 //! | [`dialogs`], [`files`] | choosing files; reading and writing them in the background |
 //! | `project`, [`home`] | the project as a file, and what is asked before it is lost; recent ones, copies that survive a crash |
@@ -20,6 +21,7 @@
 //! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which ask for a repaint when
 //! they are done; without input and without work nothing is drawn.
 
+mod borders;
 pub mod command;
 pub mod cube;
 pub mod dialogs;
@@ -31,12 +33,14 @@ pub mod home;
 mod latest;
 pub mod look;
 pub mod menu;
+pub mod mouse;
 pub mod number;
 pub mod overlay;
 pub mod palette;
 pub mod panels;
 pub mod picture;
 pub mod planned;
+mod point_menu;
 mod project;
 pub mod results;
 pub mod run;
@@ -76,6 +80,10 @@ pub struct App {
     scrubbed: scrub::Scrubbed,
     inspected: scrub::Inspected,
     hover: Option<viewport::Hover>,
+    /// What was right-clicked, while its menu is open.
+    pointed: Option<view3d::Hit>,
+    /// Whether a border between sections is being dragged.
+    border_held: bool,
     glass: viewport::Glass,
     palette: palette::Palette,
     session: project::Session,
@@ -108,6 +116,8 @@ impl App {
             scrubbed: scrub::Scrubbed::new(&cc.egui_ctx),
             inspected: scrub::Inspected::new(&cc.egui_ctx),
             hover: None,
+            pointed: None,
+            border_held: false,
             glass: viewport::Glass::default(),
             palette: palette::Palette::default(),
             session: project::Session::default(),
@@ -391,7 +401,10 @@ impl eframe::App for App {
         }
         self.ask_unsaved(ui);
         self.ask_export(ui);
-        let time = ui.input(|input| input.time);
-        self.state.document.watch(time);
+        // A drag of a border is one step, however long it takes.
+        if !self.border_held {
+            let time = ui.input(|input| input.time);
+            self.state.document.watch(time);
+        }
     }
 }

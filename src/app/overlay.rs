@@ -8,6 +8,7 @@ use crate::gpu::scene::FloorColours;
 
 use super::command::Command;
 use super::look::{Across, Arrangement, Layers, Look};
+use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
 use super::planned::Side;
 use super::state::State;
@@ -126,6 +127,43 @@ pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
     });
 }
 
+/// What the mouse does, beside the layers; returns the command that gives it other habits.
+pub fn mouse_help(ui: &mut Ui, rect: Rect, mouse: MousePreset) -> Option<Command> {
+    // The switch between before and after goes first; the menu tells the same.
+    if rect.width() < 320.0 {
+        return None;
+    }
+    let at = Rect::from_min_max(
+        rect.right_top() + egui::vec2(-98.0, 10.0),
+        rect.right_top() + egui::vec2(-72.0, 40.0),
+    );
+    let shown = floating(ui, at, |ui| {
+        let (menu, inner) = MenuButton::new("?").ui(ui, |ui| {
+            ui.label(mouse.help());
+            ui.separator();
+            mouse_choice(ui, mouse)
+        });
+        menu.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "What the mouse does"));
+        if inner.is_none() {
+            menu.on_hover_text(mouse.help());
+        }
+        inner
+    });
+    shown.and_then(|inner| inner.inner)
+}
+
+/// The presets of the mouse, in a menu.
+pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
+    let mut chosen = None;
+    for (preset, command) in MousePreset::all() {
+        if ui.radio(preset == mouse, command.label()).on_hover_text(preset.help()).clicked() {
+            chosen = Some(command);
+            ui.close();
+        }
+    }
+    chosen
+}
+
 /// The layers with the commands that switch them.
 pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 7] {
     [
@@ -167,9 +205,10 @@ pub struct Values {
 
 /// Legend at the lower left: the colour bar, its ends in mm to be dragged or typed, and the value under the cursor.
 pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
-    let difference = state.look.difference;
-    let shown = state.look.layers.hub && (difference || state.look.layers.floor == FloorColours::Residual);
-    if state.results.planned.is_none() || !shown {
+    let walls = state.shown_deviation();
+    let difference = state.look.difference || walls.is_some();
+    let of_floor = state.look.layers.hub && (difference || state.look.layers.floor == FloorColours::Residual);
+    if walls.is_none() && (state.results.planned.is_none() || !of_floor) {
         return;
     }
     // The buttons of the views stand to the right.
@@ -179,11 +218,16 @@ pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing = egui::vec2(4.0, 2.0);
         ui.set_width(width);
-        let head = if difference { "More stock after than before" } else { "Stock on hub" };
-        let value = values.here.filter(|_| width > 170.0).map(|stock| match values.other {
-            Some((side, other)) => format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()),
-            None => format!("{stock:.2} mm here"),
-        });
+        let head = match walls {
+            Some(_) => "Left on the walls",
+            None if difference => "More stock after than before",
+            None => "Stock on hub",
+        };
+        let value =
+            values.here.filter(|_| width > 170.0 && walls.is_none()).map(|stock| match values.other {
+                Some((side, other)) => format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()),
+                None => format!("{stock:.2} mm here"),
+            });
         ui.horizontal(|ui| {
             ui.label(RichText::new(head).size(12.0));
             if let Some(value) = value {
@@ -202,13 +246,28 @@ pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
             let colour = if difference { theme::difference(share) } else { theme::stock(share) };
             ui.painter().rect_filled(part, 0.0, colour);
         }
-        ends(ui, state, difference);
+        match walls {
+            Some(most) => fixed_ends(ui, most),
+            None => ends(ui, state, difference),
+        }
     });
 }
 
 fn end_field(value: &mut f32, from: f32, to: f32) -> DragValue<'_> {
     let field = DragValue::new(value).speed(0.02).range(from..=to).max_decimals(2).suffix(" mm");
     field.clamp_existing_to_range(false)
+}
+
+/// Ends of a scale around zero that follow from what is shown: under the blade allowance, and above it.
+fn fixed_ends(ui: &mut Ui, most: f32) {
+    let micrometres = 1e3 * most;
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(format!("−{micrometres:.1} µm")).size(12.0));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(format!("+{micrometres:.1} µm")).size(12.0))
+                .on_hover_text("Above the blade allowance; below zero it is cut into");
+        });
+    });
 }
 
 /// The ends of the scale.

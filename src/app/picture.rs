@@ -7,7 +7,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::{TextureId, Vec2};
 use glam::Vec3;
 
-use crate::formats::flank_file::shown_curves;
+use crate::formats::flank_file::{shown_curves, shown_walls};
 use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::flank::{self, FlankColours};
@@ -106,6 +106,11 @@ impl Pictures {
             .or(self.mesh.as_ref().map(|m| &m.fine.framing))
     }
 
+    /// Points across the floor of the channel in work at `s` with their normals; `None` while no part is loaded.
+    pub fn floor_line(&self, s: f64) -> Option<Vec<(Vec3, Vec3)>> {
+        self.mesh.as_ref().map(|mesh| mesh.fine.floor_line(s)).filter(|line| !line.is_empty())
+    }
+
     /// The picture of a side; `None` while no part is loaded.
     pub fn side(&mut self, side: Side) -> Option<&mut Picture> {
         let slot = &mut self.sides[side as usize];
@@ -196,6 +201,12 @@ impl Picture {
             (Arc::clone(&planned.outcome.grid), heights)
         });
         let floor = self.floor.as_ref().map(|(grid, heights)| (&**grid, heights.as_slice()));
+        if self.shows_walls() {
+            // They stand where the floor would; it comes back when they go.
+            self.content = content;
+            self.generation += 1;
+            return;
+        }
         let is_heights = |content: &Option<Content>| {
             content.as_ref().is_some_and(|content| !matches!(content.floor, FloorStock::MoreThan(_)))
         };
@@ -229,8 +240,21 @@ impl Picture {
             flank::lines(&shown_curves(plan), &plan.moves, plan.curves.layers.len(), *colours)
         });
         self.scene.set_paths(&self.gpu, &lines.unwrap_or_default());
+        if self.shows_walls() {
+            // The floor is to be loaded again.
+            self.scene.set_floor(&self.gpu, None, None);
+            self.content = None;
+        }
         self.flank = shown;
+        if let Some((outcome, _)) = self.flank.as_ref().filter(|_| self.shows_walls()) {
+            let (mesh, _) = flank::wall_deviations(&outcome.part, &shown_walls(&outcome.plan));
+            self.scene.set_values(&self.gpu, mesh);
+        }
         self.generation += 1;
+    }
+
+    fn shows_walls(&self) -> bool {
+        self.flank.as_ref().is_some_and(|(_, colours)| *colours == FlankColours::Walls)
     }
 
     /// The image to show for a view of `size` physical pixels; draws only if something changed. While

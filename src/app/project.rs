@@ -14,7 +14,7 @@ use super::dialogs::Purpose;
 use super::document::{Edited, WhatIf};
 use super::engine::PartSource;
 use super::files::WriteTask;
-use super::home::Home;
+use super::home::{Habits, Home};
 use super::state::{Problem, State};
 
 /// A copy is written this long after the last change.
@@ -103,12 +103,20 @@ pub(super) fn source_of(project: &Project) -> PartSource {
 }
 
 impl App {
-    /// Keeps recent projects and copies that survive a crash in `folder`.
+    /// Keeps recent projects, copies that survive a crash and the user's habits in `folder`.
     pub fn set_home(&mut self, folder: PathBuf) {
         let home = Home::new(folder);
         self.state.recents = home.recents();
         self.state.recoverable = home.left_behind();
+        self.state.look.mouse = home.habits().mouse;
         self.session.home = Some(home);
+    }
+
+    /// Keeps how the user likes the window for the next start.
+    pub(super) fn note_habits(&self) {
+        if let Some(home) = &self.session.home {
+            home.note_habits(&Habits { mouse: self.state.look.mouse });
+        }
     }
 
     /// Does something that closes what is open: at once, or after the user was asked what becomes of it.

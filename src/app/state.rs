@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::formats::InputError;
+use crate::gpu::flank::FlankColours;
 use crate::job::flank::FlankOutcome;
 use crate::part::AxisPolicy;
 use crate::plunge::{PlungePlan, Position};
@@ -175,6 +176,14 @@ impl State {
         self.notice = None;
     }
 
+    /// Greatest over- or undercut of the walls, mm, while the view shows it in place of the stock on the hub.
+    pub fn shown_deviation(&self) -> Option<f32> {
+        let look = self.look.flank;
+        let plan =
+            &self.results.flank.as_ref().filter(|_| look.shown && look.colours == FlankColours::Walls)?.plan;
+        Some((plan.max_overcut().max(plan.max_undercut()) as f32).max(1e-3))
+    }
+
     /// Whether the flank plan was made with other allowances, another cutter or other fields than there are now.
     pub fn flank_is_stale(&self) -> bool {
         let Some(outcome) = &self.results.flank else { return false };
@@ -270,6 +279,14 @@ impl State {
             (if descending { order.reverse() } else { order }).then(a.1.cmp(&b.1))
         });
         rows.into_iter().map(|(_, k)| k).collect()
+    }
+
+    /// Brings the selected position into sight in the table, past the filter if that hides it.
+    pub fn show_in_table(&mut self) {
+        if self.look.selected.is_some_and(|k| !self.rows().contains(&k)) {
+            self.look.filter = Filter::All;
+        }
+        self.look.reveal_selection = REVEAL;
     }
 
     /// Selects the row `step` below the selected one, as the table is filtered and sorted; it ends at the ends.

@@ -5,6 +5,8 @@ use egui::{PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
 use crate::gpu::camera::{Camera, Projection};
 use crate::gpu::view::{Framing, View};
 
+use super::mouse::{Gesture, MousePreset};
+
 /// Camera and cursor of the 3D view.
 #[derive(Debug, Default)]
 pub struct View3d {
@@ -42,6 +44,8 @@ pub struct Hit {
     pub position: Option<usize>,
 }
 
+/// Points of dragging that double or halve the distance.
+const DRAG_PER_OCTAVE: f32 = 160.0;
 /// Points of scrolling that double or halve the distance.
 const SCROLL_PER_OCTAVE: f32 = 240.0;
 
@@ -142,12 +146,13 @@ impl View3d {
         camera
     }
 
-    /// Lets the mouse move the camera; returns where it was clicked. `hit` is asked only when something begins under
+    /// Lets the mouse move the camera as `preset` says; returns where it was clicked. `hit` is asked only when something begins under
     /// the cursor.
     pub fn mouse(
         &mut self,
         ui: &Ui,
         response: &Response,
+        preset: MousePreset,
         hit: impl Fn(&Camera, glam::Vec2) -> Hit,
     ) -> Option<Pos2> {
         let moved = response.drag_started() || ui.input(|i| i.smooth_scroll_delta.y) != 0.0;
@@ -166,12 +171,14 @@ impl View3d {
         }
         if let Some(grabbed) = self.grabbed.filter(|_| response.dragged()) {
             let by = glam::vec2(response.drag_delta().x, response.drag_delta().y);
-            let shift = ui.input(|i| i.modifiers.shift);
-            let pans = response.dragged_by(PointerButton::Middle) || shift;
-            if pans {
-                camera.pan(by, grabbed, size);
-            } else if response.dragged_by(PointerButton::Primary) {
-                camera.orbit(by, grabbed);
+            let held = ui.input(|i| i.modifiers);
+            let buttons = [PointerButton::Primary, PointerButton::Middle, PointerButton::Secondary];
+            let button = buttons.into_iter().find(|&button| response.dragged_by(button));
+            match button.and_then(|button| preset.gesture(button, held)) {
+                Some(Gesture::Orbit) => camera.orbit(by, grabbed),
+                Some(Gesture::Pan) => camera.pan(by, grabbed, size),
+                Some(Gesture::Zoom) => camera.zoom(2f32.powf(-by.y / DRAG_PER_OCTAVE), grabbed),
+                None => {}
             }
         }
         if response.drag_stopped() {

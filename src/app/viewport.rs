@@ -41,13 +41,13 @@ pub(super) struct Glass {
 }
 
 /// Where a side is drawn.
-struct Pane {
-    side: Side,
+pub(super) struct Pane {
+    pub(super) side: Side,
     /// Where its mouse and its labels are.
-    rect: Rect,
+    pub(super) rect: Rect,
     /// Part of `rect` that shows it.
-    visible: Rect,
-    response: Response,
+    pub(super) visible: Rect,
+    pub(super) response: Response,
 }
 
 impl App {
@@ -148,8 +148,9 @@ impl App {
             return;
         };
         let size = pane.rect.size();
+        let preset = self.state.look.mouse;
         let clicked =
-            self.view.mouse(ui, &pane.response, |camera, at| picture.hit(camera, &options, at, size));
+            self.view.mouse(ui, &pane.response, preset, |camera, at| picture.hit(camera, &options, at, size));
         let Some((at, camera)) = clicked.zip(self.view.current()) else { return };
         let at = pixel(pane.rect, at);
         if let Some(points) = &mut self.state.look.measure {
@@ -177,8 +178,8 @@ impl App {
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
         };
-        picture.load(content);
         picture.load_flank(flank);
+        picture.load(content);
         // The very first picture is a fast one too: something to see comes before something smooth.
         let moving = moving || !picture.has_drawn();
         let scale = ui.pixels_per_point();
@@ -232,6 +233,7 @@ impl App {
                 overlay::measurement(ui, pane.rect, &camera, &points, under);
             }
         }
+        self.section_borders(ui, panes, &camera);
         overlay::legend(ui, whole, &mut self.state, values);
         match overlay::side_switch(ui, whole, &self.state.look) {
             Some(Choice::Side(side)) => {
@@ -246,6 +248,10 @@ impl App {
             overlay::policy(ui, corner, &mut self.state, pane.side);
         }
         overlay::layers(ui, whole, &mut self.state.look.layers);
+        if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
+            self.obey(ui.ctx(), command);
+        }
+        self.point_menu(panes, &camera);
         let reach = camera.bounds.1;
         overlay::section_bar(ui, whole, &mut self.state.look, reach);
         if let Some(command) = overlay::view_buttons(ui, whole) {
@@ -311,20 +317,30 @@ impl App {
     pub(super) fn options(&self, side: Side) -> SceneOptions {
         let (state, look) = (&self.state, &self.state.look);
         let layers = look.layers;
+        let walls = state.shown_deviation();
         let difference = look.difference && side == Side::After;
         let (low, high) = state.range();
         let count = state.on(side).map_or(0, |shown| shown.plan().positions.len());
         SceneOptions {
             show_hub: layers.hub,
-            show_blades: layers.blades,
+            // The blades would hide what lies on them.
+            show_blades: layers.blades && walls.is_none(),
             show_shroud: layers.shroud,
             show_cutters: if layers.cutters { CutterFilter::All } else { CutterFilter::Hidden },
             show_axes: layers.axes,
             show_holders: layers.holders,
             show_links: layers.links,
-            show_floor_colours: if difference { FloorColours::Values } else { layers.floor },
-            map: if difference { ColourMap::Difference } else { ColourMap::Cividis },
-            range_mm: if difference { (-high, high) } else { (low, high) },
+            show_floor_colours: if difference || walls.is_some() {
+                FloorColours::Values
+            } else {
+                layers.floor
+            },
+            map: if difference || walls.is_some() { ColourMap::Difference } else { ColourMap::Cividis },
+            range_mm: match walls {
+                Some(most) => (-most, most),
+                None if difference => (-high, high),
+                None => (low, high),
+            },
             theme: self.glass.theme,
             at: look.cut.filter(|&cut| cut < count || cut == 0),
             selected: look.selected.filter(|_| side == look.side),

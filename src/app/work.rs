@@ -7,6 +7,7 @@ use std::time::Duration;
 use crate::formats::InputError;
 use crate::formats::project_file::{Project, read_project};
 use crate::formats::setup_file::read_setup;
+use crate::gpu::device::LOST;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{End, Worker};
@@ -247,12 +248,21 @@ impl App {
             }
         }
         let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
-        if let Some(error) = errors.last() {
+        let lost = errors.iter().find(|error| error.starts_with(LOST));
+        if let Some(error) = lost.or(errors.last()) {
             let line = error.lines().next().unwrap_or_default();
-            self.state.fault(Problem::new(
+            let problem = Problem::new(
                 format!("The graphics device reports: {line}"),
                 "save the project and start again with VANECUT_GPU=software",
-            ));
+            );
+            if lost.is_some() {
+                // The window itself may have nothing left to draw on.
+                eprintln!("vanecut: {}; {}", problem.what, problem.cure);
+                self.pictures = None;
+                self.hover = None;
+                "no 3D view".clone_into(&mut self.device);
+            }
+            self.state.fault(problem);
             // Whatever becomes of the device, the work stays.
             self.copy_now();
         }

@@ -9,7 +9,7 @@ use super::stored::{self, Origin, are_sane, damaged};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::schemes::Role;
 use crate::flank::wall::DeviationMap;
-use crate::flank::{FlankMove, FlankPlan, MoveKind};
+use crate::flank::{FlankMove, FlankPlan, MilledWall, MoveKind};
 use crate::geometry::Point;
 use crate::part::{FlankScheme, Impeller, PartDescription, Setup};
 
@@ -126,6 +126,12 @@ pub fn shown_curves(plan: &FlankPlan) -> Vec<ShownCurve> {
             })
         })
         .collect()
+}
+
+/// The walls of a plan as they are shown.
+pub fn shown_walls(plan: &FlankPlan) -> Vec<ShownWall> {
+    let shown = |w: &MilledWall| ShownWall { wall: w.wall, region: w.region, map: w.axes.map.clone() };
+    plan.walls.iter().map(shown).collect()
 }
 
 fn rounded(coordinates: [f64; 3], decimals: f64) -> [f64; 3] {

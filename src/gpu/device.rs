@@ -50,6 +50,9 @@ pub enum GpuError {
     },
 }
 
+/// How the message of a lost device begins.
+pub const LOST: &str = "device lost";
+
 /// Errors that reached no error scope. Bounded: a fault repeated in every frame must not fill memory.
 #[derive(Debug, Default)]
 struct ErrorLog {
@@ -110,13 +113,24 @@ impl Gpu {
         let log = errors.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| log.record(error.to_string())));
         let log = errors.clone();
-        device.set_device_lost_callback(move |reason, message| {
-            // Dropping the device at the end also arrives here, and is no fault.
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                log.record(format!("device lost: {message}"));
-            }
+        // Dropping the device at the end also arrives here; nobody is left to read that.
+        device.set_device_lost_callback(move |_, message| {
+            let message = format!("{LOST}: {message}");
+            log.record(message.trim_end_matches([':', ' ']).to_owned());
         });
         Gpu { device, queue, info, errors }
+    }
+
+    /// A buffer with contents. Unlike wgpu's own helper it does not panic on a device that was lost.
+    pub fn filled_buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: contents.len() as u64,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
     }
 
     /// Errors recorded since the last call, oldest first; at most the last 32.
@@ -199,6 +213,15 @@ mod tests {
         assert_eq!(rank(Backend::Gl, DeviceType::DiscreteGpu, false), None, "GL draws other pixels");
         assert_eq!(rank(Backend::Vulkan, DeviceType::DiscreteGpu, true), None, "software was asked for");
         assert!(rank(Backend::Vulkan, DeviceType::Cpu, true).is_some(), "software was asked for");
+    }
+
+    #[test]
+    fn a_lost_device_says_so_once() {
+        let gpu = Gpu::headless().expect("a Vulkan driver");
+        gpu.device.destroy();
+        gpu.device.poll(wgpu::PollType::Poll).expect("polls");
+        let errors = gpu.take_errors();
+        assert!(errors.len() == 1 && errors[0].starts_with(LOST), "{errors:?}");
     }
 
     #[test]

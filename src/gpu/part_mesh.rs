@@ -42,6 +42,8 @@ pub struct BladeMesh {
     pub pressure: Mesh,
     /// Tip, leading and trailing edge.
     pub closing: Mesh,
+    /// What closes it on the hub; never seen, but where it is cut open.
+    pub foot: Mesh,
     /// Leading edge, trailing edge, tip and foot as lines.
     pub edges: Vec<Vec<Vec3>>,
     /// Rotations at which a copy stands, rad. The copies of a main blade start with the two walls
@@ -54,8 +56,10 @@ pub struct BladeMesh {
 pub struct PartMesh {
     /// Hub of the whole wheel with rim, back and bore.
     pub hub: Mesh,
-    /// Floor of the channel in work.
+    /// Floor of the channel in work: lines across it from s = 0 to 1, evenly.
     pub floor: Mesh,
+    /// Corners of one such line.
+    floor_columns: usize,
     /// Main blade.
     pub main: BladeMesh,
     /// Splitters.
@@ -127,9 +131,25 @@ impl PartMesh {
         }
         let shroud_steps = even(detail.meridian);
         let shroud = Mesh::revolve(&profile(&part.shroud, &shroud_steps), &angles, |_, _| 1.0);
-        let floor = channel.floor_mesh(&part.hub, detail.turn / part.blade_count.max(1) + 8, detail);
+        let floor_columns = (detail.turn / part.blade_count.max(1) + 8).clamp(12, 96);
+        let floor = channel.floor_mesh(&part.hub, floor_columns, detail);
+        let floor_columns = even(floor_columns).len();
         let framing = channel.framing(part, up_sign, &body);
-        Self { hub, floor, main, splitters, shroud, edges, framing }
+        Self { hub, floor, floor_columns, main, splitters, shroud, edges, framing }
+    }
+
+    /// Points across the floor at `s` (0…1) with their unit normals, from wall to wall.
+    pub fn floor_line(&self, s: f64) -> Vec<(Vec3, Vec3)> {
+        let rows: Vec<_> = self.floor.vertices.chunks_exact(self.floor_columns).collect();
+        let Some(last) = rows.len().checked_sub(2) else { return Vec::new() };
+        let x = s.clamp(0.0, 1.0) * (last + 1) as f64;
+        let i = (x as usize).min(last);
+        let share = (x - i as f64) as f32;
+        let mix = |a: [f32; 3], b: [f32; 3]| Vec3::from_array(a).lerp(Vec3::from_array(b), share);
+        let pairs = rows[i].iter().zip(rows[i + 1]);
+        pairs
+            .map(|(a, b)| (mix(a.position, b.position), mix(a.normal, b.normal).normalize_or_zero()))
+            .collect()
     }
 
     /// Triangles of the whole wheel as drawn, shroud included.
@@ -203,7 +223,9 @@ pub fn close_blade(suction: &PointGrid, pressure: &PointGrid) -> BladeMesh {
     let mut closing = strip(suction.column(last_column), pressure.column(last_column), up);
     closing.append(&strip(suction.row(0), pressure.row(0), suction.at(0, 0) - suction.at(1, 0)));
     closing.append(&strip(suction.row(last_row), pressure.row(last_row), along));
+    let foot = strip(suction.column(0), pressure.column(0), -up);
     BladeMesh {
+        foot,
         suction: suction.mesh(|i, j| suction.at(i, j) - pressure.at(i, j), open),
         pressure: pressure.mesh(|i, j| pressure.at(i, j) - suction.at(i, j), open),
         closing,
@@ -252,7 +274,7 @@ impl WallFeet {
     }
 
     fn floor_mesh(&self, hub: &Flowpath, columns: usize, detail: &Detail) -> Mesh {
-        let lambdas = even(columns.clamp(12, 96));
+        let lambdas = even(columns);
         let mut mesh = Mesh::default();
         let stations = even(detail.meridian.next_power_of_two());
         for &s in &stations {

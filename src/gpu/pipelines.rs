@@ -8,8 +8,8 @@ use super::scene::SurfaceInstance;
 pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of the ids under the pointer.
 pub const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
-/// Format of the depth buffer.
-pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Format of the depth buffer; the stencil tells where the section plane cuts material.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
 /// The shader.
 pub const SCENE_WGSL: &str = include_str!("../../shaders/scene.wgsl");
 
@@ -23,8 +23,43 @@ pub struct Pipelines {
     pub cutter: wgpu::RenderPipeline,
     pub cutter_glass: wgpu::RenderPipeline,
     pub line: wgpu::RenderPipeline,
+    /// Turn a bit of the stencil over per face: of the hub, of the blades.
+    pub parity: [wgpu::RenderPipeline; 2],
+    /// The section plane, where the stencil says material.
+    pub cap: wgpu::RenderPipeline,
     /// Surfaces and cutters into [`ID_FORMAT`]; with one sample only.
     pub ids: Option<[wgpu::RenderPipeline; 2]>,
+}
+
+/// What a pipeline does with the stencil.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stencil {
+    /// Nothing.
+    Ignored,
+    /// Turns these bits over, and draws nothing.
+    Turned(u32),
+    /// Draws where any bit is set.
+    Asked,
+}
+
+impl Stencil {
+    fn state(self) -> wgpu::StencilState {
+        let face = |compare, pass_op| wgpu::StencilFaceState {
+            compare,
+            fail_op: wgpu::StencilOperation::Keep,
+            depth_fail_op: wgpu::StencilOperation::Keep,
+            pass_op,
+        };
+        let both =
+            |face, write_mask| wgpu::StencilState { front: face, back: face, read_mask: !0, write_mask };
+        match self {
+            Self::Ignored => wgpu::StencilState::default(),
+            Self::Turned(bits) => {
+                both(face(wgpu::CompareFunction::Always, wgpu::StencilOperation::Invert), bits)
+            }
+            Self::Asked => both(face(wgpu::CompareFunction::NotEqual, wgpu::StencilOperation::Keep), 0),
+        }
+    }
 }
 
 /// What differs between pipelines.
@@ -35,6 +70,7 @@ struct Stage<'a> {
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     glass: bool,
     behind_all: bool,
+    stencil: Stencil,
     format: wgpu::TextureFormat,
 }
 
@@ -70,6 +106,7 @@ impl Pipelines {
             buffers,
             glass,
             behind_all: false,
+            stencil: Stencil::Ignored,
             format: COLOUR_FORMAT,
         };
         let id = |label, vertex, fragment, buffers| Stage {
@@ -99,6 +136,14 @@ impl Pipelines {
                 &cutters,
                 true,
             )),
+            parity: [1, 2].map(|bit| {
+                let parity = stage("parity", "surface_vertex", "parity_fragment", &surfaces, false);
+                build(&Stage { stencil: Stencil::Turned(bit), ..parity })
+            }),
+            cap: build(&Stage {
+                stencil: Stencil::Asked,
+                ..stage("cap", "cap_vertex", "cap_fragment", &[], false)
+            }),
             line: build(&stage("line", "line_vertex", "line_fragment", &lines, false)),
         }
     }
@@ -122,6 +167,7 @@ fn pipeline(
     samples: u32,
     stage: &Stage,
 ) -> wgpu::RenderPipeline {
+    let counts = matches!(stage.stencil, Stencil::Turned(_));
     let blend = wgpu::BlendState {
         color: wgpu::BlendState::ALPHA_BLENDING.color,
         // The picture stays opaque.
@@ -137,16 +183,22 @@ fn pipeline(
             buffers: stage.buffers,
         },
         // Part files wind their blades either way: the shader asks the normals instead.
-        primitive: wgpu::PrimitiveState::default(),
+        primitive: wgpu::PrimitiveState {
+            topology: match stage.stencil {
+                Stencil::Asked => wgpu::PrimitiveTopology::TriangleStrip,
+                _ => wgpu::PrimitiveTopology::TriangleList,
+            },
+            ..Default::default()
+        },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
-            depth_write_enabled: Some(!stage.glass && !stage.behind_all),
-            depth_compare: Some(if stage.behind_all {
+            depth_write_enabled: Some(!stage.glass && !stage.behind_all && !counts),
+            depth_compare: Some(if stage.behind_all || counts {
                 wgpu::CompareFunction::Always
             } else {
                 wgpu::CompareFunction::Less
             }),
-            stencil: Default::default(),
+            stencil: stage.stencil.state(),
             bias: Default::default(),
         }),
         multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
@@ -157,7 +209,7 @@ fn pipeline(
             targets: &[Some(wgpu::ColorTargetState {
                 format: stage.format,
                 blend: stage.glass.then_some(blend),
-                write_mask: wgpu::ColorWrites::ALL,
+                write_mask: if counts { wgpu::ColorWrites::empty() } else { wgpu::ColorWrites::ALL },
             })],
         }),
         multiview_mask: None,

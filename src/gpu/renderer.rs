@@ -3,7 +3,6 @@
 
 use bytemuck::Pod;
 use glam::{UVec2, Vec2, Vec3};
-use wgpu::util::DeviceExt;
 
 use super::camera::Camera;
 use super::cutters::{self, CutterInstance, UnitCutter};
@@ -108,10 +107,10 @@ pub struct Renderer {
 /// Whether a layer is drawn without glass.
 fn is_opaque(layer: Layer, options: &SceneOptions) -> bool {
     match layer {
-        Layer::Hub => options.show_hub,
+        Layer::Hub | Layer::Floor => options.show_hub,
         Layer::Blades => options.show_blades,
         Layer::CutAway => options.show_blades && !options.cut_away,
-        Layer::Shroud => false,
+        Layer::Shroud | Layer::Foot => false,
     }
 }
 
@@ -166,11 +165,7 @@ impl Renderer {
             let UnitCutter { vertices, indices, solid } = UnitCutter::new(facets);
             let mesh = MeshBuffers {
                 vertices: super::scene::vertex_buffer(gpu, "unit cutter", &vertices),
-                indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some("unit cutter triangles"),
-                    contents: bytemuck::cast_slice(&indices),
-                    usage: wgpu::BufferUsages::INDEX,
-                }),
+                indices: super::scene::index_buffer(gpu, "unit cutter triangles", &indices),
                 count: indices.len() as u32,
             };
             Unit { mesh, solid }
@@ -251,6 +246,21 @@ impl Renderer {
             pass.set_vertex_buffer(1, wheel.instances.slice(..));
             pass.set_index_buffer(floor.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..floor.count, 0, 0..1);
+        }
+        if options.section.is_some() {
+            // Each kind of solid turns a bit of its own: feet of blades reach a little into the hub.
+            if options.show_hub {
+                pass.set_pipeline(&pipelines.parity[0]);
+                surfaces(pass, wheel, &|layer| layer == Layer::Hub);
+            }
+            if options.show_blades {
+                pass.set_pipeline(&pipelines.parity[1]);
+                let blade = |layer| matches!(layer, Layer::Blades | Layer::CutAway | Layer::Foot);
+                surfaces(pass, wheel, &blade);
+            }
+            pass.set_pipeline(&pipelines.cap);
+            pass.set_stencil_reference(0);
+            pass.draw(0..4, 0..1);
         }
         let unit = self.unit(options);
         let solid = 0..unit.solid;

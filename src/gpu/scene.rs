@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
-use wgpu::util::DeviceExt;
 
 use super::camera::{Camera, Ray};
 use super::cutters::{self, Cutter, CutterChoice, CutterFilter};
@@ -191,12 +190,16 @@ const ON_HUB: u32 = 2;
 /// When a piece is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layer {
-    /// With the hub.
+    /// With the hub; closed.
     Hub,
+    /// With the hub, on which it lies.
+    Floor,
     /// With the blades.
     Blades,
     /// With the blades; as glass when walls are cut away.
     CutAway,
+    /// Never; closes the blades at the hub.
+    Foot,
     /// With the shroud.
     Shroud,
 }
@@ -222,22 +225,18 @@ impl MeshBuffers {
     fn new(gpu: &Gpu, mesh: &Mesh) -> Self {
         Self {
             vertices: vertex_buffer(gpu, "floor corners", &mesh.vertices),
-            indices: gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("floor triangles"),
-                contents: bytemuck::cast_slice(&mesh.indices),
-                usage: wgpu::BufferUsages::INDEX,
-            }),
+            indices: index_buffer(gpu, "floor triangles", &mesh.indices),
             count: mesh.indices.len() as u32,
         }
     }
 }
 
 pub(super) fn vertex_buffer<T: Pod>(gpu: &Gpu, label: &str, contents: &[T]) -> wgpu::Buffer {
-    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some(label),
-        contents: bytemuck::cast_slice(contents),
-        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-    })
+    gpu.filled_buffer(label, bytemuck::cast_slice(contents), wgpu::BufferUsages::VERTEX)
+}
+
+pub(super) fn index_buffer(gpu: &Gpu, label: &str, indices: &[u32]) -> wgpu::Buffer {
+    gpu.filled_buffer(label, bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX)
 }
 
 /// Surfaces and edges of the wheel, in one degree of detail.
@@ -255,7 +254,7 @@ impl Wheel {
         let mut builder = Builder::default();
         let still = |kind, flags| SurfaceInstance { turn: [1.0, 0.0], kind, flags };
         builder.add(Layer::Hub, &part.hub, &[still(HUB, 0)]);
-        builder.add(Layer::Hub, &part.floor, &[still(FLOOR, ON_HUB)]);
+        builder.add(Layer::Floor, &part.floor, &[still(FLOOR, ON_HUB)]);
         builder.add_blade(&part.main, 2);
         for splitter in &part.splitters {
             builder.add_blade(splitter, 1);
@@ -519,5 +518,8 @@ impl Builder {
         self.place(Layer::Blades, &loaded, &pale);
         let near: Vec<SurfaceInstance> = (0..lit).map(|k| copy(k, WALL, 0)).collect();
         self.place(Layer::Blades, &loaded, &near);
+        let foot = self.load(&blade.foot);
+        let all: Vec<SurfaceInstance> = (0..blade.turns.len()).map(|k| copy(k, BLADE, 0)).collect();
+        self.place(Layer::Foot, &foot, &all);
     }
 }

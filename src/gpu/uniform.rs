@@ -22,7 +22,7 @@ pub struct FrameUniform {
     range: [f32; 4],
     look: [f32; 4],
     plane: [f32; 4],
-    greys: [[f32; 4]; 8],
+    greys: [[f32; 4]; 9],
     lines: [[f32; 4]; 8],
     states: [[f32; 4]; 4],
     table: [[f32; 4]; TABLE_LEN],
@@ -73,6 +73,7 @@ impl FrameUniform {
                 g.wall,
                 g.shroud,
                 g.uncut,
+                g.section,
             ]
             .map(rgb),
             lines,

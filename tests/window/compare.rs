@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::look::Arrangement;
+use vanecut::app::look::{Across, Arrangement};
 use vanecut::app::planned::Side;
 use vanecut::part::AxisPolicy;
 
@@ -125,6 +125,12 @@ fn a_section_plane_cuts_the_part_open() {
     window.run_steps(4);
     assert!(window.state().state().look.section.is_some());
     snapshot_view(&mut window, "section_plane");
+    // Seen squarely: the hub with its bore, and the blades, are full where the plane cuts them.
+    window.state_mut().look_mut().section.as_mut().expect("a plane").across = Across::X;
+    window.get_by_label("View from +X").click();
+    window.key_press(egui::Key::F);
+    window.run_steps(4);
+    snapshot_view(&mut window, "section_cap");
     window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(12.0);
     window.get_by_label("Flip").click();
     window.run_steps(3);
@@ -174,4 +180,46 @@ fn layers_are_switched_from_the_view() {
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
     snapshot_view(&mut window, "layers");
+}
+
+#[test]
+fn the_value_under_the_cursor_is_that_of_both_sides() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.state_mut().look_mut().layers.cutters = false;
+    window.get_by_label("Both").click();
+    window.run_steps(4);
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    let outcome = &planned.outcome;
+    let camera = window.state().camera().expect("a camera");
+    let (mut tested, last) = (0, outcome.grid.points.len() - 1);
+    for (i, j) in [(40, 16), (44, 12), (36, 20), (50, 18)] {
+        let cell = (i * outcome.grid.columns + j).min(last);
+        let stock = |result: &vanecut::job::PolicyResult| result.field.heights[cell];
+        let (before, after) = (stock(&outcome.before), stock(&outcome.after));
+        assert!((before - after).abs() > 0.1, "the sides differ");
+        for (name, words) in [
+            ("3D view, before", format!("{before:.2}, after {after:.2} mm")),
+            ("3D view, after", format!("{after:.2}, before {before:.2} mm")),
+        ] {
+            let rect = window.get_by_label(name).rect();
+            let size = glam::vec2(rect.width(), rect.height());
+            let point = glam::Vec3::from_array(outcome.grid.points[cell]);
+            let Some(pixel) = camera.project(point, size) else { continue };
+            let at = rect.min + egui::vec2(pixel.x, pixel.y);
+            // Not where the legend or a button lies over the floor.
+            if !rect.shrink(90.0).contains(at) {
+                continue;
+            }
+            window.hover_at(at);
+            window.run_steps(2);
+            window.get_by_label(&words);
+            tested += 1;
+        }
+    }
+    assert!(tested >= 4, "places on the floor that can be seen: {tested}");
+    let corner = window.get_by_label("3D view, before").rect().left_center() + egui::vec2(3.0, 0.0);
+    window.hover_at(corner);
+    window.run_steps(2);
+    assert!(window.query_by_label_contains(", after ").is_none(), "nothing beside the channel");
 }

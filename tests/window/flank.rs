@@ -24,6 +24,21 @@ fn flank_curves_are_planned_shown_and_written() {
     settle(&mut window);
     snapshot_view(&mut window, "flank");
 
+    // The walls, in place of the stock on the hub, and back.
+    window.state_mut().look_mut().layers.cutters = false;
+    window.get_by_label("Flank").click_accesskit();
+    window.run_steps(4);
+    window.get_by_label("walls").click_accesskit();
+    window.run_steps(4);
+    let most = window.state().state().shown_deviation().expect("walls are shown");
+    window.get_by_label("Left on the walls");
+    window.get_by_label(&format!("+{:.1} µm", 1e3 * most));
+    snapshot_view(&mut window, "flank_walls");
+    window.get_by_label("layer").click_accesskit();
+    window.run_steps(4);
+    window.get_by_label("Stock on hub");
+    snapshot_view(&mut window, "flank_layers");
+
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("flank.apt");
     let ctx = window.ctx.clone();

@@ -26,7 +26,7 @@ pub fn scaled(engine: Engine, scale: f32) -> Window {
 }
 
 /// The test harness' own setup, without its way out to OpenGL: that draws other pixels.
-fn vulkan() -> eframe::egui_wgpu::WgpuSetup {
+pub fn vulkan() -> eframe::egui_wgpu::WgpuSetup {
     let mut setup = egui_kittest::wgpu::default_wgpu_setup();
     if let eframe::egui_wgpu::WgpuSetup::CreateNew(new) = &mut setup {
         new.instance_descriptor.backends = wgpu::Backends::VULKAN;

@@ -1,7 +1,6 @@
 //! How the window looks at two scalings and in both themes, without a device, and as a picture file.
 
 use egui_kittest::kittest::Queryable;
-use vanecut::app::App;
 use vanecut::app::dialogs::Purpose;
 
 use crate::fake;
@@ -40,39 +39,6 @@ fn at_rest_nothing_is_drawn() {
     window.run_steps(20);
     assert!(window.run_ok().is_some_and(|steps| steps <= 2), "it comes to rest");
     assert!(!window.ctx.has_requested_repaint(), "and asks for nothing more");
-}
-
-#[test]
-fn without_a_device_everything_but_the_picture_works() {
-    let (engine, _) = fake::engine();
-    let mut window = egui_kittest::Harness::builder()
-        .with_size([900.0, 600.0])
-        .build_eframe(|cc| App::with_engine(cc, engine));
-    window.run_steps(2);
-    window.get_by_label("impeller532").click();
-    window.step();
-    let start = std::time::Instant::now();
-    while window.state().is_busy() || window.state().state().results.planned.is_none() {
-        assert!(start.elapsed().as_secs() < 60, "the work does not end");
-        std::thread::sleep(std::time::Duration::from_millis(2));
-        window.step();
-    }
-    window.run_steps(3);
-    window.get_by_label("no 3D view");
-    window.get_by_label("Interferential 5 to 0");
-    window.get_by_label("Position 3").click();
-    window.run_steps(3);
-    assert_eq!(window.state().state().look.selected, Some(2), "the table works");
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("p.vanecut");
-    let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, path.clone());
-    while window.state().is_busy() {
-        assert!(start.elapsed().as_secs() < 60, "the work does not end");
-        std::thread::sleep(std::time::Duration::from_millis(2));
-        window.step();
-    }
-    assert!(path.exists(), "and the work can be saved");
 }
 
 #[test]

@@ -1,10 +1,14 @@
 //! The window, driven through its accessible names on software Vulkan.
 
+mod borders;
 mod compare;
+mod device;
+mod drop;
 mod fake;
 mod flank;
 mod harness;
 mod look;
+mod mouse;
 mod project;
 mod real;
 mod review;

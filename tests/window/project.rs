@@ -103,11 +103,6 @@ fn unsaved_changes_are_asked_for_before_they_are_lost() {
     let mut window = with_sample(engine);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
     window.run_steps(3);
-    eprintln!(
-        "DEBUG {:?} {:?}",
-        window.state().state().document.is_unsaved(),
-        window.state().state().document.edited
-    );
     assert!(window.state().state().document.part.is_none(), "nothing to lose: closed at once");
     window.get_by_label("pump6").click();
     window.run_steps(2);

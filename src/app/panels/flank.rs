@@ -46,6 +46,14 @@ const SCHEME: Choice<FlankScheme> = Choice {
     meaning: scheme_tip,
 };
 
+/// What can be shown of the plan.
+const COLOURS: [(FlankColours, &str, &str); 4] = [
+    (FlankColours::Layer, "layer", "The curves, coloured by layer"),
+    (FlankColours::Region, "region", "The curves, coloured by region of the channel"),
+    (FlankColours::Feed, "feed", "The moves, coloured by the way they are made"),
+    (FlankColours::Walls, "walls", "What the cutter leaves on the walls, or cuts below the blade allowance"),
+];
+
 /// Draws the panel; returns what the user asks for.
 pub fn show(
     ui: &mut Ui,
@@ -78,13 +86,10 @@ pub fn show(
     if stale {
         ui.label(RichText::new("out of date").italics());
     }
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.checkbox(&mut look.shown, Command::FlankCurves.label()).on_hover_text(Command::FlankCurves.tip());
-        for (colours, name) in
-            [(FlankColours::Layer, "layer"), (FlankColours::Region, "region"), (FlankColours::Feed, "feed")]
-        {
-            ui.selectable_value(&mut look.colours, colours, name)
-                .on_hover_text("What the colours of the curves tell");
+        for (colours, name, tip) in COLOURS {
+            ui.selectable_value(&mut look.colours, colours, name).on_hover_text(tip);
         }
     });
     ScrollArea::horizontal().id_salt("flank table").show(ui, |ui| table(ui, outcome));

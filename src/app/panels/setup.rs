@@ -52,6 +52,13 @@ const SCALLOP: Spec =
 const TILT: Spec =
     Spec::degrees("Tilt limit", "Largest angle of an axis from the isoparametric one", 0.0, 90.0)
         .sliding(0.0, 60.0);
+const MACHINE: Spec = Spec::degrees(
+    "Machine tilt",
+    "How far the machine can lean the tool from the wheel's own axis; minimal keeps to it. 180: no limit",
+    1.0,
+    180.0,
+)
+.sliding(30.0, 180.0);
 const CHANGE: Spec =
     Spec::degrees("Axis change", "Largest angle between the axes of neighbouring positions", 0.1, 90.0)
         .sliding(0.5, 20.0);
@@ -68,13 +75,14 @@ const INLET: Spec =
 /// Draws the plunge fields; `chosen` is the setup of the latest plan, with everything filled in.
 pub fn plunge(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     let first = chosen.and_then(|chosen| chosen.tools.first());
-    let default = Setup::default().plunge;
+    let Setup { plunge: default, machine, .. } = Setup::default();
     form(ui, "plunge fields", |ui| {
         fields::choice_row(ui, &mut setup.plunge.axis, default.axis, &POLICY);
         let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
         fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
         fields::optional_row(ui, &mut setup.plunge.row_spacing, &ROW_SPACING, spacing);
         fields::angle_row(ui, &mut setup.plunge.max_tilt, default.max_tilt, &TILT);
+        fields::angle_row(ui, &mut setup.machine.max_axis_tilt, machine.max_axis_tilt, &MACHINE);
         fields::angle_row(ui, &mut setup.plunge.max_axis_change, default.max_axis_change, &CHANGE);
         fields::row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
     });

@@ -34,8 +34,7 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
         summary(ui, chosen);
         let edit = ui.button("Edit cutters and sections").on_hover_text("Takes these over into the setup");
         if edit.clicked() {
-            setup.tools.clone_from(&chosen.tools);
-            setup.plunge.sections.clone_from(&chosen.plunge.sections);
+            take_over(setup, chosen);
         }
         return;
     }
@@ -160,27 +159,48 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     }
 }
 
+/// Makes the cutters and sections that the program chose the setup's own.
+pub fn take_over(setup: &mut Setup, chosen: &Setup) {
+    setup.tools.clone_from(&chosen.tools);
+    setup.plunge.sections.clone_from(&chosen.plunge.sections);
+}
+
+/// Whether the next section begins where section `k` ends.
+pub fn is_joined(sections: &[SectionSetup], k: usize) -> bool {
+    sections.get(k + 1).is_some_and(|next| next.from == sections[k].to)
+}
+
+/// Where section `k` may end, in s.
+pub fn border_range(sections: &[SectionSetup], k: usize) -> std::ops::RangeInclusive<f64> {
+    let next = sections.get(k + 1).filter(|_| is_joined(sections, k));
+    let low = next.map_or(0.0, |next| next.to + LEAST_SECTION);
+    low..=(sections[k].from - LEAST_SECTION).max(low)
+}
+
+/// Ends section `k` at `to`; where the next one begins there, it follows.
+pub fn move_border(sections: &mut [SectionSetup], k: usize, to: f64) {
+    let joined = is_joined(sections, k);
+    sections[k].to = to;
+    if joined {
+        sections[k + 1].from = to;
+    }
+}
+
 /// Sliders for the borders: where one section ends and the next begins, both move.
 fn borders(ui: &mut Ui, sections: &mut [SectionSetup]) {
     for k in 0..sections.len() {
-        let joined = sections.get(k + 1).is_some_and(|next| next.from == sections[k].to);
-        let name = if joined {
+        let name = if is_joined(sections, k) {
             format!("Border {} | {}", k + 1, k + 2)
         } else {
             format!("End of section {}", k + 1)
         };
         ui.horizontal(|ui| {
             let label = ui.label(name);
-            let low = sections.get(k + 1).filter(|_| joined).map_or(0.0, |next| next.to + LEAST_SECTION);
-            let high = (sections[k].from - LEAST_SECTION).max(low);
             ui.spacing_mut().slider_width = 96.0;
-            let (response, moved) = fields::slider(ui, sections[k].to, low..=high, 0.005);
+            let (response, moved) = fields::slider(ui, sections[k].to, border_range(sections, k), 0.005);
             response.labelled_by(label.id);
             if let Some(to) = moved {
-                sections[k].to = to;
-                if joined {
-                    sections[k + 1].from = to;
-                }
+                move_border(sections, k, to);
             }
         });
     }

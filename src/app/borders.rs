@@ -1,0 +1,107 @@
+//! Borders between sections: lines across the floor in the 3D view, each with a grip to drag it along the hub.
+
+use egui::{CursorIcon, Pos2, Rect, Sense, Stroke, Ui, Vec2};
+use glam::Vec3;
+
+use crate::gpu::camera::Camera;
+use crate::part::setup::SectionSetup;
+
+use super::App;
+use super::panels::tools;
+use super::theme;
+use super::viewport::Pane;
+
+/// Steps of s that a drag looks at.
+const STEPS: usize = 200;
+/// Size of a grip, points.
+const GRIP: f32 = 16.0;
+
+impl App {
+    /// Draws the borders and lets them be dragged. A drag is one step to undo; cutters and sections that the program
+    /// chose become the setup's own with it.
+    pub(super) fn section_borders(&mut self, ui: &mut Ui, panes: &[Pane], camera: &Camera) {
+        self.border_held = false;
+        let chosen = self.state.results.planned.as_ref().map(|planned| planned.outcome.setup.clone());
+        let own = &self.state.document.edited.setup.plunge.sections;
+        let sections: Vec<SectionSetup> = match &chosen {
+            Some(chosen) if own.is_empty() => chosen.plunge.sections.clone(),
+            _ => own.clone(),
+        };
+        if !self.state.look.layers.hub {
+            return;
+        }
+        for k in (0..sections.len()).filter(|&k| tools::is_joined(&sections, k)) {
+            for pane in panes {
+                let Some((grip, line)) = self.border_line(pane, camera, sections[k].to) else { continue };
+                if !pane.visible.shrink(GRIP).contains(grip) {
+                    continue;
+                }
+                let at = Rect::from_center_size(grip, Vec2::splat(GRIP));
+                let id = pane.response.id.with(("border", k, pane.side as usize));
+                let response = ui.interact(at, id, Sense::drag());
+                let name = format!("Border {} | {} in the view", k + 1, k + 2);
+                let s = sections[k].to;
+                response.widget_info(|| egui::WidgetInfo::slider(true, s, &name));
+                let held = response.dragged() || response.hovered();
+                let colour = theme::accent(ui.visuals());
+                let painter = ui.painter_at(pane.visible);
+                painter.line(line, Stroke::new(if held { 3.0 } else { 2.0 }, colour));
+                painter.circle(grip, 0.35 * GRIP, colour, Stroke::new(1.5, egui::Color32::WHITE));
+                if response.drag_started() {
+                    self.state.document.step();
+                    if let Some(chosen) = chosen.as_ref().filter(|_| own_is_empty(&self.state)) {
+                        tools::take_over(&mut self.state.document.edited.setup, chosen);
+                    }
+                }
+                if let Some(to) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+                    self.border_held = true;
+                    if let Some(s) = self.border_at(pane, camera, &sections, k, to) {
+                        tools::move_border(&mut self.state.document.edited.setup.plunge.sections, k, s);
+                    }
+                }
+                if response.drag_stopped() {
+                    self.state.document.step();
+                }
+                response.on_hover_and_drag_cursor(CursorIcon::Grab).on_hover_text(format!(
+                    "Border of sections {} and {} at s {s:.3}; drag it",
+                    k + 1,
+                    k + 2
+                ));
+            }
+        }
+    }
+
+    /// The line across the floor at `s` on the screen, with its middle; `None` where that looks away from the viewer.
+    fn border_line(&self, pane: &Pane, camera: &Camera, s: f64) -> Option<(Pos2, Vec<Pos2>)> {
+        let points = self.pictures.as_ref()?.floor_line(s)?;
+        let place = |p: Vec3| {
+            let pixel = camera.project(p, glam::vec2(pane.rect.width(), pane.rect.height()))?;
+            Some(pane.rect.min + egui::vec2(pixel.x, pixel.y))
+        };
+        let (middle, normal) = points[points.len() / 2];
+        if normal.dot(camera.eye() - middle) <= 0.0 {
+            return None;
+        }
+        Some((place(middle)?, points.iter().filter_map(|&(p, _)| place(p)).collect()))
+    }
+
+    /// Where between its neighbours border `k` comes nearest to the pointer.
+    fn border_at(
+        &self,
+        pane: &Pane,
+        camera: &Camera,
+        sections: &[SectionSetup],
+        k: usize,
+        to: Pos2,
+    ) -> Option<f64> {
+        let range = tools::border_range(sections, k);
+        let at = |i: usize| range.start() + (range.end() - range.start()) * i as f64 / STEPS as f64;
+        let far = |s: f64| Some(self.border_line(pane, camera, s)?.0.distance(to));
+        let near = (0..=STEPS).map(at).filter_map(|s| Some((far(s)?, s)));
+        near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, s)| (s * 1e3).round() / 1e3)
+    }
+}
+
+fn own_is_empty(state: &super::state::State) -> bool {
+    state.document.edited.setup.plunge.sections.is_empty()
+}

@@ -1,0 +1,161 @@
+//! What the mouse does to the camera: presets for the habits of other programs, in one table.
+
+use egui::{Modifiers, PointerButton};
+use serde::{Deserialize, Serialize};
+
+use super::command::Command;
+
+/// What a drag does to the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gesture {
+    /// Turns about the point that was grabbed.
+    Orbit,
+    /// Moves sideways; the point that was grabbed stays under the cursor.
+    Pan,
+    /// Goes nearer to the point that was grabbed (down) or away from it (up).
+    Zoom,
+}
+
+/// Whose habits the mouse follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MousePreset {
+    /// Our own: works with two buttons.
+    #[default]
+    Vanecut,
+    /// CAD: the middle button orbits, shift pans.
+    Nx,
+    /// CAD: the middle button orbits, control pans.
+    Solidworks,
+    /// CAD: the right button orbits, the middle one pans.
+    Onshape,
+    /// Middle button, or left with alt.
+    Blender,
+}
+
+/// One line of a preset: with this button and these modifiers, a drag does that.
+type Hold = (PointerButton, Modifiers, Gesture);
+
+const LEFT: PointerButton = PointerButton::Primary;
+const MIDDLE: PointerButton = PointerButton::Middle;
+const RIGHT: PointerButton = PointerButton::Secondary;
+const NONE: Modifiers = Modifiers::NONE;
+const SHIFT: Modifiers = Modifiers::SHIFT;
+const CTRL: Modifiers = Modifiers::CTRL;
+const ALT: Modifiers = Modifiers::ALT;
+const ALT_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::ALT };
+const ALT_CTRL: Modifiers = Modifiers { ctrl: true, ..Modifiers::ALT };
+
+/// The presets. Of the lines of a button the first whose modifiers are all held counts.
+const PRESETS: [(MousePreset, Command, &[Hold]); 5] = {
+    use Gesture::{Orbit, Pan, Zoom};
+    [
+        (
+            MousePreset::Vanecut,
+            Command::MouseVanecut,
+            &[(LEFT, SHIFT, Pan), (LEFT, NONE, Orbit), (MIDDLE, NONE, Pan)],
+        ),
+        (
+            MousePreset::Nx,
+            Command::MouseNx,
+            &[(MIDDLE, SHIFT, Pan), (MIDDLE, CTRL, Zoom), (MIDDLE, NONE, Orbit)],
+        ),
+        (
+            MousePreset::Solidworks,
+            Command::MouseSolidworks,
+            &[(MIDDLE, CTRL, Pan), (MIDDLE, SHIFT, Zoom), (MIDDLE, NONE, Orbit)],
+        ),
+        (
+            MousePreset::Onshape,
+            Command::MouseOnshape,
+            &[(RIGHT, CTRL, Pan), (RIGHT, NONE, Orbit), (MIDDLE, NONE, Pan)],
+        ),
+        (
+            MousePreset::Blender,
+            Command::MouseBlender,
+            &[
+                (MIDDLE, SHIFT, Pan),
+                (MIDDLE, CTRL, Zoom),
+                (MIDDLE, NONE, Orbit),
+                (LEFT, ALT_SHIFT, Pan),
+                (LEFT, ALT_CTRL, Zoom),
+                (LEFT, ALT, Orbit),
+            ],
+        ),
+    ]
+};
+
+impl MousePreset {
+    /// All of them, each with the command that chooses it.
+    pub fn all() -> impl Iterator<Item = (Self, Command)> {
+        PRESETS.iter().map(|&(preset, command, _)| (preset, command))
+    }
+
+    /// The preset that a command chooses.
+    pub fn of(command: Command) -> Option<Self> {
+        Self::all().find(|&(_, of)| of == command).map(|(preset, _)| preset)
+    }
+
+    fn holds(self) -> &'static [Hold] {
+        PRESETS.iter().find(|(preset, ..)| *preset == self).map_or(&[], |(.., holds)| holds)
+    }
+
+    /// What a drag with `button` does while `held` is held; `None`: nothing.
+    pub fn gesture(self, button: PointerButton, held: Modifiers) -> Option<Gesture> {
+        let all_held = |wanted: Modifiers| {
+            (held.shift || !wanted.shift) && (held.ctrl || !wanted.ctrl) && (held.alt || !wanted.alt)
+        };
+        let lines = self.holds().iter();
+        lines.copied().find(|&(b, wanted, _)| b == button && all_held(wanted)).map(|(.., gesture)| gesture)
+    }
+
+    /// What the mouse does, in lines.
+    pub fn help(self) -> String {
+        let mut lines: Vec<String> = Vec::new();
+        for (gesture, does) in [
+            (Gesture::Orbit, "turn about the point under the cursor"),
+            (Gesture::Pan, "move"),
+            (Gesture::Zoom, "zoom"),
+        ] {
+            let ways = self.holds().iter().filter(|(.., g)| *g == gesture);
+            let ways: Vec<String> = ways.map(|&(button, held, _)| words(button, held)).collect();
+            if !ways.is_empty() {
+                lines.push(format!("Drag with {}: {does}", ways.join(", or ")));
+            }
+        }
+        lines.push("Wheel: zoom to the cursor".to_owned());
+        lines.push("Click: select. Double click: centre here".to_owned());
+        lines.push("Right click: what can be done here".to_owned());
+        lines.join("\n")
+    }
+}
+
+fn words(button: PointerButton, held: Modifiers) -> String {
+    let name = match button {
+        LEFT => "left",
+        MIDDLE => "middle",
+        _ => "right",
+    };
+    let held = [(held.alt, "alt-"), (held.shift, "shift-"), (held.ctrl, "ctrl-")];
+    let held: String = held.iter().filter(|(held, _)| *held).map(|(_, word)| *word).collect();
+    format!("{held}{name}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_turns_and_moves_and_the_most_modifiers_win() {
+        for (preset, _) in MousePreset::all() {
+            let does = |gesture| preset.holds().iter().any(|&(.., g)| g == gesture);
+            assert!(does(Gesture::Orbit) && does(Gesture::Pan), "{preset:?}");
+            for &(button, held, gesture) in preset.holds() {
+                assert_eq!(preset.gesture(button, held), Some(gesture), "{preset:?}: a line hides another");
+            }
+        }
+        assert_eq!(MousePreset::Vanecut.gesture(RIGHT, NONE), None);
+        assert_eq!(MousePreset::Vanecut.gesture(LEFT, CTRL), Some(Gesture::Orbit), "what is held besides");
+        assert!(MousePreset::Nx.help().contains("shift-middle: move"), "{}", MousePreset::Nx.help());
+    }
+}

@@ -1,0 +1,104 @@
+//! The menu under the pointer: what a right click in a 3D view offers.
+
+use egui::{Popup, Ui};
+
+use crate::gpu::camera::Camera;
+
+use super::App;
+use super::command::Command;
+use super::overlay;
+use super::view3d::pixel;
+use super::viewport::Pane;
+
+/// What can be done with the position under the pointer.
+const WITH_POSITION: [Command; 4] =
+    [Command::ShowInTable, Command::OpenSection, Command::ScrubHere, Command::FlyToSelection];
+/// What can be done anywhere.
+const VIEWS: [Command; 7] = [
+    Command::Fit,
+    Command::ViewIso,
+    Command::ViewFront,
+    Command::ViewTop,
+    Command::ViewChannel,
+    Command::ViewSection,
+    Command::SectionPlane,
+];
+
+impl App {
+    /// Opens the menu at a right click, on the position under it if there is one, and does what is chosen from it.
+    /// A drag with the right button is no click.
+    pub(super) fn point_menu(&mut self, panes: &[Pane], camera: &Camera) {
+        let clicked = panes.iter().find_map(|pane| {
+            let at = pane.response.interact_pointer_pos().filter(|_| pane.response.secondary_clicked())?;
+            pane.visible.contains(at).then_some((pane, at))
+        });
+        if let Some((pane, at)) = clicked {
+            let options = self.options(pane.side);
+            let picture = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side));
+            let hit =
+                picture.map(|picture| picture.hit(camera, &options, pixel(pane.rect, at), pane.rect.size()));
+            let hit = hit.unwrap_or_default();
+            if self.state.look.side != pane.side {
+                self.state.show(pane.side);
+            }
+            // What the menu says of a position it says of the selected one.
+            if hit.position.is_some() {
+                self.state.look.select(hit.position);
+            }
+            self.pointed = Some(hit);
+        }
+        let (mut chosen, mut open) = (None, false);
+        let mut last = None;
+        for pane in panes {
+            // Both halves of a wipe share one area.
+            if last.replace(pane.response.id) == Some(pane.response.id) {
+                continue;
+            }
+            if let Some(menu) = Popup::context_menu(&pane.response).show(|ui| self.menu_here(ui)) {
+                (chosen, open) = (menu.inner, true);
+            }
+        }
+        if let Some(command) = chosen
+            && let Some(pane) = panes.first()
+        {
+            self.obey(&pane.response.ctx, command);
+        }
+        if !open {
+            self.pointed = None;
+        }
+    }
+
+    fn menu_here(&mut self, ui: &mut Ui) -> Option<Command> {
+        let mut chosen = None;
+        let mut item = |ui: &mut Ui, command: Command, can: bool| {
+            if command.menu_item(ui, can) {
+                chosen = Some(command);
+            }
+        };
+        if let Some(k) = self.pointed.and_then(|hit| hit.position) {
+            ui.label(egui::RichText::new(format!("Position {}", k + 1)).strong());
+            for command in WITH_POSITION {
+                item(ui, command, self.can(command));
+            }
+        }
+        item(ui, Command::MeasureHere, self.can(Command::MeasureHere));
+        ui.separator();
+        for command in VIEWS {
+            item(ui, command, self.can(command));
+        }
+        ui.separator();
+        ui.menu_button("Layers", |ui| {
+            for (shown, command) in overlay::switches(&mut self.state.look.layers) {
+                ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+            }
+        });
+        chosen
+    }
+
+    /// Where a measurement begins: at the point of the menu, else at the tip of the selected position.
+    pub(super) fn place_to_measure(&self) -> Option<glam::Vec3> {
+        let tip =
+            || self.state.selected().map(|p| glam::vec3(p.tip.x as f32, p.tip.y as f32, p.tip.z as f32));
+        self.pointed.and_then(|hit| hit.point).or_else(tip)
+    }
+}

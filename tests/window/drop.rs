@@ -1,0 +1,103 @@
+//! Files dropped on the window.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui_kittest::kittest::Queryable;
+use vanecut::app::dialogs::Purpose;
+
+use crate::fake;
+use crate::harness::{Window, settle, window, with_sample};
+
+/// A file as the desktop hands it over.
+#[derive(Debug)]
+struct OnDisk(PathBuf);
+
+impl egui::DroppedFile for OnDisk {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+fn drop_on(window: &mut Window, paths: &[&Path]) {
+    let files = paths.iter().map(|path| Arc::new(OnDisk(path.to_path_buf())) as egui::DroppedFileHandle);
+    window.input_mut().dropped_files = files.collect();
+    window.step();
+    // The harness keeps its input from picture to picture.
+    window.input_mut().dropped_files.clear();
+    settle(window);
+}
+
+fn part_name(window: &Window) -> Option<String> {
+    window.state().state().document.part.as_ref().map(|part| part.impeller.name.clone())
+}
+
+fn step(window: &Window) -> Option<f64> {
+    window.state().state().document.edited.setup.plunge.step
+}
+
+#[test]
+fn part_setup_and_project_open_where_they_are_dropped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("writes");
+        path
+    };
+    let part = file("wheel.toml", include_str!("../../assets/parts/pump6.toml"));
+    let setup = file("fine.toml", "[plunge]\nstep = 6.5\n");
+    let machine = file("machine.toml", "[machine]\nmax_axis_tilt = 80\n");
+    let (engine, _) = fake::engine();
+    let mut first = window(engine.clone());
+    drop_on(&mut first, &[&part]);
+    assert_eq!(part_name(&first).as_deref(), Some("pump6"));
+    assert!(first.state().state().results.planned.is_some(), "planned at once");
+    drop_on(&mut first, &[&setup]);
+    assert_eq!(step(&first), Some(6.5), "the setup");
+    assert_eq!(part_name(&first).as_deref(), Some("pump6"), "the part stays");
+    let project = folder.path().join("p.vanecut");
+    let ctx = first.ctx.clone();
+    first.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
+    settle(&mut first);
+    drop_on(&mut first, &[&machine]);
+    let tilt = first.state().state().document.edited.setup.machine.max_axis_tilt.to_degrees();
+    assert!((tilt - 80.0).abs() < 1e-9, "a setup that knows nothing but the machine: {tilt}");
+
+    let mut second = window(engine.clone());
+    drop_on(&mut second, &[&project]);
+    assert_eq!((part_name(&second).as_deref(), step(&second)), (Some("pump6"), Some(6.5)), "the project");
+
+    let mut third = window(engine);
+    drop_on(&mut third, &[&setup, &part]);
+    assert_eq!((part_name(&third).as_deref(), step(&third)), (Some("pump6"), Some(6.5)), "both at once");
+}
+
+#[test]
+fn a_dropped_part_asks_before_unsaved_work_is_lost_and_a_strange_file_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let part = folder.path().join("wheel.toml");
+    std::fs::write(&part, include_str!("../../assets/parts/pump6.toml")).expect("writes");
+    let strange = folder.path().join("letter.txt");
+    std::fs::write(&strange, "Dear machinist").expect("writes");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    drop_on(&mut window, &[&strange]);
+    let problems = window.state().state().problems.clone();
+    assert!(problems.iter().any(|p| p.what.contains("letter.txt")), "{problems:?}");
+    assert_eq!(part_name(&window).as_deref(), Some("impeller532"), "what was open stays");
+
+    window.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Step").set_value_accesskit(5.0);
+    window.run_steps(2);
+    settle(&mut window);
+    drop_on(&mut window, &[&part]);
+    window.get_by_label("Save the changes of this project?");
+    assert_eq!(part_name(&window).as_deref(), Some("impeller532"), "not before the answer");
+    window.get_by_label("Do not save").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(part_name(&window).as_deref(), Some("pump6"));
+}

@@ -1,0 +1,180 @@
+//! The mouse over the 3D view: its presets, and what a right click offers.
+
+use egui::accesskit::Role;
+use egui::{Event, Modifiers, PointerButton, Pos2};
+use egui_kittest::kittest::Queryable;
+use vanecut::app::look::{Filter, Tab};
+use vanecut::app::mouse::MousePreset;
+use vanecut::gpu::camera::Camera;
+
+use crate::fake;
+use crate::harness::{Window, snapshot_view, window, with_sample};
+
+fn button(window: &mut Window, pos: Pos2, button: PointerButton, modifiers: Modifiers, pressed: bool) {
+    window.event(Event::PointerButton { pos, button, pressed, modifiers });
+}
+
+/// Drags across the view, and tells the camera before and after.
+fn drag(window: &mut Window, with: PointerButton, modifiers: Modifiers) -> (Camera, Camera) {
+    let start = window.get_by_label("3D view").rect().center();
+    let end = start + egui::vec2(40.0, 30.0);
+    let before = window.state().camera().expect("a camera");
+    window.hover_at(start);
+    window.run_steps(1);
+    window.event_modifiers(Event::PointerMoved(start), modifiers);
+    window.event_modifiers(
+        Event::PointerButton { pos: start, button: with, pressed: true, modifiers },
+        modifiers,
+    );
+    window.step();
+    window.event_modifiers(Event::PointerMoved(end), modifiers);
+    window.step();
+    window.event_modifiers(
+        Event::PointerButton { pos: end, button: with, pressed: false, modifiers },
+        modifiers,
+    );
+    window.run_steps(3);
+    (before, window.state().camera().expect("a camera"))
+}
+
+fn turned((a, b): (Camera, Camera)) -> bool {
+    (a.yaw - b.yaw).abs() > 0.05
+}
+
+fn moved((a, b): (Camera, Camera)) -> bool {
+    (a.yaw, a.pitch) == (b.yaw, b.pitch) && a.target.distance(b.target) > 1.0
+}
+
+fn nearer((a, b): (Camera, Camera)) -> bool {
+    (a.yaw, a.pitch) == (b.yaw, b.pitch) && b.distance < 0.95 * a.distance
+}
+
+#[test]
+fn the_mouse_takes_other_habits_from_menu_and_palette_and_keeps_them() {
+    use PointerButton::{Middle, Primary, Secondary};
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine.clone());
+    window.state_mut().set_home(folder.path().join("home"));
+    assert!(turned(drag(&mut window, Primary, Modifiers::NONE)));
+    assert!(moved(drag(&mut window, Primary, Modifiers::SHIFT)));
+
+    window.get_by_label("View").click();
+    window.run_steps(2);
+    window.get_by_label_contains("Mouse").click();
+    window.run_steps(2);
+    window.get_by_label("Mouse: NX").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.mouse, MousePreset::Nx);
+    let (before, after) = drag(&mut window, Primary, Modifiers::NONE);
+    assert_eq!(before, after, "the left button is for choosing");
+    assert!(turned(drag(&mut window, Middle, Modifiers::NONE)));
+    assert!(moved(drag(&mut window, Middle, Modifiers::SHIFT)));
+    assert!(nearer(drag(&mut window, Middle, Modifiers::CTRL)));
+
+    window.get_by_label("What the mouse does").click();
+    window.run_steps(2);
+    window.get_by_label_contains("Drag with shift-middle: move");
+    window.get_by_label("Mouse: Blender").click();
+    window.run_steps(3);
+    assert!(turned(drag(&mut window, Primary, Modifiers::ALT)), "without a middle button");
+
+    window.key_press_modifiers(Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(2);
+    window.event(Event::Text("onshape".to_owned()));
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    assert!(turned(drag(&mut window, Secondary, Modifiers::NONE)));
+    assert!(window.query_by_label("Measure from here").is_none(), "a drag opens no menu");
+
+    let mut again = crate::harness::window(engine);
+    again.state_mut().set_home(folder.path().join("home"));
+    again.run_steps(1);
+    assert_eq!(again.state().state().look.mouse, MousePreset::Onshape, "the next start knows it");
+}
+
+/// Where a cutter in the middle of the first row is on the screen.
+fn at_cutter(window: &Window) -> Pos2 {
+    let rect = window.get_by_label("3D view").rect();
+    let camera = window.state().camera().expect("a camera");
+    let plan = &window.state().state().results.planned.as_ref().expect("planned").outcome.after.plan;
+    let inside = plan.positions[8].tip + plan.positions[8].axis * 2.0;
+    let point = glam::vec3(inside.x as f32, inside.y as f32, inside.z as f32);
+    let pixel = camera.project(point, glam::vec2(rect.width(), rect.height())).expect("in front");
+    rect.min + egui::vec2(pixel.x, pixel.y)
+}
+
+fn right_click(window: &mut Window, at: Pos2) {
+    window.hover_at(at);
+    window.run_steps(1);
+    for pressed in [true, false] {
+        button(window, at, PointerButton::Secondary, Modifiers::NONE, pressed);
+    }
+    window.run_steps(3);
+}
+
+#[test]
+fn a_right_click_offers_what_can_be_done_with_the_position_there() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    let at = at_cutter(&window);
+    right_click(&mut window, at);
+    let k = window.state().state().look.selected.expect("the position there is selected");
+    assert!((6..=11).contains(&k), "the cutter under the cursor or one in front of it: {k}");
+    snapshot_view(&mut window, "right_click");
+    window.get_by_role_and_label(Role::Button, "Scrub to here").click();
+    window.run_steps(4);
+    assert_eq!(window.state().state().look.cut, Some(k + 1), "cut until there");
+    assert!(window.query_by_label("Scrub to here").is_none(), "the menu is gone");
+
+    window.state_mut().look_mut().filter = Filter::Interferential;
+    window.state_mut().look_mut().tab = Tab::Facts;
+    window.run_steps(2);
+    right_click(&mut window, at);
+    let k = window.state().state().look.selected.expect("selected");
+    window.get_by_role_and_label(Role::Button, "Show in table").click();
+    window.run_steps(6);
+    assert_eq!(window.state().state().look.filter, Filter::All, "a filter does not hide it");
+    window.get_by_label(&format!("Position {}", k + 1));
+    right_click(&mut window, at);
+    window.get_by_role_and_label(Role::Button, "Open section").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.tab, Tab::Section);
+
+    right_click(&mut window, at);
+    window.get_by_role_and_label(Role::Button, "Measure from here").click();
+    window.run_steps(3);
+    let points = window.state().state().look.measure.clone().expect("measuring");
+    assert_eq!(points.len(), 1, "the first point is set");
+    let rect = window.get_by_label("3D view").rect();
+    let camera = window.state().camera().expect("a camera");
+    let pixel = camera.project(points[0], glam::vec2(rect.width(), rect.height())).expect("in front");
+    assert!((rect.min + egui::vec2(pixel.x, pixel.y)).distance(at) < 1.0, "where the click was");
+}
+
+#[test]
+fn beside_the_cutters_a_right_click_offers_views_and_layers() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Position 3").click();
+    window.run_steps(8);
+    let corner = window.get_by_label("3D view").rect().right_center() - egui::vec2(6.0, 0.0);
+    right_click(&mut window, corner);
+    assert!(window.query_by_label("Scrub to here").is_none(), "no position is there");
+    assert_eq!(window.state().state().look.selected, Some(2), "what is selected stays");
+    window.get_by_label_contains("Top view").click();
+    window.run_steps(3);
+    let camera = window.state().camera().expect("a camera");
+    assert!(camera.pitch.abs() > 1.3, "along the axis: {}", camera.pitch);
+}
+
+#[test]
+fn without_a_part_a_right_click_does_nothing() {
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    right_click(&mut window, egui::pos2(450.0, 300.0));
+    assert!(window.query_by_label("Fit").is_none());
+}
