@@ -93,7 +93,7 @@ impl Planner<'_> {
                     cut.rows.push(row);
                 }
             }
-            if budget == 0 {
+            if budget == 0 && planned > 0 {
                 stopped = if room < MOST_SHARE * planned { Stopped::PlanFull } else { Stopped::ShareReached };
             }
         }
