@@ -180,6 +180,13 @@ fn plan(request: &PlanRequest, known: &mut Known, monitor: &Monitor) -> Result<P
         Some(index) => others.remove(index),
         None => before.clone(),
     };
+    if after.plan.positions.is_empty() {
+        let tilt = setup.machine.max_axis_tilt.to_degrees();
+        return Err(JobError::Setup(SetupFault::new(
+            format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
+            "allow more tilt, or use smaller cutters",
+        )));
+    }
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
     Ok(PlanOutcome {

@@ -228,14 +228,6 @@ impl<'a> Planner<'a> {
             last = Some(cut);
         }
         monitor.report(0.85);
-        if plan.positions.is_empty() {
-            let tilt = self.setup.machine.max_axis_tilt.to_degrees();
-            return Err(SetupFault::new(
-                format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
-                "allow more tilt, or use smaller cutters",
-            )
-            .into());
-        }
         if let Some(cut) = last {
             self.measure(&mut plan, &cut.columns, monitor)?;
         }
