@@ -86,23 +86,9 @@ pub fn cell_at(grid: &FloorGrid, point: Vec3) -> Option<usize> {
 mod tests {
     use super::*;
 
-    fn grid(rows: usize, columns: usize) -> FloorGrid {
-        let count = rows * columns;
-        FloorGrid {
-            rows,
-            columns,
-            points: (0..count).map(|k| [(k / columns) as f32, (k % columns) as f32, 0.0]).collect(),
-            normals: vec![[0.0, 0.0, 1.0]; count],
-            blank_heights: vec![20.0; count],
-            areas: vec![1.0; count],
-            floor: vec![true; count],
-            reachable: vec![true; count],
-        }
-    }
-
     #[test]
     fn cells_without_floor_are_left_out_and_uncut_ones_marked() {
-        let mut grid = grid(4, 4);
+        let mut grid = FloorGrid::flat(4, 4);
         grid.floor[5] = false;
         let mut heights = vec![1.0; 16];
         heights[15] = 20.0;
@@ -115,7 +101,7 @@ mod tests {
 
     #[test]
     fn the_cell_under_a_point_is_the_nearest_one_unless_it_is_far() {
-        let grid = grid(10, 10);
+        let grid = FloorGrid::flat(10, 10);
         assert_eq!(cell_at(&grid, Vec3::new(3.2, 4.1, 0.5)), Some(34));
         assert_eq!(cell_at(&grid, Vec3::new(3.0, 40.0, 0.0)), None);
     }

@@ -282,15 +282,15 @@ impl<'a> Planner<'a> {
         // Side by side, as if all before were as deep; then one by one those that do meet stock, and those near a
         // plunge that is less deep or missing.
         let first = columns.len();
-        let mut all_deep = columns.clone();
-        all_deep.extend(deep.iter().flatten().copied());
-        let free: Vec<bool> = (first..all_deep.len())
+        columns.extend(deep.iter().flatten().copied());
+        let free: Vec<bool> = (first..columns.len())
             .into_par_iter()
             .map(|k| {
-                let column = &all_deep.as_slice()[k];
-                monitor.is_cancelled() || planned_contact(column, all_deep.before(k), &self.blank) == 0.0
+                let column = &columns.as_slice()[k];
+                monitor.is_cancelled() || planned_contact(column, columns.before(k), &self.blank) == 0.0
             })
             .collect();
+        columns.truncate(first);
         let mut changed: Vec<Column> = Vec::new();
         let deep_ones =
             placed.iter_mut().zip(&deep).filter_map(|(place, deep)| Some((place, deep.as_ref()?)));

@@ -48,6 +48,24 @@ pub struct FloorGrid {
     pub reachable: Vec<bool>,
 }
 
+#[cfg(test)]
+impl FloorGrid {
+    /// A level floor of cells 1 mm wide under 20 mm of stock.
+    pub(crate) fn flat(rows: usize, columns: usize) -> Self {
+        let count = rows * columns;
+        Self {
+            rows,
+            columns,
+            points: (0..count).map(|k| [(k / columns) as f32, (k % columns) as f32, 0.0]).collect(),
+            normals: vec![[0.0, 0.0, 1.0]; count],
+            blank_heights: vec![20.0; count],
+            areas: vec![1.0; count],
+            floor: vec![true; count],
+            reachable: vec![true; count],
+        }
+    }
+}
+
 impl FloorGrid {
     /// The floor of a channel in `cells` × `cells`.
     pub fn new(source: &FloorSource, cells: usize) -> Self {

@@ -67,37 +67,23 @@ pub fn fitting_range(grid: &FloorGrid, heights: &[f32]) -> (f32, f32) {
 mod tests {
     use super::*;
 
-    fn grid(rows: usize, columns: usize) -> FloorGrid {
-        let count = rows * columns;
-        FloorGrid {
-            rows,
-            columns,
-            points: (0..count).map(|k| [(k / columns) as f32, (k % columns) as f32, 0.0]).collect(),
-            normals: vec![[0.0, 0.0, 1.0]; count],
-            blank_heights: vec![20.0; count],
-            areas: vec![1.0; count],
-            floor: vec![true; count],
-            reachable: vec![true; count],
-        }
-    }
-
     #[test]
     fn large_grids_are_thinned_and_keep_their_corners() {
-        let surface = FloorSurface::new(&grid(600, 400), FINE);
+        let surface = FloorSurface::new(&FloorGrid::flat(600, 400), FINE);
         assert_eq!(surface.triangles.len(), 256 * 128 * 2);
         assert_eq!((surface.cells[0], surface.cells.last()), (0, Some(&(600 * 400 - 1))));
     }
 
     #[test]
     fn cells_without_floor_are_left_out() {
-        let mut grid = grid(4, 4);
+        let mut grid = FloorGrid::flat(4, 4);
         grid.floor[5] = false;
         assert_eq!(FloorSurface::new(&grid, FINE).triangles.len(), (9 - 4) * 2);
     }
 
     #[test]
     fn the_range_ignores_uncut_cells_and_outliers() {
-        let grid = grid(10, 20);
+        let grid = FloorGrid::flat(10, 20);
         let mut heights: Vec<f32> = (0..200).map(|k| 0.5 + k as f32 * 0.01).collect();
         heights[0] = 20.0;
         heights[1] = 15.0;

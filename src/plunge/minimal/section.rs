@@ -80,7 +80,6 @@ impl Planner<'_> {
         limit: f64,
         monitor: &Monitor,
     ) -> Result<Option<Fed>, PlanError> {
-        let stock = &self.setup.stock;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let inward = feed.inward();
@@ -95,16 +94,9 @@ impl Planner<'_> {
                 let maker = self.row_maker(ground, tool, (lambda, rows.len()), feed, monitor);
                 let search = PathSearch {
                     candidates: CandidateMaker {
-                        maker: &maker,
-                        finished: &self.finished,
-                        top: &top,
-                        hub_allowance: stock.hub_allowance,
-                        blade_allowance: stock.blade_allowance,
-                        max_tilt: self.setup.plunge.max_tilt,
-                        machine: &self.setup.machine,
-                        scale: SCALE_RADII * tool.radius(),
                         floor: &|s| self.floor_of_row(stretch, lane, &rows, row, s),
                         sideways: sideways[row],
+                        ..self.candidate_maker(&maker, &top)
                     },
                     blank: &self.blank,
                     max_axis_change: self.setup.plunge.max_axis_change,
@@ -134,6 +126,27 @@ impl Planner<'_> {
             }
         }
         Ok(Some(Fed { cut, cost, least }))
+    }
+
+    /// Candidates of a row that has nothing to clear and may lean sideways as it likes.
+    pub(super) fn candidate_maker<'r>(
+        &'r self,
+        maker: &'r RowMaker<'r>,
+        top: &'r BlankTop<'r>,
+    ) -> CandidateMaker<'r> {
+        let stock = &self.setup.stock;
+        CandidateMaker {
+            maker,
+            finished: &self.finished,
+            top,
+            hub_allowance: stock.hub_allowance,
+            blade_allowance: stock.blade_allowance,
+            max_tilt: self.setup.plunge.max_tilt,
+            machine: &self.setup.machine,
+            scale: SCALE_RADII * maker.tool.radius(),
+            floor: &|_| None,
+            sideways: f64::INFINITY,
+        }
     }
 
     /// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, as several rows where the axis

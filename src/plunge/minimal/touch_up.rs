@@ -63,19 +63,8 @@ impl Planner<'_> {
             let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
             let places: Vec<f64> =
                 (0..=count).map(|i| start + (end - start) * i as f64 / count as f64).collect();
-            let candidates = |maker| CandidateMaker {
-                maker,
-                finished: &self.finished,
-                top: &top,
-                hub_allowance: stock.hub_allowance,
-                blade_allowance: stock.blade_allowance,
-                max_tilt: self.setup.plunge.max_tilt,
-                machine: &self.setup.machine,
-                scale,
-                floor: &|_| None,
-                sideways: f64::INFINITY,
-            };
-            let candidates: Vec<CandidateMaker> = makers.iter().map(candidates).collect();
+            let candidates: Vec<CandidateMaker> =
+                makers.iter().map(|maker| self.candidate_maker(maker, &top)).collect();
             let mut search = ExtraSearch::new(&candidates, &places, floor, &self.blank);
             let mut budget = most / grounds.len();
             for times in ROUNDS {
