@@ -97,8 +97,14 @@ impl PartMesh {
         if corners().next().is_none() {
             (low, high) = (Vec3::NEG_ONE, Vec3::ONE);
         }
+        // Blades stand on the hub towards the inlet, which is to be seen.
+        let height = |mesh: &Mesh| {
+            mesh.vertices.iter().map(|v| v.position[2]).sum::<f32>() / mesh.vertices.len().max(1) as f32
+        };
+        let stand = blades.vertices.is_empty() || hub.vertices.is_empty() || height(&blades) >= height(&hub);
+        let up_sign = if stand { 1.0 } else { -1.0 };
         let (center, radius) = ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3));
-        let whole = Frame { center, radius, from: Vec3::new(0.7, -0.7, 0.85).normalize() };
+        let whole = Frame { center, radius, from: Vec3::new(0.7, -0.7, 0.85 * up_sign).normalize() };
         let stride = (corners().count() / 2000).max(1);
         let outline: Vec<Vec3> = corners().step_by(stride).map(|v| Vec3::from_array(v.position)).collect();
         let framing = Framing {
@@ -107,7 +113,7 @@ impl PartMesh {
             sections: Vec::new(),
             wheel_outline: outline.clone(),
             channel_outline: outline,
-            up_sign: 1.0,
+            up_sign,
         };
         let main = BladeMesh { closing: blades, turns: vec![0.0], ..BladeMesh::default() };
         let (floor, splitters, edges) = (Mesh::default(), Vec::new(), Vec::new());

@@ -11,7 +11,7 @@ use crate::mesh::{Role, Unit};
 use crate::part::Rotation;
 
 use super::super::theme::Condition;
-use super::Choices;
+use super::choices::Choices;
 
 /// Numbers of main blades.
 const BLADES: RangeInclusive<usize> = 0..=200;
@@ -55,7 +55,13 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices, height: f32
                 ui.end_row();
                 for (k, node) in nodes.iter().enumerate() {
                     let name = Button::selectable(choices.chosen == Some(k), &node.name).truncate();
-                    let name = ui.add_sized([NAME_WIDTH, 20.0], name).on_hover_text(&node.name);
+                    let name = ui
+                        .scope(|ui| {
+                            ui.set_width(NAME_WIDTH);
+                            ui.add(name.min_size(egui::vec2(NAME_WIDTH, 20.0)))
+                        })
+                        .inner
+                        .on_hover_text(&node.name);
                     if name.clicked() {
                         choices.chosen = Some(k);
                     }

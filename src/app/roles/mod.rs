@@ -1,6 +1,7 @@
 //! Which node of a mesh file is what: the dialog that asks where names do not tell, or where the user wants another
 //! choice, and what becomes of the answer.
 
+mod choices;
 mod form;
 mod preview;
 
@@ -10,11 +11,8 @@ use egui::{Button, Color32, Key, Modal, Modifiers, RichText, Ui};
 
 use crate::formats::InputError;
 use crate::formats::gltf::read_meshes;
-use crate::mesh::axis::Axis;
-use crate::mesh::nodes::{MeshNode, guess, nodes};
-use crate::mesh::options::likely_unit;
-use crate::mesh::{MeshOptions, Role, Unit};
-use crate::part::Rotation;
+use crate::mesh::nodes::{MeshNode, nodes};
+use crate::mesh::{MeshOptions, Role};
 
 use super::App;
 use super::engine::PartSource;
@@ -22,6 +20,7 @@ use super::picture::Pictures;
 use super::state::Problem;
 use super::theme::{self, Condition};
 use super::work::OpenTask;
+use choices::Choices;
 use preview::{Preview, Shown};
 
 /// Keys that give the node in work a role.
@@ -33,96 +32,8 @@ const KEYS: [(Key, Option<Role>); 6] = [
     (Key::I, Some(Role::Ignored)),
     (Key::Delete, None),
 ];
-/// Unit of glTF files.
-const OWN_UNIT: Unit = Unit::Metre;
-/// Side of the picture, points.
+/// Width of the picture, points.
 const PICTURE: f32 = 250.0;
-
-/// What is chosen in the dialog.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Choices {
-    /// Roles of the nodes.
-    roles: Vec<Option<Role>>,
-    unit: Unit,
-    /// `None`: as the hub turns.
-    axis: Option<Axis>,
-    /// `None`: as there are.
-    blades: Option<usize>,
-    /// `None`: as the file says, or the blades' wrap tells.
-    rotation: Option<Rotation>,
-    /// Node in work.
-    chosen: Option<usize>,
-    /// Whether the keyboard chose another one.
-    moved: bool,
-    /// Whether a role goes to all nodes of one shape.
-    alike: bool,
-}
-
-impl Choices {
-    /// To begin with: what was said before, else what names and shapes tell.
-    fn new(nodes: &[MeshNode], said: &MeshOptions) -> Self {
-        let mut roles = guess(nodes);
-        for (node, role) in nodes.iter().zip(&mut roles) {
-            let own = |key: &str| key == node.key || key.to_lowercase() == node.name.to_lowercase();
-            if let Some((_, given)) = said.roles.iter().rev().find(|(key, _)| own(key)) {
-                *role = Some(*given);
-            }
-        }
-        let mut choices = Self {
-            roles,
-            unit: OWN_UNIT,
-            axis: said.axis,
-            blades: said.blades,
-            rotation: said.rotation,
-            chosen: None,
-            moved: false,
-            alike: true,
-        };
-        let across = choices.across(nodes);
-        choices.unit = said.unit.or_else(|| likely_unit(across, OWN_UNIT)).unwrap_or(OWN_UNIT);
-        choices
-    }
-
-    /// As a reader takes them.
-    fn options(&self, nodes: &[MeshNode]) -> MeshOptions {
-        let named = |(node, role): (&MeshNode, &Option<Role>)| {
-            // A node that a name tells wrongly is to be left out by a word of its own.
-            let role = role.or(node.told.map(|_| Role::Ignored))?;
-            (node.told != Some(role)).then(|| (node.key.clone(), role))
-        };
-        MeshOptions {
-            roles: nodes.iter().zip(&self.roles).filter_map(named).collect(),
-            unit: Some(self.unit).filter(|unit| *unit != OWN_UNIT),
-            axis: self.axis,
-            blades: self.blades,
-            rotation: self.rotation,
-        }
-    }
-
-    /// Gives the node in work a role, and those like it.
-    fn give(&mut self, nodes: &[MeshNode], role: Option<Role>) {
-        let Some(chosen) = self.chosen.and_then(|k| nodes.get(k)) else { return };
-        for (node, own) in nodes.iter().zip(&mut self.roles) {
-            if node.node == chosen.node || self.alike && node.is_like(chosen) {
-                *own = role;
-            }
-        }
-    }
-
-    /// Greatest width of what is of the wheel, in the file's unit.
-    fn across(&self, nodes: &[MeshNode]) -> f64 {
-        let wheel = || {
-            let of_wheel = |role: &Option<Role>| role.is_some_and(|role| role != Role::Ignored);
-            nodes.iter().zip(&self.roles).filter(move |(_, role)| of_wheel(role)).map(|(node, _)| node)
-        };
-        let counted: Vec<&MeshNode> =
-            if wheel().next().is_some() { wheel().collect() } else { nodes.iter().collect() };
-        let Some(first) = counted.first() else { return 0.0 };
-        let low = counted.iter().fold(first.low, |low, n| low.inf(&n.low));
-        let high = counted.iter().fold(first.high, |high, n| high.sup(&n.high));
-        (high - low).amax()
-    }
-}
 
 /// A mesh file whose nodes are to be told apart.
 pub(super) struct Untold {
@@ -164,7 +75,8 @@ impl Untold {
             preview: Preview::new(&meshes, &nodes),
             choices: Choices::new(&nodes, said),
             nodes,
-            fault: fault.map(Problem::from),
+            // The file is named above.
+            fault: fault.map(|fault| Problem::new(fault.what.clone(), fault.cure.clone())),
         })
     }
 }
@@ -226,13 +138,10 @@ impl RolesDialog {
                         ui.set_width(PICTURE);
                         let shown = Shown {
                             roles: &asked.choices.roles,
-                            axis: asked
-                                .choices
-                                .axis
-                                .unwrap_or_else(|| likely_axis(&asked.nodes, &asked.choices)),
+                            axis: asked.choices.upright(&asked.nodes),
                             chosen: asked.choices.chosen,
                         };
-                        asked.preview.show(ui, pictures, egui::Vec2::splat(PICTURE - 40.0), &shown);
+                        asked.preview.show(ui, pictures, egui::vec2(PICTURE, PICTURE - 40.0), &shown);
                         form::file(ui, &asked.nodes, &mut asked.choices);
                     });
                     ui.vertical(|ui| {
@@ -294,16 +203,11 @@ impl Untold {
     }
 }
 
-/// The file's axis that the picture stands upright along: the one the hub is turned about, if there is one.
-fn likely_axis(nodes: &[MeshNode], choices: &Choices) -> Axis {
-    let hub = nodes.iter().zip(&choices.roles).find(|(_, role)| **role == Some(Role::Hub));
-    hub.map_or(Axis::Y, |(node, _)| node.turned_about())
-}
-
 /// What to do, for somebody who sees the dialog and not the command line.
 pub(super) fn asked_in_words(cure: &str) -> String {
     [
         ("--role NODE=", "the role "),
+        ("NODE=", ""),
         ("--rotation-axis", "the axis of rotation"),
         ("--rotation", "the sense of rotation"),
         ("--blades N", "the number of main blades"),

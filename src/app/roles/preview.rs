@@ -87,7 +87,7 @@ impl Preview {
         all
     }
 
-    fn make(&mut self, pictures: &Pictures, shown: &Shown<'_>) {
+    fn make(&mut self, pictures: &Pictures, shown: &Shown<'_>, aspect: f32) {
         let of = |role: &[Option<Role>]| self.joined(shown.axis, |k| role.contains(&shown.roles[k]));
         let blades = of(&[Some(Role::Blade), Some(Role::Splitter)]);
         // What has no role yet is there to be seen too; only what is left out for good is not.
@@ -95,7 +95,7 @@ impl Preview {
         let picture = pictures.loose(mesh);
         let axis_changed = self.made_for.as_ref().is_none_or(|(_, axis)| *axis != shown.axis);
         if axis_changed || self.camera.is_none() {
-            self.camera = Some(Camera::standard(View::Iso, picture.framing(), 1.0));
+            self.camera = Some(Camera::standard(View::Iso, picture.framing(), aspect));
         }
         self.picture = Some(picture);
         self.made_for = Some((shown.roles.to_vec(), shown.axis));
@@ -121,7 +121,7 @@ impl Preview {
             .as_ref()
             .is_none_or(|(roles, axis)| (roles.as_slice(), *axis) != (shown.roles, shown.axis))
         {
-            self.make(pictures, shown);
+            self.make(pictures, shown, size.x / size.y);
         }
         if self.lit != shown.chosen {
             let lit = shown.chosen.map(|chosen| self.joined(shown.axis, |k| k == chosen));
