@@ -135,8 +135,9 @@ impl<'a> Foot<'a> {
             return p;
         }
         let (t, angle) = self.place(&(p + self.outwards(u) * self.fillet));
-        let (end, _) = self.place(&p);
-        self.curve.point(if u == 1.0 { end } else { t }).at_angle(angle)
+        // The rim cuts the fillets off.
+        let (rim, _) = self.place(&self.side.point(1.0, self.ends.0));
+        self.curve.point(if u == 1.0 { rim } else { t.min(rim) }).at_angle(angle)
     }
 
     /// v at which the side itself begins.
