@@ -61,7 +61,15 @@ fn plan(part: &Impeller) -> PlungePlan {
     };
     PlungePlan {
         policy: AxisPolicy::Conventional,
-        sections: vec![SectionPlan { tool, from: 1.0, to: 0.6, feed: Feed::Inward, rows: 1, added: None }],
+        sections: vec![SectionPlan {
+            tool,
+            from: 1.0,
+            to: 0.6,
+            feed: Feed::Inward,
+            rows: 1,
+            rest: false,
+            added: None,
+        }],
         positions: vec![position(0.95, 0.0), position(0.75, 2.0)],
         dropped: Vec::new(),
         rounds: 1,

@@ -134,6 +134,13 @@ pub(super) struct SectionCut {
     pub added: Option<(usize, Stopped)>,
 }
 
+impl SectionCut {
+    /// Nothing of it cut yet, after the plunges of `columns`.
+    pub fn empty(feed: Feed, columns: Columns) -> Self {
+        Self { feed, rows: Vec::new(), columns, added: None }
+    }
+}
+
 impl<'a> Planner<'a> {
     /// For `part` with its `channel` and a `setup` that [`super::sections::resolve`] has completed.
     pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
@@ -206,6 +213,7 @@ impl<'a> Planner<'a> {
                 to: section.to,
                 feed: cut.feed,
                 rows: cut.rows.len(),
+                rest: section.rest,
                 added: cut.added,
             });
             for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
@@ -350,18 +358,23 @@ impl<'a> Planner<'a> {
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let grounds = self.grounds[index].as_ref().map_err(PlanError::clone)?;
-        if policy == AxisPolicy::Minimal {
-            return self.minimal_section(index, grounds, &columns, monitor);
+        let section = &self.setup.plunge.sections[index];
+        match (policy, section.rest) {
+            (AxisPolicy::Minimal, false) => {
+                return self.minimal_section(index, grounds, &columns, monitor);
+            }
+            (AxisPolicy::Minimal, true) => return self.rest_section(index, grounds, columns, monitor),
+            (_, true) => return Ok(SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns)),
+            (_, false) => {}
         }
         let (axes, most_lift) = match policy {
             AxisPolicy::Staircase => (AxisPolicy::Conventional, Some(1.0)),
             other => (other, None),
         };
-        let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
         let rows = self.section_rows(index, grounds, axes, &columns, monitor)?;
         let feed = section.feed.unwrap_or(Feed::Inward);
-        let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns, added: None };
+        let mut cut = SectionCut::empty(feed, columns);
         for row in rows {
             cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, monitor)?);
         }

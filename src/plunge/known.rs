@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::choice::rest::thick_after;
 use super::cycle::SectionCut;
 use super::sections::{SetupFault, tool_of};
 use crate::part::setup::{AxisPolicy, PlungeSetup, SectionSetup, Stock};
@@ -16,6 +17,8 @@ struct Input {
     section: SectionSetup,
     plunge: PlungeSetup,
     machine: Machine,
+    /// Layer that is left to a smaller cutter, mm.
+    rest_from: Option<f64>,
 }
 
 impl Input {
@@ -30,9 +33,11 @@ impl Input {
             plunge: PlungeSetup {
                 axis: AxisPolicy::Conventional,
                 sections: Vec::new(),
+                rest: false,
                 ..setup.plunge.clone()
             },
             machine: setup.machine.clone(),
+            rest_from: thick_after(setup, index)?,
         })
     }
 }

@@ -55,6 +55,8 @@ pub enum Stopped {
     ShareReached,
     /// The whole plan has as many positions as one may have for more to be added.
     PlanFull,
+    /// What is left is for the smaller cutter that comes after.
+    SmallerCutter,
 }
 
 impl Stopped {
@@ -64,6 +66,7 @@ impl Stopped {
             Self::NothingWorthwhile => "nothing_worthwhile",
             Self::ShareReached => "share_reached",
             Self::PlanFull => "plan_full",
+            Self::SmallerCutter => "smaller_cutter",
         }
     }
 
@@ -73,6 +76,7 @@ impl Stopped {
             Self::NothingWorthwhile => "no other would take enough",
             Self::ShareReached => "as many as a section may get",
             Self::PlanFull => "the plan is too long for more",
+            Self::SmallerCutter => "the rest is for a smaller cutter",
         }
     }
 }
@@ -211,8 +215,17 @@ pub struct SectionPlan {
     pub feed: Feed,
     /// Number of rows.
     pub rows: usize,
+    /// Whether it cuts only what the sections before it left thick.
+    pub rest: bool,
     /// Plunges that were added to those of the rows, and why no more; `None` by policies that add none.
     pub added: Option<(usize, Stopped)>,
+}
+
+impl SectionPlan {
+    /// Whether it is part of the program: one for the rest may turn out to have nothing to cut.
+    pub fn is_cut(&self) -> bool {
+        !self.rest || self.rows > 0
+    }
 }
 
 /// A plunge plan of one channel.

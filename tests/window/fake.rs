@@ -67,7 +67,8 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     };
     let mut setup = request.setup.clone();
     setup.tools = vec![tool.clone()];
-    setup.plunge.sections = vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, feed: Some(Feed::Inward) }];
+    setup.plunge.sections =
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, feed: Some(Feed::Inward), rest: false }];
     Ok(PlanOutcome {
         reasons: vec![None],
         part: Arc::clone(part),
@@ -119,8 +120,15 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
             });
         }
     }
-    let section =
-        SectionPlan { tool: tool.clone(), from: 1.0, to: 0.5, feed: Feed::Inward, rows: 2, added: None };
+    let section = SectionPlan {
+        tool: tool.clone(),
+        from: 1.0,
+        to: 0.5,
+        feed: Feed::Inward,
+        rows: 2,
+        rest: false,
+        added: None,
+    };
     PlungePlan { policy, sections: vec![section], positions, dropped: Vec::new(), rounds: 2, settled: true }
 }
 

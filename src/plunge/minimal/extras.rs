@@ -125,13 +125,16 @@ pub struct ExtraSearch<'a> {
 }
 
 impl<'a> ExtraSearch<'a> {
-    /// A pool of axes in `rows`, at `places` s along each, for what the plunges so far have left of `floor`.
-    pub fn new(rows: &'a [CandidateMaker<'a>], places: &[f64], floor: Floor, blank: &'a Blank) -> Self {
+    /// A pool of axes at `feet`, each a row of `rows` and an s, for what the plunges so far have left of `floor`.
+    pub fn new(
+        rows: &'a [CandidateMaker<'a>],
+        feet: &[(usize, f64)],
+        floor: Floor,
+        blank: &'a Blank,
+    ) -> Self {
         let radius = rows.first().map_or(0.0, |row| row.maker.tool.radius());
         let least = LEAST_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
         let mut search = Self { rows, blank, floor, heap: BinaryHeap::new(), waiting: Vec::new(), least };
-        let feet: Vec<(usize, f64)> =
-            (0..rows.len()).flat_map(|row| places.iter().map(move |&s| (row, s))).collect();
         let place = |(index, &(row, s)): (usize, &(usize, f64))| {
             let maker = &rows[row];
             if maker.maker.monitor.is_cancelled() {
@@ -144,6 +147,11 @@ impl<'a> ExtraSearch<'a> {
         let pool: Vec<Extra> = feet.par_iter().enumerate().filter_map(place).collect();
         search.heap = BinaryHeap::from(pool);
         search
+    }
+
+    /// The floor after all plunges that were found.
+    pub fn floor(&self) -> &Floor {
+        &self.floor
     }
 
     /// Up to `most` stations by rows of the pool that take `times` the least or more, each row in cutting order, all of

@@ -59,12 +59,7 @@ impl Planner<'_> {
             _ => None,
         };
         let Some(Fed { mut cut, .. }) = other.or(first) else {
-            return Ok(SectionCut {
-                feed: Feed::Inward,
-                rows: Vec::new(),
-                columns: earlier.clone(),
-                added: None,
-            });
+            return Ok(SectionCut::empty(Feed::Inward, earlier.clone()));
         };
         self.add_extras(index, grounds, &mut cut, monitor)?;
         Ok(cut)
@@ -83,7 +78,7 @@ impl Planner<'_> {
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let inward = feed.inward();
-        let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.clone(), added: None };
+        let mut cut = SectionCut::empty(feed, earlier.clone());
         let (mut cost, mut least) = (0.0, 0.0);
         for ground in grounds {
             let Ground { stretch, lane, rows, .. } = ground;
