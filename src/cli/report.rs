@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
 use crate::part::{Feed, Impeller};
-use crate::plunge::{Held, PlungePlan, Position};
+use crate::plunge::{Held, PlungePlan, Position, Stopped};
 use crate::residual::FloorGrid;
 
 /// A number, or null where there is none.
@@ -61,6 +61,7 @@ pub fn plan_object(
     map.insert("blocked".into(), json!(s.blocked));
     map.insert("held".into(), held_object(&held_back(plan, None)));
     map.insert("settled".into(), json!(plan.settled));
+    map.insert("stopped".into(), json!(plan.is_unfinished().then(|| Stopped::Cancelled.name())));
     map.insert("rounds".into(), json!(plan.rounds));
     map.insert("by_section".into(), by_section(result, grid, reasons));
     map

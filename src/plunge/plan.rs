@@ -45,7 +45,7 @@ impl Condition {
     }
 }
 
-/// Why `minimal` added no more plunges to a section.
+/// Why no more plunges were planned in a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stopped {
@@ -55,6 +55,8 @@ pub enum Stopped {
     ShareReached,
     /// The whole plan has as many positions as one may have for more to be added.
     PlanFull,
+    /// Planning was cancelled: what there is of the section is the best so far.
+    Cancelled,
 }
 
 impl Stopped {
@@ -64,6 +66,7 @@ impl Stopped {
             Self::NothingWorthwhile => "nothing_worthwhile",
             Self::ShareReached => "share_reached",
             Self::PlanFull => "plan_full",
+            Self::Cancelled => "cancelled",
         }
     }
 
@@ -73,6 +76,7 @@ impl Stopped {
             Self::NothingWorthwhile => "no other would take enough",
             Self::ShareReached => "as many as a section may get",
             Self::PlanFull => "the plan is too long for more",
+            Self::Cancelled => "cancelled: the best so far",
         }
     }
 }
@@ -211,7 +215,8 @@ pub struct SectionPlan {
     pub feed: Feed,
     /// Number of rows.
     pub rows: usize,
-    /// Plunges that were added to those of the rows, and why no more; `None` by policies that add none.
+    /// Plunges that were added to those of the rows, and why no more; `None` by policies that add none, unless they were
+    /// cancelled.
     pub added: Option<(usize, Stopped)>,
 }
 
@@ -230,4 +235,11 @@ pub struct PlungePlan {
     pub rounds: usize,
     /// Whether the loop came to rest.
     pub settled: bool,
+}
+
+impl PlungePlan {
+    /// Whether planning was cancelled before this plan was finished: it is sound, but leaves more than it would have.
+    pub fn is_unfinished(&self) -> bool {
+        self.sections.iter().any(|s| matches!(s.added, Some((_, Stopped::Cancelled))))
+    }
 }

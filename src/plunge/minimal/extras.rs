@@ -166,7 +166,11 @@ impl<'a> ExtraSearch<'a> {
         self.heap.extend(std::mem::take(&mut self.waiting));
         let mut count = 0;
         while let Some(best) = self.heap.pop() {
-            monitor.check()?;
+            match monitor.check() {
+                // What was found until now stands for itself.
+                Err(_) if monitor.is_stopped() => break,
+                checked => checked?,
+            }
             if best.gain < times * self.least || count >= most {
                 self.heap.push(best);
                 break;

@@ -34,6 +34,12 @@ impl Planner<'_> {
         cut: &mut SectionCut,
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
+        if monitor.is_stopped() {
+            cut.added = Some((0, Stopped::Cancelled));
+            return Ok(());
+        }
+        // Those that were found are cut.
+        let closing = &monitor.closing();
         let stock = &self.setup.stock;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
@@ -43,7 +49,7 @@ impl Planner<'_> {
         let room = MOST_POSITIONS.saturating_sub(cut.columns.len());
         let most = room.min(MOST_SHARE * planned);
         let (mut added_in_all, mut stopped) = (0, Stopped::NothingWorthwhile);
-        for ground in grounds {
+        for ground in grounds.iter().take_while(|_| !monitor.is_stopped()) {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice() {
                 floor.cut(self.part, &column.cutter);
@@ -72,7 +78,7 @@ impl Planner<'_> {
                 budget -= rows.iter().map(Vec::len).sum::<usize>();
                 let before = cut.rows.len();
                 for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
-                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, monitor)?;
+                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
                 }
                 // Nothing is missing where one of these has no place after all.
                 let added: Vec<CutRow> = cut.rows.drain(before..).collect();
@@ -85,6 +91,9 @@ impl Planner<'_> {
             if budget == 0 && planned > 0 {
                 stopped = if room < MOST_SHARE * planned { Stopped::PlanFull } else { Stopped::ShareReached };
             }
+        }
+        if monitor.is_stopped() {
+            stopped = Stopped::Cancelled;
         }
         cut.added = Some((added_in_all, stopped));
         Ok(())
