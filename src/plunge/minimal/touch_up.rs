@@ -20,8 +20,8 @@ const STEP_SHARE: f64 = 0.5;
 const PARTS: usize = 4;
 /// At most so many for each plunge of the rows.
 const MOST_SHARE: usize = 2;
-/// Plans of so many positions get no more: they are fine already, and the limit of all is for what the setup asks for.
-const MOST_POSITIONS: usize = MAX_POSITIONS / 4;
+/// Plans of so many positions get no more: the rest of the limit is for what the setup asks for.
+const MOST_POSITIONS: usize = MAX_POSITIONS / 2;
 /// They are tried no nearer to each other than this, in cutter radii.
 const NEAREST_RADII: f64 = 0.12;
 
