@@ -35,9 +35,12 @@ pub struct Results {
 }
 
 impl Results {
-    /// Takes a plan in, and notes its figures.
+    /// Takes a plan in, and notes its figures once it is finished.
     pub fn take(&mut self, planned: Planned) {
-        self.note(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
+        // What a cancel left of a plan is not what its setup comes to.
+        if !planned.is_unfinished() {
+            self.note(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
+        }
         self.planned = Some(Arc::new(planned));
     }
 

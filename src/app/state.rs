@@ -160,12 +160,29 @@ impl State {
         self.notice = None;
     }
 
-    /// Takes a plan in. The selection stays where the new plan still has that position.
+    /// Takes a plan in. The selection stays where the new plan still has that position. What a cancel left of a plan takes
+    /// no finished one's place of the same setup.
     pub fn take_plan(&mut self, planned: Planned) {
+        let unfinished = planned.is_unfinished();
+        let has_better =
+            |known: &Arc<Planned>| !known.is_unfinished() && known.setup.same_but_for_flank(&planned.setup);
+        if unfinished && self.results.planned.as_ref().is_some_and(has_better) {
+            self.plan_cancelled();
+            return;
+        }
         self.results.take(planned);
         self.keep_within_plan();
         self.problems.retain(|problem| !problem.of_plan);
         self.notice = None;
+        if unfinished {
+            self.done("Planning cancelled: the best so far, not finished; plan again (F5)");
+        }
+    }
+
+    /// Planning was cancelled, and nothing new came of it.
+    pub fn plan_cancelled(&mut self) {
+        let kept = if self.results.planned.is_some() { "; the plan before stays" } else { "" };
+        self.done(format!("Planning cancelled{kept}"));
     }
 
     /// Takes a flank plan in, and shows it.

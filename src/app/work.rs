@@ -103,7 +103,8 @@ impl Work {
     /// What runs, and how far it is.
     pub(super) fn running(&self) -> Option<(&'static str, f64)> {
         let opening = self.opener.progress().map(|fraction| ("Opening", fraction));
-        let planning = || self.planner.progress().map(|fraction| ("Planning", fraction));
+        let what = if self.planner.is_stopping() { "Judging" } else { "Planning" };
+        let planning = || self.planner.progress().map(|fraction| (what, fraction));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
         let curves = || self.flanker.progress().map(|fraction| ("Planning flank curves", fraction));
         opening.or_else(planning).or_else(curves).or_else(writing)
@@ -169,10 +170,11 @@ impl App {
         }
     }
 
-    /// Stops what the user waits for. Writing is over in a moment and is left to end.
+    /// Stops what the user waits for; of a plan the best so far comes, unless this is the second time. Writing is over in a
+    /// moment and is left to end.
     pub(super) fn cancel(&mut self) {
         self.work.opener.cancel();
-        self.work.planner.cancel();
+        self.work.planner.stop();
         self.work.flanker.cancel();
     }
 
@@ -220,11 +222,7 @@ impl App {
                         self.state.take_plan(planned);
                     }
                 }
-                End::Cancelled | End::Failed(JobError::Cancelled) => {
-                    let kept =
-                        if self.state.results.planned.is_some() { "; the plan before stays" } else { "" };
-                    self.state.done(format!("Planning cancelled{kept}"));
-                }
+                End::Cancelled | End::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 End::Failed(JobError::Setup(fault)) => {
                     self.state.fault(Problem::of_plan(fault.what, fault.cure));
                 }

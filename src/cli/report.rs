@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
 use crate::part::{Feed, Impeller};
-use crate::plunge::{Held, PlungePlan, Position, SectionPlan};
+use crate::plunge::{Held, PlungePlan, Position, SectionPlan, Stopped};
 use crate::residual::FloorGrid;
 
 /// A number, or null where there is none.
@@ -61,6 +61,7 @@ pub fn plan_object(
     map.insert("blocked".into(), json!(s.blocked));
     map.insert("held".into(), held_object(&held_back(plan, None)));
     map.insert("settled".into(), json!(plan.settled));
+    map.insert("stopped".into(), json!(plan.is_unfinished().then(|| Stopped::Cancelled.name())));
     map.insert("rounds".into(), json!(plan.rounds));
     map.insert("by_section".into(), by_section(result, grid, reasons));
     map
@@ -205,6 +206,7 @@ pub fn added(plan: &PlungePlan) -> String {
             let (from, to) = (section.from, section.to);
             let why = stopped.words();
             let what = match (section.rest, count) {
+                _ if stopped == Stopped::Cancelled => format!("{count} plunges added; {why}"),
                 (false, _) => format!("{count} plunges added to the rows; {why}"),
                 (true, 0) => "nothing left that is thick enough for another cutter".to_owned(),
                 (true, _) => format!("{count} plunges for the rest; {why}"),

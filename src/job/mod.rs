@@ -79,7 +79,7 @@ impl PlanOutcome {
 /// Why there is no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum JobError {
-    /// Cancelled; keep the last good result.
+    /// Cancelled, and there is nothing to show for it; keep the last good result.
     #[error("cancelled")]
     Cancelled,
     /// The part and the setup do not go together: what, and what to do.
@@ -122,11 +122,12 @@ pub struct PlanJob {
 }
 
 impl PlanJob {
-    /// Plans one channel.
+    /// Plans one channel. Once `monitor` is told to stop, the plan asked for is judged as far as it is found, see
+    /// [`PlungePlan::is_unfinished`]; others that are not finished are left out.
     ///
     /// # Errors
-    /// [`JobError::Cancelled`] soon after `monitor` is told so; [`JobError::Setup`] when part and setup
-    /// do not go together.
+    /// [`JobError::Cancelled`] soon after `monitor` is told so, or to stop where nothing was found yet;
+    /// [`JobError::Setup`] when part and setup do not go together.
     pub fn run(&self, request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
         let part = &request.part;
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
@@ -146,16 +147,18 @@ fn plan(request: &PlanRequest, known: &mut Known, monitor: &Monitor) -> Result<P
     let Resolved { setup, reasons } = resolve(&request.setup, part, &channel)?;
     let planner = Planner::new(part, &channel, &setup);
     monitor.report(0.05);
+    // What every plan is judged beside and by is made even after a stop.
+    let closing = &monitor.closing();
     let measured = |plan: PlungePlan, grid: &FloorGrid| -> Result<PolicyResult, PlanError> {
-        monitor.check()?;
+        closing.check()?;
         Ok(with_field(plan, grid))
     };
     let mut known_of = |policy: AxisPolicy| known.remove(&policy).unwrap_or_default();
     let mut known_conventional = known_of(AxisPolicy::Conventional);
     // The conventional plan is ready long before others: meanwhile it is measured.
     let conventional = || -> Result<(PolicyResult, FloorGrid), PlanError> {
-        let plan = planner.plan_knowing(AxisPolicy::Conventional, &mut known_conventional, monitor)?;
-        monitor.check()?;
+        let plan = planner.plan_knowing(AxisPolicy::Conventional, &mut known_conventional, closing)?;
+        closing.check()?;
         let cutters = stretches_of_setup(&setup);
         let (blank, stock) = (planner.blank(), &setup.stock);
         let source = FloorSource { part, channel: &channel, blank, stock, cutters: &cutters };
@@ -168,7 +171,21 @@ fn plan(request: &PlanRequest, known: &mut Known, monitor: &Monitor) -> Result<P
     let mut policies: Vec<(AxisPolicy, KnownSections)> =
         AxisPolicy::ALL.iter().filter(wanted).map(|&policy| (policy, known_of(policy))).collect();
     let asked = || -> Result<Vec<PlungePlan>, PlanError> {
-        policies.par_iter_mut().map(|(policy, known)| planner.plan_knowing(*policy, known, monitor)).collect()
+        let plans = policies.par_iter_mut().map(|(policy, known)| {
+            let plan = planner.plan_knowing(*policy, known, monitor);
+            if *policy == request.policy {
+                if matches!(plan, Err(PlanError::Cancelled(_))) {
+                    // With nothing to judge nobody needs the rest.
+                    monitor.cancel();
+                }
+                return plan.map(Some);
+            }
+            match plan {
+                Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(None),
+                plan => Ok(Some(plan?).filter(|plan| !plan.is_unfinished())),
+            }
+        });
+        plans.filter_map(Result::transpose).collect()
     };
     let (before, asked) = rayon::join(conventional, asked);
     known.insert(AxisPolicy::Conventional, known_conventional);

@@ -16,7 +16,7 @@ use super::row::Station;
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many, tool_of};
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::setup::{AxisPolicy, Feed};
+use crate::part::setup::{AxisPolicy, Feed, SectionSetup};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 
 /// Times a plunge is lifted before its contact is left to the verdict.
@@ -135,9 +135,20 @@ pub(super) struct SectionCut {
 }
 
 impl SectionCut {
-    /// Nothing of it cut yet, after the plunges of `columns`.
+    /// Nothing of a section that comes after the plunges of `columns`.
     pub fn empty(feed: Feed, columns: Columns) -> Self {
         Self { feed, rows: Vec::new(), columns, added: None }
+    }
+
+    /// As [`Self::empty`], of a section that nothing was found of before planning was cancelled.
+    fn unbegun(section: &SectionSetup, columns: Columns) -> Self {
+        let feed = section.feed.unwrap_or(Feed::Inward);
+        Self { added: Some((0, Stopped::Cancelled)), ..Self::empty(feed, columns) }
+    }
+
+    /// Whether planning was cancelled before the section was finished.
+    pub fn is_unfinished(&self) -> bool {
+        matches!(self.added, Some((_, Stopped::Cancelled)))
     }
 }
 
@@ -161,11 +172,12 @@ impl<'a> Planner<'a> {
         &self.blank
     }
 
-    /// Plans one channel by `policy`.
+    /// Plans one channel by `policy`. Once the monitor asks to stop, the plan is what was found until then, measured: all
+    /// sections that are finished, and what there is of the one that is not.
     ///
     /// # Errors
-    /// [`PlanError::Cancelled`] soon after the monitor asks for it, [`PlanError::Setup`] when a cutter
-    /// does not fit where it shall work.
+    /// [`PlanError::Cancelled`] soon after the monitor asks for it, or to stop where nothing was found yet;
+    /// [`PlanError::Setup`] when a cutter does not fit where it shall work.
     pub fn plan(&self, policy: AxisPolicy, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
         self.plan_knowing(policy, &mut KnownSections::default(), monitor)
     }
@@ -193,7 +205,6 @@ impl<'a> Planner<'a> {
         known.keep_for(self.setup)?;
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
-            monitor.check()?;
             monitor.report(0.8 * index as f64 / sections.len() as f64);
             let tool = tool_of(self.setup, section.tool)?;
             let place = SetupPlace::Section { index, tool: tool.number };
@@ -204,7 +215,10 @@ impl<'a> Planner<'a> {
                     other => other,
                 })
             };
-            let cut = known.get_or_make(index, self.setup, make)?;
+            let cut = match last.as_ref().filter(|last| last.is_unfinished()) {
+                Some(last) => Arc::new(SectionCut::unbegun(section, last.columns.clone())),
+                None => known.get_or_make(index, self.setup, make)?,
+            };
             let planned: usize = cut.rows.iter().map(|row| row.placed.len()).sum();
             self.check_count(plan.positions.len() + planned, tool, place)?;
             plan.sections.push(SectionPlan {
@@ -235,7 +249,12 @@ impl<'a> Planner<'a> {
             }
             last = Some(cut);
         }
+        if plan.positions.is_empty() && plan.is_unfinished() {
+            return Err(Cancelled.into());
+        }
         monitor.report(0.85);
+        // What was found is judged whether it is all or not.
+        let monitor = &monitor.closing();
         if let Some(cut) = last {
             self.measure(&mut plan, &cut.columns, monitor)?;
         }
@@ -372,11 +391,15 @@ impl<'a> Planner<'a> {
             other => (other, None),
         };
         let tool = tool_of(self.setup, section.tool)?;
-        let rows = self.section_rows(index, grounds, axes, &columns, monitor)?;
-        let feed = section.feed.unwrap_or(Feed::Inward);
-        let mut cut = SectionCut::empty(feed, columns);
+        let rows = match self.section_rows(index, grounds, axes, &columns, monitor) {
+            Err(PlanError::Cancelled(_)) if monitor.is_stopped() => {
+                return Ok(SectionCut::unbegun(section, columns));
+            }
+            rows => rows?,
+        };
+        let mut cut = SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns);
         for row in rows {
-            cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, monitor)?);
+            cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, &monitor.closing())?);
         }
         Ok(cut)
     }

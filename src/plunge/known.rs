@@ -62,8 +62,8 @@ impl KnownSections {
         Ok(self.sections.len())
     }
 
-    /// Section `index` of a plan by `setup`, if it is known; else what `make` makes of the section before. The sections before must be
-    /// known.
+    /// Section `index` of a plan by `setup`, if it is known; else what `make` makes of the section before, which is remembered
+    /// when it is finished. The sections before must be known.
     ///
     /// # Errors
     /// Those of `make`, and when the section has no tool.
@@ -77,7 +77,9 @@ impl KnownSections {
             return Ok(Arc::clone(cut));
         }
         let cut = Arc::new(make(self.sections.last().map(|(_, cut)| cut.as_ref()))?);
-        self.sections.push((Input::of(setup, index)?, Arc::clone(&cut)));
+        if !cut.is_unfinished() {
+            self.sections.push((Input::of(setup, index)?, Arc::clone(&cut)));
+        }
         Ok(cut)
     }
 

@@ -55,8 +55,8 @@ impl SetupFault {
     }
 }
 
-/// Most positions a plan of one channel may have: ten times what the smallest cutters for a wheel need.
-pub const MAX_POSITIONS: usize = 20_000;
+/// Most positions a plan of one channel may have: it takes about a gigabyte while it is made.
+pub const MAX_POSITIONS: usize = 200_000;
 
 /// A setup with everything filled in that it left open.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,13 +12,13 @@ use vanecut::part::channel::{Channel, Passage};
 use vanecut::part::setup::{Feed, SectionSetup};
 use vanecut::part::{AxisPolicy, Impeller, Tool};
 use vanecut::plunge::sections::SetupFault;
-use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan};
+use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan, Stopped};
 use vanecut::residual::{FloorGrid, ResidualField};
 
 /// Faults of the conventional plan at the tools' own step.
 pub const FAULTS: usize = 5;
 
-/// While set, the planner works on without end, until it is told to stop.
+/// While set, the planner works on without end, until it is told to stop; it has half a plan then.
 pub type Slow = Arc<AtomicBool>;
 
 /// The real samples under the stand-in.
@@ -28,12 +28,24 @@ pub fn engine() -> (Engine, Slow) {
     let plan = move |request: &PlanRequest, monitor: &Monitor| {
         while stalls.load(Ordering::SeqCst) {
             monitor.report(0.4);
+            if monitor.is_stopped() {
+                return Ok(unfinished(plan(request)?));
+            }
             monitor.check().map_err(|_| JobError::Cancelled)?;
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
         plan(request)
     };
     (Engine { plan: Arc::new(plan), ..Engine::default() }, slow)
+}
+
+/// The first row alone, as when the planner was stopped after it.
+fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
+    let plan = &mut outcome.after.plan;
+    plan.positions.retain(|position| position.row == 0);
+    plan.sections[0].rows = 1;
+    plan.sections[0].added = Some((0, Stopped::Cancelled));
+    outcome
 }
 
 fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {

@@ -24,6 +24,12 @@ pub fn show(ui: &mut Ui, state: &State) {
         ui.label(text).on_hover_text("The setup was edited after this plan");
     }
     let plan = after.plan();
+    if plan.is_unfinished() {
+        let text = RichText::new("Unfinished:").color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text(
+            "Planning was cancelled: this is the best so far. What it does not cut yet counts as uncut",
+        );
+    }
     let planned = after.planned;
     let (before, after) = (&planned.result(before.policy).summary, &planned.result(after.policy).summary);
     interferential(ui, plan, before, after);

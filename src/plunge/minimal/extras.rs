@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
 use super::floor::{Floor, Gain};
-use crate::geometry::{CutterSolid, Point};
+use crate::geometry::{Cells, CutterSolid, Point};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::contact::{Columns, ContactSearch};
@@ -170,11 +170,15 @@ impl<'a> ExtraSearch<'a> {
         else {
             return Ok(Vec::new());
         };
-        let radius = tool.radius();
+        let mut added = Cells::new(NEAR_RADII * tool.radius());
         self.heap.extend(std::mem::take(&mut self.waiting));
         let mut count = 0;
         while let Some(best) = self.heap.pop() {
-            monitor.check()?;
+            match monitor.check() {
+                // What was found until now stands for itself.
+                Err(_) if monitor.is_stopped() => break,
+                checked => checked?,
+            }
             if best.gain < times * self.least || count >= most {
                 self.heap.push(best);
                 break;
@@ -191,6 +195,7 @@ impl<'a> ExtraSearch<'a> {
                 continue;
             }
             self.floor.cut(part, &self.cutter(best.row, &station, lift));
+            added.push(station.tip);
             found[best.row].push((-station.ends.s_hub * inward, station));
             count += 1;
         }
@@ -199,10 +204,9 @@ impl<'a> ExtraSearch<'a> {
         let (held, rest) = self.heap.drain().partition(is_held);
         self.heap = BinaryHeap::from(rest);
         self.waiting.extend::<Vec<Extra>>(held);
-        let near = |a: &Station, b: &Station| (a.tip - b.tip).norm() < NEAR_RADII * radius;
         for mut extra in std::mem::take(&mut self.waiting) {
             if let Look::Plunge { station, .. } = extra.look
-                && found.iter().flatten().any(|(_, added)| near(&station, added))
+                && added.any_near(&station.tip, 0)
             {
                 (extra.look, extra.gain) = (Look::Axis(station), f64::INFINITY);
                 self.waiting.push(extra);

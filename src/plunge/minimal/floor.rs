@@ -8,7 +8,7 @@ use crate::plunge::ground::Stretch;
 /// Edge of a cell in cutter radii.
 const CELL_RADII: f64 = 0.2;
 /// Most cells of a stretch along it, and across.
-const MAX_CELLS: usize = 400;
+const MAX_CELLS: usize = 4000;
 /// How far from its tip a cutter is looked at, in radii: the flank may reach stock on a hub that rises beside it.
 const REACH_RADII: f64 = 1.25;
 /// What is so near to its tip is well under a cutter, in radii.

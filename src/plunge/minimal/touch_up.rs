@@ -34,8 +34,8 @@ const BESIDE_ROWS: Manner = Manner { rounds: [4.0, 2.0, 1.0], step_share: 0.5, p
 const REST: Manner = Manner { rounds: [64.0, 32.0, 16.0], step_share: 0.7, parts: 3 };
 /// At most so many for each plunge of the rows.
 const MOST_SHARE: usize = 2;
-/// Plans of so many positions get no more: they are fine already, and the limit of all is for what the setup asks for.
-const MOST_POSITIONS: usize = MAX_POSITIONS / 4;
+/// Plans of so many positions get no more: the rest of the limit is for what the setup asks for.
+const MOST_POSITIONS: usize = MAX_POSITIONS / 2;
 /// They are tried no nearer to each other than this, in cutter radii.
 const NEAREST_RADII: f64 = 0.12;
 /// Share of a stretch's floor that has to be thick for a smaller cutter to come back.
@@ -100,6 +100,12 @@ impl Planner<'_> {
         wanted: Wanted,
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
+        if monitor.is_stopped() {
+            cut.added = Some((0, Stopped::Cancelled));
+            return Ok(());
+        }
+        // Those that were found are cut.
+        let closing = &monitor.closing();
         let stock = &self.setup.stock;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
@@ -107,7 +113,7 @@ impl Planner<'_> {
         let allowances = (stock.hub_allowance, stock.blade_allowance);
         let most = wanted.room.min(wanted.most);
         let (mut added_in_all, mut stopped) = (0, Stopped::NothingWorthwhile);
-        for ground in grounds {
+        for ground in grounds.iter().take_while(|_| !monitor.is_stopped()) {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice() {
                 floor.cut(self.part, &column.cutter);
@@ -160,7 +166,7 @@ impl Planner<'_> {
                 budget -= rows.iter().map(Vec::len).sum::<usize>();
                 let before = cut.rows.len();
                 for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
-                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, monitor)?;
+                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
                 }
                 // Nothing is missing where one of these has no place after all.
                 let added: Vec<CutRow> = cut.rows.drain(before..).collect();
@@ -173,6 +179,9 @@ impl Planner<'_> {
             if budget == 0 && most > 0 {
                 stopped = if wanted.room <= wanted.most { Stopped::PlanFull } else { Stopped::ShareReached };
             }
+        }
+        if monitor.is_stopped() {
+            stopped = Stopped::Cancelled;
         }
         cut.added = Some((added_in_all, stopped));
         Ok(())
