@@ -59,6 +59,7 @@ commands! {
     SaveProject "Save project" "Writes the project to its file" [CTRL, S];
     SaveProjectAs "Save project as…" "Writes the project to another file" [CTRL | SHIFT, S];
     OpenPart "Open part…" "Opens an impeller: .toml, .geomTurbo, TurboGrid .inf, or a mesh (.glb, .gltf)" [CTRL, O];
+    AssignRoles "Assign roles…" "Tells which node of the part's mesh file is hub, shroud, blade or splitter" [];
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     SaveSetup "Save setup…" "Writes the setup as it stands" [];
     ExportCl "Export CL…" "Writes the plan shown as \"after\" as an APT cutter-location file" [CTRL, E];

@@ -1,12 +1,13 @@
 //! What the window asks of the rest of the program, as plain functions: opening a part and planning
 //! it. Tests put stand-ins here.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::formats::InputError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::job::{JobError, PlanJob, PlanOutcome, PlanRequest};
+use crate::mesh::MeshOptions;
 use crate::monitor::Monitor;
 use crate::part::{Impeller, Setup};
 
@@ -17,8 +18,38 @@ use super::planned::Planned;
 pub enum PartSource {
     /// A file.
     File(PathBuf),
+    /// A mesh file, with what the user said about it.
+    Mesh(PathBuf, MeshOptions),
     /// A sample that is built into the program, by its name.
     Sample(String),
+}
+
+impl PartSource {
+    /// The file, with what is said about it where it is a mesh; `None` for a sample.
+    pub fn file(&self) -> Option<(&Path, MeshOptions)> {
+        match self {
+            Self::File(path) => Some((path, MeshOptions::default())),
+            Self::Mesh(path, options) => Some((path, options.clone())),
+            Self::Sample(_) => None,
+        }
+    }
+
+    /// The file, if its part is made of a mesh.
+    pub fn mesh(&self) -> Option<(&Path, MeshOptions)> {
+        let is_mesh = |path: &Path| {
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            matches!(extension.as_str(), "glb" | "gltf")
+        };
+        self.file().filter(|(path, _)| is_mesh(path))
+    }
+
+    /// The name it is shown by.
+    pub fn shown(&self) -> String {
+        match self {
+            Self::File(path) | Self::Mesh(path, _) => path.display().to_string(),
+            Self::Sample(name) => name.clone(),
+        }
+    }
 }
 
 /// A sample part that is built into the program.

@@ -13,6 +13,7 @@
 //! | [`mouse`], `point_menu` | what the mouse does, by preset; what a right click offers |
 //! | [`overlay`], [`cube`], `borders` | what floats over them; the borders of sections, to be dragged |
 //! | [`scrub`] | stock at a place of the timeline |
+//! | `roles` | which node of a mesh file is what, asked where names do not tell |
 //! | [`dialogs`], [`files`] | choosing files; reading and writing them in the background |
 //! | `project`, [`home`] | the project as a file, and what is asked before it is lost; recent ones, copies that survive a crash |
 //! | [`menu`], [`palette`], [`work`] | the menu; the search for commands; what runs in the background and what becomes of it |
@@ -43,6 +44,7 @@ pub mod planned;
 mod point_menu;
 mod project;
 pub mod results;
+mod roles;
 pub mod run;
 mod scrub;
 pub mod state;
@@ -89,6 +91,7 @@ pub struct App {
     session: project::Session,
     export: export::ExportSettings,
     export_dialog: export::ExportDialog,
+    roles: roles::RolesDialog,
     device: String,
     title: String,
     start: Option<Instant>,
@@ -123,6 +126,7 @@ impl App {
             session: project::Session::default(),
             export: export::ExportSettings::default(),
             export_dialog: export::ExportDialog::default(),
+            roles: roles::RolesDialog::default(),
             device,
             title: String::new(),
             start: None,
@@ -333,7 +337,8 @@ impl eframe::App for App {
         self.take_drops(ctx);
         self.watch_closing(ctx);
         // A question or the search for a command has the keyboard for itself.
-        if !self.palette.is_open() && !self.session.is_asking() && !self.export_dialog.is_open() {
+        let asks = self.session.is_asking() || self.export_dialog.is_open() || self.roles.is_open();
+        if !self.palette.is_open() && !asks {
             for command in Command::pressed(ctx, |command| self.can(command)) {
                 self.obey(ctx, command);
             }
@@ -401,6 +406,7 @@ impl eframe::App for App {
         }
         self.ask_unsaved(ui);
         self.ask_export(ui);
+        self.ask_roles(ui);
         // A drag of a border is one step, however long it takes.
         if !self.border_held {
             let time = ui.input(|input| input.time);

@@ -12,6 +12,7 @@ use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::flank::{self, FlankColours};
 use crate::gpu::floor::value_mesh;
+use crate::gpu::mesh::Mesh;
 use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
 use crate::gpu::scene::{Scene, SceneOptions};
@@ -118,6 +119,12 @@ impl Pictures {
             *slot = Some(Picture::new(&self.egui, &self.gpu, self.mesh.as_ref()?));
         }
         slot.as_mut()
+    }
+
+    /// A picture of triangles that are no part yet.
+    pub fn loose(&self, mesh: PartMesh) -> Picture {
+        let mesh = Arc::new(mesh);
+        Picture::new(&self.egui, &self.gpu, &PartMeshes { fine: Arc::clone(&mesh), draft: mesh })
     }
 
     /// Faults the device reported since the last look.
@@ -251,6 +258,20 @@ impl Picture {
             self.scene.set_values(&self.gpu, mesh);
         }
         self.generation += 1;
+    }
+
+    /// Lays a mesh over what is drawn, in the colours of its values, or nothing.
+    pub fn highlight(&mut self, mesh: Option<Mesh>) {
+        match mesh {
+            Some(mesh) => self.scene.set_values(&self.gpu, mesh),
+            None => self.scene.set_floor(&self.gpu, None, None),
+        }
+        self.generation += 1;
+    }
+
+    /// What the standard views of it aim at.
+    pub fn framing(&self) -> &Framing {
+        self.scene.framing()
     }
 
     fn shows_walls(&self) -> bool {

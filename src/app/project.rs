@@ -61,6 +61,7 @@ fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
     let edited = &state.document.edited;
     let place = match &part.source {
         PartSource::File(path) => PartPlace::File(path.clone()),
+        PartSource::Mesh(path, choices) => PartPlace::Mesh { file: path.clone(), choices: choices.clone() },
         PartSource::Sample(name) => PartPlace::Sample(name.clone()),
     };
     let sets = edited.sets.iter().map(|set| StoredSet {
@@ -98,6 +99,7 @@ pub(super) fn edited_of(project: &Project) -> Edited {
 pub(super) fn source_of(project: &Project) -> PartSource {
     match &project.part {
         PartPlace::File(path) => PartSource::File(path.clone()),
+        PartPlace::Mesh { file, choices } => PartSource::Mesh(file.clone(), choices.clone()),
         PartPlace::Sample(name) => PartSource::Sample(name.clone()),
     }
 }

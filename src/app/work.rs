@@ -11,6 +11,7 @@ use crate::gpu::device::LOST;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{End, Worker};
+use crate::monitor::Monitor;
 use crate::part::Setup;
 
 use super::App;
@@ -21,19 +22,76 @@ use super::files::{self, WriteTask, Written};
 use super::picture::PartMeshes;
 use super::planned::Planned;
 use super::project::{Pending, edited_of, source_of};
+use super::roles::{Untold, asked_in_words};
 use super::state::Problem;
 
-/// What to open: a project, or a part, a setup, or both.
+/// What to open.
+#[derive(Clone)]
 pub(super) enum OpenTask {
-    Project(PathBuf),
+    /// A project; with another source of its part than the one it names, if there is one.
+    Project(PathBuf, Option<PartSource>),
+    /// A part, a setup, or both.
     Files { part: Option<PartSource>, setup: Option<PathBuf> },
+    /// The nodes of a mesh file, to be told apart by hand.
+    Nodes(PartSource),
+}
+
+impl OpenTask {
+    /// The same with another source of the part.
+    pub(super) fn with_part(self, source: PartSource) -> Self {
+        match self {
+            Self::Project(path, _) => Self::Project(path, Some(source)),
+            Self::Files { setup, .. } => Self::Files { part: Some(source), setup },
+            Self::Nodes(_) => Self::Files { part: Some(source), setup: None },
+        }
+    }
 }
 
 /// What was opened.
+#[derive(Default)]
 pub(super) struct Opened {
     part: Option<(OpenPart, PartMeshes)>,
     setup: Option<(PathBuf, Setup)>,
     project: Option<(PathBuf, Project)>,
+    /// A mesh file whose nodes are to be told apart first.
+    untold: Option<Untold>,
+}
+
+/// Opens what is asked for. A mesh file of which no part can be made comes back with its nodes and the reason.
+fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, InputError> {
+    let (source, setup, project) = match task {
+        OpenTask::Project(path, instead) => {
+            let project = read_project(path)?;
+            let source = instead.clone().unwrap_or_else(|| source_of(&project));
+            (Some(source), None, Some((path.clone(), project)))
+        }
+        OpenTask::Files { part, setup } => {
+            let read = |path: &PathBuf| Ok::<_, InputError>((path.clone(), read_setup(path)?));
+            (part.clone(), setup.as_ref().map(read).transpose()?, None)
+        }
+        OpenTask::Nodes(source) => {
+            let nodes = source.mesh().map(|(path, said)| Untold::read(path, &said, task.clone(), None));
+            return Ok(Opened { untold: nodes.transpose()?, ..Opened::default() });
+        }
+    };
+    let Some(source) = source else { return Ok(Opened { setup, project, ..Opened::default() }) };
+    match (engine.open)(&source, monitor) {
+        Ok((impeller, hash)) => {
+            let mesh = PartMeshes::new(&impeller);
+            let part = Some((OpenPart { source, impeller, hash }, mesh));
+            Ok(Opened { part, setup, project, untold: None })
+        }
+        Err(error) => {
+            let nodes = source
+                .mesh()
+                .and_then(|(path, said)| Untold::read(path, &said, task.clone(), Some(&error)).ok());
+            match nodes {
+                Some(untold) => Ok(Opened { untold: Some(untold), ..Opened::default() }),
+                // What is wrong lies deeper than in its roles.
+                None => Err(error),
+            }
+        }
+    }
 }
 
 /// The background threads.
@@ -57,29 +115,8 @@ impl Work {
             move || ctx.request_repaint()
         };
         let (to_open, to_plan, to_flank) = (engine.clone(), engine.clone(), engine.clone());
-        let open = move |task: &OpenTask, monitor: &crate::monitor::Monitor| {
-            let (source, setup, project) = match task {
-                OpenTask::Project(path) => {
-                    let project = read_project(path)?;
-                    (Some(source_of(&project)), None, Some((path.clone(), project)))
-                }
-                OpenTask::Files { part, setup } => {
-                    let read = |path: &PathBuf| Ok::<_, InputError>((path.clone(), read_setup(path)?));
-                    (part.clone(), setup.as_ref().map(read).transpose()?, None)
-                }
-            };
-            let part = match source {
-                Some(source) => {
-                    let (impeller, hash) = (to_open.open)(&source, monitor)?;
-                    let mesh = PartMeshes::new(&impeller);
-                    Some((OpenPart { source, impeller, hash }, mesh))
-                }
-                None => None,
-            };
-            Ok(Opened { part, setup, project })
-        };
         Self {
-            opener: Worker::new("open", open, repaint()),
+            opener: Worker::new("open", move |task, monitor| open(&to_open, task, monitor), repaint()),
             planner: Worker::new("plan", move |task, monitor| to_plan.planned(task, monitor), repaint()),
             flanker: Worker::new(
                 "flank",
@@ -113,17 +150,23 @@ impl Work {
 
 impl App {
     pub(super) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
-        self.state.opening.clone_from(&part);
+        self.submit_open(OpenTask::Files { part, setup });
+    }
+
+    pub(super) fn submit_open(&mut self, task: OpenTask) {
+        self.state.opening = match &task {
+            OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
+            OpenTask::Files { part, .. } => part.clone(),
+            OpenTask::Nodes(source) => Some(source.clone()),
+        };
         self.state.notice = None;
-        self.work.opener.submit(OpenTask::Files { part, setup });
+        self.work.opener.submit(task);
     }
 
     /// Opens a file for what it is: project, setup or part.
     pub(super) fn open_file(&mut self, path: PathBuf) {
         if files::is_project(&path) {
-            self.state.opening = Some(PartSource::File(path.clone()));
-            self.state.notice = None;
-            self.work.opener.submit(OpenTask::Project(path));
+            self.submit_open(OpenTask::Project(path, None));
         } else if files::is_setup(&path) {
             self.open_files(None, Some(path));
         } else {
@@ -206,6 +249,7 @@ impl App {
     pub(super) fn collect(&mut self, ctx: &egui::Context) {
         if let Some((_, end)) = self.work.opener.take_end() {
             self.state.opening = None;
+            self.roles.stop_waiting();
             match end {
                 End::Done(opened) => self.take_opened(opened),
                 End::Cancelled => self.state.done("Opening cancelled"),
@@ -267,18 +311,37 @@ impl App {
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project } = opened;
+        let Opened { part, setup, project, untold } = opened;
+        if let Some(untold) = untold {
+            self.roles.ask(untold);
+            return;
+        }
         let new_part = part.is_some();
         if let Some((part, mesh)) = part {
+            self.roles.close();
             self.work.planner_cancel();
+            // Choices that no file holds yet are something to lose.
+            let chosen = matches!(part.source, PartSource::Mesh(..))
+                && project.as_ref().is_none_or(|(_, project)| source_of(project) != part.source);
+            let same = chosen && part.source.file().is_some_and(|(path, _)| self.is_of_open_part(path));
             // Cutters and limits of another part would only mislead: its setup goes with it.
             let edited = match (&project, &setup) {
                 (Some((_, project)), _) => edited_of(project),
                 (None, Some((_, setup))) => Edited { setup: setup.clone(), ..Edited::default() },
+                // The same file with other roles: what was set for it still holds.
+                (None, None) if same => self.state.document.edited.clone(),
                 (None, None) => Edited::default(),
             };
-            let path = project.as_ref().map(|(path, _)| path.clone());
+            let own = self.state.document.path.clone().filter(|_| same);
+            let path = project.as_ref().map(|(path, _)| path.clone()).or(own);
             self.state.open(part, edited, path);
+            if chosen {
+                self.state.document.mark_unsaved();
+            }
+            let part = self.state.document.part.as_ref();
+            for note in part.map(|part| part.impeller.notes.clone()).unwrap_or_default() {
+                self.state.fault(Problem::new(asked_in_words(&note), ""));
+            }
             self.view.reset();
             self.hover = None;
             if let Some(pictures) = &mut self.pictures {

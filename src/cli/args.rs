@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::mesh::axis::Axis;
 use crate::mesh::{MeshOptions, Role, Unit};
+use crate::part::Rotation;
 
 /// Plans the rough milling of centrifugal impellers. Without a command it opens the window.
 #[derive(Debug, Parser)]
@@ -57,6 +58,10 @@ pub struct MeshArgs {
     /// Axis of rotation in the file: x, y or z; absent: found from the hub
     #[arg(long, value_name = "AXIS")]
     pub rotation_axis: Option<Axis>,
+    /// Sense of rotation seen from the inlet, cw or ccw: the side of the blades that leads is the pressure side; absent:
+    /// what the file says, or told from the blades' wrap
+    #[arg(long, value_name = "SENSE")]
+    pub rotation: Option<Rotation>,
     /// Number of main blades, where the file holds only one
     #[arg(long, value_name = "N")]
     pub blades: Option<usize>,
@@ -70,6 +75,7 @@ impl MeshArgs {
             unit: self.unit,
             axis: self.rotation_axis,
             blades: self.blades,
+            rotation: self.rotation,
         }
     }
 }

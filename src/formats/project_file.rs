@@ -13,6 +13,7 @@ use super::native::write_native;
 use super::setup_file::write_setup;
 use super::source::{name_of, read_bytes};
 use super::stored::{check_version, setup_within};
+use crate::mesh::MeshOptions;
 use crate::part::{PartDescription, Setup};
 
 /// Version of the file; readers refuse newer ones.
@@ -28,8 +29,26 @@ const MAX_SETS: usize = 1000;
 pub enum PartPlace {
     /// A file.
     File(PathBuf),
+    /// A mesh file, with what the user said about it.
+    Mesh {
+        /// The file.
+        file: PathBuf,
+        /// Roles, unit, axis and what else was chosen.
+        choices: MeshOptions,
+    },
     /// A sample that comes with the program.
     Sample(String),
+}
+
+impl PartPlace {
+    /// The same with another path of the file.
+    fn moved(&self, to: impl FnOnce(&Path) -> PathBuf) -> Self {
+        match self {
+            Self::File(file) => Self::File(to(file)),
+            Self::Mesh { file, choices } => Self::Mesh { file: to(file), choices: choices.clone() },
+            Self::Sample(name) => Self::Sample(name.clone()),
+        }
+    }
 }
 
 /// Where the part is looked at from; lengths mm, angles rad.
@@ -128,10 +147,7 @@ pub fn part_hash(part: &PartDescription) -> u64 {
 /// Text of a project file that is to stand at `path`: the part is named relative to it where it lies in the same
 /// folder or below.
 pub fn write_project(project: &Project, path: &Path) -> String {
-    let part = match &project.part {
-        PartPlace::File(part) => PartPlace::File(relative(part, path)),
-        sample => sample.clone(),
-    };
+    let part = project.part.moved(|part| relative(part, path));
     let file = ProjectFile {
         vanecut_project: VERSION,
         part,
@@ -198,16 +214,14 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     let sets = file.sets.iter().map(|set| {
         Ok(StoredSet { name: set.name.clone(), setup: setup(&set.name, &set.setup)?, figures: set.figures })
     });
-    let part = match file.part {
-        PartPlace::File(part)
-            if part.components().next().is_some_and(|c| {
-                matches!(c, Component::Normal(_) | Component::ParentDir | Component::CurDir)
-            }) =>
-        {
-            PartPlace::File(path.parent().unwrap_or(Path::new("")).join(part))
-        }
-        part => part,
+    let is_relative = |part: &Path| {
+        let first = part.components().next();
+        first.is_some_and(|c| matches!(c, Component::Normal(_) | Component::ParentDir | Component::CurDir))
     };
+    let part = file.part.moved(|part| match is_relative(part) {
+        true => path.parent().unwrap_or(Path::new("")).join(part),
+        false => part.to_owned(),
+    });
     Ok(Project {
         part,
         part_hash,
@@ -228,6 +242,9 @@ impl Viewpoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::axis::Axis;
+    use crate::mesh::{Role, Unit};
+    use crate::part::Rotation;
 
     fn project() -> Project {
         let mut setup = Setup::default();
@@ -261,7 +278,19 @@ mod tests {
 
     #[test]
     fn a_project_comes_back_as_it_was_written() {
-        for place in [PartPlace::File("/parts/wheel.toml".into()), PartPlace::Sample("pump6".to_owned())] {
+        let choices = MeshOptions {
+            roles: vec![("Body 3".to_owned(), Role::Hub), ("#7".to_owned(), Role::Ignored)],
+            unit: Some(Unit::Inch),
+            axis: Some(Axis::Y),
+            blades: Some(9),
+            rotation: Some(Rotation::Clockwise),
+        };
+        for place in [
+            PartPlace::File("/parts/wheel.toml".into()),
+            PartPlace::Sample("pump6".to_owned()),
+            PartPlace::Mesh { file: "/parts/tuning/wheel.glb".into(), choices },
+            PartPlace::Mesh { file: "/parts/wheel.glb".into(), choices: MeshOptions::default() },
+        ] {
             let project = Project { part: place, ..project() };
             let path = Path::new("/parts/tuning/wheel.vanecut");
             let text = write_project(&project, path);

@@ -4,7 +4,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use crate::mesh::grid_triangles;
+use crate::geometry::Point;
+use crate::mesh::{TriangleMesh, grid_triangles};
 
 /// One corner of a triangle. 32 bytes, matches `SurfaceIn` of `shaders/scene.wgsl`.
 #[repr(C)]
@@ -170,6 +171,21 @@ impl Mesh {
             }
         }
         Self { vertices, indices: quads(profile.len(), angles.len()) }
+    }
+
+    /// Flat triangles with corners of their own, every `stride`-th of those given; `place` brings a corner to where it
+    /// is drawn.
+    pub fn flat(mesh: &TriangleMesh, stride: usize, place: impl Fn(&Point) -> Vec3) -> Self {
+        let mut flat = Self::default();
+        for t in mesh.triangles.iter().step_by(stride.max(1)) {
+            let [a, b, c] = t.map(|i| place(&mesh.points[i as usize]));
+            let normal = (b - a).cross(c - a).normalize_or_zero().to_array();
+            for p in [a, b, c] {
+                flat.indices.push(flat.vertices.len() as u32);
+                flat.vertices.push(Vertex { position: p.to_array(), value: 1.0, normal, uncut: 0.0 });
+            }
+        }
+        flat
     }
 
     /// Adds the triangles of another mesh.

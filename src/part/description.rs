@@ -77,6 +77,8 @@ pub struct PartDescription {
     pub shroud_line: usize,
     /// See `hub_line`.
     pub count_line: usize,
+    /// What the file left open and how it was taken, one line each, for the user to confirm.
+    pub notes: Vec<String>,
 }
 
 /// Why a description is no impeller; the caller adds the file name.

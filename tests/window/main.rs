@@ -12,6 +12,7 @@ mod mouse;
 mod project;
 mod real;
 mod review;
+mod roles;
 mod section;
 mod tuning;
 
