@@ -13,7 +13,9 @@ mod project;
 mod real;
 mod review;
 mod section;
+mod stages;
 mod tuning;
+mod walk;
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
