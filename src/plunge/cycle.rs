@@ -59,6 +59,20 @@ struct Placed {
     lift: f64,
 }
 
+/// A plan whose cutters stand where they go; nothing is known yet of their contact with stock, and of their retracts.
+#[derive(Debug)]
+pub struct PlacedPlan {
+    plan: PlungePlan,
+    last: Option<Arc<SectionCut>>,
+}
+
+impl PlacedPlan {
+    /// The plan as far as it goes: contact reads as none, retract points as the tips.
+    pub fn plan(&self) -> &PlungePlan {
+        &self.plan
+    }
+}
+
 /// One row, planned.
 #[derive(Debug)]
 pub(super) struct Row {
@@ -193,6 +207,19 @@ impl<'a> Planner<'a> {
         known: &mut KnownSections,
         monitor: &Monitor,
     ) -> Result<PlungePlan, PlanError> {
+        self.judge(self.place(policy, known, monitor)?, monitor)
+    }
+
+    /// The first half of [`Self::plan_knowing`]: positions, axes and depths.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn place(
+        &self,
+        policy: AxisPolicy,
+        known: &mut KnownSections,
+        monitor: &Monitor,
+    ) -> Result<PlacedPlan, PlanError> {
         let mut plan = PlungePlan {
             policy,
             sections: Vec::new(),
@@ -253,7 +280,16 @@ impl<'a> Planner<'a> {
             return Err(Cancelled.into());
         }
         monitor.report(0.85);
-        // What was found is judged whether it is all or not.
+        Ok(PlacedPlan { plan, last })
+    }
+
+    /// The second half of [`Self::plan_knowing`]: contact of the cores, retract points and links. What was found is judged
+    /// whether it is all or not: only a cancel counts.
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`] soon after the monitor asks for it.
+    pub fn judge(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
+        let PlacedPlan { mut plan, last } = placed;
         let monitor = &monitor.closing();
         if let Some(cut) = last {
             self.measure(&mut plan, &cut.columns, monitor)?;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use vanecut::app::engine::Engine;
 use vanecut::geometry::Vector;
-use vanecut::job::{JobError, PlanOutcome, PlanRequest, PolicyResult, Summary};
+use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, Summary};
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::{Channel, Passage};
 use vanecut::part::setup::{Feed, SectionSetup};
@@ -25,7 +25,7 @@ pub type Slow = Arc<AtomicBool>;
 pub fn engine() -> (Engine, Slow) {
     let slow = Slow::default();
     let stalls = Arc::clone(&slow);
-    let plan = move |request: &PlanRequest, monitor: &Monitor| {
+    let plan = move |request: &PlanRequest, monitor: &Monitor, _: Listener| {
         while stalls.load(Ordering::SeqCst) {
             monitor.report(0.4);
             if monitor.is_stopped() {

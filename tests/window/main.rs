@@ -14,7 +14,9 @@ mod real;
 mod review;
 mod roles;
 mod section;
+mod stages;
 mod tuning;
+mod walk;
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};

@@ -15,7 +15,8 @@ const LEAST_SHOWN: f64 = 0.0005;
 
 /// Draws the line.
 pub fn show(ui: &mut Ui, state: &State) {
-    let Some((before, after)) = state.on(Side::Before).zip(state.on(Side::After)) else {
+    // Figures of one setup: those of a plan in the making stand in the views until it is whole.
+    let Some((before, after)) = state.before_edit(Side::Before).zip(state.before_edit(Side::After)) else {
         ui.label(RichText::new("No plan yet").weak());
         return;
     };
