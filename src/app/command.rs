@@ -75,7 +75,7 @@ commands! {
     Redo "Redo" "Makes the change again" [CTRL, Y];
     Plan "Plan channel" "Plans the channel with the setup as it stands" [NONE, F5];
     PlanFlank "Plan flank curves" "Plans the flank curves of the channel with the setup as it stands" [NONE, F6];
-    Cancel "Cancel" "Stops the work; the last good plan stays" [NONE, Escape];
+    Cancel "Cancel" "Stops the work; of a plan the best so far stays, or pressed again the last good one" [NONE, Escape];
     NextFault "Next interferential" "Selects the next interferential position in cutting order" [NONE, N];
     PreviousFault "Previous interferential" "Selects the interferential position before" [SHIFT, N];
     NextRow "Next row of the table" "Selects the row below, as the table is filtered and sorted" [NONE, ArrowDown];

@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use egui::{Context, Modal, RichText, Ui};
 
-use crate::formats::project_file::{EXTENSION, PartPlace, Project, StoredSet, Viewpoint, write_project};
+use crate::formats::project_file::{
+    Chosen, EXTENSION, PartPlace, Project, StoredSet, Viewpoint, write_project,
+};
 use crate::gpu::camera::{Camera, Projection};
 
 use super::App;
@@ -15,6 +17,8 @@ use super::document::{Edited, WhatIf};
 use super::engine::PartSource;
 use super::files::WriteTask;
 use super::home::{Habits, Home};
+use super::look::REVEAL;
+use super::planned::Side;
 use super::state::{Problem, State};
 
 /// A copy is written this long after the last change.
@@ -75,6 +79,11 @@ fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
         setup: edited.setup.clone(),
         sets: sets.collect(),
         viewpoint: camera.as_ref().map(viewpoint),
+        chosen: Chosen {
+            before: state.look.side == Side::Before,
+            position: state.look.selected,
+            cut: state.look.cut,
+        },
         original: None,
     })
 }
@@ -249,6 +258,12 @@ impl App {
             camera.projection = if v.parallel { Projection::Orthographic } else { Projection::Perspective };
             self.view.restore(camera);
         }
+        // The plan that follows keeps what it has of this.
+        let Chosen { before, position, cut } = project.chosen;
+        let look = &mut self.state.look;
+        look.side = if before { Side::Before } else { Side::After };
+        (look.selected, look.cut) = (position, cut);
+        look.reveal_selection = if position.is_some() { REVEAL } else { 0 };
         let part = self.state.document.part.as_ref();
         if part.is_some_and(|part| part.hash != project.part_hash) {
             self.state.fault(Problem::new(

@@ -12,9 +12,10 @@ use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{End, Worker};
 use crate::monitor::Monitor;
-use crate::part::Setup;
+use crate::part::{AxisPolicy, Setup};
 
 use super::App;
+use super::coming::Slot;
 use super::dialogs::Purpose;
 use super::document::{Edited, OpenPart};
 use super::engine::{Engine, PartSource, PlanTask};
@@ -100,8 +101,12 @@ pub(super) struct Work {
     planner: Worker<PlanTask, Planned, JobError>,
     flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     writer: Worker<WriteTask, Written, InputError>,
+    /// Where the planner leaves what it knows so far.
+    coming: Slot,
     /// What was asked of the planner last.
     asked: Option<Asked>,
+    /// Number of the last task of the planner.
+    tasks: u64,
 }
 
 /// How often progress moves on the screen while something runs.
@@ -115,16 +120,23 @@ impl Work {
             move || ctx.request_repaint()
         };
         let (to_open, to_plan, to_flank) = (engine.clone(), engine.clone(), engine.clone());
+        let coming = Slot::default();
+        let plan = {
+            let (slot, notify) = (coming.clone(), repaint());
+            move |task: &PlanTask, monitor: &Monitor| to_plan.planned(task, monitor, &slot, &notify)
+        };
         Self {
             opener: Worker::new("open", move |task, monitor| open(&to_open, task, monitor), repaint()),
-            planner: Worker::new("plan", move |task, monitor| to_plan.planned(task, monitor), repaint()),
+            planner: Worker::new("plan", plan, repaint()),
             flanker: Worker::new(
                 "flank",
                 move |request, monitor| (to_flank.flank)(request, monitor),
                 repaint(),
             ),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
+            coming,
             asked: None,
+            tasks: 0,
         }
     }
 
@@ -137,10 +149,16 @@ impl Work {
         self.asked = None;
     }
 
+    /// Whether a plan is being made.
+    pub(super) fn is_planning(&self) -> bool {
+        self.planner.is_busy()
+    }
+
     /// What runs, and how far it is.
     pub(super) fn running(&self) -> Option<(&'static str, f64)> {
         let opening = self.opener.progress().map(|fraction| ("Opening", fraction));
-        let planning = || self.planner.progress().map(|fraction| ("Planning", fraction));
+        let what = if self.planner.is_stopping() { "Judging" } else { "Planning" };
+        let planning = || self.planner.progress().map(|fraction| (what, fraction));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
         let curves = || self.flanker.progress().map(|fraction| ("Planning flank curves", fraction));
         opening.or_else(planning).or_else(curves).or_else(writing)
@@ -187,7 +205,9 @@ impl App {
             compare: self.state.compare && !draft,
             draft,
         };
+        self.work.tasks += 1;
         let task = PlanTask {
+            number: self.work.tasks,
             part: Arc::clone(&part.impeller),
             setup: asked.setup.clone(),
             compare: asked.compare,
@@ -205,17 +225,35 @@ impl App {
         if same && enough {
             return;
         }
-        // A plan that is nearly there is worth more than another beginning.
-        let nearly = self.work.planner.progress().is_some_and(|fraction| fraction > 0.5);
-        if !(held && nearly) {
+        // A plan that is nearly there is worth more than another beginning; and nothing would ever be seen if each
+        // movement of the hand began anew before the first stage was there.
+        let worth_waiting = self.work.planner.progress().is_some_and(|fraction| {
+            let told = self.state.results.coming.as_ref().is_some_and(|coming| {
+                coming.task == self.work.tasks
+                    && coming.cutters(AxisPolicy::Conventional).is_some_and(|cutters| cutters.judged)
+            });
+            !told || fraction > 0.5
+        });
+        if !(held && worth_waiting) {
             self.submit_plan(held);
         }
     }
 
-    /// Stops what the user waits for. Writing is over in a moment and is left to end.
+    /// Takes in what the planner knows so far; nothing of a task that has ended or is not the last.
+    fn collect_coming(&mut self) {
+        let coming = self.work.coming.take().filter(|coming| coming.task == self.work.tasks);
+        if !self.work.planner.is_busy() {
+            self.state.results.coming = None;
+        } else if coming.is_some() {
+            self.state.results.coming = coming;
+        }
+    }
+
+    /// Stops what the user waits for; of a plan the best so far comes, unless this is the second time. Writing is over in a
+    /// moment and is left to end.
     pub(super) fn cancel(&mut self) {
         self.work.opener.cancel();
-        self.work.planner.cancel();
+        self.work.planner.stop();
         self.work.flanker.cancel();
     }
 
@@ -264,17 +302,14 @@ impl App {
                         self.state.take_plan(planned);
                     }
                 }
-                End::Cancelled | End::Failed(JobError::Cancelled) => {
-                    let kept =
-                        if self.state.results.planned.is_some() { "; the plan before stays" } else { "" };
-                    self.state.done(format!("Planning cancelled{kept}"));
-                }
+                End::Cancelled | End::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 End::Failed(JobError::Setup(fault)) => {
                     self.state.fault(Problem::of_plan(fault.what, fault.cure));
                 }
                 End::Broken(what) => self.state.fault(broken("Planning", &what)),
             }
         }
+        self.collect_coming();
         if let Some((_, end)) = self.work.flanker.take_end() {
             self.take_flank(end);
         }
@@ -291,25 +326,32 @@ impl App {
                 End::Broken(what) => self.state.fault(broken("Writing", &what)),
             }
         }
+        self.collect_device_faults(ctx);
+    }
+
+    /// Takes in what the graphics device reports.
+    pub(super) fn collect_device_faults(&mut self, ctx: &egui::Context) {
         let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
         let lost = errors.iter().find(|error| error.starts_with(LOST));
-        if let Some(error) = lost.or(errors.last()) {
-            let line = error.lines().next().unwrap_or_default();
-            let problem = Problem::new(
-                format!("The graphics device reports: {line}"),
-                "save the project and start again with VANECUT_GPU=software",
-            );
-            if lost.is_some() {
-                // The window itself may have nothing left to draw on.
-                eprintln!("vanecut: {}; {}", problem.what, problem.cure);
-                self.pictures = None;
-                self.hover = None;
-                "no 3D view".clone_into(&mut self.device);
-            }
-            self.state.fault(problem);
-            // Whatever becomes of the device, the work stays.
-            self.copy_now();
+        let Some(error) = lost.or(errors.last()) else { return };
+        let line = error.lines().next().unwrap_or_default();
+        // Whatever becomes of the device, the work stays.
+        self.copy_now();
+        if lost.is_some() && self.leave(ctx, line) {
+            return;
         }
+        let problem = Problem::new(
+            format!("The graphics device reports: {line}"),
+            "save the project and start again with VANECUT_GPU=software",
+        );
+        if lost.is_some() {
+            // The window itself may have nothing left to draw on.
+            eprintln!("vanecut: {}; {}", problem.what, problem.cure);
+            self.pictures = None;
+            self.hover = None;
+            "no 3D view".clone_into(&mut self.device);
+        }
+        self.state.fault(problem);
     }
 
     fn take_opened(&mut self, opened: Opened) {

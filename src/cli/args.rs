@@ -34,7 +34,15 @@ pub enum Command {
     /// Parts from format to format; a part or a plan to a glTF scene
     Convert(ConvertArgs),
     /// Throughput of the kernels on this machine
-    Bench,
+    Bench(BenchArgs),
+}
+
+/// `vanecut bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// About how many positions the largest plan has by which growth is measured; 100000 takes many minutes
+    #[arg(long, value_name = "N", default_value_t = 4000)]
+    pub positions: usize,
 }
 
 /// What to know of a part that is a mesh.

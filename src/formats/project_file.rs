@@ -17,7 +17,7 @@ use crate::mesh::MeshOptions;
 use crate::part::{PartDescription, Setup};
 
 /// Version of the file; readers refuse newer ones.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Ending of project files.
 pub const EXTENSION: &str = "vanecut";
 /// Most sets a project may hold.
@@ -66,6 +66,21 @@ pub struct Viewpoint {
     pub parallel: bool,
 }
 
+/// What was chosen of the plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chosen {
+    /// Whether the conventional plan was shown.
+    #[serde(default)]
+    pub before: bool,
+    /// Position, counted from 0 in cutting order.
+    #[serde(default)]
+    pub position: Option<usize>,
+    /// Number of positions that were cut; `None`: all.
+    #[serde(default)]
+    pub cut: Option<usize>,
+}
+
 /// What sets are compared by: what a setup came to when it was planned. Lengths mm, time s, share 0…1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
@@ -107,6 +122,8 @@ pub struct Project {
     pub sets: Vec<StoredSet>,
     /// Where it was looked at from.
     pub viewpoint: Option<Viewpoint>,
+    /// What was chosen of the plan.
+    pub chosen: Chosen,
     /// File the project itself belongs to, in copies that were saved by themselves.
     pub original: Option<PathBuf>,
 }
@@ -122,6 +139,8 @@ struct ProjectFile {
     sets: Vec<SetFile>,
     #[serde(default)]
     viewpoint: Option<Viewpoint>,
+    #[serde(default)]
+    chosen: Chosen,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     original: Option<PathBuf>,
 }
@@ -164,6 +183,7 @@ pub fn write_project(project: &Project, path: &Path) -> String {
             })
             .collect(),
         viewpoint: project.viewpoint,
+        chosen: project.chosen,
         original: project.original.clone(),
     };
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
@@ -228,6 +248,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         setup: setup("setup", &file.setup)?,
         sets: sets.collect::<Result<_, InputError>>()?,
         viewpoint: file.viewpoint.filter(Viewpoint::is_usable),
+        chosen: file.chosen,
         original: file.original,
     })
 }
@@ -272,6 +293,7 @@ mod tests {
                 distance: 400.0,
                 parallel: true,
             }),
+            chosen: Chosen { before: true, position: Some(16), cut: None },
             original: None,
         }
     }
@@ -299,6 +321,16 @@ mod tests {
     }
 
     #[test]
+    fn a_project_of_the_first_version_still_opens() {
+        let path = Path::new("/parts/wheel.vanecut");
+        let text = write_project(&project(), path);
+        let from = text.find(",\n  \"chosen\"").expect("it is written last");
+        let first = format!("{}\n}}\n", &text[..from]).replace("project\": 2", "project\": 1");
+        let read = read_project_bytes(path, first.as_bytes()).expect("reads");
+        assert_eq!(read, Project { chosen: Chosen::default(), ..project() });
+    }
+
+    #[test]
     fn a_part_beside_the_project_moves_with_it() {
         let text = write_project(&project(), Path::new("/parts/wheel.vanecut"));
         assert!(text.contains("\"wheel.toml\""), "{text}");
@@ -314,7 +346,7 @@ mod tests {
         for (bytes, word) in [
             (String::new(), "no project file"),
             ("{\"vanecut_project\": 1}".to_owned(), "no project file"),
-            (text.replace("\"vanecut_project\": 1", "\"vanecut_project\": 99"), "newer vanecut"),
+            (text.replace("\"vanecut_project\": 2", "\"vanecut_project\": 99"), "newer vanecut"),
             (text.replace("step = 7.5", "stepp = 7.5"), "step"),
             (text.replace("123456789abcdef0", "xyz"), "hexadecimal"),
         ] {

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
 use super::floor::{Floor, Gain};
-use crate::geometry::{CutterSolid, Point};
+use crate::geometry::{Cells, CutterSolid, Point};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::contact::{Columns, ContactSearch};
@@ -125,13 +125,16 @@ pub struct ExtraSearch<'a> {
 }
 
 impl<'a> ExtraSearch<'a> {
-    /// A pool of axes in `rows`, at `places` s along each, for what the plunges so far have left of `floor`.
-    pub fn new(rows: &'a [CandidateMaker<'a>], places: &[f64], floor: Floor, blank: &'a Blank) -> Self {
+    /// A pool of axes at `feet`, each a row of `rows` and an s, for what the plunges so far have left of `floor`.
+    pub fn new(
+        rows: &'a [CandidateMaker<'a>],
+        feet: &[(usize, f64)],
+        floor: Floor,
+        blank: &'a Blank,
+    ) -> Self {
         let radius = rows.first().map_or(0.0, |row| row.maker.tool.radius());
         let least = LEAST_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
         let mut search = Self { rows, blank, floor, heap: BinaryHeap::new(), waiting: Vec::new(), least };
-        let feet: Vec<(usize, f64)> =
-            (0..rows.len()).flat_map(|row| places.iter().map(move |&s| (row, s))).collect();
         let place = |(index, &(row, s)): (usize, &(usize, f64))| {
             let maker = &rows[row];
             if maker.maker.monitor.is_cancelled() {
@@ -144,6 +147,11 @@ impl<'a> ExtraSearch<'a> {
         let pool: Vec<Extra> = feet.par_iter().enumerate().filter_map(place).collect();
         search.heap = BinaryHeap::from(pool);
         search
+    }
+
+    /// The floor after all plunges that were found.
+    pub fn floor(&self) -> &Floor {
+        &self.floor
     }
 
     /// Up to `most` stations by rows of the pool that take `times` the least or more, each row in cutting order, all of
@@ -162,11 +170,15 @@ impl<'a> ExtraSearch<'a> {
         else {
             return Ok(Vec::new());
         };
-        let radius = tool.radius();
+        let mut added = Cells::new(NEAR_RADII * tool.radius());
         self.heap.extend(std::mem::take(&mut self.waiting));
         let mut count = 0;
         while let Some(best) = self.heap.pop() {
-            monitor.check()?;
+            match monitor.check() {
+                // What was found until now stands for itself.
+                Err(_) if monitor.is_stopped() => break,
+                checked => checked?,
+            }
             if best.gain < times * self.least || count >= most {
                 self.heap.push(best);
                 break;
@@ -183,6 +195,7 @@ impl<'a> ExtraSearch<'a> {
                 continue;
             }
             self.floor.cut(part, &self.cutter(best.row, &station, lift));
+            added.push(station.tip);
             found[best.row].push((-station.ends.s_hub * inward, station));
             count += 1;
         }
@@ -191,10 +204,9 @@ impl<'a> ExtraSearch<'a> {
         let (held, rest) = self.heap.drain().partition(is_held);
         self.heap = BinaryHeap::from(rest);
         self.waiting.extend::<Vec<Extra>>(held);
-        let near = |a: &Station, b: &Station| (a.tip - b.tip).norm() < NEAR_RADII * radius;
         for mut extra in std::mem::take(&mut self.waiting) {
             if let Look::Plunge { station, .. } = extra.look
-                && found.iter().flatten().any(|(_, added)| near(&station, added))
+                && added.any_near(&station.tip, 0)
             {
                 (extra.look, extra.gain) = (Look::Axis(station), f64::INFINITY);
                 self.waiting.push(extra);
