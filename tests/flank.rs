@@ -91,7 +91,7 @@ fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
     let part = sample("impeller9x9.toml");
     let channel = Channel::of(&part);
     let layer = Layer::at_height(&part, 6.0).expect("a layer");
-    let borders = Borders::of(&part, &channel, &layer, 20.0).expect("walls");
+    let borders = Borders::of(&part, &channel, &layer, 20.0, 0.0).expect("walls");
     for (wall, length) in [(&borders.low, 5.5), (&borders.low, 21.0), (&borders.high, 12.0)] {
         let offset = wall.offset(&layer, length);
         let inside: Vec<LayerPoint> =
@@ -115,7 +115,7 @@ fn a_chart_knows_distances_between_its_nodes() {
     let part = sample("impeller9x9.toml");
     let channel = Channel::of(&part);
     let layer = Layer::at_height(&part, 0.5).expect("a layer");
-    let borders = Borders::of(&part, &channel, &layer, 20.0).expect("walls");
+    let borders = Borders::of(&part, &channel, &layer, 20.0, 0.0).expect("walls");
     let chart = Chart::new(&layer, &borders, 5.5, 3.0, 0.5, 5.0);
     let walls = [(WallName::Low, &borders.low), (WallName::High, &borders.high)];
     let mut looked = 0;
@@ -172,7 +172,7 @@ fn every_place_between_balanced_curves_is_near_one() {
     let clear = tool.radius() + Setup::default().stock.blade_allowance;
     for found in [&curves.layers[0], &curves.layers[4], &curves.layers[8]] {
         let layer = &found.layer;
-        let borders = Borders::of(&part, &channel, layer, 20.0).expect("walls");
+        let borders = Borders::of(&part, &channel, layer, 20.0, tool.corner_radius).expect("walls");
         let chart = Chart::new(layer, &borders, clear, found.interval, 0.3, 0.0);
         // Points of the curves an eighth of a millimetre apart, and places that are no nodes of the plan's chart.
         let dense: Vec<LayerPoint> = found
@@ -220,7 +220,7 @@ fn curves_keep_clear_of_all_walls() {
             let clear = tool.radius() + setup.stock.blade_allowance;
             for found in curves.layers.iter().step_by(3) {
                 let layer = &found.layer;
-                let borders = Borders::of(&part, &channel, layer, 20.0).expect("walls");
+                let borders = Borders::of(&part, &channel, layer, 20.0, tool.corner_radius).expect("walls");
                 let chart = Chart::new(layer, &borders, clear, found.interval, 0.4, 0.0);
                 for p in found.curves.iter().flat_map(|c| &c.points) {
                     if (layer.from..=layer.to).contains(&p.x) {

@@ -2,16 +2,19 @@
 
 use std::path::Path;
 
-use vanecut::flank::fixed_axis::{Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Obstacle};
+use vanecut::flank::fixed_axis::{
+    Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Obstacle, Unreachable,
+};
 use vanecut::formats::part_file::read_part;
-use vanecut::geometry::{CutterSolid, Meridional, Vector};
-use vanecut::part::{Channel, Impeller, Passage, SideProbe, Tool};
+use vanecut::geometry::{Circle, CutterSolid, Meridional, Vector};
+use vanecut::part::{Blank, Channel, Impeller, Passage, SideProbe, Tool};
 use vanecut::plunge::clearance::FinishedPart;
 use vanecut::plunge::slotting::DepthSurface;
 
 const LIMITS: FixedAxisLimits = FixedAxisLimits {
     hub_allowance: 0.5,
     blade_allowance: 0.5,
+    standing: 3.0,
     max_tilt: 60.0 * std::f64::consts::PI / 180.0,
 };
 
@@ -68,8 +71,15 @@ fn stations(
 }
 
 /// Whether a cutter is free, by exact distances: blades, hub, and a holder that is twice as thick.
-fn is_free(part: &Impeller, finished: &FinishedPart, tool: &Tool, cutter: &CutterSolid) -> bool {
+fn is_free(
+    part: &Impeller,
+    finished: &FinishedPart,
+    tool: &Tool,
+    contact: &Contact,
+    cutter: &CutterSolid,
+) -> bool {
     let hub = part.hub.curve();
+    let blank = Blank::of(part, 0.0);
     let off_hub = |up: f64, radius: f64| {
         let (t, d) = hub.project(Meridional::of(&(cutter.tip + cutter.axis * up)));
         d.abs() >= radius && (d > 0.0 || t <= 0.0 || t >= hub.length())
@@ -80,8 +90,16 @@ fn is_free(part: &Impeller, finished: &FinishedPart, tool: &Tool, cutter: &Cutte
         corner_radius: 0.0,
         ..*cutter
     };
+    // The end of the holder, in rings, against the layer in work and what is below.
+    let top = hub.project(Meridional::of(&contact.point)).1 + LIMITS.standing;
+    let in_stock = |ring: usize, k: usize| {
+        let circle = Circle::new(&holder.tip, &holder.axis, holder.radius * ring as f64 / 3.0);
+        let at = Meridional::of(&circle.at((std::f64::consts::TAU * k as f64 / 36.0).sin_cos()).0);
+        blank.clearance(at, &mut None) < 0.0 && hub.project(at).1 < top
+    };
     finished.clears(cutter, LIMITS.blade_allowance)
-        && finished.clears(&holder, 0.0)
+        && finished.clears(&holder, LIMITS.blade_allowance)
+        && !(0..=3).any(|ring| (0..36).any(|k| in_stock(ring, k)))
         && (8..=24)
             .all(|k| off_hub(0.25 * f64::from(k) * tool.radius(), tool.radius() + LIMITS.hub_allowance))
         && off_hub(tool.overhang, tool.diameter)
@@ -110,7 +128,7 @@ fn fewest_runs(
     let free = |contact: &Contact, axis: &Vector| {
         let tip = tool.tip_at_contact(&contact.point, &contact.normal, axis);
         axis.angle(&contact.normal) <= LIMITS.max_tilt
-            && is_free(part, &finished, tool, &tool.placed(tip, *axis))
+            && is_free(part, &finished, tool, contact, &tool.placed(tip, *axis))
     };
     let mut runs = 1;
     let mut left = axes.clone();
@@ -137,7 +155,8 @@ fn check(
     stations: &[Vec<Contact>],
 ) -> FixedAxes {
     let finished = FinishedPart::new(part, &channel.sides);
-    let search = FixedAxisSearch::new(&finished, channel, tool, &LIMITS);
+    let blank = Blank::of(part, 0.0);
+    let search = FixedAxisSearch::new(&finished, channel, &blank, tool, &LIMITS);
     let found = search.runs(stations, layer);
     for (k, station) in stations.iter().enumerate() {
         let named: Vec<usize> =
@@ -152,7 +171,7 @@ fn check(
             assert!(run.axis.angle(&contact.normal) <= LIMITS.max_tilt + 1e-9);
             let cutter = tool.placed(search.tip(contact, &run.axis, layer), run.axis);
             assert!(
-                is_free(part, &finished, tool, &cutter),
+                is_free(part, &finished, tool, contact, &cutter),
                 "station {k}, contact {j}: {cutter:?} meets something"
             );
             assert!(finished.blade_clearance(&cutter) >= run.clearance - 1e-6, "run {run:?}, station {k}");
@@ -209,10 +228,11 @@ fn lifted_bottoms_stay_above_the_layer() {
     let part = part_at("assets/parts/impeller9x9.toml");
     let channel = Channel::of(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
+    let blank = Blank::of(&part, 0.0);
     for corner in [0.0, 1.0, 3.0] {
         let tool = tool(6.0, corner, 40.0);
         let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + 3.0 + corner);
-        let search = FixedAxisSearch::new(&finished, &channel, &tool, &LIMITS);
+        let search = FixedAxisSearch::new(&finished, &channel, &blank, &tool, &LIMITS);
         for station in stations(&part, &channel, &channel.full, &tool, 3.0, (0.1, 0.9, 9), 3) {
             for contact in station {
                 for tilt in [0.0, 0.2, 0.5] {
@@ -242,5 +262,6 @@ fn what_has_no_axis_is_named_with_its_reason() {
     let stations = stations(&part, &channel, passage, &tool, 0.0, (0.4, 0.6, 6), 6);
     let found = check(&part, &channel, &tool, &layer, &stations);
     assert!(!found.unreachable.is_empty(), "a holder in the passage");
-    assert!(found.unreachable.iter().any(|u| u.why == Obstacle::Holder), "{:?}", found.unreachable);
+    let holder = |u: &Unreachable| matches!(u.why, Obstacle::Holder | Obstacle::Stock);
+    assert!(found.unreachable.iter().any(holder), "{:?}", found.unreachable);
 }

@@ -36,11 +36,16 @@ fn verify_finds_no_fault_in_the_programs() {
             setup.flank.layer_depth = depth;
         }));
         let plan = &outcome.plan;
-        let text = write_apt(&ClProgram::of_flank(&outcome.part.name, &plan.tool, plan.feed, &plan.moves));
+        let text = write_apt(&ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves));
         let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("it reads its own program");
         let channel = Channel::of(&outcome.part);
         let verdict = verify_flank(&outcome.part, &channel, &outcome.setup, &program).expect("judged");
         assert!(verdict.faults.is_empty(), "{name} {scheme:?}: {:?}", verdict.faults.first());
+        if scheme == FlankScheme::Balanced {
+            // What is left is the ball's fillet beside the walls, not a gap between curves or beside a nose.
+            assert!(verdict.uncovered.gap < 0.005, "{name}: {:?}", verdict.uncovered);
+            assert!(verdict.max_undercut < 0.03, "{name}: {} mm left on a wall", verdict.max_undercut);
+        }
         let lost: f64 = plan.left_out.iter().map(|l| l.length).sum();
         let whole = plan.curves.totals[scheme as usize].length;
         assert!(lost < 0.03 * whole, "{name} {scheme:?}: {lost} of {whole} mm are left out");
@@ -66,6 +71,49 @@ fn a_program_cuts_from_the_top_down_and_flies_only_above() {
 }
 
 #[test]
+fn every_curve_has_one_feed_by_what_stands_beside_it() {
+    let outcome = planned(&request("impeller9x9.toml", |setup| {
+        setup.flank.layer_depth = 6.0;
+        setup.flank.feed = Some(1000.0);
+        setup.flank.slot_feed = Some(500.0);
+        setup.flank.wall_feed = Some(700.0);
+        setup.flank.ramp_feed = Some(200.0);
+    }));
+    let moves = &outcome.plan.moves;
+    let cuts = || moves.iter().filter(|m| m.kind == MoveKind::Cut);
+    assert!(
+        cuts().all(|m| !m.wall || m.feed == 700.0 || m.feed == 500.0),
+        "walls are cut no faster than they may be"
+    );
+    assert!(cuts().all(|m| m.wall || m.feed != 700.0), "only walls have their feed");
+    let at = |feed: f64| cuts().filter(|m| m.feed == feed).count();
+    assert_eq!(at(1000.0) + at(500.0) + at(700.0), cuts().count(), "no other feeds");
+    assert!(
+        at(1000.0) > at(500.0),
+        "most curves run beside one that is cut: {} and {}",
+        at(1000.0),
+        at(500.0)
+    );
+    // The first curve of a layer has stock on both sides.
+    for layer in 0..outcome.plan.curves.layers.len() {
+        let first = cuts().find(|m| m.layer == layer && !m.wall).map(|m| m.feed);
+        assert_eq!(first, Some(500.0), "layer {layer}");
+    }
+    assert!(moves.iter().any(|m| m.kind == MoveKind::Approach && m.feed == 200.0), "it ramps somewhere");
+    // Program and time follow.
+    let text = write_apt(&ClProgram::of_flank(&outcome.part.name, &outcome.plan.tool, moves));
+    for feed in ["FEDRAT/1000", "FEDRAT/500", "FEDRAT/700", "FEDRAT/200"] {
+        assert!(text.contains(feed), "{feed}");
+    }
+    let time: f64 = moves
+        .windows(2)
+        .filter(|w| w[1].kind == MoveKind::Cut)
+        .map(|w| 60.0 * (w[1].tip - w[0].tip).norm() / w[1].feed)
+        .sum();
+    assert!((time - outcome.plan.times.cut_time).abs() < 1e-6 * time);
+}
+
+#[test]
 fn a_flank_file_reads_back_and_damage_is_told() {
     let request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 9.0);
     let outcome = planned(&request);
@@ -81,7 +129,12 @@ fn a_flank_file_reads_back_and_damage_is_told() {
     assert!((most - outcome.plan.max_undercut()).abs() < 1e-6, "the map holds the figure: {most}");
     for (a, b) in stored.moves.iter().zip(&outcome.plan.moves) {
         assert!((a.tip - b.tip).norm() < 1e-5 && a.axis.angle(&b.axis) < 1e-6 && a.kind == b.kind);
+        assert!((a.feed - b.feed).abs() < 1e-2, "{} {}", a.feed, b.feed);
     }
+    // Files of older versions have one feed.
+    let at = text.rfind(",\"feeds\":[").expect("feeds come last");
+    let old = read_flank_bytes("f.json", format!("{}}}\n", &text[..at]).as_bytes()).expect("an older file");
+    assert!(old.moves.iter().all(|m| m.kind == MoveKind::Rapid || m.feed == old.feed));
     let newer = text.replacen("\"vanecut_flank\":1", "\"vanecut_flank\":7", 1);
     assert!(read_flank_bytes("f.json", newer.as_bytes()).unwrap_err().to_string().contains("newer"));
     assert!(read_flank_bytes("f.json", &text.as_bytes()[..text.len() / 2]).is_err());

@@ -141,9 +141,39 @@ fn a_good_program_has_no_fault_and_leaves_the_fewer_strips_the_more_passes() {
     assert!((all.min_hub_clearance - 0.5).abs() < 1e-3, "{}", all.min_hub_clearance);
     let half = made.verdict(&made.program(made.walls.iter().chain(made.inner.iter().step_by(3)), |_| {}));
     let none = made.verdict(&made.program(&made.walls, |_| {}));
-    assert!(all.uncovered_share < 0.06, "{}", all.uncovered_share);
-    assert!(half.uncovered_share > all.uncovered_share + 0.1, "{}", half.uncovered_share);
-    assert!(none.uncovered_share > half.uncovered_share + 0.1, "{}", none.uncovered_share);
+    assert!(all.uncovered.gap < 0.06, "{:?}", all.uncovered);
+    assert!(half.uncovered.gap > all.uncovered.gap + 0.1, "{:?}", half.uncovered);
+    assert!(none.uncovered.gap > half.uncovered.gap + 0.1, "{:?}", none.uncovered);
+    // Beside the walls the round of the ball leaves the same whatever is cut between them: a strip of up to a radius.
+    assert!(all.uncovered.fillet > 0.05 && all.uncovered.fillet < 0.25, "{:?}", all.uncovered);
+    assert!((half.uncovered.fillet - all.uncovered.fillet).abs() < 0.05, "{:?}", half.uncovered);
+    assert!(all.uncovered.no_axis < 0.01, "{:?}", all.uncovered);
+}
+
+#[test]
+fn a_holder_that_comes_into_stock_is_found_and_one_above_cut_stock_is_not() {
+    let mut made = made(30);
+    let with_holder = |verdict: &FlankVerdict, what: &str| {
+        verdict.faults.iter().filter(|f| f.what.contains("holder") && f.what.contains(what)).count()
+    };
+    let middle: Vec<Place> = made.inner[15][60..140].to_vec();
+    // Far above the part: no fault of that kind.
+    let long = made.verdict(&made.program([&middle], |_| {}));
+    assert_eq!(with_holder(&long, "stock"), 0, "{:#?}", shown(&long));
+    // In the middle of the channel the holder of the short cutter is clear of the blades, but not of the stock.
+    made.tool.overhang = 25.0;
+    let short = made.verdict(&made.program([&middle], |_| {}));
+    assert!(with_holder(&short, "stock that still stands") > 0, "{:#?}", shown(&short));
+    // After a long cutter has taken the channel out nothing is left to meet.
+    made.tool.overhang = 90.0;
+    let mut program = made.program(made.walls.iter().chain(&made.inner), |_| {});
+    made.tool.overhang = 25.0;
+    let again = made.program([&middle], |_| {});
+    program.tools.push(again.tools[0].clone());
+    program.tools[1].number = 2;
+    program.moves.extend(again.moves.into_iter().map(|m| Move { tool: Some(1), ..m }));
+    let after = made.verdict(&program);
+    assert_eq!(with_holder(&after, "stock that still stands"), 0, "{:#?}", shown(&after));
 }
 
 #[test]

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use vanecut::flank::wall::{WallAxes, WallFit, WallMilling, WallStation};
 use vanecut::formats::part_file::read_part;
-use vanecut::geometry::{CutterSolid, Point};
-use vanecut::part::{BladeWall, Channel, Impeller, Passage, Tool, WallEnvelope};
+use vanecut::geometry::{CutterSolid, Point, Vector, frame_about};
+use vanecut::part::{BladeSide, BladeWall, Channel, Impeller, Passage, Tool, WallEnvelope};
 use vanecut::plunge::clearance::FinishedPart;
 use vanecut::plunge::slotting::DepthSurface;
 
@@ -235,5 +235,76 @@ fn cutters_of_all_shapes_come_to_rest_on_the_hub() {
                 station.s
             );
         }
+    }
+}
+
+/// Distance of a line of the wall at height `v`, near `u`, from an axis.
+fn line_distance(side: &BladeSide, v: f64, u: f64, (foot, axis): (Point, Vector)) -> f64 {
+    let at = |u: f64| {
+        let d = side.point(u, v) - foot;
+        (d - axis * d.dot(&axis)).norm()
+    };
+    let (mut low, mut high) = (u - 0.05, u + 0.05);
+    for _ in 0..3 {
+        let step = (high - low) / 40.0;
+        let best = (0..=40).map(|k| low + step * f64::from(k)).min_by(|a, b| at(*a).total_cmp(&at(*b)));
+        let best = best.expect("places");
+        (low, high) = (best - step, best + step);
+    }
+    at(0.5 * (low + high))
+}
+
+#[test]
+fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
+    for (name, diameter) in [("assets/parts/pump6.toml", 12.0), ("assets/parts/impeller532.toml", 6.0)] {
+        let part = part_at(name);
+        let channel = Channel::of(&part);
+        let cutter = tool(diameter, 0.5 * diameter);
+        // Cut as deep as left: each axis is the best of its own.
+        let walls = walls(&channel).into_iter().zip(fitted(&part, &channel, &cutter, 1.0));
+        let worst = |axes: &WallAxes| {
+            let flank = axes.map.u[0];
+            let on_flank = axes.stations.iter().filter(|s| s.u >= flank && s.u <= 1.0);
+            on_flank.copied().max_by(|a, b| a.forced.total_cmp(&b.forced)).expect("stations")
+        };
+        let ((passage, wall), axes) = walls.max_by(|a, b| a.1.forced.total_cmp(&b.1.forced)).expect("a wall");
+        let (station, side) = (worst(&axes), passage.walls[wall].side());
+        assert_eq!(station.forced, axes.forced);
+        assert!(station.forced > 2e-3, "{name}: {} mm tell nothing", station.forced);
+        let reach = cutter.radius() + ALLOWANCE;
+        let height = (side.point(station.u, 1.0) - side.point(station.u, 0.0)).norm();
+        let from = (ALLOWANCE + cutter.corner_radius) / height;
+        let off = |line: (Point, Vector)| {
+            (0..=20)
+                .map(|k| from + (1.0 - from) * f64::from(k) / 20.0)
+                .map(|v| (line_distance(side, v, station.u, line) - reach).abs())
+                .fold(0.0, f64::max)
+        };
+        let (e1, e2) = frame_about(&station.axis);
+        let mut state = 11u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        // Lines around it, moved and tilted any way by some hundredths of a millimetre and less and less.
+        let mut best = ([0.0f64; 4], off((station.foot, station.axis)));
+        let first = best.1;
+        for round in 0..1500 {
+            let size = 0.2 * (-f64::from(round) / 180.0).exp();
+            let numbers = best.0.map(|x| x + size * random());
+            let [a, b, c, d] = numbers;
+            // Far along the wall it would be another position.
+            if (a * a + b * b).sqrt() > 0.3 {
+                continue;
+            }
+            let foot = station.foot + e1 * a + e2 * b;
+            let axis = (station.axis + (e1 * (c - a) + e2 * (d - b)) / height).normalize();
+            let there = off((foot, axis));
+            if there < best.1 {
+                best = (numbers, there);
+            }
+        }
+        assert!(first < station.forced + 1e-3, "{name}: {first} mm, not {}", station.forced);
+        assert!(best.1 > 0.93 * station.forced, "{name}: {} mm is less than {}", best.1, station.forced);
     }
 }

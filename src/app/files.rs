@@ -186,7 +186,7 @@ fn scene_bytes(scene: &SceneTask) -> Vec<u8> {
 
 fn flank_text(outcome: &FlankOutcome) -> String {
     let plan = &outcome.plan;
-    write_apt(&ClProgram::of_flank(&outcome.part.name, &plan.tool, plan.feed, &plan.moves))
+    write_apt(&ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves))
 }
 
 #[cfg(test)]

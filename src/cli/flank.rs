@@ -33,7 +33,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
             JobError::Setup(fault) => setup.failure(&fault),
         })?;
     let plan = &outcome.plan;
-    let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, plan.feed, &plan.moves);
+    let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves);
     make_folder(&args.output)?;
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
     write_together(&[
@@ -89,6 +89,7 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("wide_area_share", number(curves.wide_share(scheme)));
     put("max_overcut", number(plan.max_overcut()));
     put("max_undercut", number(plan.max_undercut()));
+    put("forced_deviation", number(plan.forced_deviation()));
     put("positions", json!(plan.positions()));
     let axes = plan.axes.iter().map(|a| {
         json!({
@@ -113,7 +114,10 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
                 .collect(),
         ),
     );
-    put("feed", number(plan.feed));
+    put("feed", number(plan.feeds.step));
+    put("slot_feed", number(plan.feeds.slot));
+    put("wall_feed", number(plan.feeds.wall));
+    put("ramp_feed", number(plan.feeds.ramp));
     put("cut_length", number(plan.times.cut_length));
     put("link_length", number(plan.times.link_length));
     put("rapid_length", number(plan.times.rapid_length));
@@ -210,21 +214,26 @@ fn text(outcome: &FlankOutcome) -> String {
         curves.totals[curves.scheme as usize].length / (curves.floor_length + 0.5 * curves.seam_length),
     );
     text += &format!(
-        "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept\n",
+        "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept; their twist forces {:.4} mm either way on any straight edge of that radius\n",
         plan.max_overcut(),
-        plan.max_undercut()
+        plan.max_undercut(),
+        plan.forced_deviation(),
     );
     text += &format!(
-        "{} positions, {} fixed axes; {:.0} mm cut at {:.0} mm/min, {:.0} mm links and approaches, {:.0} mm rapid: {:.1} + {:.1} + {:.1} min\n",
+        "{} positions, {} fixed axes; {:.0} mm cut, {:.0} mm links and approaches, {:.0} mm rapid: {:.1} + {:.1} + {:.1} min\n",
         plan.positions(),
         plan.axes.len(),
         plan.times.cut_length,
-        plan.feed,
         plan.times.link_length,
         plan.times.rapid_length,
         plan.times.cut_time / 60.0,
         plan.times.link_time / 60.0,
         plan.times.rapid_time / 60.0,
+    );
+    let feeds = &plan.feeds;
+    text += &format!(
+        "feeds, mm/min: {:.0} beside curves that are cut, {:.0} in full stock, {:.0} along walls, {:.0} ramping down\n",
+        feeds.step, feeds.slot, feeds.wall, feeds.ramp,
     );
     for height in &curves.empty {
         text += &format!("nothing is planned {height} mm above the hub: the cutter fits nowhere there\n");

@@ -9,7 +9,7 @@ use crate::formats::flank_file::StoredFlank;
 use crate::gpu::flank::{FlankColours, lines, wall_deviations};
 use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
 
-/// The curves of a flank plan by layer or region, or its moves by the way they are made (`--show feed`), as a PNG file in
+/// The curves of a flank plan by layer or region, or its moves by their feed (`--show feed`), as a PNG file in
 /// memory; or what the cutter leaves on the walls (`--show walls`). `--at` shows that many moves only.
 pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -> Result<Vec<u8>, Failure> {
     let colours: FlankColours = match &args.show {

@@ -87,7 +87,14 @@ fn plunges(
     let result = PolicyResult { plan: verdict.plan, field, summary };
     let mut map = report::plan_object(part, verdict.channels, &result, &grid, &[]);
     map.insert("kind".into(), json!("plunge"));
-    for key in ["max_overcut", "max_undercut", "uncovered_share"] {
+    for key in [
+        "max_overcut",
+        "max_undercut",
+        "uncovered_share",
+        "uncovered_fillet_share",
+        "uncovered_no_axis_share",
+        "uncovered_gap_share",
+    ] {
         map.insert(key.into(), Value::Null);
     }
     let mut text = report::named_table([("program", &result)].into_iter(), &grid);

@@ -117,11 +117,13 @@ pub fn y_at(line: &[LayerPoint], x: f64) -> f64 {
 
 impl Borders {
     /// The walls of `channel` on `layer`, each extended as a geodesic `beyond` mm beyond the layer's ends, and further
-    /// where its rays need that to reach over the whole channel. `None` where a wall does not cross the layer.
-    pub fn of(part: &Impeller, channel: &Channel, layer: &Layer, beyond: f64) -> Option<Self> {
+    /// where its rays need that to reach over the whole channel. They are taken
+    /// `raised` mm above the layer: with the height of a ball's centre, next to which it keeps its distance from them. `None`
+    /// where a wall does not cross the layer.
+    pub fn of(part: &Impeller, channel: &Channel, layer: &Layer, beyond: f64, raised: f64) -> Option<Self> {
         let [a, b] = &channel.full.walls;
-        let low = flank(layer, a.side(), 0.0)?;
-        let high = flank(layer, b.side(), 0.0)?;
+        let low = flank(layer, a.side(), raised)?;
+        let high = flank(layer, b.side(), raised)?;
         // The wall at λ = 1 follows the other within a pitch.
         let middle = 0.5 * (layer.from + layer.to);
         let gap = y_at(&high, middle) - y_at(&low, middle);
@@ -132,7 +134,8 @@ impl Borders {
             return None;
         }
         let splitter = channel.beside_splitter.len() == 2 && !part.splitters.is_empty();
-        let nosed = splitter.then(|| outline(layer, &part.splitters[0], (&low, &high), beyond)).flatten();
+        let nosed =
+            splitter.then(|| outline(layer, &part.splitters[0], (&low, &high), beyond, raised)).flatten();
         let reach = |line: &[LayerPoint], end: usize, x: f64| {
             let next = if end == 0 { 1 } else { end - 1 };
             let slope = layer.heading(line[end.min(next)], line[end.max(next)]).tan().abs().min(3.0);
@@ -153,11 +156,11 @@ impl Borders {
 }
 
 /// The line of a flank within the layer's ends, x growing.
-fn flank(layer: &Layer, side: &BladeSide, near: f64) -> Option<Vec<LayerPoint>> {
+fn flank(layer: &Layer, side: &BladeSide, raised: f64) -> Option<Vec<LayerPoint>> {
     let first = side.u_knots()[0];
     let traced = |from: f64, to: f64| {
         let lines = (0..=FLANK_LINES).map(|i| from + (to - from) * i as f64 / FLANK_LINES as f64);
-        growing(layer.trace(side, lines, near))
+        growing(layer.trace(side, lines, 0.0, raised))
     };
     let fits = |line: &Vec<LayerPoint>| line.len() >= 3 && line[1].x < layer.to;
     // A layer that ends beside the nose lies where the flank runs on straight before it.
@@ -219,11 +222,12 @@ fn outline(
     blade: &crate::part::Blade,
     (low, high): (&[LayerPoint], &[LayerPoint]),
     beyond: f64,
+    raised: f64,
 ) -> Option<Splitter> {
     let lines = || (0..=NOSED_LINES).map(|i| (i as f64 / NOSED_LINES as f64).powi(2));
     let near = |p: &LayerPoint| 0.5 * (y_at(low, p.x) + y_at(high, p.x));
     let side = |side: &BladeSide| {
-        let traced = layer.trace(side, lines(), 0.0);
+        let traced = layer.trace(side, lines(), 0.0, raised);
         let shift = traced.last().map_or(0.0, |p| near(p) + wrap_angle(p.y - near(p)) - p.y);
         traced.into_iter().map(|p| LayerPoint { x: p.x, y: p.y + shift }).collect::<Vec<_>>()
     };

@@ -236,8 +236,9 @@ impl CurveSource<'_> {
         Ok(result)
     }
 
-    fn borders(&self, layer: &Layer) -> Option<Borders> {
-        Borders::of(self.part, self.channel, layer, self.beyond() + 2.0 * self.tool.radius())
+    /// The walls on `layer`, taken `raised` mm above it.
+    fn borders(&self, layer: &Layer, raised: f64) -> Option<Borders> {
+        Borders::of(self.part, self.channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised)
     }
 
     fn beyond(&self) -> f64 {
@@ -279,7 +280,7 @@ impl CurveSource<'_> {
 
     /// A layer of constant depth with the curves of `scheme`.
     fn layer(&self, layer: Layer, scheme: FlankScheme) -> Result<Option<LayerCurves>, FlankError> {
-        let Some(borders) = self.borders(&layer) else { return Ok(None) };
+        let Some(borders) = self.borders(&layer, self.tool.corner_radius) else { return Ok(None) };
         let interval = self.interval(&layer, &borders)?;
         let (clear, beyond) = (self.clear(), self.beyond());
         let chart = self.chart(&layer, &borders, interval);
@@ -307,7 +308,8 @@ impl CurveSource<'_> {
 
     /// A layer of the baseline; its coverage only where `wanted`.
     fn isoparametric_layer(&self, layer: Layer, wanted: bool) -> Result<Option<LayerCurves>, FlankError> {
-        let Some(borders) = self.borders(&layer) else { return Ok(None) };
+        // As published, from the walls where they cross the layer.
+        let Some(borders) = self.borders(&layer, 0.0) else { return Ok(None) };
         let interval = self.interval(&layer, &borders)?;
         let curves = schemes::isoparametric(&layer, &borders, self.clear(), interval, self.beyond());
         let mut figures = [CurveFigures::default(); 4];

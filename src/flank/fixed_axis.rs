@@ -9,11 +9,11 @@
 mod scene;
 mod search;
 
-use crate::geometry::{Point, Vector};
-use crate::part::{Channel, Tool};
+use crate::geometry::{Circle, Point, Vector};
+use crate::part::{Blank, Channel, Tool};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
-use scene::{BladePoints, Cone, HubDistance, Least, Near, Shape};
+use scene::{BladePoints, Cone, DistanceTable, Least, Near, Shape};
 use search::Greedy;
 
 /// Where a cutter touches a layer.
@@ -32,6 +32,9 @@ pub struct FixedAxisLimits {
     pub hub_allowance: f64,
     /// Stock that stays on the blades, mm.
     pub blade_allowance: f64,
+    /// How far above a contact stock may still stand beside it, mm: the depth of the layer in work. What is above that is
+    /// cut, as layers are cut from the top down.
+    pub standing: f64,
     /// Largest angle between an axis and the layer's normal, rad.
     pub max_tilt: f64,
 }
@@ -58,6 +61,8 @@ pub enum Obstacle {
     Hub,
     /// The holder meets a blade or the hub.
     Holder,
+    /// The holder meets stock that still stands.
+    Stock,
     /// The axis would tilt too far.
     Tilt,
     /// Every contact of the station has an axis, but there is none for all.
@@ -91,7 +96,8 @@ pub struct FixedAxisSearch<'a> {
     limits: FixedAxisLimits,
     finished: &'a FinishedPart<'a>,
     blades: BladePoints,
-    hub: HubDistance,
+    hub: DistanceTable,
+    blank: DistanceTable,
     shape: Shape,
 }
 
@@ -101,6 +107,8 @@ struct Place {
     contact: Contact,
     /// Centre of the corner that touches.
     centre: Point,
+    /// How far above the hub stock may stand, mm.
+    top: f64,
     cone: Cone,
     near: Near,
 }
@@ -112,28 +120,35 @@ struct Spare {
     by: Obstacle,
 }
 
+/// Greatest angle between a fixed axis and the layer's normal, rad.
+pub const MAX_TILT: f64 = 65.0 * std::f64::consts::PI / 180.0;
 /// Distances from the hub are met to this in the end, mm.
 const HUB_TOLERANCE: f64 = 1e-4;
 /// The table of distances from the hub is good to this, mm.
 const HUB_SLACK: f64 = 0.05;
 /// Heights of the column at which its distance from the hub is looked at.
 const HUB_HEIGHTS: usize = 4;
+/// Places of the holder's rim at which its distance from the blank is looked at.
+const RIM_POINTS: usize = 8;
 
 impl<'a> FixedAxisSearch<'a> {
-    /// For `tool` in `channel`, whose surfaces are those of `finished`.
+    /// For `tool` in `channel`, whose surfaces are those of `finished`, cut from `blank`.
     pub fn new(
         finished: &'a FinishedPart<'a>,
         channel: &Channel,
+        blank: &Blank,
         tool: &'a Tool,
         limits: &FixedAxisLimits,
     ) -> Self {
         let reach = tool.radius() + limits.blade_allowance;
+        let margin = tool.overhang + 2.0 * tool.holder_diameter();
         Self {
             tool,
             limits: *limits,
             finished,
             blades: BladePoints::new(&channel.sides, reach.max(1e-3)),
-            hub: HubDistance::new(finished.part, tool.overhang + 2.0 * tool.holder_diameter()),
+            hub: DistanceTable::of_hub(finished.part, margin),
+            blank: DistanceTable::of_blank(finished.part, blank, margin),
             shape: Shape::of(tool),
         }
     }
@@ -142,6 +157,11 @@ impl<'a> FixedAxisSearch<'a> {
     /// layer offset by the corner radius: cutters with a flat bottom are lifted until they do not cut into it.
     pub fn runs(&self, stations: &[Vec<Contact>], layer: &DepthSurface) -> FixedAxes {
         Greedy::new(self, layer, stations.to_vec()).run()
+    }
+
+    /// What keeps every axis from `contact`; `None` where one is free. See [`Self::runs`] for `layer`.
+    pub fn blocked(&self, contact: &Contact, layer: &DepthSurface) -> Option<Obstacle> {
+        Greedy::new(self, layer, Vec::new()).blocked(&self.place(contact, None))
     }
 
     /// Tip of the cutter with `axis` at `contact`: touching it, and lifted along the axis where the bottom would cut into
@@ -163,7 +183,7 @@ impl<'a> FixedAxisSearch<'a> {
         let centre = contact.point + contact.normal * self.tool.corner_radius;
         let margin = self.limits.blade_allowance + self.blades.slack + search::SEED_SPARE;
         let near = self.blades.near(&centre, &cone, &self.shape, margin);
-        Place { contact: *contact, centre, cone, near }
+        Place { contact: *contact, centre, top: self.top(&centre), cone, near }
     }
 
     /// What `axis` has to spare at `place`, by the quick distances. Below `enough` it may be anything below.
@@ -184,10 +204,10 @@ impl<'a> FixedAxisSearch<'a> {
         let across = (place.contact.normal - axis * along).try_normalize(1e-9).unwrap_or_else(Vector::zeros);
         let offset = across * rim;
         let allowance = self.limits.blade_allowance + self.blades.slack;
-        let limits = Least { cutter: enough + allowance, holder: enough + self.blades.slack };
+        let limits = Least { cutter: enough + allowance, holder: enough + allowance };
         let least = place.near.least(&self.shape, axis, &offset, limits);
         if bound(least.cutter - allowance, Obstacle::Blade)
-            | bound(least.holder - self.blades.slack, Obstacle::Holder)
+            | bound(least.holder - allowance, Obstacle::Holder)
         {
             return spare;
         }
@@ -206,7 +226,42 @@ impl<'a> FixedAxisSearch<'a> {
             let middle = bottom + axis * (to - self.tool.corner_radius + up);
             bound(self.hub.at(&middle) - holder - HUB_SLACK, Obstacle::Holder);
         }
+        let end = bottom + axis * (to - self.tool.corner_radius);
+        bound(self.above_stock(&end, axis, place.top) - HUB_SLACK, Obstacle::Stock);
         spare
+    }
+
+    /// Least height of the end of a holder above stock that stands up to `top` mm above the hub, as far as there is any of the
+    /// blank, or less where it is surely enough, mm.
+    fn above_stock(&self, end: &Point, axis: &Vector, top: f64) -> f64 {
+        let height = |p: &Point| {
+            let off_blank = self.blank.at(p);
+            if off_blank > 2.0 * HUB_SLACK { off_blank } else { off_blank.max(self.hub.at(p) - top) }
+        };
+        let (middle, radius) = (height(end), 0.5 * self.tool.holder_diameter());
+        // No place is nearer than the middle by more than it is away from it.
+        if middle > radius + 2.0 * HUB_SLACK {
+            return middle - radius;
+        }
+        let rim = Circle::new(end, axis, radius);
+        let place = |k: usize| rim.at((std::f64::consts::TAU * k as f64 / RIM_POINTS as f64).sin_cos()).0;
+        (0..RIM_POINTS).map(|k| height(&place(k))).fold(middle, f64::min)
+    }
+
+    /// What the holder of the cutter with `axis` meets when the tip is at `tip`: a blade or the stock that stays on it, or the
+    /// layer in work. Of the layers above nothing stands.
+    pub fn holder_meets(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
+        let holder = self.tool.holder(tip, axis);
+        if !self.finished.clears(&holder, self.limits.blade_allowance) {
+            return Some(Obstacle::Holder);
+        }
+        let top = self.top(&(tip + axis * self.tool.corner_radius));
+        (self.above_stock(&holder.tip, &axis, top) < HUB_SLACK).then_some(Obstacle::Stock)
+    }
+
+    /// How far above the hub stock may stand beside a cutter whose corner is centred at `centre`, mm.
+    fn top(&self, centre: &Point) -> f64 {
+        self.hub.at(centre) - self.tool.corner_radius + self.limits.standing
     }
 
     /// Whether the cutter with `axis` is free at `contact`, measured: `Ok` with the least distance to a blade, or `least` if
@@ -227,10 +282,6 @@ impl<'a> FixedAxisSearch<'a> {
         if self.finished.hub_clearance(&cutter) < self.limits.hub_allowance - HUB_TOLERANCE {
             return Err(Obstacle::Hub);
         }
-        if self.finished.clears(&self.tool.holder(tip, *axis), 0.0) {
-            Ok(nearest)
-        } else {
-            Err(Obstacle::Holder)
-        }
+        self.holder_meets(tip, *axis).map_or(Ok(nearest), Err)
     }
 }

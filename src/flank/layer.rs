@@ -259,14 +259,20 @@ impl Layer {
         (r * (b.y - a.y)).atan2(b.x - a.x)
     }
 
-    /// Where the lines u of a blade side cross the layer, as points with y next to `near`; lines that do not reach it
-    /// are left out.
-    pub fn trace(&self, side: &BladeSide, u: impl Iterator<Item = f64>, near: f64) -> Vec<LayerPoint> {
+    /// Where the lines u of a blade side are `raised` mm above the layer, as points of the layer below them (no higher than the
+    /// side's tip) with y next to `near`; lines that do not reach it are left out.
+    pub fn trace(
+        &self,
+        side: &BladeSide,
+        u: impl Iterator<Item = f64>,
+        near: f64,
+        raised: f64,
+    ) -> Vec<LayerPoint> {
         let mut guess: Option<(f64, f64)> = None;
         let mut y = near;
         let mut points = Vec::new();
         for u in u {
-            let Some((v, p)) = self.crossing(side, u, guess) else { continue };
+            let Some((v, p)) = self.beside(side, u, guess, raised) else { continue };
             guess = Some((v, p.x));
             y += wrap_angle(p.y - y);
             points.push(LayerPoint { x: p.x, y });
@@ -274,19 +280,46 @@ impl Layer {
         points
     }
 
-    fn crossing(&self, side: &BladeSide, u: f64, guess: Option<(f64, f64)>) -> Option<(f64, LayerPoint)> {
+    /// The crossing of line u `raised` mm above the layer; where the side ends below that, its tip, or the crossing with the
+    /// layer itself.
+    fn beside(
+        &self,
+        side: &BladeSide,
+        u: f64,
+        guess: Option<(f64, f64)>,
+        raised: f64,
+    ) -> Option<(f64, LayerPoint)> {
+        let there = self.crossing(side, u, guess, raised);
+        if raised == 0.0 || there.is_some_and(|(v, _)| v <= 1.0) {
+            return there;
+        }
+        let (v, on_layer) = self.crossing(side, u, guess, 0.0)?;
+        if v >= 1.0 {
+            return Some((v, on_layer));
+        }
+        Some((1.0, self.place(&side.point(u, 1.0), 0.0, Some(on_layer.x)).0))
+    }
+
+    fn crossing(
+        &self,
+        side: &BladeSide,
+        u: f64,
+        guess: Option<(f64, f64)>,
+        raised: f64,
+    ) -> Option<(f64, LayerPoint)> {
         let (mut v, mut near) = guess.map_or((0.5, None), |(v, x)| (v, Some(x)));
         for _ in 0..30 {
             let (p, _, pv) = side.derivatives(u, v);
             let (place, height) = self.place(&p, 0.0, near);
             near = Some(place.x);
-            if height.abs() < 1e-9 {
+            let off = height - raised;
+            if off.abs() < 1e-9 {
                 return Some((v, place));
             }
             let normal = self.curve.at(place.x).normal;
             let radial = (p.x * pv.x + p.y * pv.y) / norm2(p.x, p.y).max(1e-9);
             let rate = radial * normal.r + pv.z * normal.z;
-            let step = height / rate;
+            let step = off / rate;
             if !step.is_finite() {
                 return None;
             }

@@ -12,6 +12,7 @@
 //! | [`wall`] | cutters beside the walls: the axes of the curves along them |
 //! | [`fixed_axis`] | axes of the inner curves: as few as are free of collision |
 //! | `passes` | from curves to positions of the cutter |
+//! | `engagement` | which passes run through full stock |
 //! | [`path`] | order, links and flights: from positions to a program |
 //! | [`plan`] | the whole plan, stage by stage |
 
@@ -19,6 +20,7 @@ pub mod border;
 pub mod chart;
 pub mod choice;
 pub mod curves;
+mod engagement;
 pub mod fixed_axis;
 pub mod interval;
 pub mod layer;

@@ -14,13 +14,13 @@ mod stretches;
 
 use super::chart::{Chart, Region};
 use super::curves::LayerCurves;
-use super::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch};
+use super::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
 use super::layer::{Layer, LayerPoint};
 use super::path::Pass;
 use super::plan::{MilledWall, RegionAxis};
 use super::schemes::Role;
 use crate::geometry::{Point, Vector};
-use crate::part::{Channel, Impeller, Setup, Tool};
+use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
 use along_wall::Milled;
@@ -30,8 +30,6 @@ use stretches::{Stretch, stretches};
 const CHORD: f64 = 0.005;
 /// Steps along inner curves at least and at most, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
-/// Greatest angle between a fixed axis and the layer's normal, rad.
-const MAX_TILT: f64 = 65.0 * std::f64::consts::PI / 180.0;
 /// Spacing of the points that the surface a cutter rests on is drawn through, mm.
 const SURFACE_STEP: f64 = 0.5;
 
@@ -70,10 +68,11 @@ pub struct PassMaker<'a> {
 }
 
 impl<'a> PassMaker<'a> {
-    /// For `tool` in `channel`, whose surfaces are those of `finished`, with its `walls` fitted.
+    /// For `tool` in `channel`, whose surfaces are those of `finished`, out of `blank`, with its `walls` fitted.
     pub fn new(
         finished: &'a FinishedPart<'a>,
         channel: &'a Channel,
+        blank: &Blank,
         setup: &'a Setup,
         tool: &'a Tool,
         walls: &'a [MilledWall],
@@ -81,6 +80,7 @@ impl<'a> PassMaker<'a> {
         let limits = FixedAxisLimits {
             hub_allowance: setup.stock.hub_allowance,
             blade_allowance: setup.stock.blade_allowance,
+            standing: setup.flank.layer_depth + setup.flank.allowed_error,
             max_tilt: MAX_TILT,
         };
         Self {
@@ -88,7 +88,7 @@ impl<'a> PassMaker<'a> {
             tool,
             setup,
             walls,
-            search: FixedAxisSearch::new(finished, channel, tool, &limits),
+            search: FixedAxisSearch::new(finished, channel, blank, tool, &limits),
             finished,
         }
     }
@@ -112,9 +112,8 @@ impl<'a> PassMaker<'a> {
             }
         }
         for region in [Region::Inlet, Region::LowSide, Region::HighSide] {
-            let lines: Vec<&[LayerPoint]> =
-                inner.iter().filter(|(r, _)| *r == region).map(|(_, points)| points.as_slice()).collect();
-            on.inner(region, &lines, &mut made);
+            let lines = inner.iter().filter(|(r, _)| *r == region).map(|(_, points)| points.clone());
+            on.inner(region, lines.collect(), &mut made);
         }
         made
     }

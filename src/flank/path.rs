@@ -3,14 +3,16 @@
 //! Layers are cut from the top down, and in a layer region by region: first the inner curves of each fixed axis, side by
 //! side and to and fro, then the curves along the walls. A curve begins at an end that lies beyond the part where it has
 //! one, else the cutter ramps down along it. Between curves the cutter goes on over the layer under feed where that is
-//! short and free, else it leaves along its axis, flies above the blank, and comes down again.
+//! short and free, else it leaves along its axis, flies above the blank, and comes down again. Each curve has one feed, by
+//! what stands beside it: stock on both sides, a curve that is cut, or a wall.
 
 use super::chart::Region;
+use super::engagement::CutPasses;
 use super::layer::{Layer, LayerPoint};
 use super::schemes::Role;
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Blank, Tool};
+use crate::part::{Blank, FlankFeeds, Tool};
 use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::flight::Flight;
 use crate::plunge::retract::{NearBottom, RetractSurface, bottom_clearance, pulled_clear};
@@ -38,6 +40,8 @@ pub struct FlankMove {
     pub tip: Point,
     /// Unit axis, tip → holder.
     pub axis: Vector,
+    /// mm/min; of a rapid what the estimate of time takes it for.
+    pub feed: f64,
     /// Layer it belongs to, 0 at the hub.
     pub layer: usize,
     /// Region it belongs to.
@@ -70,7 +74,9 @@ const RAMP_LENGTH: f64 = 25.0;
 /// Greatest turn of the axis on a link, rad.
 const MOST_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Spacing of positions along a link, mm.
-const LINK_STEP: f64 = 1.0;
+const LINK_STEP: f64 = 0.5;
+/// Greatest turn of the axis between them, rad: the far end of a long cutter swings by half a millimetre.
+const LINK_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// Rounds in which the ends of a flight are raised until it is clear.
 const MAX_ROUNDS: usize = 30;
 
@@ -82,8 +88,8 @@ const FLIGHT_MARGIN: f64 = 0.05;
 pub struct PathMaker<'a> {
     /// The cutter.
     pub tool: &'a Tool,
-    /// Feed along curves and links, mm/min.
-    pub feed: f64,
+    /// Feeds by engagement.
+    pub feeds: FlankFeeds,
     /// The blank, to fly above.
     pub blank: &'a Blank,
     /// Distance of the cutter above the blank before a rapid, mm.
@@ -101,6 +107,8 @@ pub struct LayerPasses<'a> {
     pub number: usize,
     /// The surface.
     pub layer: &'a Layer,
+    /// Distance of neighbouring curves, mm.
+    pub interval: f64,
     /// In any order.
     pub passes: Vec<Pass>,
     /// Whether a cutter over a place of the layer keeps clear of the walls.
@@ -123,14 +131,28 @@ impl PathMaker<'_> {
                 let side = |p: &Pass| p.ends[0].y + p.ends[1].y;
                 key(a).cmp(&key(b)).then(side(a).total_cmp(&side(b)))
             });
+            let mut cut = CutPasses::new(self.tool, layer.interval);
             for pass in rest {
                 monitor.check()?;
-                writer.cut(layer, pass);
+                writer.cut(layer, pass, self.feed_of(pass, &cut));
+                cut.add(&pass.positions);
             }
         }
         writer.leave();
         writer.raise_flights(monitor)?;
         Ok(writer.moves)
+    }
+
+    /// Feed along a pass, after others of its layer are cut.
+    fn feed_of(&self, pass: &Pass, cut: &CutPasses) -> f64 {
+        let feeds = &self.feeds;
+        let slots = cut.are_far_from(&pass.positions);
+        match pass.role {
+            Role::Wall(_) if slots => feeds.wall.min(feeds.slot),
+            Role::Wall(_) => feeds.wall,
+            Role::Inner if slots => feeds.slot,
+            Role::Inner => feeds.step,
+        }
     }
 }
 
@@ -145,10 +167,10 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn cut(&mut self, layer: &LayerPasses, pass: &Pass) {
+    fn cut(&mut self, layer: &LayerPasses, pass: &Pass, feed: f64) {
         // Begin where the cutter is, else at an end beyond the part.
         let open_end = usize::from(!pass.open[0] && pass.open[1]);
-        let link = self.link(layer, pass, open_end);
+        let link = self.link(layer, pass, open_end, feed);
         let reversed = link.as_ref().map_or(open_end, |(_, end)| *end) == 1;
         let positions: Vec<(Point, Vector)> =
             if reversed { pass.positions.iter().rev().copied().collect() } else { pass.positions.clone() };
@@ -157,6 +179,7 @@ impl Writer<'_> {
             kind,
             tip,
             axis,
+            feed: if kind == MoveKind::Rapid { RAPID_FEED } else { feed },
             layer: layer.number,
             region: pass.region,
             wall: matches!(pass.role, Role::Wall(_)),
@@ -175,7 +198,10 @@ impl Writer<'_> {
                     self.moves.push(above);
                 }
                 self.moves.push(above);
-                self.moves.extend(ramp.into_iter().map(|p| about(MoveKind::Approach, p)));
+                let ramp_feed = self.maker.feeds.ramp;
+                self.moves.extend(
+                    ramp.into_iter().map(|p| FlankMove { feed: ramp_feed, ..about(MoveKind::Approach, p) }),
+                );
                 self.moves.push(about(MoveKind::Approach, positions[0]));
             }
         }
@@ -190,6 +216,7 @@ impl Writer<'_> {
         layer: &LayerPasses,
         pass: &Pass,
         flown_to: usize,
+        feed: f64,
     ) -> Option<(Vec<(Point, Vector)>, usize)> {
         let (number, at) = self.at?;
         let from = self.moves.last()?;
@@ -200,12 +227,12 @@ impl Writer<'_> {
             0 => pass.positions[0],
             _ => pass.positions[pass.positions.len() - 1],
         };
-        let flight = self.flight_time((from.tip, from.axis), position(flown_to), pass.open[flown_to]);
+        let flight = self.flight_time((from.tip, from.axis), position(flown_to), pass.open[flown_to], feed);
         let mut ends = [0, 1].map(|end| (layer.layer.step(at, pass.ends[end]), end));
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.into_iter().find_map(|(long, end)| {
             let target = position(end);
-            if long / self.maker.feed > flight || from.axis.angle(&target.1) > MOST_TURN {
+            if long / feed > flight || from.axis.angle(&target.1) > MOST_TURN {
                 return None;
             }
             Some((self.way(layer, (at, from), (pass.ends[end], target), long)?, end))
@@ -227,7 +254,8 @@ impl Writer<'_> {
         };
         // What both ends keep from the layer the way between them keeps as well.
         let offset = [from.tip - plain(at, &from.axis), target.0 - plain(to, &target.1)];
-        let count = (long / LINK_STEP).ceil().max(1.0) as usize;
+        let turn = from.axis.angle(&target.1);
+        let count = (long / LINK_STEP).max(turn / LINK_TURN).ceil().max(1.0) as usize;
         (1..=count)
             .map(|k| {
                 let share = k as f64 / count as f64;
@@ -240,11 +268,11 @@ impl Writer<'_> {
     }
 
     /// Time out of the part, over it, and down again to a position, min.
-    fn flight_time(&self, from: (Point, Vector), to: (Point, Vector), open: bool) -> f64 {
+    fn flight_time(&self, from: (Point, Vector), to: (Point, Vector), open: bool, feed: f64) -> f64 {
         let (up, down) = (self.above(from), self.above(to));
         let flown = (up - from.0).norm() + (down - up).norm();
-        let ramp = if open { 0.0 } else { self.maker.layer_depth / RAMP.tan() };
-        flown / RAPID_FEED + ((down - to.0).norm() + ramp) / self.maker.feed
+        let ramp = if open { 0.0 } else { self.maker.layer_depth / RAMP.tan() / self.maker.feeds.ramp };
+        flown / RAPID_FEED + (down - to.0).norm() / feed + ramp
     }
 
     /// Down along the first piece of a curve, to and fro, from the height of the layer above.
@@ -287,7 +315,7 @@ impl Writer<'_> {
         let Some(&last) = self.moves.last() else { return };
         if last.kind != MoveKind::Rapid {
             let tip = self.above((last.tip, last.axis));
-            self.moves.push(FlankMove { kind: MoveKind::Rapid, tip, ..last });
+            self.moves.push(FlankMove { kind: MoveKind::Rapid, tip, feed: RAPID_FEED, ..last });
         }
         self.at = None;
     }
@@ -354,20 +382,19 @@ pub struct Times {
 }
 
 impl Times {
-    /// Of `moves` at `feed` mm/min; accelerations are left out.
-    pub fn of(moves: &[FlankMove], feed: f64) -> Self {
+    /// Of `moves` at their feeds; accelerations are left out.
+    pub fn of(moves: &[FlankMove]) -> Self {
         let mut times = Self::default();
         for pair in moves.windows(2) {
             let length = (pair[1].tip - pair[0].tip).norm();
-            match pair[1].kind {
-                MoveKind::Cut => times.cut_length += length,
-                MoveKind::Approach | MoveKind::Link => times.link_length += length,
-                MoveKind::Rapid => times.rapid_length += length,
-            }
+            let (lengths, time) = match pair[1].kind {
+                MoveKind::Cut => (&mut times.cut_length, &mut times.cut_time),
+                MoveKind::Approach | MoveKind::Link => (&mut times.link_length, &mut times.link_time),
+                MoveKind::Rapid => (&mut times.rapid_length, &mut times.rapid_time),
+            };
+            *lengths += length;
+            *time += 60.0 * length / pair[1].feed;
         }
-        times.cut_time = 60.0 * times.cut_length / feed;
-        times.link_time = 60.0 * times.link_length / feed;
-        times.rapid_time = 60.0 * times.rapid_length / RAPID_FEED;
         times
     }
 

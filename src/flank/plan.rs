@@ -12,7 +12,7 @@ use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::wall::{WallAxes, WallFit, WallMilling};
 use crate::geometry::Vector;
 use crate::monitor::Monitor;
-use crate::part::{Blank, Channel, Impeller, Setup, Tool};
+use crate::part::{Blank, Channel, FlankFeeds, Impeller, Setup, Tool};
 use crate::plunge::clearance::FinishedPart;
 
 use super::chart::WallName;
@@ -70,8 +70,8 @@ pub struct FlankPlan {
     pub left_out: Vec<LeftOut>,
     /// The program.
     pub moves: Vec<FlankMove>,
-    /// Feed along curves, mm/min.
-    pub feed: f64,
+    /// Feeds by engagement.
+    pub feeds: FlankFeeds,
     /// Lengths and times.
     pub times: Times,
 }
@@ -85,6 +85,11 @@ impl FlankPlan {
     /// Greatest stock left above the blade allowance along the walls, mm.
     pub fn max_undercut(&self) -> f64 {
         self.walls.iter().map(|w| w.axes.max_undercut).fold(0.0, f64::max)
+    }
+
+    /// Greatest deviation that twist and bow of the walls force on a straight edge, mm.
+    pub fn forced_deviation(&self) -> f64 {
+        self.walls.iter().map(|w| w.axes.forced).fold(0.0, f64::max)
     }
 
     /// Number of positions under feed.
@@ -103,7 +108,8 @@ pub struct FlankStages {
 /// The parts of a setup that curves depend on; others do not make them stale.
 fn curve_inputs(setup: &Setup) -> Setup {
     let mut flank = setup.flank.clone();
-    (flank.feed, flank.tool) = (None, None);
+    (flank.feed, flank.slot_feed, flank.wall_feed, flank.ramp_feed) = (None, None, None, None);
+    flank.tool = None;
     let mut stock = setup.stock.clone();
     stock.safety_distance = 0.0;
     Setup { stock, flank, ..Setup::default() }
@@ -153,7 +159,8 @@ pub fn plan(
     stages.walls = Some((wall_inputs(setup), tool.clone(), walls.clone()));
     monitor.report(0.3);
 
-    let maker = PassMaker::new(&finished, channel, setup, tool, &walls);
+    let blank = Blank::of(part, setup.stock.inlet_extension);
+    let maker = PassMaker::new(&finished, channel, &blank, setup, tool, &walls);
     let clear = tool.radius() + setup.stock.blade_allowance;
     let beyond = setup.flank.extension_of(tool) + LINK_SPACING;
     let made: Vec<(Chart, LayerAxes)> = curves
@@ -171,7 +178,6 @@ pub fn plan(
     monitor.report(0.8);
     let (charts, made): (Vec<Chart>, Vec<LayerAxes>) = made.into_iter().unzip();
 
-    let blank = Blank::of(part, setup.stock.inlet_extension);
     let mut axes = Vec::new();
     let mut left_out = Vec::new();
     let mut layers: Vec<LayerPasses> = Vec::with_capacity(made.len());
@@ -181,6 +187,7 @@ pub fn plan(
         layers.push(LayerPasses {
             number: layers.len(),
             layer: &found.layer,
+            interval: found.interval,
             passes: made.passes,
             fits: Box::new(|p, cutter| {
                 chart.freedom(p) >= -LINK_SLACK && finished.clears(cutter, setup.stock.blade_allowance)
@@ -189,17 +196,17 @@ pub fn plan(
     }
     // From the top down.
     layers.reverse();
-    let feed = setup.flank.feed_of(tool);
+    let feeds = setup.flank.feeds_of(tool);
     let path = PathMaker {
         tool,
-        feed,
+        feeds,
         blank: &blank,
         safety_distance: setup.stock.safety_distance,
         layer_depth: setup.flank.layer_depth,
     };
     let moves = path.program(&layers, monitor)?;
     monitor.report(1.0);
-    let times = Times::of(&moves, feed);
+    let times = Times::of(&moves);
     drop(layers);
     drop(charts);
     Ok(FlankPlan {
@@ -210,7 +217,7 @@ pub fn plan(
         axes,
         left_out,
         moves,
-        feed,
+        feeds,
         times,
     })
 }

@@ -60,6 +60,9 @@ pub struct WallStation {
     pub foot: Point,
     /// Unit axis, towards the holder.
     pub axis: Vector,
+    /// The least that the greatest deviation of any straight edge from the wall can be here, mm: what the wall's twist and bow
+    /// force.
+    pub forced: f64,
     /// What the cutter would come too near to when it stands on the hub's allowance: another wall, a nose.
     pub blocked: Option<Obstacle>,
 }
@@ -75,6 +78,8 @@ pub struct WallAxes {
     pub max_overcut: f64,
     /// Greatest stock left above the allowance, mm.
     pub max_undercut: f64,
+    /// Greatest deviation that the wall forces at a position on it, mm: no straight edge stays within less, either way.
+    pub forced: f64,
 }
 
 /// Heights of the wall that a fit looks at.
@@ -211,15 +216,20 @@ impl<'a> WallFit<'a> {
     pub fn axes(&self, swept: SweptWall) -> WallAxes {
         let hub = self.finished.part.hub.curve();
         let wanted = self.milling.blade_allowance - swept.tolerance;
-        let station = |(&u, line): (&f64, &Line)| {
+        let station = |((&u, line), fitted): ((&f64, &Line), &Fitted)| {
             let axis = line.axis();
             let cutter = self.milling.tool.placed(line.low + axis * self.milling.hub_allowance, axis);
             let s = self.finished.part.hub.s_at(hub.project(Meridional::of(&line.low)).0);
             let blocked = obstacle(self.finished.blades(), &cutter, wanted);
-            WallStation { u, s, foot: line.low, axis, blocked }
+            WallStation { u, s, foot: line.low, axis, forced: fitted.level(self.heights), blocked }
         };
+        let lines = self.places.par_iter().zip(&swept.lines).zip(&self.fitted);
+        let stations: Vec<WallStation> = lines.map(station).collect();
+        let flank = self.face.side.u_knots()[0].max(0.0);
+        let forced = stations.iter().filter(|s| (flank..=1.0).contains(&s.u)).map(|s| s.forced);
         WallAxes {
-            stations: self.places.par_iter().zip(&swept.lines).map(station).collect(),
+            forced: forced.fold(0.0, f64::max),
+            stations,
             max_overcut: swept.map.max_overcut(),
             max_undercut: swept.map.max_undercut(),
             map: swept.map,

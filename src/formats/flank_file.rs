@@ -12,6 +12,7 @@ use crate::flank::wall::DeviationMap;
 use crate::flank::{FlankMove, FlankPlan, MilledWall, MoveKind};
 use crate::geometry::Point;
 use crate::part::{FlankScheme, Impeller, PartDescription, Setup};
+use crate::plunge::choice::estimate::RAPID_FEED;
 
 /// Version of the file; readers refuse newer ones.
 const VERSION: u32 = 1;
@@ -19,6 +20,8 @@ const VERSION: u32 = 1;
 const DECIMALS: f64 = 1e6;
 /// Axes are written to this.
 const AXIS_DECIMALS: f64 = 1e9;
+/// Feeds are written to this, mm/min.
+const FEED_DECIMALS: f64 = 1e3;
 
 #[derive(Serialize, Deserialize)]
 struct FlankFile {
@@ -28,12 +31,15 @@ struct FlankFile {
     /// The setup with the cutter filled in.
     setup: String,
     scheme: FlankScheme,
-    /// Feed along the curves, mm/min.
+    /// Feed along curves beside others, mm/min.
     feed: f64,
     layers: Vec<LayerFile>,
     #[serde(default)]
     walls: Vec<WallFile>,
     moves: Vec<MoveFile>,
+    /// Of each move, mm/min; older files have one feed for all that are not rapid.
+    #[serde(default)]
+    feeds: Vec<f64>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -101,7 +107,7 @@ pub struct StoredFlank {
     pub setup: Setup,
     /// Its scheme.
     pub scheme: FlankScheme,
-    /// Feed along the curves, mm/min.
+    /// Feed along curves beside others, mm/min.
     pub feed: f64,
     /// Number of layers.
     pub layers: usize,
@@ -159,7 +165,7 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
         part: write_native(description),
         setup: write_setup(setup),
         scheme: plan.curves.scheme,
-        feed: plan.feed,
+        feed: plan.feeds.step,
         layers: layers.collect(),
         walls: plan
             .walls
@@ -186,6 +192,7 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
                 (m.kind, m.layer, m.region, m.wall, tip, axis)
             })
             .collect(),
+        feeds: plan.moves.iter().map(|m| (m.feed * FEED_DECIMALS).round() / FEED_DECIMALS).collect(),
     };
     let mut text = serde_json::to_string(&file).unwrap_or_default();
     text.push('\n');
@@ -227,8 +234,14 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
     let mut moves = Vec::with_capacity(file.moves.len());
     for (number, (kind, layer, region, wall, tip, axis)) in file.moves.into_iter().enumerate() {
         let axis = stored::unit_axis(axis).filter(|_| are_sane(&tip) && layer < layers.max(1));
-        let Some(axis) = axis else { return Err(damaged(name, format!("move {} is damaged", number + 1))) };
-        moves.push(FlankMove { kind, tip: stored::point(tip), axis, layer, region, wall });
+        let feed = file.feeds.get(number).copied().unwrap_or(match kind {
+            MoveKind::Rapid => RAPID_FEED,
+            _ => file.feed,
+        });
+        let Some(axis) = axis.filter(|_| feed > 0.0 && feed.is_finite()) else {
+            return Err(damaged(name, format!("move {} is damaged", number + 1)));
+        };
+        moves.push(FlankMove { kind, tip: stored::point(tip), axis, feed, layer, region, wall });
     }
     let mut walls = Vec::new();
     for wall in file.walls {

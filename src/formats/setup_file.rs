@@ -293,7 +293,17 @@ fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputErr
 }
 
 fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
-    table.check_keys(&["tool", "scheme", "layer_depth", "allowed_error", "extension", "feed"])?;
+    table.check_keys(&[
+        "tool",
+        "scheme",
+        "layer_depth",
+        "allowed_error",
+        "extension",
+        "feed",
+        "slot_feed",
+        "wall_feed",
+        "ramp_feed",
+    ])?;
     if let Some(scheme) = table.string("scheme")? {
         flank.scheme =
             flank_scheme(scheme.value).map_err(|(what, cure)| table.fault_at(scheme.at, what, cure))?;
@@ -304,6 +314,9 @@ fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> 
     flank.allowed_error = table.number_or("allowed_error", LENGTH, flank.allowed_error)?;
     flank.extension = table.number("extension", ALLOWANCE)?.map(|x| x.value);
     flank.feed = table.number("feed", RATE)?.map(|x| x.value);
+    flank.slot_feed = table.number("slot_feed", RATE)?.map(|x| x.value);
+    flank.wall_feed = table.number("wall_feed", RATE)?.map(|x| x.value);
+    flank.ramp_feed = table.number("ramp_feed", RATE)?.map(|x| x.value);
     Ok(())
 }
 
@@ -387,8 +400,16 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     if let Some(extension) = setup.flank.extension {
         writeln!(out, "extension = {extension:?}")?;
     }
-    if let Some(feed) = setup.flank.feed {
-        writeln!(out, "feed = {feed:?}")?;
+    let flank = &setup.flank;
+    for (key, feed) in [
+        ("feed", flank.feed),
+        ("slot_feed", flank.slot_feed),
+        ("wall_feed", flank.wall_feed),
+        ("ramp_feed", flank.ramp_feed),
+    ] {
+        if let Some(feed) = feed {
+            writeln!(out, "{key} = {feed:?}")?;
+        }
     }
     if setup.machine != Setup::default().machine {
         writeln!(out, "\n[machine]\nmax_axis_tilt = {}", degrees_text(setup.machine.max_axis_tilt))?;

@@ -19,7 +19,7 @@ pub enum FlankColours {
     Layer,
     /// The region of the channel.
     Region,
-    /// How a move of the program is made.
+    /// The feed of a move of the program: dark slow, light fast; rapids grey.
     Feed,
     /// What the cutter leaves on the walls, in place of curves.
     Walls,
@@ -47,19 +47,14 @@ impl FromStr for FlankColours {
 /// Widths of lines along walls and of others, pixels.
 const WIDTHS: [f32; 2] = [2.4, 1.4];
 
-/// Colours of the regions, and of the kinds of move, with their names.
-pub const REGION_COLOURS: [(Region, Rgb); 3] = [
+/// Colours of the regions.
+const REGION_COLOURS: [(Region, Rgb); 3] = [
     (Region::Inlet, palette::SELECTED),
     (Region::LowSide, palette::SOUND),
     (Region::HighSide, palette::BLOCKED),
 ];
-/// See [`REGION_COLOURS`].
-pub const MOVE_COLOURS: [(MoveKind, Rgb); 4] = [
-    (MoveKind::Rapid, [0.62, 0.62, 0.62]),
-    (MoveKind::Approach, palette::INTERFERENTIAL),
-    (MoveKind::Cut, palette::SOUND),
-    (MoveKind::Link, palette::BLOCKED),
-];
+/// Colour of rapids among moves coloured by feed.
+const RAPID_COLOUR: Rgb = [0.62, 0.62, 0.62];
 
 /// The lines of `curves` of a plan with `layers` layers, or of its `moves`.
 pub fn lines(
@@ -68,25 +63,30 @@ pub fn lines(
     layers: usize,
     colours: FlankColours,
 ) -> Vec<Segment> {
+    let table = ColourMap::Viridis.table();
+    let at = |share: f32| -> Rgb {
+        table[(share.clamp(0.0, 1.0) * (TABLE_LEN - 1) as f32) as usize].map(|x| f32::from(x) / 255.0)
+    };
     let mut lines = Vec::new();
     if colours == FlankColours::Walls {
         return lines;
     }
     if colours == FlankColours::Feed {
+        let under_feed = || moves.iter().filter(|m| m.kind != MoveKind::Rapid).map(|m| m.feed);
+        let (slow, fast) = (under_feed().fold(f64::INFINITY, f64::min), under_feed().fold(0.0, f64::max));
         for pair in moves.windows(2) {
-            let colour = of(&MOVE_COLOURS, pair[1].kind);
+            let colour = match pair[1].kind {
+                MoveKind::Rapid => RAPID_COLOUR,
+                _ => at((pair[1].feed - slow) as f32 / ((fast - slow) as f32).max(1e-6)),
+            };
             lines.push(segment(&pair[0].tip, &pair[1].tip, pair[1].wall, colour));
         }
         return lines;
     }
-    let table = ColourMap::Viridis.table();
     for curve in curves {
         let colour = match colours {
             FlankColours::Region => of(&REGION_COLOURS, curve.region),
-            _ => {
-                let share = curve.layer as f32 / layers.saturating_sub(1).max(1) as f32;
-                table[(share * (TABLE_LEN - 1) as f32) as usize].map(|x| f32::from(x) / 255.0)
-            }
+            _ => at(curve.layer as f32 / layers.saturating_sub(1).max(1) as f32),
         };
         lines.extend(curve.points.windows(2).map(|p| segment(&p[0], &p[1], curve.wall, colour)));
     }

@@ -26,7 +26,7 @@ pub use flowpath::Flowpath;
 pub use impeller::Impeller;
 pub use probe::{Nearest, SideProbe};
 pub use rotation::Rotation;
-pub use setup::{AxisPolicy, Feed, FlankScheme, FlankSetup, Machine, Setup};
+pub use setup::{AxisPolicy, Feed, FlankFeeds, FlankScheme, FlankSetup, Machine, Setup};
 pub use side::BladeSide;
 pub use tool::Tool;
 pub use width::PassageWidth;

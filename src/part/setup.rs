@@ -146,14 +146,39 @@ pub struct FlankSetup {
     pub allowed_error: f64,
     /// How far curves run on beyond leading and trailing edge, mm along the meridian; absent: the cutter's radius.
     pub extension: Option<f64>,
-    /// Feed of the curves, mm/min; absent: 0.016 diameters a turn.
+    /// Feed of the curves beside others, mm/min; absent: 0.016 diameters a turn.
     pub feed: Option<f64>,
+    /// Feed of curves in full stock, mm/min; absent: 0.6 of `feed`.
+    pub slot_feed: Option<f64>,
+    /// Feed of the curves along the walls, mm/min; absent: 0.8 of `feed`.
+    pub wall_feed: Option<f64>,
+    /// Feed of ramps down into stock, mm/min; absent: 0.5 of `feed`.
+    pub ramp_feed: Option<f64>,
+}
+
+/// Feeds of a flank plan by engagement, mm/min.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlankFeeds {
+    /// Along curves beside others that are cut.
+    pub step: f64,
+    /// Along curves with stock on both sides.
+    pub slot: f64,
+    /// Along walls.
+    pub wall: f64,
+    /// Down into stock.
+    pub ramp: f64,
 }
 
 impl FlankSetup {
-    /// Feed along the curves with `tool`, mm/min.
-    pub fn feed_of(&self, tool: &Tool) -> f64 {
-        self.feed.unwrap_or(0.016 * tool.diameter * tool.spindle)
+    /// Feeds with `tool`.
+    pub fn feeds_of(&self, tool: &Tool) -> FlankFeeds {
+        let step = self.feed.unwrap_or(0.016 * tool.diameter * tool.spindle);
+        FlankFeeds {
+            step,
+            slot: self.slot_feed.unwrap_or(0.6 * step),
+            wall: self.wall_feed.unwrap_or(0.8 * step),
+            ramp: self.ramp_feed.unwrap_or(0.5 * step),
+        }
     }
 
     /// Extension of the curves with `tool`, mm.
@@ -229,6 +254,9 @@ impl Default for Setup {
                 allowed_error: 0.25,
                 extension: None,
                 feed: None,
+                slot_feed: None,
+                wall_feed: None,
+                ramp_feed: None,
             },
             machine: Machine { max_axis_tilt: std::f64::consts::PI },
         }

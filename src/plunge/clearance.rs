@@ -1,7 +1,7 @@
 //! How near a cutter comes to the finished part: measured, not derived from how it was placed.
 
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, receding, search};
-use crate::part::{Impeller, SideProbe};
+use crate::part::{Impeller, Nearest, SideProbe};
 
 /// The finished surfaces around a channel, ready for many measurements.
 #[derive(Debug)]
@@ -34,9 +34,10 @@ impl<'a> FinishedPart<'a> {
         })
     }
 
-    /// Distance of a point to the nearest blade, mm.
-    pub fn blade_distance(&self, point: &Point) -> f64 {
-        self.blades.iter().map(|blade| blade.nearest_to_point(point).distance).fold(f64::INFINITY, f64::min)
+    /// Where the blades are nearest to a point; `None` without blades.
+    pub fn nearest_blade(&self, point: &Point) -> Option<Nearest> {
+        let near = self.blades.iter().map(|blade| blade.nearest_to_point(point));
+        near.min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
     /// Whether the cutter (bottom and column) keeps `allowance` mm from every blade.

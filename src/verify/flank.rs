@@ -7,20 +7,23 @@
 mod gouge;
 mod steps;
 mod stock;
+mod uncovered;
 mod walls;
 
 use rayon::prelude::*;
 
 use super::{Fault, beyond_machine};
 use crate::formats::apt::{ClProgram, Motion};
+use crate::geometry::{Circle, CutterSolid, Meridional};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::retract::bottom_clearance;
 use crate::residual::ResidualStatistics;
 use gouge::{Clearance, Surroundings};
-use steps::{Step, steps_of};
-use stock::{RapidPlace, floor_after};
+use steps::{Step, channel_at, steps_of};
+use stock::{Place, Probe, Struck, floor_after};
+pub use uncovered::Uncovered;
 use walls::wall_deviation;
 
 /// What a flank program does to the part. Lengths mm; NaN where there is nothing to measure.
@@ -51,9 +54,9 @@ pub struct FlankVerdict {
     /// Greatest stock left on a wall, above its allowance, where cutters come near to it; without noses, blunt trailing
     /// edges, and the foot of the wall that corners do not reach.
     pub max_undercut: f64,
-    /// Share of the floor on which more is left than the setup's allowed error.
-    pub uncovered_share: f64,
-    /// The layer left on the floor, of the channel with the greatest uncovered share.
+    /// The floor on which more is left than the setup's allowed error, of the channel with the most of it.
+    pub uncovered: Uncovered,
+    /// The layer left on the floor of that channel.
     pub layer: ResidualStatistics,
     /// Everything that must not be, by line.
     pub faults: Vec<Fault>,
@@ -121,7 +124,7 @@ pub fn verify_flank(
         max_axis_change: 0.0,
         max_overcut: 0.0,
         max_undercut: f64::NAN,
-        uncovered_share: 0.0,
+        uncovered: Uncovered::default(),
         layer: ResidualStatistics::default(),
         faults: Vec::new(),
     };
@@ -136,19 +139,46 @@ pub fn verify_flank(
         let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
         let ours: Vec<&Step> = here.iter().map(|&k| &steps[k]).collect();
         let place = |(index, k): (usize, &usize)| {
-            let shares = looks[*k].inside.iter();
-            shares.map(move |&share| RapidPlace { step: index, share }).collect::<Vec<_>>()
+            let look = &looks[*k];
+            let rapids =
+                look.inside.iter().map(move |&share| Place { step: index, share, what: Probe::Rapid });
+            let holders = look.holder_inside.iter().map(move |&share| Place {
+                step: index,
+                share,
+                what: Probe::Holder,
+            });
+            rapids.chain(holders).collect::<Vec<_>>()
         };
-        let rapids: Vec<RapidPlace> = here.iter().enumerate().flat_map(place).collect();
-        let floor = floor_after(&surroundings.finished, channel, setup, &blank, &tools, &ours, &rapids);
-        for (step, volume) in floor.rapids {
-            let what = format!(
-                "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
-            );
+        let places: Vec<Place> = here.iter().enumerate().flat_map(place).collect();
+        let floor = floor_after(&surroundings.finished, channel, setup, &blank, &tools, &ours, &places);
+        for Struck { step, what, volume } in floor.struck {
+            let what = match what {
+                Probe::Rapid => format!(
+                    "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
+                ),
+                Probe::Holder => format!(
+                    "the holder runs into stock that still stands, about {volume:.0} mm³; cut it before, or give the cutter more overhang"
+                ),
+            };
             verdict.faults.push(Fault { line: ours[step].line, what });
         }
-        if index == 0 || floor.uncovered_share > verdict.uncovered_share {
-            (verdict.uncovered_share, verdict.layer) = (floor.uncovered_share, floor.layer);
+        for (step, &k) in ours.iter().zip(&here) {
+            let tool = &tools[step.tool];
+            let beside = |share: &&f64| {
+                let (tip, axis) = step.at(**share);
+                neighbour_struck(part, channel, &blank, &tool.holder(tip, axis)).is_some_and(|turns| {
+                    // What an earlier channel of the program freed is free.
+                    !steps[..k].iter().any(|s| s.feed.is_some() && s.channel == number + turns)
+                })
+            };
+            if looks[k].holder_inside.iter().any(|share| beside(&share)) {
+                let what =
+                    "the holder runs into the stock of the channel beside; give the cutter more overhang";
+                verdict.faults.push(Fault { line: step.line, what: what.to_owned() });
+            }
+        }
+        if index == 0 || floor.uncovered.share() > verdict.uncovered.share() {
+            (verdict.uncovered, verdict.layer) = (floor.uncovered, floor.layer);
         }
         let cuts: Vec<&Step> = ours.into_iter().filter(|s| s.feed.is_some()).collect();
         let corner = cuts.iter().map(|s| tools[s.tool].corner_radius).fold(0.0, f64::max);
@@ -171,13 +201,27 @@ struct Look {
     retract: f64,
     /// Shares of the way at which a rapid is within the outline of the blank.
     inside: Vec<f64>,
+    /// Shares of the way at which the holder is, under feed.
+    holder_inside: Vec<f64>,
 }
 
 /// Looks along a step under feed for what it cuts, along a rapid for what it may run into.
 fn look(step: &Step, around: &Surroundings, blank: &Blank) -> Look {
-    let mut look = Look { clearance: Clearance::FAR, retract: f64::INFINITY, inside: Vec::new() };
+    let mut look = Look {
+        clearance: Clearance::FAR,
+        retract: f64::INFINITY,
+        inside: Vec::new(),
+        holder_inside: Vec::new(),
+    };
     if step.feed.is_some() {
         look.clearance = around.along(step);
+        let tool = &around.tools[step.tool];
+        let within = |share: &f64| {
+            let (tip, axis) = step.at(*share);
+            bottom_clearance(&tool.holder(tip, axis), blank) < 0.0
+        };
+        // The whole way of a holder that far above is clear of what both its ends are.
+        look.holder_inside = [0.5, 1.0].into_iter().filter(within).collect();
         return look;
     }
     // Up its own column a cutter meets nothing that it has not cut.
@@ -198,6 +242,19 @@ fn look(step: &Step, around: &Surroundings, blank: &Blank) -> Look {
         }
     }
     look
+}
+
+/// Places around the rim of a holder's end that are looked at for stock beside the channel.
+const RIM_PLACES: usize = 16;
+
+/// By how many pitches the neighbouring channel lies ahead in whose stock, were it uncut, the end of `holder` would be.
+fn neighbour_struck(part: &Impeller, channel: &Channel, blank: &Blank, holder: &CutterSolid) -> Option<i64> {
+    let rim = Circle::new(&holder.tip, &holder.axis, holder.radius);
+    (0..RIM_PLACES).find_map(|k| {
+        let (point, _) = rim.at((std::f64::consts::TAU * k as f64 / RIM_PLACES as f64).sin_cos());
+        let within = blank.clearance(Meridional::of(&point), &mut None) < 0.0;
+        channel_at(part, channel, &point).filter(|turns| within && *turns != 0)
+    })
 }
 
 impl FlankVerdict {
@@ -232,7 +289,7 @@ impl FlankVerdict {
             blade < stock.blade_allowance - BLADE_TOLERANCE,
             format!("comes {blade:.4} mm near a blade; the allowance is {} mm", stock.blade_allowance),
         );
-        fault(holder, "the holder runs into a blade or the hub".to_owned());
+        fault(holder, "the holder runs into a blade, the stock that stays on it, or the hub".to_owned());
         fault(
             look.retract < stock.safety_distance - 1e-3,
             format!(

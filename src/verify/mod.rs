@@ -7,7 +7,7 @@ mod plunges;
 
 use rayon::prelude::*;
 
-pub use flank::{FlankVerdict, is_flank, verify_flank};
+pub use flank::{FlankVerdict, Uncovered, is_flank, verify_flank};
 pub use plunges::{Cut, cuts_of};
 
 use crate::formats::apt::ClProgram;

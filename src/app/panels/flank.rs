@@ -22,6 +22,16 @@ const ERROR: Spec =
 const EXTENSION: Spec =
     Spec::mm("Extension", "How far curves run on beyond leading and trailing edge", 0.0, 200.0);
 
+/// Feeds by engagement.
+const FEED: Spec = feed("Feed", "Along curves beside others that are cut");
+const SLOT_FEED: Spec = feed("In full stock", "Feed along curves with stock on both sides");
+const WALL_FEED: Spec = feed("Along walls", "Feed along the curves that leave the walls' surface");
+const RAMP_FEED: Spec = feed("Ramping", "Feed of ramps down into stock");
+
+const fn feed(label: &'static str, tip: &'static str) -> Spec {
+    Spec { tip, ..Spec::plain(label, " mm/min", 20_000.0) }
+}
+
 /// Name of a scheme.
 pub fn scheme_label(scheme: FlankScheme) -> &'static str {
     match scheme {
@@ -53,7 +63,7 @@ const SCHEME: Choice<FlankScheme> = Choice {
 const COLOURS: [(FlankColours, &str, &str); 4] = [
     (FlankColours::Layer, "layer", "The curves, coloured by layer"),
     (FlankColours::Region, "region", "The curves, coloured by region of the channel"),
-    (FlankColours::Feed, "feed", "The moves, coloured by the way they are made"),
+    (FlankColours::Feed, "feed", "The moves, coloured by their feed: dark slow, light fast, rapids grey"),
     (FlankColours::Walls, "walls", "What the cutter leaves on the walls, or cuts below the blade allowance"),
 ];
 
@@ -72,6 +82,11 @@ pub fn show(
         fields::row(ui, &mut setup.flank.allowed_error, default.allowed_error, &ERROR);
         let now = planned.map(|p| p.setup.flank.extension_of(&p.plan.tool));
         fields::optional_row(ui, &mut setup.flank.extension, &EXTENSION, now);
+        let feeds = planned.map(|p| p.plan.feeds);
+        fields::optional_row(ui, &mut setup.flank.feed, &FEED, feeds.map(|f| f.step));
+        fields::optional_row(ui, &mut setup.flank.slot_feed, &SLOT_FEED, feeds.map(|f| f.slot));
+        fields::optional_row(ui, &mut setup.flank.wall_feed, &WALL_FEED, feeds.map(|f| f.wall));
+        fields::optional_row(ui, &mut setup.flank.ramp_feed, &RAMP_FEED, feeds.map(|f| f.ramp));
     });
     let mut asked = None;
     ui.horizontal(|ui| {

@@ -27,7 +27,11 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     put("unreachable_share", number(layer.unreachable_share.into()));
     put("max_overcut", number(verdict.max_overcut));
     put("max_undercut", number(verdict.max_undercut));
-    put("uncovered_share", number(verdict.uncovered_share));
+    let uncovered = &verdict.uncovered;
+    put("uncovered_share", number(uncovered.share()));
+    put("uncovered_fillet_share", number(uncovered.fillet));
+    put("uncovered_no_axis_share", number(uncovered.no_axis));
+    put("uncovered_gap_share", number(uncovered.gap));
     put("min_hub_clearance", number(verdict.min_hub_clearance));
     put("min_blade_clearance", number(verdict.min_blade_clearance));
     put("min_retract_clearance", number(verdict.min_retract_clearance));
@@ -50,11 +54,15 @@ pub(super) fn text(verdict: &FlankVerdict) -> String {
         verdict.rapid_length,
         verdict.time_estimate / 60.0
     );
+    let uncovered = &verdict.uncovered;
     text += &format!(
-        "floor: {:.2} % left higher than allowed; layer {:.2} mm, 95 % below {:.2} mm\n",
-        100.0 * verdict.uncovered_share,
+        "floor: layer {:.2} mm, 95 % below {:.2} mm; higher than allowed on {:.2} %: {:.2} % fillet beside blades, {:.2} % where no axis reaches, {:.2} % gaps of the program\n",
         verdict.layer.mean,
-        verdict.layer.p95
+        verdict.layer.p95,
+        100.0 * uncovered.share(),
+        100.0 * uncovered.fillet,
+        100.0 * uncovered.no_axis,
+        100.0 * uncovered.gap,
     );
     text += &if verdict.max_undercut.is_finite() {
         format!("walls: {:.4} mm over, {:.4} mm under\n", verdict.max_overcut, verdict.max_undercut)

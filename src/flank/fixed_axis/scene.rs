@@ -1,7 +1,7 @@
 //! What a fixed axis must clear, as points and a table: quick, and on the safe side by a few hundredths of a millimetre.
 
 use crate::geometry::{Meridional, Point, Vector, norm2};
-use crate::part::{BladeSide, Impeller, Tool};
+use crate::part::{BladeSide, Blank, Impeller, Tool};
 
 /// Points of the blades, as near to each other as [`SPACING`] along u.
 #[derive(Debug)]
@@ -217,9 +217,9 @@ fn least(row: &Row) -> f32 {
     row.iter().copied().fold(f32::MAX, f32::min)
 }
 
-/// Distance from the hub over the meridional plane.
+/// A distance over the meridional plane.
 #[derive(Debug)]
-pub(super) struct HubDistance {
+pub(super) struct DistanceTable {
     from: Meridional,
     spacing: f64,
     columns: usize,
@@ -230,9 +230,36 @@ pub(super) struct HubDistance {
 /// Nodes along the longer side of the table.
 const NODES: f64 = 110.0;
 
-impl HubDistance {
-    pub(super) fn new(part: &Impeller, margin: f64) -> Self {
+impl DistanceTable {
+    /// From the hub, as far as `margin` mm beyond the part.
+    pub(super) fn of_hub(part: &Impeller, margin: f64) -> Self {
         let curve = part.hub.curve();
+        // Along a row the foot wanders slowly.
+        let mut warm: Option<f64> = None;
+        Self::new(part, margin, |p, spacing, begins| {
+            let (t, d) = match warm {
+                Some(t) if !begins => curve.project_near(p, t, 4.0 * spacing),
+                _ => curve.project(p),
+            };
+            warm = Some(t);
+            // Beyond its ends the hub has an edge, not a surface.
+            if t <= 0.0 || t >= curve.length() { d.abs() } else { d }
+        })
+    }
+
+    /// From the blank, as far as `margin` mm beyond the part.
+    pub(super) fn of_blank(part: &Impeller, blank: &Blank, margin: f64) -> Self {
+        let mut warm = None;
+        Self::new(part, margin, |p, _, begins| {
+            if begins {
+                warm = None;
+            }
+            blank.clearance(p, &mut warm)
+        })
+    }
+
+    /// Of `distance` at nodes, row by row: with the nodes' spacing, and whether to look afresh.
+    fn new(part: &Impeller, margin: f64, mut distance: impl FnMut(Meridional, f64, bool) -> f64) -> Self {
         let (mut low, mut high) =
             (Meridional { r: f64::MAX, z: f64::MAX }, Meridional { r: f64::MIN, z: f64::MIN });
         for path in [part.hub.curve(), part.shroud.curve()] {
@@ -246,22 +273,14 @@ impl HubDistance {
         let (width, height) = (high.r + margin - from.r, high.z + margin - from.z);
         let spacing = width.max(height) / NODES;
         let (columns, rows) = ((width / spacing) as usize + 2, (height / spacing) as usize + 2);
-        let mut distance = Vec::with_capacity(columns * rows);
+        let mut nodes = Vec::with_capacity(columns * rows);
         for i in 0..rows {
-            // Along a row the foot wanders slowly.
-            let mut warm: Option<f64> = None;
             for j in 0..columns {
                 let p = Meridional { r: from.r + spacing * j as f64, z: from.z + spacing * i as f64 };
-                let (t, d) = match warm {
-                    Some(t) if j % 8 != 0 => curve.project_near(p, t, 4.0 * spacing),
-                    _ => curve.project(p),
-                };
-                warm = Some(t);
-                // Beyond its ends the hub has an edge, not a surface.
-                distance.push(if t <= 0.0 || t >= curve.length() { d.abs() } else { d } as f32);
+                nodes.push(distance(p, spacing, j % 8 == 0) as f32);
             }
         }
-        Self { from, spacing, columns, rows, distance }
+        Self { from, spacing, columns, rows, distance: nodes }
     }
 
     /// Signed distance of a point, mm, good to a few hundredths; infinite far from the part.

@@ -97,7 +97,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
         self.look_at(station, None);
         let alone: Vec<Option<Obstacle>> =
             self.places[station].par_iter().map(|place| self.blocked(place)).collect();
-        for why in [Obstacle::Blade, Obstacle::Hub, Obstacle::Holder, Obstacle::Tilt] {
+        for why in [Obstacle::Blade, Obstacle::Hub, Obstacle::Holder, Obstacle::Stock, Obstacle::Tilt] {
             let contacts: Vec<usize> = (0..alone.len()).filter(|&k| alone[k] == Some(why)).collect();
             if !contacts.is_empty() {
                 self.found.unreachable.push(Unreachable { station, contacts, why });
@@ -140,7 +140,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
     }
 
     /// What stands in the way at a place that has no axis.
-    fn blocked(&self, place: &Place) -> Option<Obstacle> {
+    pub(super) fn blocked(&self, place: &Place) -> Option<Obstacle> {
         let axes = self.suiting(&[place]);
         if axes.iter().any(|c| c.spare >= 0.0) || self.between(&axes, &[place]).is_some() {
             return None;

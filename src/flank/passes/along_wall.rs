@@ -9,7 +9,11 @@ use crate::geometry::{Point, Vector};
 use crate::plunge::slotting::DepthSurface;
 
 /// Why a stretch along a wall is not cut.
-pub(super) const IN_THE_WAY: &str = "another blade stands in the way of the cutter along the wall";
+const IN_THE_WAY: &str = "another blade stands in the way of the cutter along the wall";
+const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
+
+/// What stands in the way of a cutter, for people.
+pub(super) type InTheWay = Option<&'static str>;
 
 /// A cutter on a layer.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +39,10 @@ impl Placed {
 pub(super) struct Milled {
     pub(super) wall: WallName,
     pub(super) region: Region,
-    /// Where it misses the layer there is none; with whether something stands in its way.
-    placed: Vec<Option<(Placed, bool)>>,
+    /// x of the first station on the flank itself, behind the nose.
+    pub(super) behind_nose: f64,
+    /// Where it misses the layer there is none; with what stands in its way.
+    placed: Vec<Option<(Placed, InTheWay)>>,
 }
 
 impl Milled {
@@ -48,9 +54,22 @@ impl Milled {
             let axis = station.axis;
             let (place, _) = layer.place(&(tip + axis * maker.tool.corner_radius), y.unwrap_or(0.0), None);
             y = Some(place.y);
-            Some((Placed { tip, axis, place }, station.blocked.is_some()))
+            let in_the_way = match station.blocked {
+                Some(_) => Some(IN_THE_WAY),
+                None => maker.search.holder_meets(tip, axis).map(|_| HOLDER_IN_THE_WAY),
+            };
+            Some((Placed { tip, axis, place }, in_the_way))
         });
-        Self { wall: milled.wall, region: milled.region, placed: placed.collect() }
+        let placed: Vec<Option<(Placed, InTheWay)>> = placed.collect();
+        let flank = milled.axes.map.u.first().copied().unwrap_or(0.0);
+        let on_flank = milled.axes.stations.iter().zip(&placed).filter(|(station, _)| station.u >= flank);
+        let behind_nose = on_flank.filter_map(|(_, p)| *p).map(|(p, _)| p.place.x).next();
+        Self {
+            wall: milled.wall,
+            region: milled.region,
+            behind_nose: behind_nose.unwrap_or(f64::INFINITY),
+            placed,
+        }
     }
 
     /// Axis at `x`; that of the nearest station beyond both ends.
@@ -88,8 +107,8 @@ impl OnLayer<'_> {
         for position in self.wall_positions(wall, region, (from, to)) {
             match position {
                 Ok(position) => positions.push(position),
-                Err(length) => {
-                    self.leave_out(made, region, length, IN_THE_WAY);
+                Err((length, why)) => {
+                    self.leave_out(made, region, length, why);
                     self.push_wall(wall, region, &mut positions, made);
                 }
             }
@@ -112,14 +131,14 @@ impl OnLayer<'_> {
         }
     }
 
-    /// The cutter at the stations along a wall whose contacts lie between two x, and at both ends; a length instead where
-    /// something stands in its way.
+    /// The cutter at the stations along a wall whose contacts lie between two x, and at both ends; where something stands in its way a
+    /// length instead, and what.
     pub(super) fn wall_positions(
         &self,
         wall: WallName,
         region: Region,
         (from, to): (f64, f64),
-    ) -> Vec<Result<Placed, f64>> {
+    ) -> Vec<Result<Placed, (f64, &'static str)>> {
         let ours = |m: &&Milled| m.wall == wall && (wall != WallName::Splitter || m.region == region);
         let Some(milled) = self.milled.iter().find(ours) else { return Vec::new() };
         let mut result = Vec::new();
@@ -129,8 +148,8 @@ impl OnLayer<'_> {
             if low >= high {
                 continue;
             }
-            if *a_blocked || *b_blocked {
-                result.push(Err(self.layer.step(a.place, b.place)));
+            if let Some(why) = a_blocked.or(*b_blocked) {
+                result.push(Err((self.layer.step(a.place, b.place), why)));
                 continue;
             }
             let at = |x: f64| a.between(b, (x - a.place.x) / (b.place.x - a.place.x));

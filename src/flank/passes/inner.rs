@@ -12,6 +12,11 @@ use crate::geometry::{Point, Vector};
 /// Distance of the stations at which fixed axes are looked for, mm along the meridian, and the most of them.
 const STATION_STEP: f64 = 4.0;
 const MAX_STATIONS: usize = 48;
+/// Cutters that keep less than this more than the allowance from a blade are looked at between positions too, mm.
+const NEAR: f64 = 0.05;
+/// Rounds of looking for axes, and the share of the length left by the last that ends them.
+const ROUNDS: usize = 4;
+const LEAST_GAIN: f64 = 0.95;
 /// Curves of a region that are looked at in a station.
 const ACROSS: usize = 5;
 /// Intervals from the curve along a wall within which inner curves turn their axis towards the wall's.
@@ -19,19 +24,46 @@ const TURNING: f64 = 1.75;
 /// Nearer than this many intervals they have the wall's axis, and the pass along the wall covers what they leave out.
 const TURNED: f64 = 0.5;
 /// Greatest turn of the axis from position to position, rad: a ball's tip then stays within a µm of its way.
-const MOST_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
+pub(super) const MOST_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
 /// Most positions that a turn adds to a step.
 const MAX_TURNS: f64 = 60.0;
 
 impl OnLayer<'_> {
-    /// Passes of the inner curves of a region.
-    pub(super) fn inner(&self, region: Region, lines: &[&[LayerPoint]], made: &mut LayerAxes) {
+    /// Passes of the inner curves of a region. What the axes of one round leave, blades being too near there, is looked at
+    /// again by itself: an axis for a few curves is found where there is none for all that stand side by side.
+    pub(super) fn inner(&self, region: Region, lines: Vec<Vec<LayerPoint>>, made: &mut LayerAxes) {
+        let length = |lines: &[Vec<LayerPoint>]| lines.iter().map(|l| self.layer.length(l)).sum::<f64>();
+        let mut rest = lines;
+        for round in 0..ROUNDS {
+            let before = length(&rest);
+            let (lost, why) = self.inner_round(region, &rest, round, made);
+            let left = length(&lost);
+            if left <= 0.0 {
+                return;
+            }
+            if round + 1 == ROUNDS || round > 0 && left > LEAST_GAIN * before {
+                self.leave_out(made, region, left, reason(why));
+                return;
+            }
+            rest = lost;
+        }
+    }
+
+    /// Passes of some curves of a region; what is left of them, and why. After the first round axes do not turn towards those of
+    /// the walls.
+    fn inner_round(
+        &self,
+        region: Region,
+        lines: &[Vec<LayerPoint>],
+        round: usize,
+        made: &mut LayerAxes,
+    ) -> (Vec<Vec<LayerPoint>>, Obstacle) {
         let ends = |f: fn(f64, f64) -> f64, start: f64| {
             lines.iter().flat_map(|line| line.iter()).map(|p| p.x).fold(start, f)
         };
         let (from, to) = (ends(f64::min, f64::INFINITY), ends(f64::max, f64::NEG_INFINITY));
         if from >= to {
-            return;
+            return (lines.to_vec(), Obstacle::Blade);
         }
         let count = ((to - from) / STATION_STEP).ceil().clamp(1.0, MAX_STATIONS as f64) as usize;
         let width = (to - from) / count as f64;
@@ -39,7 +71,7 @@ impl OnLayer<'_> {
         let stations: Vec<Vec<Contact>> = (0..count)
             .map(|k| {
                 let x = [0.0, 0.5, 1.0].map(|share| from + width * (k as f64 + share));
-                x.iter().flat_map(|&x| self.across(lines, x)).map(|p| self.contact(p)).collect()
+                x.iter().flat_map(|&x| self.across(lines, x, round)).map(|p| self.contact(p)).collect()
             })
             .collect();
         let found = self.maker.search.runs(&stations, self.surface);
@@ -54,30 +86,31 @@ impl OnLayer<'_> {
                 clearance: run.clearance,
             });
         }
+        let mut lost = Vec::new();
         for line in lines {
             for (group, run) in found.runs.iter().enumerate() {
                 // Stations with nothing away from the walls belong to no run of their own: the nearest one serves.
                 let from = if group == 0 { f64::NEG_INFINITY } else { border(run.from) };
                 let to = found.runs.get(group + 1).map_or(f64::INFINITY, |next| border(next.from));
                 for piece in pieces_between(line, from, to) {
-                    self.fixed(region, group, &piece, run.axis, made);
+                    lost.extend(self.fixed(region, (round, group), &piece, run.axis, made));
                 }
             }
             if found.runs.is_empty() {
-                let why = found.unreachable.first().map_or(Obstacle::NoCommonAxis, |u| u.why);
-                self.leave_out(made, region, self.layer.length(line), reason(why));
+                lost.push(line.clone());
             }
         }
+        (lost, found.unreachable.first().map_or(Obstacle::Blade, |u| u.why))
     }
 
     /// Places of some lines at `x`: the outermost and some between.
-    fn across(&self, lines: &[&[LayerPoint]], x: f64) -> Vec<LayerPoint> {
+    fn across(&self, lines: &[Vec<LayerPoint>], x: f64, round: usize) -> Vec<LayerPoint> {
         let mut places: Vec<LayerPoint> = lines
             .iter()
             .flat_map(|line| line.windows(2))
             .filter(|w| (w[0].x - x) * (w[1].x - x) <= 0.0 && w[0].x != w[1].x)
             .map(|w| w[0].lerp(w[1], (x - w[0].x) / (w[1].x - w[0].x)))
-            .filter(|p| self.share_of_wall(*p) == 0.0)
+            .filter(|p| round > 0 || self.share_of_wall(*p) == 0.0)
             .collect();
         places.sort_by(|a, b| a.y.total_cmp(&b.y));
         places.dedup_by(|a, b| (a.y - b.y).abs() < 1e-9);
@@ -89,34 +122,73 @@ impl OnLayer<'_> {
     }
 
     /// Passes along `line` under one axis, which turns towards that of a wall where the line comes near it. Where the
-    /// cutter comes too near to a blade all the same nothing is cut.
-    fn fixed(&self, region: Region, group: usize, line: &[LayerPoint], axis: Vector, made: &mut LayerAxes) {
+    /// cutter comes too near to a blade all the same nothing is cut; these pieces are returned.
+    fn fixed(
+        &self,
+        region: Region,
+        (round, group): (usize, usize),
+        line: &[LayerPoint],
+        axis: Vector,
+        made: &mut LayerAxes,
+    ) -> Vec<Vec<LayerPoint>> {
         let maker = self.maker;
         let mut open: Vec<(LayerPoint, (Point, Vector))> = Vec::new();
         let mut pieces = Vec::new();
-        let mut lost = 0.0;
-        let mut last: Option<LayerPoint> = None;
-        for p in self.turning(self.dense(line), axis) {
-            let turned = self.turned(p, axis);
+        let mut lost: Vec<Vec<LayerPoint>> = Vec::new();
+        let mut last: Option<(LayerPoint, bool)> = None;
+        let dense = self.dense(line);
+        for p in if round == 0 { self.turning(dense, axis) } else { dense } {
+            let turned = if round == 0 { self.turned(p, axis) } else { axis };
             let tip = maker.search.tip(&self.contact(p), &turned, self.surface) + turned * CHORD;
-            if maker.finished.clears(&maker.tool.placed(tip, turned), maker.setup.stock.blade_allowance) {
+            let before = open.last().map(|(_, before)| *before);
+            if self.is_free((tip, turned), before) && maker.search.holder_meets(tip, turned).is_none() {
                 open.push((p, (tip, turned)));
             } else {
-                // Beside a wall the pass along it cuts what a curve leaves out there.
-                if let Some(q) = last.filter(|_| self.share_of_wall(p) < 1.0) {
-                    lost += self.layer.step(q, p);
-                }
                 pieces.push(std::mem::take(&mut open));
             }
-            last = Some(p);
+            let cut = !open.is_empty();
+            // Next to a wall the pass along it cuts what a curve leaves out there.
+            if let Some((q, before)) = last.filter(|(_, before)| !(cut && *before))
+                && self.share_of_wall(p) < 1.0
+            {
+                match lost.last_mut().filter(|piece| !before && piece.last() == Some(&q)) {
+                    Some(piece) => piece.push(p),
+                    None => lost.push(vec![q, p]),
+                }
+            }
+            last = Some((p, cut));
         }
         pieces.push(open);
         for piece in pieces.into_iter().filter(|piece| piece.len() >= 2) {
             let ends = [piece[0].0, piece[piece.len() - 1].0];
             let positions = piece.into_iter().map(|(_, position)| position).collect();
-            made.passes.extend(self.pass(Role::Inner, region, group, ends, positions));
+            made.passes.extend(self.pass(Role::Inner, region, group + round * MAX_STATIONS, ends, positions));
         }
-        self.leave_out(made, region, lost, reason(Obstacle::Blade));
+        lost
+    }
+
+    /// Whether the cutter at a position, and on the way to it from the one `before`, keeps the allowance from the blades.
+    fn is_free(&self, (tip, axis): (Point, Vector), before: Option<(Point, Vector)>) -> bool {
+        let maker = self.maker;
+        let allowance = maker.setup.stock.blade_allowance;
+        let near = maker.finished.blade_clearance_below(&maker.tool.placed(tip, axis), allowance + NEAR);
+        if near < allowance {
+            return false;
+        }
+        // The way between two positions may be nearer to a wall that bulges than both, and far nearer where the axis jumps from
+        // one wall's to another's.
+        let Some((last, turned)) = before else { return true };
+        let shares: &[f64] = if turned.angle(&axis) > 2.0 * MOST_TURN {
+            &[0.25, 0.5, 0.75]
+        } else if near < allowance + NEAR {
+            &[0.5]
+        } else {
+            return true;
+        };
+        shares.iter().all(|&share| {
+            let between = (turned + (axis - turned) * share).normalize();
+            maker.finished.clears(&maker.tool.placed(last + (tip - last) * share, between), allowance)
+        })
     }
 
     /// The fixed `axis`, turned towards that of a wall next to `p`.
@@ -168,6 +240,7 @@ fn reason(why: Obstacle) -> &'static str {
         Obstacle::Blade => "a blade is too near",
         Obstacle::Hub => "the hub is too near",
         Obstacle::Holder => "the holder meets the part",
+        Obstacle::Stock => "the holder meets stock that still stands",
         Obstacle::Tilt => "the axis would tilt too far",
         Obstacle::NoCommonAxis => "no one axis suits all curves there",
     }

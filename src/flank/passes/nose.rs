@@ -1,6 +1,7 @@
 //! The way along one side of a splitter, round its nose, and back along the other.
 
-use super::along_wall::{IN_THE_WAY, Placed};
+use super::along_wall::{Milled, Placed};
+use super::inner::MOST_TURN;
 use super::{CHORD, LayerAxes, OnLayer, PassMaker};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::Contact;
@@ -12,32 +13,38 @@ const PUSHES: usize = 12;
 /// Times the way between two positions beside a nose is halved, and the push that asks for it, mm.
 const MENDS: usize = 4;
 const MENDED: f64 = 5e-4;
+/// A way between two positions beside a nose that is looked at in pieces, mm.
+const LONG: f64 = 0.6;
 
 impl OnLayer<'_> {
     /// One pass along one side of the splitter, round its nose, and back along the other.
     pub(super) fn round_nose(&self, points: &[LayerPoint], made: &mut LayerAxes) {
-        let Some(splitter) = &self.found.borders.splitter else { return };
         let foremost = (0..points.len()).min_by(|&a, &b| points[a].x.total_cmp(&points[b].x)).unwrap_or(0);
-        // Beside the flanks from where they are settled; round the nose before.
-        let settled = splitter.nose.x + self.maker.nose_length();
+        // Beside the flanks as far as there are any, round the nose before them.
+        let begins = |region: Region| {
+            let ours = |m: &&Milled| m.wall == WallName::Splitter && m.region == region;
+            self.milled.iter().find(ours).map_or(f64::INFINITY, |m| m.behind_nose)
+        };
         let side = |region: Region, line: &[LayerPoint]| {
             let to = line.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
-            self.wall_positions(WallName::Splitter, region, (settled, to))
+            self.wall_positions(WallName::Splitter, region, (begins(region), to))
         };
         let (down, up) = (&points[..=foremost], &points[foremost..]);
         let mut low = side(Region::LowSide, down);
         low.reverse();
         let high = side(Region::HighSide, up);
-        let free = |placed: &[Result<Placed, f64>]| {
+        let free = |placed: &[Result<Placed, (f64, &'static str)>]| {
             placed.iter().filter_map(|p| p.as_ref().ok()).copied().collect::<Vec<Placed>>()
         };
         let (mut before, after) = (free(&low), free(&high));
-        let blocked: f64 = low.iter().chain(&high).filter_map(|p| p.as_ref().err()).sum();
-        self.leave_out(made, Region::LowSide, blocked, IN_THE_WAY);
+        for (region, side) in [(Region::LowSide, &low), (Region::HighSide, &high)] {
+            for (length, why) in side.iter().filter_map(|p| p.as_ref().err()) {
+                self.leave_out(made, region, *length, *why);
+            }
+        }
         if let (Some(a), Some(b)) = (before.last().copied(), after.first().copied()) {
-            let arc: Vec<LayerPoint> = points.iter().copied().filter(|p| p.x < settled).collect();
             let mut round = vec![a];
-            round.extend(self.arc(&arc, a, b));
+            round.extend(self.arc([down, &up[1..]], a, b));
             round.push(b);
             let mended = self.mended(round);
             before.extend(&mended[1..mended.len() - 1]);
@@ -61,7 +68,9 @@ impl OnLayer<'_> {
     fn mend(&self, a: Placed, b: Placed, depth: usize, mended: &mut Vec<Placed>) {
         let middle = a.between(&b, 0.5);
         let free = self.off(middle);
-        if depth == 0 || (free.tip - middle.tip).norm() < MENDED {
+        // A long way may come too near elsewhere than in its middle.
+        let long = (b.tip - a.tip).norm() > LONG;
+        if depth == 0 || (free.tip - middle.tip).norm() < MENDED && !long {
             return;
         }
         self.mend(a, free, depth - 1, mended);
@@ -69,24 +78,36 @@ impl OnLayer<'_> {
         self.mend(free, b, depth - 1, mended);
     }
 
-    /// Positions on the way round the nose from `a` to `b`: the axis turns evenly, and the cutter is moved off the nose
-    /// where it would come too near.
-    fn arc(&self, arc: &[LayerPoint], a: Placed, b: Placed) -> Vec<Placed> {
-        if arc.len() < 2 {
-            return Vec::new();
-        }
+    /// Positions on the way round the nose from `a` to `b`, down to the foremost point of it and up again: the axis turns
+    /// evenly to the direction of the leading edge and from there, and the cutter is moved off the nose where it would
+    /// come too near.
+    fn arc(&self, [down, up]: [&[LayerPoint]; 2], a: Placed, b: Placed) -> Vec<Placed> {
         let maker = self.maker;
-        let dense = self.dense(arc);
-        let total = self.layer.length(&dense).max(1e-9);
-        let mut gone = 0.0;
-        let mut placed = Vec::with_capacity(dense.len());
-        for (k, &p) in dense.iter().enumerate() {
-            if k > 0 {
-                gone += self.layer.step(dense[k - 1], p);
+        let edge = maker.leading_edge().unwrap_or_else(|| a.axis + b.axis);
+        let edge = edge.try_normalize(1e-9).unwrap_or(a.axis);
+        let mut placed = Vec::new();
+        for (line, end, x) in [(down, 0, a.place.x), (up, 1, b.place.x)] {
+            let arc: Vec<LayerPoint> = line.iter().copied().filter(|p| p.x < x).collect();
+            if arc.is_empty() {
+                continue;
             }
-            let axis = (a.axis + (b.axis - a.axis) * (gone / total)).normalize();
-            let tip = maker.search.tip(&self.contact(p), &axis, self.surface) + axis * CHORD;
-            placed.push(self.off(Placed { tip, axis, place: p }));
+            let from = [a, b][end].axis;
+            let dense = evenly(&self.dense(&arc), from.angle(&edge));
+            let total = self.layer.length(&dense).max(1e-9);
+            let mut gone = 0.0;
+            for (k, &p) in dense.iter().enumerate() {
+                if k > 0 {
+                    gone += self.layer.step(dense[k - 1], p);
+                }
+                let share = gone / total;
+                let axis = match end {
+                    0 => a.axis + (edge - a.axis) * share,
+                    _ => edge + (b.axis - edge) * share,
+                };
+                let axis = axis.normalize();
+                let tip = maker.search.tip(&self.contact(p), &axis, self.surface) + axis * CHORD;
+                placed.push(self.off(Placed { tip, axis, place: p }));
+            }
         }
         placed
     }
@@ -95,15 +116,18 @@ impl OnLayer<'_> {
     fn off(&self, placed: Placed) -> Placed {
         let maker = self.maker;
         let mut contact = self.contact(placed.place);
-        let mut tip = placed.tip;
+        let Placed { mut tip, mut place, .. } = placed;
         for _ in 0..PUSHES {
             let cutter = maker.tool.placed(tip, placed.axis);
             let short = maker.setup.stock.blade_allowance - maker.finished.blade_clearance(&cutter);
             let Some(away) = self.off_nose(&contact).filter(|_| short > 0.0) else { break };
-            contact.point += away * (1.3 * short + 1e-4);
+            // Back onto the layer: it may bend.
+            let moved = contact.point + away * (1.3 * short + 1e-4);
+            (place, _) = self.layer.place(&moved, place.y, Some(place.x));
+            contact = self.contact(place);
             tip = maker.search.tip(&contact, &placed.axis, self.surface) + placed.axis * CHORD;
         }
-        Placed { tip, ..placed }
+        Placed { tip, place, ..placed }
     }
 
     /// Direction on the layer away from the middle of the nose.
@@ -114,11 +138,19 @@ impl OnLayer<'_> {
     }
 }
 
+/// The line with so many points more that an axis which turns by `turn` (rad) along it turns little between two of them.
+fn evenly(line: &[LayerPoint], turn: f64) -> Vec<LayerPoint> {
+    let pieces = line.len().saturating_sub(1).max(1);
+    let count = (turn / MOST_TURN / pieces as f64).ceil().max(1.0) as usize;
+    let between =
+        line.windows(2).flat_map(|w| (1..=count).map(move |k| w[0].lerp(w[1], k as f64 / count as f64)));
+    line.first().copied().into_iter().chain(between).collect()
+}
+
 impl PassMaker<'_> {
-    /// How far behind its foremost point a splitter's flanks are settled, mm.
-    fn nose_length(&self) -> f64 {
-        let Some(splitter) = self.part.splitters.first() else { return 0.0 };
-        let thick = |u: f64| (splitter.suction.point(u, 0.0) - splitter.pressure.point(u, 0.0)).norm();
-        0.6 * thick(0.1)
+    /// Along the splitter's leading edge, from hub to tip.
+    fn leading_edge(&self) -> Option<Vector> {
+        let side = &self.part.splitters.first()?.suction;
+        Some(side.point(0.0, 1.0) - side.point(0.0, 0.0))
     }
 }

@@ -90,6 +90,11 @@ impl Fitted {
         self.at(&self.x)
     }
 
+    /// Greatest deviation over the first `count` heights it was fitted at, mm: the least that a straight edge can have.
+    pub(super) fn level(&self, count: usize) -> f64 {
+        self.seen.iter().take(count).map(|s| s.excess.abs()).fold(0.0, f64::max)
+    }
+
     /// The axis with other free numbers.
     fn at(&self, x: &Vector3<f64>) -> Line {
         let Self { start, freedoms, .. } = self;

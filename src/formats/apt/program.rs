@@ -53,19 +53,23 @@ impl ClProgram {
         program
     }
 
-    /// The program of a flank plan: its moves with one `tool`, those that are not rapid at `feed` mm/min.
-    pub fn of_flank(part: &str, tool: &Tool, feed: f64, moves: &[FlankMove]) -> Self {
+    /// The program of a flank plan: its moves with one `tool`, each at its own feed.
+    pub fn of_flank(part: &str, tool: &Tool, moves: &[FlankMove]) -> Self {
         let moves = moves.iter().map(|m| Move {
             motion: match m.kind {
                 MoveKind::Rapid => Motion::Rapid,
-                MoveKind::Approach | MoveKind::Cut | MoveKind::Link => Motion::Feed(Some(feed)),
+                MoveKind::Approach | MoveKind::Cut | MoveKind::Link => Motion::Feed(Some(m.feed)),
             },
             tip: m.tip,
             axis: m.axis,
             tool: Some(0),
             line: 0,
         });
-        let cutter = ClTool { feed: Some(feed), ..ClTool::of(tool) };
-        Self { part: part.to_owned(), tools: vec![cutter], moves: moves.collect(), ..Self::default() }
+        Self {
+            part: part.to_owned(),
+            tools: vec![ClTool::of(tool)],
+            moves: moves.collect(),
+            ..Self::default()
+        }
     }
 }

@@ -18,12 +18,14 @@ pub(super) struct Surroundings<'a> {
 pub(super) struct Clearance {
     pub(super) hub: f64,
     pub(super) blade: f64,
-    /// Whether the holder meets a blade or the hub.
+    /// Whether the holder meets a blade, the stock that stays on it, or the hub.
     pub(super) holder: bool,
 }
 
 /// Distances further above the allowance are not told apart, mm.
 pub(super) const LOOKED_AT: f64 = 1.0;
+/// How far a holder may come into the stock that stays on a blade, mm.
+const HOLDER_TOLERANCE: f64 = 0.01;
 /// Longest piece of a step between two looks, mm, and greatest turn, rad.
 const PIECE: f64 = 1.0;
 const PIECE_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
@@ -61,7 +63,7 @@ impl Surroundings<'_> {
     fn holder_meets(&self, cutter: &CutterSolid, tool: &Tool) -> bool {
         let holder = tool.holder(cutter.tip, cutter.axis);
         let (_, distance) = self.finished.part.hub.curve().project(Meridional::of(&holder.tip));
-        !self.finished.clears(&holder, 0.0)
+        !self.finished.clears(&holder, self.blade_allowance - HOLDER_TOLERANCE)
             || (distance < holder.radius && self.finished.hub_clearance(&holder) < 0.0)
     }
 

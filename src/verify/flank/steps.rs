@@ -4,7 +4,7 @@ use super::super::Fault;
 use super::super::plunges::tool_of;
 use crate::formats::apt::{ClProgram, Motion};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
-use crate::part::{Channel, Impeller, Setup, Tool};
+use crate::part::{Channel, Impeller, Setup, Tool, passage_angle};
 
 /// A straight move of a cutter: tip linear, axis linear and normalised, as a controller does it.
 #[derive(Clone, Debug)]
@@ -146,7 +146,7 @@ fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
 }
 
 /// By how many pitches a tip lies ahead of channel 1; `None` beyond leading edge and rim, where no walls tell.
-fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
+pub(super) fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
     let here = Meridional::of(tip);
     let (t, height) = part.hub.curve().project(here);
     let s = part.hub.s_at(t);
@@ -154,7 +154,14 @@ fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
         return None;
     }
     let depth = part.hub.point(s).distance(part.shroud.point(s));
-    let [low, high] = channel.full.wall_angles(part, s, (height / depth).clamp(0.0, 1.0))?;
+    let eta = (height / depth).clamp(0.0, 1.0);
+    let [low, high] = channel.full.walls.each_ref().map(|wall| {
+        let near = wall.at(part, s, eta)?;
+        // At the place itself: beside leaning blades that at equal s and height may be far off.
+        Some(wall.search(here, near.u, near.v).map_or(near.theta, |there| there.theta))
+    });
+    let low = low?;
+    let high = low + passage_angle(low, high?, part.pitch());
     let ahead = ((tip.y.atan2(tip.x) - 0.5 * (low + high)) / part.pitch()).round() as i64;
     let count = part.blade_count as i64;
     let turns = ahead.rem_euclid(count);

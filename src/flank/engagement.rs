@@ -1,0 +1,102 @@
+//! Which passes of a layer run through full stock, and which beside one that is cut.
+
+use crate::geometry::{Point, Vector};
+use crate::part::Tool;
+
+/// The passes of a layer that are cut, as ways of the centre of the cutter's corner: it does not move with the axis, as
+/// the tip does.
+pub(super) struct CutPasses {
+    corner_radius: f64,
+    /// How near a pass beside another is to it, mm.
+    beside: f64,
+    ways: Vec<Way>,
+}
+
+struct Way {
+    points: Vec<Point>,
+    /// Ball that holds them.
+    middle: Point,
+    radius: f64,
+}
+
+/// Intervals within which a pass runs beside another: what fans leave between them is wider than one in places.
+const BESIDE: f64 = 1.3;
+/// Places of a pass that are looked at.
+const SAMPLES: usize = 12;
+
+impl CutPasses {
+    pub(super) fn new(tool: &Tool, interval: f64) -> Self {
+        Self { corner_radius: tool.corner_radius, beside: BESIDE * interval, ways: Vec::new() }
+    }
+
+    fn way<'a>(&self, positions: &'a [(Point, Vector)]) -> impl Iterator<Item = Point> + 'a {
+        let up = self.corner_radius;
+        positions.iter().map(move |(tip, axis)| tip + axis * up)
+    }
+
+    /// Counts a pass as cut.
+    pub(super) fn add(&mut self, positions: &[(Point, Vector)]) {
+        let points: Vec<Point> = self.way(positions).collect();
+        let Some(&middle) = points.get(points.len() / 2) else { return };
+        let radius = points.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
+        self.ways.push(Way { points, middle, radius });
+    }
+
+    /// Whether most of a pass runs beside none that is cut.
+    pub(super) fn are_far_from(&self, positions: &[(Point, Vector)]) -> bool {
+        let stride = (positions.len() / SAMPLES).max(1);
+        let (mut far, mut all) = (0, 0);
+        for centre in self.way(positions).step_by(stride) {
+            all += 1;
+            far += usize::from(!self.ways.iter().any(|way| way.is_within(&centre, self.beside)));
+        }
+        2 * far > all
+    }
+}
+
+impl Way {
+    fn is_within(&self, centre: &Point, reach: f64) -> bool {
+        if (centre - self.middle).norm() > self.radius + reach {
+            return false;
+        }
+        self.points.windows(2).any(|p| {
+            let (along, to) = (p[1] - p[0], centre - p[0]);
+            let share = (to.dot(&along) / along.norm_squared().max(1e-18)).clamp(0.0, 1.0);
+            (to - along * share).norm_squared() < reach * reach
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(y: f64) -> Vec<(Point, Vector)> {
+        (0..30).map(|k| (Point::new(f64::from(k), y, 0.0), Vector::z())).collect()
+    }
+
+    #[test]
+    fn a_pass_is_in_full_stock_until_its_neighbour_is_cut() {
+        let tool = Tool {
+            number: 1,
+            diameter: 6.0,
+            corner_radius: 3.0,
+            insert_width: 3.0,
+            overhang: 40.0,
+            plunge_feed: 100.0,
+            spindle: 5000.0,
+        };
+        let mut cut = CutPasses::new(&tool, 2.0);
+        assert!(cut.are_far_from(&line(0.0)), "nothing is cut");
+        cut.add(&line(0.0));
+        assert!(!cut.are_far_from(&line(2.0)), "one interval away");
+        assert!(cut.are_far_from(&line(6.0)), "three intervals away");
+        // Another axis over the same way is no other way.
+        let lean = Vector::new(0.0, 0.6, 0.8);
+        let leaning: Vec<_> = line(2.0).iter().map(|(tip, axis)| (tip + (axis - lean) * 3.0, lean)).collect();
+        assert!(!cut.are_far_from(&leaning));
+        // Half beside it, half beyond its end.
+        let half: Vec<_> = line(2.0).iter().map(|(tip, axis)| (tip + Vector::x() * 18.0, *axis)).collect();
+        assert!(cut.are_far_from(&half));
+    }
+}

@@ -1,0 +1,148 @@
+//! Floor on which a program leaves more than it may, by what keeps the stock there.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::stock::RIDGE;
+use crate::flank::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
+use crate::geometry::{Meridional, Point, Vector};
+use crate::part::{Blank, Channel, Setup, Tool};
+use crate::plunge::clearance::FinishedPart;
+use crate::plunge::slotting::DepthSurface;
+use crate::residual::FloorGrid;
+
+/// Shares of the reachable floor on which more stays than the hub's allowance and the allowed error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Uncovered {
+    /// Beside a blade: no more than the round of the cutter's corner leaves where it comes as near as it may.
+    pub fillet: f64,
+    /// Where the cutter comes with no axis: blades or hub would be too near to it or to its holder.
+    pub no_axis: f64,
+    /// The rest: another program of the same cutter could take it.
+    pub gap: f64,
+}
+
+/// Cells of a block, along and across, whose first stands for all of it when an axis is looked for.
+const BLOCK: usize = 8;
+/// Steps in which a ball slides along the floor away from the blades.
+const SLIDES: usize = 12;
+/// It rests where it lacks no more than this, mm.
+const SLIDE_TOLERANCE: f64 = 1e-3;
+/// Sine of the angle between floor and wall below which it does not slide.
+const LEAST_SLOPE: f64 = 0.1;
+
+impl Uncovered {
+    /// All of it.
+    pub fn share(&self) -> f64 {
+        self.fillet + self.no_axis + self.gap
+    }
+
+    /// Over the cells of `grid`, on which `heights` mm are left by `tool` as the finest.
+    pub(super) fn of(
+        finished: &FinishedPart,
+        channel: &Channel,
+        blank: &Blank,
+        setup: &Setup,
+        tool: &Tool,
+        grid: &FloorGrid,
+        heights: &[f32],
+    ) -> Self {
+        let stock = &setup.stock;
+        let limits = FixedAxisLimits {
+            hub_allowance: stock.hub_allowance,
+            blade_allowance: stock.blade_allowance,
+            standing: setup.flank.layer_depth,
+            max_tilt: MAX_TILT,
+        };
+        let search = FixedAxisSearch::new(finished, channel, blank, tool, &limits);
+        let layer = DepthSurface::new(finished.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
+        let corner = Corner {
+            finished,
+            radius: tool.corner_radius,
+            hub_allowance: stock.hub_allowance,
+            blade_allowance: stock.blade_allowance,
+        };
+        let allowed = setup.flank.allowed_error + 2.0 * RIDGE;
+        let cells: Vec<usize> =
+            (0..grid.floor.len()).filter(|&cell| grid.floor[cell] && grid.reachable[cell]).collect();
+        let area_of = |cell: usize| f64::from(grid.areas[cell]);
+        let whole: f64 = cells.iter().map(|&cell| area_of(cell)).sum();
+        // Where too much is left, and of what is no fillet where the corner would have to touch.
+        let left: Vec<(usize, Option<Contact>)> = cells
+            .into_par_iter()
+            .filter_map(|cell| {
+                let over = f64::from(heights[cell]) - stock.hub_allowance - allowed;
+                let double = |v: [f32; 3]| v.map(f64::from);
+                let (foot, up) =
+                    (Point::from(double(grid.points[cell])), Vector::from(double(grid.normals[cell])));
+                let lower = || corner.over(&foot, &up).filter(|(_, left)| *left < over);
+                (over > 0.0).then(|| (cell, lower().map(|(contact, _)| contact)))
+            })
+            .collect();
+        let mut blocks: BTreeMap<usize, (Contact, f64)> = BTreeMap::new();
+        let mut fillet = 0.0;
+        for (cell, contact) in left {
+            let area = area_of(cell);
+            let Some(contact) = contact else {
+                fillet += area;
+                continue;
+            };
+            let block = cell / grid.columns / BLOCK * grid.columns + cell % grid.columns / BLOCK;
+            blocks.entry(block).or_insert((contact, 0.0)).1 += area;
+        }
+        let blocks: Vec<(Contact, f64)> = blocks.into_values().collect();
+        let blocked = |(contact, area): &(Contact, f64)| {
+            if search.blocked(contact, &layer).is_some() { [*area, 0.0] } else { [0.0, *area] }
+        };
+        let judged: Vec<[f64; 2]> = blocks.par_iter().map(blocked).collect();
+        let share = |area: f64| area / whole.max(1e-9);
+        let sum = |k: usize| share(judged.iter().map(|areas| areas[k]).sum());
+        Self { fillet: share(fillet), no_axis: sum(0), gap: sum(1) }
+    }
+}
+
+/// The round corner of a cutter, as a ball on the floor.
+struct Corner<'a> {
+    finished: &'a FinishedPart<'a>,
+    radius: f64,
+    hub_allowance: f64,
+    blade_allowance: f64,
+}
+
+impl Corner<'_> {
+    /// Where the ball comes nearest to the ray from `foot` along the hub's normal `up`, and what it leaves there above the
+    /// allowance, mm: infinite where it passes the ray by. `None` where it has no room between the blades.
+    fn over(&self, foot: &Point, up: &Vector) -> Option<(Contact, f64)> {
+        let hub = self.finished.part.hub.curve();
+        let height = self.hub_allowance + self.radius;
+        let (mut centre, mut normal) = (foot + up * height, *up);
+        for slide in 0.. {
+            let near = self.finished.nearest_blade(&centre)?;
+            let lacking = self.radius + self.blade_allowance - near.distance;
+            if lacking <= SLIDE_TOLERANCE {
+                break;
+            }
+            let away = (centre - near.point).try_normalize(1e-9)?;
+            let along = away - normal * away.dot(&normal);
+            if slide == SLIDES || along.norm() < LEAST_SLOPE {
+                return None;
+            }
+            centre += along * (lacking / along.norm_squared());
+            // Back onto the floor's offset.
+            let at = Meridional::of(&centre);
+            let (t, _) = hub.project(at);
+            let place = hub.at(t);
+            let angle = centre.y.atan2(centre.x);
+            normal = place.normal.direction_at_angle(angle);
+            centre = place.point.at_angle(angle) + normal * height;
+        }
+        let contact = Contact { point: centre - normal * self.radius, normal };
+        let to_centre = centre - foot;
+        let along = to_centre.dot(up);
+        let across = to_centre.norm_squared() - along * along;
+        let half = self.radius * self.radius - across;
+        let left = if half > 0.0 { along - half.sqrt() - self.hub_allowance } else { f64::INFINITY };
+        Some((contact, left))
+    }
+}
