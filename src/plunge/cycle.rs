@@ -174,6 +174,17 @@ impl<'a> Planner<'a> {
         known: &mut KnownSections,
         monitor: &Monitor,
     ) -> Result<PlungePlan, PlanError> {
+        // A plan hands out work in many small pieces: each would be a change of thread for one that is not of the pool.
+        rayon::scope(|_| self.planned(policy, known, monitor))
+    }
+
+    /// [`Self::plan_knowing`] by a thread of the pool.
+    fn planned(
+        &self,
+        policy: AxisPolicy,
+        known: &mut KnownSections,
+        monitor: &Monitor,
+    ) -> Result<PlungePlan, PlanError> {
         let mut plan = PlungePlan {
             policy,
             sections: Vec::new(),

@@ -51,9 +51,7 @@ impl<'a> BlankTop<'a> {
 
 /// Plunges of one block: neighbours in cutting order are neighbours on the hub.
 const BLOCK: usize = 32;
-/// Stretches of an axis over which distances to other axes are bounded, and the furthest they go, mm.
-const STRETCHES: usize = 4;
-/// See [`STRETCHES`].
+/// How far up an axis is looked at at most, mm.
 const FURTHEST: f64 = 1e4;
 
 /// What holds all plunges of a block.
@@ -189,14 +187,14 @@ impl Column {
 }
 
 /// Whether the axis of `cutter`, up to `top` mm above its tip, comes within `reach` mm of the line through `tip` along `axis`.
-/// Some that do not pass as well.
 fn within(cutter: &CutterSolid, tip: &Point, axis: &Vector, reach: f64, top: f64) -> bool {
-    // Above the blank nothing matters; distances between straight axes change evenly.
-    let slope = cutter.axis.cross(axis).norm();
-    let step = top.min(FURTHEST) / STRETCHES as f64;
-    (0..STRETCHES).any(|i| {
-        let d = cutter.tip + cutter.axis * (step * (i as f64 + 0.5)) - tip;
-        let flat = (d - axis * d.dot(axis)).norm();
-        flat - slope * 0.5 * step < reach
-    })
+    // The square of the distance at height h: a h² + 2 b h + c.
+    let from_tip = cutter.tip - tip;
+    let (along, up) = (cutter.axis.dot(axis), from_tip.dot(axis));
+    let a = 1.0 - along * along;
+    let b = from_tip.dot(&cutter.axis) - up * along;
+    let c = from_tip.norm_squared() - up * up;
+    // Above the blank nothing matters.
+    let h = if a > 1e-12 { (-b / a).min(top.min(FURTHEST)).max(0.0) } else { 0.0 };
+    (a * h + 2.0 * b) * h + c < reach * reach
 }
