@@ -44,6 +44,31 @@ fn nearest_is_never_beaten_by_a_dense_scan() {
     }
 }
 
+#[test]
+fn a_cutoff_leaves_out_only_what_is_further() {
+    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+        let part = sample(name);
+        for (k, side) in Channel::of(&part).sides.iter().enumerate() {
+            let probe = SideProbe::new(side, 0.0, 1.0);
+            // Thin cutters on the side, standing away from it: what is near of it lies between the points of any grid.
+            for i in 0..400 {
+                let (u, v) = ((0.618_034 * f64::from(i)).fract(), (0.754_878 * f64::from(i)).fract());
+                let (point, along, up) = (side.point(u, v), side.point(u + 1e-4, v), side.point(u, v + 1e-4));
+                let normal = (along - point).cross(&(up - point)).normalize();
+                for axis in [normal, -normal] {
+                    let cutter =
+                        CutterSolid { tip: point + axis * 0.2, axis, radius: 0.1, corner_radius: 0.0 };
+                    let cutoff = cutter.distance(&point) + 1e-9;
+                    assert!(
+                        probe.nearest_below(&cutter, cutoff).is_some(),
+                        "{name}, side {k}, u {u:.4}, v {v:.4}: what is {cutoff} away is not found"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// Distance of `cutter` from the place of `side` that pattern search finds from (`u`, `v`) on.
 fn refined(cutter: &CutterSolid, side: &BladeSide, (u, v): (f64, f64)) -> f64 {
     let at = |u: f64, v: f64| cutter.distance(&side.point(u, v.clamp(0.0, 1.0)));

@@ -48,13 +48,19 @@ impl FromStr for FlankColours {
 const WIDTHS: [f32; 2] = [2.4, 1.4];
 
 /// Colours of the regions.
-const REGION_COLOURS: [(Region, Rgb); 3] = [
+pub const REGION_COLOURS: [(Region, Rgb); 3] = [
     (Region::Inlet, palette::SELECTED),
     (Region::LowSide, palette::SOUND),
     (Region::HighSide, palette::BLOCKED),
 ];
 /// Colour of rapids among moves coloured by feed.
-const RAPID_COLOUR: Rgb = [0.62, 0.62, 0.62];
+pub const RAPID_COLOUR: Rgb = [0.62, 0.62, 0.62];
+
+/// The lowest and the highest feed of `moves`, mm/min: the ends of their colours.
+pub fn feed_range(moves: &[FlankMove]) -> (f64, f64) {
+    let under_feed = || moves.iter().filter(|m| m.kind != MoveKind::Rapid).map(|m| m.feed);
+    (under_feed().fold(f64::INFINITY, f64::min), under_feed().fold(0.0, f64::max))
+}
 
 /// The lines of `curves` of a plan with `layers` layers, or of its `moves`.
 pub fn lines(
@@ -72,8 +78,7 @@ pub fn lines(
         return lines;
     }
     if colours == FlankColours::Feed {
-        let under_feed = || moves.iter().filter(|m| m.kind != MoveKind::Rapid).map(|m| m.feed);
-        let (slow, fast) = (under_feed().fold(f64::INFINITY, f64::min), under_feed().fold(0.0, f64::max));
+        let (slow, fast) = feed_range(moves);
         for pair in moves.windows(2) {
             let colour = match pair[1].kind {
                 MoveKind::Rapid => RAPID_COLOUR,

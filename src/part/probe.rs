@@ -11,8 +11,8 @@ pub struct SideProbe {
     v: Vec<f64>,
     /// Row by row of v.
     points: Vec<Point>,
-    /// No point of the side is further than this from the nearest grid point, mm.
-    grid_reach: f64,
+    /// For every one how far from it the side goes on before another is nearer, mm, at most.
+    reaches: Vec<f64>,
 }
 
 /// Where a side is nearest.
@@ -40,6 +40,10 @@ const U_STEP: f64 = 5e-5;
 /// harmless elsewhere misses it by 10 µm there.
 const V_TOLERANCE: f64 = 4e-6;
 
+/// No point of a cell is further from the nearest of its corners than this share of the longest way between two of them:
+/// 1/√3 where it is flat, and what it bends besides.
+const CELL_REACH: f64 = 0.75;
+
 impl SideProbe {
     /// Grid over u in [`from`, `to`] (beyond 0…1 the side runs on straight) and all of v.
     pub fn new(side: &BladeSide, from: f64, to: f64) -> Self {
@@ -55,17 +59,19 @@ impl SideProbe {
         let v: Vec<f64> = (0..lines).map(|j| j as f64 / (lines - 1) as f64).collect();
         let points: Vec<Point> = v.iter().flat_map(|&v| u.iter().map(move |&u| side.point(u, v))).collect();
         let n = u.len();
-        let mut grid_reach = 0.0f64;
-        for j in 0..lines {
-            for i in 0..n {
-                let here = points[j * n + i];
-                if i + 1 < n && j + 1 < lines {
-                    grid_reach = grid_reach.max((points[(j + 1) * n + i + 1] - here).norm());
-                    grid_reach = grid_reach.max((points[(j + 1) * n + i] - points[j * n + i + 1]).norm());
+        let mut reaches = vec![0.0f64; points.len()];
+        for j in 0..lines - 1 {
+            for i in 0..n - 1 {
+                let corners = [j * n + i, j * n + i + 1, (j + 1) * n + i, (j + 1) * n + i + 1];
+                let [a, b, c, d] = corners.map(|k| points[k]);
+                let longest =
+                    [d - a, c - b, b - a, d - c, c - a, d - b].iter().map(Vector::norm).fold(0.0, f64::max);
+                for k in corners {
+                    reaches[k] = reaches[k].max(CELL_REACH * longest);
                 }
             }
         }
-        Self { side: side.clone(), u, v, points, grid_reach }
+        Self { side: side.clone(), u, v, points, reaches }
     }
 
     /// The side itself.
@@ -158,20 +164,22 @@ impl SideProbe {
         }
         add((v_to, stand_in(v_to)));
         let n = self.u.len();
+        // No place of the side is nearer than this.
         let mut least = f64::INFINITY;
         let mut seeds = [0usize; MAX_V_LINES + 2];
         for (k, &(_, j)) in places[..count].iter().enumerate() {
             let mut best = (f64::INFINITY, 0);
-            for (i, p) in self.points[j * n..(j + 1) * n].iter().enumerate() {
+            let line = j * n..(j + 1) * n;
+            for (i, (p, reach)) in self.points[line.clone()].iter().zip(&self.reaches[line]).enumerate() {
                 let value = query.distance(p);
+                least = least.min(value - reach);
                 if value < best.0 {
                     best = (value, i);
                 }
             }
             seeds[k] = best.1;
-            least = least.min(best.0);
         }
-        if least - self.grid_reach > cutoff {
+        if least > cutoff {
             return None;
         }
         let mut lines = [Line::default(); MAX_V_LINES + 2];

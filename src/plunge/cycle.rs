@@ -220,6 +220,17 @@ impl<'a> Planner<'a> {
         known: &mut KnownSections,
         monitor: &Monitor,
     ) -> Result<PlacedPlan, PlanError> {
+        // A plan hands out work in many small pieces: each would be a change of thread for one that is not of the pool.
+        rayon::scope(|_| self.place_sections(policy, known, monitor))
+    }
+
+    /// [`Self::place`] by a thread of the pool.
+    fn place_sections(
+        &self,
+        policy: AxisPolicy,
+        known: &mut KnownSections,
+        monitor: &Monitor,
+    ) -> Result<PlacedPlan, PlanError> {
         let mut plan = PlungePlan {
             policy,
             sections: Vec::new(),

@@ -2,9 +2,9 @@
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 
+use crate::flank::FlankPlan;
 use crate::flank::chart::Region;
-use crate::flank::{FlankPlan, MoveKind};
-use crate::gpu::flank::{FlankColours, MOVE_COLOURS, REGION_COLOURS};
+use crate::gpu::flank::{FlankColours, RAPID_COLOUR, REGION_COLOURS, feed_range};
 use crate::job::flank::FlankOutcome;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 use crate::part::{FlankScheme, Setup};
@@ -126,13 +126,13 @@ fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
         ui.painter().rect_filled(at, 2.0, egui::Color32::from_rgb(r, g, b));
         ui.label(RichText::new(words).small());
     };
+    let table = ColourMap::Viridis.table();
+    let end = |k: usize| table[k].map(|x| f32::from(x) / 255.0);
     match colours {
         FlankColours::Layer => {
-            let table = ColourMap::Viridis.table();
-            let at = |k: usize| table[k].map(|x| f32::from(x) / 255.0);
-            patch(ui, at(0), "layer 1, at the hub");
+            patch(ui, end(0), "layer 1, at the hub");
             if layers > 1 {
-                patch(ui, at(TABLE_LEN - 1), &format!("layer {layers}"));
+                patch(ui, end(TABLE_LEN - 1), &format!("layer {layers}"));
             }
         }
         FlankColours::Region => {
@@ -150,15 +150,10 @@ fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
             }
         }
         FlankColours::Feed => {
-            for (kind, rgb) in MOVE_COLOURS {
-                let words = match kind {
-                    MoveKind::Rapid => "rapid",
-                    MoveKind::Approach => "approach",
-                    MoveKind::Cut => "cut",
-                    MoveKind::Link => "link",
-                };
-                patch(ui, rgb, words);
-            }
+            let (slow, fast) = feed_range(&plan.moves);
+            patch(ui, end(0), &format!("{slow:.0} mm/min"));
+            patch(ui, end(TABLE_LEN - 1), &format!("{fast:.0} mm/min"));
+            patch(ui, RAPID_COLOUR, "rapid");
         }
         FlankColours::Walls => {
             ui.label(RichText::new("orange: below the blade allowance; violet: above it").small());

@@ -18,6 +18,8 @@ use crate::part::Blank;
 const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
 /// The same for searches.
 const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
+/// The lines of the rim that tell whether it is worth looking at all of them: the first that are looked at.
+const FEW: usize = 8;
 /// Uncovered stretches of one line that are kept apart.
 const STRETCHES: usize = 12;
 /// Contact a plan may have, mm: well below the tolerance of the verdict, so that rounding in a CL file or
@@ -59,19 +61,48 @@ pub struct ContactSearch {
 }
 
 impl ContactSearch {
-    /// Contact depth of `column`, mm, 0 when it is no deeper than a plan may leave it. Any value above `enough`
-    /// when it is deeper than that.
-    pub fn depth<'c>(
-        &mut self,
+    /// The lines of the core of `column` among `earlier` plunges.
+    pub fn among<'c, 's>(
+        &'s mut self,
         column: &Column,
         earlier: impl DoubleEndedIterator<Item = &'c Column>,
-        blank: &Blank,
-        enough: f64,
-    ) -> f64 {
+    ) -> SearchLines<'s> {
         self.near.gather(column, earlier);
+        SearchLines { column: *column, near: &self.near }
+    }
+}
+
+/// The lines of a core by which a search looks at its contact.
+#[derive(Debug)]
+pub struct SearchLines<'s> {
+    column: Column,
+    near: &'s Neighbours,
+}
+
+impl SearchLines<'_> {
+    /// Contact depth, mm, 0 when it is no deeper than a plan may leave it. Any value above `enough` when it is deeper
+    /// than that.
+    pub fn depth(&self, blank: &Blank, enough: f64) -> f64 {
         let enough = enough.max(PLANNED_CONTACT);
-        let depth = contact_up_to(column, &self.near, blank, &SEARCH_RINGS, enough).depth;
+        let depth = contact_up_to(&self.column, self.near, blank, &SEARCH_RINGS, enough).depth;
         if depth > PLANNED_CONTACT { depth } else { 0.0 }
+    }
+
+    /// As [`Self::depth`], by a few of the lines: no more than that, and mostly not much less.
+    pub fn depth_by_few(&self, blank: &Blank, enough: f64) -> f64 {
+        if self.column.top <= 0.0 {
+            return 0.0;
+        }
+        let mut stock = StockLines::new(&self.column, self.near, blank);
+        let mut deepest = 0.0f64;
+        for i in 0..FEW {
+            let phi = std::f64::consts::TAU * i as f64 / FEW as f64;
+            deepest = deepest.max(stock.on_line(&self.near.line(self.column.core_radius, phi), 0.0).1);
+            if deepest > enough.max(PLANNED_CONTACT) {
+                break;
+            }
+        }
+        if deepest > PLANNED_CONTACT { deepest } else { 0.0 }
     }
 }
 
@@ -86,7 +117,7 @@ fn contact_up_to(
     if column.top <= 0.0 {
         return CoreContact::default();
     }
-    let mut stock = StockLines { near, blank, top: column.top, warm: None };
+    let mut stock = StockLines::new(column, near, blank);
     let line = |rho: f64, phi: f64| near.line(rho, phi);
     let mut depth = 0.0f64;
     let mut area = 0.0;
@@ -95,7 +126,10 @@ fn contact_up_to(
     for (ring, &(share, count)) in rings.iter().enumerate() {
         let rho = share * column.core_radius;
         let mut hits = 0usize;
-        for i in 0..count {
+        // Who is content with little is told soonest by lines from all sides.
+        let parts = if ring == 0 && enough.is_finite() { FEW } else { 1 };
+        for k in 0..count {
+            let i = k % parts * (count / parts) + k / parts;
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let line = line(rho, phi);
             // Only of the rim it matters how far below the bottom a line that is free of stock enters.
@@ -151,7 +185,11 @@ struct StockLines<'a> {
     warm: Option<f64>,
 }
 
-impl StockLines<'_> {
+impl<'a> StockLines<'a> {
+    fn new(column: &Column, near: &'a Neighbours, blank: &'a Blank) -> Self {
+        Self { near, blank, top: column.top, warm: None }
+    }
+
     fn is_stock(&mut self, point: &Point) -> bool {
         self.blank.is_solid(Meridional::of(point), &mut self.warm)
     }

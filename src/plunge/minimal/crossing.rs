@@ -61,7 +61,8 @@ impl Crossing<'_> {
                 continue;
             }
             let column = candidates.column(&candidate.station);
-            let lift = search.depth(&column, columns.all().near(&column), self.search.blank, f64::INFINITY);
+            let lift =
+                search.among(&column, columns.all().near(&column)).depth(self.search.blank, f64::INFINITY);
             let cost = candidate.cost(lift, candidates.scale);
             if best.is_none_or(|b| cost < b.0) {
                 best = Some((cost, candidate, lift));

@@ -5,8 +5,9 @@
 //! most is added, again and again. Each is free of contact after the rows alone, so that they may be cut in any order.
 //!
 //! Work is put off until it is needed: a place is looked at by a few axes, and by all of them once these are the best of
-//! the pool; blades and contact of an axis are looked at once it is the best. As what an axis takes only falls while
-//! others are added, most of the pool never gets so far.
+//! the pool; blades and contact of an axis are looked at once it is the best, contact by a few lines of the core before
+//! all. As what an axis takes only falls while others are added, and stays where none was added near it, most of the pool
+//! never gets so far.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -38,6 +39,8 @@ const FAN_SHARES: [f64; 5] = [1.0, 0.7, 0.4, 0.0, 1.4];
 const COARSE_SHARES: [f64; 2] = [0.85, 0.2];
 /// A plunge this near, in cutter radii, may free another of contact.
 const NEAR_RADII: f64 = 2.0;
+/// Plunges further apart than this, in cutter radii, share no cell of the floor.
+const APART_RADII: f64 = 4.5;
 /// What one takes counts as unchanged down to this share.
 const STILL: f64 = 0.999;
 /// What the best axis of a place may take: as a multiple of the best of the few that were looked at, and in least gains
@@ -55,13 +58,25 @@ const FEWEST: usize = 4;
 /// Lift kept above what the search saw, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
+/// One of the axes by which a place is looked at.
+#[derive(Clone, Debug)]
+struct Probe {
+    station: Station,
+    /// What it took when it was last looked at, mm³.
+    gain: f64,
+}
+
 /// How far an entry of the pool was looked at.
 #[derive(Clone, Debug)]
 enum Look {
     /// A place, by a few of its axes.
-    Place(Vec<Station>),
+    Place(Vec<Probe>),
     /// One axis, blades and contact not looked at.
     Axis(Station),
+    /// An axis that blades allow, contact not looked at.
+    Clear(Station),
+    /// An axis that blades allow and that a few lines of its core hold back by `lift` mm at least.
+    Held { station: Station, lift: f64 },
     /// A plunge that blades and contact allow when it stops `lift` mm short.
     Plunge { station: Station, lift: f64 },
 }
@@ -77,6 +92,8 @@ struct Extra {
     row: usize,
     /// s of its foot.
     s: f64,
+    /// How many had been added when it was last looked at; `None` when it has to be looked at anyway.
+    seen: Option<usize>,
     look: Look,
 }
 
@@ -84,8 +101,18 @@ impl Extra {
     /// Where it is, nearly.
     fn foot(&self) -> Option<&Point> {
         match &self.look {
-            Look::Place(few) => few.first().map(|station| &station.tip),
-            Look::Axis(station) | Look::Plunge { station, .. } => Some(&station.tip),
+            Look::Place(few) => few.first().map(|probe| &probe.station.tip),
+            Look::Axis(station) | Look::Clear(station) => Some(&station.tip),
+            Look::Held { station, .. } | Look::Plunge { station, .. } => Some(&station.tip),
+        }
+    }
+
+    /// Its axis, if contact holds that back.
+    fn held(&self) -> Option<Station> {
+        match self.look {
+            Look::Held { station, .. } => Some(station),
+            Look::Plunge { station, lift } if lift > 0.0 => Some(station),
+            _ => None,
         }
     }
 }
@@ -120,6 +147,8 @@ pub struct ExtraSearch<'a> {
     heap: BinaryHeap<Extra>,
     /// Those that contact does not allow yet.
     waiting: Vec<Extra>,
+    /// Tips of those that were added.
+    added: Cells,
     /// What a plunge must take, mm³.
     least: f64,
 }
@@ -134,15 +163,17 @@ impl<'a> ExtraSearch<'a> {
     ) -> Self {
         let radius = rows.first().map_or(0.0, |row| row.maker.tool.radius());
         let least = LEAST_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
-        let mut search = Self { rows, blank, floor, heap: BinaryHeap::new(), waiting: Vec::new(), least };
+        let added = Cells::new(APART_RADII * radius);
+        let (heap, waiting) = (BinaryHeap::new(), Vec::new());
+        let mut search = Self { rows, blank, floor, heap, waiting, added, least };
         let place = |(index, &(row, s)): (usize, &(usize, f64))| {
             let maker = &rows[row];
             if maker.maker.monitor.is_cancelled() {
                 return None;
             }
-            let few = maker.fan(s, (0..TILTS).step_by(2).map(tilt), &COARSE_SHARES);
-            let place = Extra { gain: 0.0, order: (index, 0), row, s, look: Look::Place(few) };
-            search.still_worth(place)
+            let few = maker.fan(s, (0..TILTS).step_by(2).map(tilt), &COARSE_SHARES).into_iter();
+            let look = Look::Place(few.map(|station| Probe { station, gain: f64::INFINITY }).collect());
+            search.still_worth(Extra { gain: f64::INFINITY, order: (index, 0), row, s, seen: None, look })
         };
         let pool: Vec<Extra> = feet.par_iter().enumerate().filter_map(place).collect();
         search.heap = BinaryHeap::from(pool);
@@ -194,21 +225,22 @@ impl<'a> ExtraSearch<'a> {
                 self.heap.push(now);
                 continue;
             }
-            self.floor.cut(part, &self.cutter(best.row, &station, lift));
+            let cutter = self.cutter(best.row, &station, lift);
+            self.floor.cut(part, &cutter);
+            self.added.push(cutter.tip);
             added.push(station.tip);
             found[best.row].push((-station.ends.s_hub * inward, station));
             count += 1;
         }
         // After these, others beside them may be free that are not yet.
-        let is_held = |extra: &Extra| matches!(extra.look, Look::Plunge { lift, .. } if lift > 0.0);
-        let (held, rest) = self.heap.drain().partition(is_held);
+        let (held, rest) = self.heap.drain().partition(|extra| extra.held().is_some());
         self.heap = BinaryHeap::from(rest);
         self.waiting.extend::<Vec<Extra>>(held);
         for mut extra in std::mem::take(&mut self.waiting) {
-            if let Look::Plunge { station, .. } = extra.look
+            if let Some(station) = extra.held()
                 && added.any_near(&station.tip, 0)
             {
-                (extra.look, extra.gain) = (Look::Axis(station), f64::INFINITY);
+                (extra.look, extra.gain, extra.seen) = (Look::Clear(station), f64::INFINITY, None);
                 self.waiting.push(extra);
             }
         }
@@ -232,17 +264,24 @@ impl<'a> ExtraSearch<'a> {
 
     /// An entry with what it takes now; `None` when that is too little.
     fn still_worth(&self, mut extra: Extra) -> Option<Extra> {
-        let row = extra.row;
-        let (gain, least) = match &extra.look {
+        let Extra { row, seen, gain, .. } = extra;
+        let now = |station: &Station, lift: f64, before: f64| {
+            let changed = seen.is_none_or(|seen| self.added.any_near(&station.tip, seen));
+            if changed { self.gain(row, station, lift).cost } else { before }
+        };
+        let (gain, least) = match &mut extra.look {
             Look::Place(few) => {
+                for probe in few.iter_mut() {
+                    probe.gain = now(&probe.station, 0.0, probe.gain);
+                }
                 // Between axes that take next to nothing there is none that takes enough.
-                let most = few.iter().map(|station| self.gain(row, station, 0.0).cost).fold(0.0, f64::max);
+                let most = few.iter().map(|probe| probe.gain).fold(0.0, f64::max);
                 (EXPECTED * most + EXPECTED_LEAST * self.least, self.least)
             }
-            Look::Axis(station) => (self.gain(row, station, 0.0).cost, self.least),
-            Look::Plunge { station, lift } => (self.gain(row, station, *lift).cost, 0.0),
+            Look::Axis(station) | Look::Clear(station) => (now(station, 0.0, gain), self.least),
+            Look::Held { station, lift } | Look::Plunge { station, lift } => (now(station, *lift, gain), 0.0),
         };
-        extra.gain = gain;
+        (extra.gain, extra.seen) = (gain, Some(self.added.len()));
         (gain > least).then_some(extra)
     }
 
@@ -286,45 +325,57 @@ impl<'a> ExtraSearch<'a> {
         }
     }
 
-    /// All axes of a place, or an axis as it can be cut.
+    /// All axes of a place, or an axis looked at closer.
     fn closer(&self, extra: Extra, columns: &Columns, search: &mut ContactSearch) -> Vec<Extra> {
         let Extra { row, s, order, .. } = extra;
+        let makes = &self.rows[row];
         match extra.look {
-            Look::Place(_) => self.rows[row]
+            Look::Place(_) => makes
                 .fan(s, (0..TILTS).map(tilt), &FAN_SHARES)
                 .into_iter()
                 .enumerate()
-                .map(|(axis, station)| Extra { order: (order.0, axis), look: Look::Axis(station), ..extra })
+                .map(|(axis, station)| Extra {
+                    order: (order.0, axis),
+                    seen: None,
+                    look: Look::Axis(station),
+                    ..extra
+                })
                 .filter_map(|axis| self.still_worth(axis))
                 .collect(),
-            Look::Axis(station) => self.freed(extra, &station, columns, search).into_iter().collect(),
-            Look::Plunge { .. } => vec![extra],
+            Look::Axis(station) if !makes.maker.monitor.is_cancelled() => makes
+                .maker
+                .exact(&station)
+                .filter(|station| makes.allowed(station))
+                .map(|station| self.freed(Extra { look: Look::Clear(station), ..extra }, columns, search))
+                .into_iter()
+                .collect(),
+            Look::Clear(_) | Look::Held { .. } => vec![self.freed(extra, columns, search)],
+            Look::Axis(_) | Look::Plunge { .. } => vec![extra],
         }
     }
 
-    /// An axis made exact, with the lift that frees it; it takes nothing where that is too much. `None` where blades are in
-    /// the way.
-    fn freed(
-        &self,
-        extra: Extra,
-        station: &Station,
-        columns: &Columns,
-        search: &mut ContactSearch,
-    ) -> Option<Extra> {
+    /// An axis that blades allow, with the lift that frees it; it takes nothing where that is too much.
+    fn freed(&self, extra: Extra, columns: &Columns, search: &mut ContactSearch) -> Extra {
+        let (Look::Clear(station) | Look::Held { station, .. }) = extra.look else { return extra };
         let Extra { row, .. } = extra;
         let makes = &self.rows[row];
-        if makes.maker.monitor.is_cancelled() {
-            return None;
-        }
-        let free = self.gain(row, station, 0.0);
-        let station = makes.maker.exact(station).filter(|station| makes.allowed(station))?;
+        let free = self.gain(row, &station, 0.0);
         // Lifted by more, it would take next to nothing.
         let enough = (MOST_LIFT_SHARE * free.drop).min(MOST_LIFT_RADII * makes.maker.tool.radius());
         let column = makes.column(&station);
-        let depth = search.depth(&column, columns.all().near(&column), self.blank, enough);
-        let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-        let gain = if depth > enough { 0.0 } else { self.gain(row, &station, lift).cost };
-        Some(Extra { gain, look: Look::Plunge { station, lift }, ..extra })
+        let lines = search.among(&column, columns.all().near(&column));
+        let lifted = |depth: f64| {
+            let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
+            (lift, if depth > enough { 0.0 } else { self.gain(row, &station, lift).cost })
+        };
+        if matches!(extra.look, Look::Clear(_)) {
+            let (lift, gain) = lifted(lines.depth_by_few(self.blank, enough));
+            if gain < STILL * free.cost {
+                return Extra { gain, look: Look::Held { station, lift }, ..extra };
+            }
+        }
+        let (lift, gain) = lifted(lines.depth(self.blank, enough));
+        Extra { gain, look: Look::Plunge { station, lift }, ..extra }
     }
 }
 

@@ -221,7 +221,7 @@ impl PathSearch<'_> {
                 at = state.before;
             }
             let earlier = near.iter().copied().chain(passed[..count].iter().rev());
-            let depth = search.depth(&column, earlier, self.blank, affordable);
+            let depth = search.among(&column, earlier).depth(self.blank, affordable);
             let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
             let cost = cost_before + self.own(&candidate, lift, here);
             let better = |b: &State| {
