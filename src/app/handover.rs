@@ -71,8 +71,8 @@ impl App {
         }
         app.state.results.coming = None;
         app.state.fault(Problem::new(
-            format!("The graphics device was lost ({reason})"),
-            "nothing: the window was opened again with the software driver, and everything is as it was",
+            format!("The graphics device was lost ({reason}); the window goes on with the software driver"),
+            "",
         ));
         if planning {
             app.plan();

@@ -133,7 +133,7 @@ fn a_window_whose_device_is_lost_closes_and_the_next_one_is_as_it_was() {
     again.run_steps(4);
     let said = again.state().state().problems[0].what.clone();
     assert!(said.contains("The graphics device was lost"), "{said}");
-    again.get_by_label(&said);
+    assert!(again.query_all_by_label(&said).next().is_some(), "and it is on the screen");
     again.get_by_label("3D view");
     let state = again.state().state();
     assert_eq!(state.document.edited.setup.plunge.step, Some(5.0));

@@ -98,13 +98,14 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     choose(&mut window, "Axis policy", "Minimal");
     let (before, after) = interferential(&window);
     assert!(before > 0 && after == 0, "{before} to {after}");
-    assert!(window.query_by_label("Core meets stock").is_none());
+    assert!(words(&window, "Core meets stock").is_none(), "no reason is left");
     let setup = window.state().state().document.edited.setup.clone();
     assert_eq!(setup.plunge.step, Some(4.0), "the setup is what was tuned");
 
     // Stock before and after, side by side, at the same places of the hub.
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::B);
     window.key_press(egui::Key::Num4);
+    window.state_mut().look_mut().layers.cutters = false;
     window.run_steps(6);
     settle(&mut window);
     let view = window.get_by_label("3D view, after").rect();
