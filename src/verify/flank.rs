@@ -14,14 +14,13 @@ use rayon::prelude::*;
 
 use super::{Fault, beyond_machine};
 use crate::formats::apt::{ClProgram, Motion};
-use crate::geometry::{Circle, CutterSolid, Meridional};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::retract::bottom_clearance;
 use crate::residual::ResidualStatistics;
 use gouge::{Clearance, Surroundings};
-use steps::{Step, channel_at, steps_of};
+use steps::{Step, steps_of};
 use stock::{Place, Probe, Struck, floor_after};
 pub use uncovered::Uncovered;
 use walls::wall_deviation;
@@ -162,21 +161,6 @@ pub fn verify_flank(
             };
             verdict.faults.push(Fault { line: ours[step].line, what });
         }
-        for (step, &k) in ours.iter().zip(&here) {
-            let tool = &tools[step.tool];
-            let beside = |share: &&f64| {
-                let (tip, axis) = step.at(**share);
-                neighbour_struck(part, channel, &blank, &tool.holder(tip, axis)).is_some_and(|turns| {
-                    // What an earlier channel of the program freed is free.
-                    !steps[..k].iter().any(|s| s.feed.is_some() && s.channel == number + turns)
-                })
-            };
-            if looks[k].holder_inside.iter().any(|share| beside(&share)) {
-                let what =
-                    "the holder runs into the stock of the channel beside; give the cutter more overhang";
-                verdict.faults.push(Fault { line: step.line, what: what.to_owned() });
-            }
-        }
         if index == 0 || floor.uncovered.share() > verdict.uncovered.share() {
             (verdict.uncovered, verdict.layer) = (floor.uncovered, floor.layer);
         }
@@ -242,19 +226,6 @@ fn look(step: &Step, around: &Surroundings, blank: &Blank) -> Look {
         }
     }
     look
-}
-
-/// Places around the rim of a holder's end that are looked at for stock beside the channel.
-const RIM_PLACES: usize = 16;
-
-/// By how many pitches the neighbouring channel lies ahead in whose stock, were it uncut, the end of `holder` would be.
-fn neighbour_struck(part: &Impeller, channel: &Channel, blank: &Blank, holder: &CutterSolid) -> Option<i64> {
-    let rim = Circle::new(&holder.tip, &holder.axis, holder.radius);
-    (0..RIM_PLACES).find_map(|k| {
-        let (point, _) = rim.at((std::f64::consts::TAU * k as f64 / RIM_PLACES as f64).sin_cos());
-        let within = blank.clearance(Meridional::of(&point), &mut None) < 0.0;
-        channel_at(part, channel, &point).filter(|turns| within && *turns != 0)
-    })
 }
 
 impl FlankVerdict {

@@ -146,7 +146,7 @@ fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
 }
 
 /// By how many pitches a tip lies ahead of channel 1; `None` beyond leading edge and rim, where no walls tell.
-pub(super) fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
+fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
     let here = Meridional::of(tip);
     let (t, height) = part.hub.curve().project(here);
     let s = part.hub.s_at(t);
