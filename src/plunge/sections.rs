@@ -55,7 +55,7 @@ impl SetupFault {
     }
 }
 
-/// Most positions a plan of one channel may have: it takes about a gigabyte while it is made.
+/// Most positions a plan of one channel may have. Half as many take about a gigabyte while the plan is made.
 pub const MAX_POSITIONS: usize = 200_000;
 
 /// A setup with everything filled in that it left open.
