@@ -13,7 +13,7 @@ struct Frame {
     plane: vec4f,     // section plane: what lies beyond w along xyz is not drawn; xyz = 0: none
     greys: array<vec4f, 9>,
     lines: array<vec4f, 8>,
-    states: array<vec4f, 4>,
+    states: array<vec4f, 5>,
     table: array<vec4f, 256>,
 }
 
@@ -334,6 +334,20 @@ fn surface_id_fragment(in: SurfaceOut) -> @location(0) u32 {
     return 0u;
 }
 
+// So do walls with values, and the section plane where it cuts material.
+@fragment
+fn values_id_fragment(in: SurfaceOut) -> @location(0) u32 {
+    if cut_off(in.world) {
+        discard;
+    }
+    return 0u;
+}
+
+@fragment
+fn cap_id_fragment(in: CapOut) -> @location(0) u32 {
+    return 0u;
+}
+
 // Counted from 1.
 @fragment
 fn cutter_id_fragment(in: CutterOut) -> @location(0) u32 {
@@ -355,8 +369,10 @@ struct LineOut {
     @location(1) world: vec3f,
 }
 
-// Colours up to this one are edges of the part, which the section plane cuts.
+// Colours up to this one are edges of the part, which the section plane cuts; so are other lines that lie on the part.
 const WALL_EDGE = 1u;
+const ON_PART = 0x40000000u;
+const OWN_COLOUR = 0x80000000u;
 
 @vertex
 fn line_vertex(in: LineIn, @builtin(vertex_index) i: u32) -> LineOut {
@@ -379,11 +395,11 @@ fn line_vertex(in: LineIn, @builtin(vertex_index) i: u32) -> LineOut {
 
 @fragment
 fn line_fragment(in: LineOut) -> @location(0) vec4f {
-    if in.colour <= WALL_EDGE && cut_off(in.world) {
+    if (in.colour <= WALL_EDGE || (in.colour & ON_PART) != 0u) && cut_off(in.world) {
         discard;
     }
     // A colour of its own, or a number in the table.
-    if (in.colour & 0x80000000u) != 0u {
+    if (in.colour & OWN_COLOUR) != 0u {
         return vec4f(unpack4x8unorm(in.colour).rgb, 1.0);
     }
     return vec4f(frame.lines[in.colour].rgb, 1.0);

@@ -13,6 +13,8 @@ pub const INTERFERENTIAL: Rgb = rgb(0xD55E00);
 pub const BLOCKED: Rgb = rgb(0xE69F00);
 /// Sound: bluish green.
 pub const SOUND: Rgb = rgb(0x009E73);
+/// Not judged yet: neither sound nor not.
+pub const UNJUDGED: Rgb = rgb(0x8C9299);
 /// Selected: the accent.
 pub const SELECTED: Rgb = rgb(0x0072B2);
 

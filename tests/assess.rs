@@ -153,6 +153,7 @@ fn parallel_walls(width: f64) -> Impeller {
         name: "parallel".to_owned(),
         blade_count: 6,
         count_line: 0,
+        notes: Vec::new(),
         hub: CurveDescription::Points(hub.clone()),
         hub_line: 0,
         shroud: CurveDescription::Points(shroud.clone()),

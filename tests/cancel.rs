@@ -1,37 +1,149 @@
-//! Cancel is obeyed at once. Alone in its file: other tests beside it would take the cores it is timed on.
+//! Cancel is obeyed at once, and leaves the best so far where that is wanted. Alone in its file: other tests beside
+//! it would take the cores it is timed on.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use vanecut::formats::part_file::read_part_bytes;
-use vanecut::job::PlanRequest;
+use vanecut::formats::plan_file::{read_plan_bytes, write_plan};
+use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, Impeller, Setup};
+use vanecut::part::{AxisPolicy, Channel, Impeller, PartDescription, Setup};
+use vanecut::plunge::{PlungePlan, Stopped};
+use vanecut::verify::verify;
+
+fn description() -> PartDescription {
+    let text = include_str!("../assets/parts/impeller532.toml");
+    read_part_bytes("impeller532.toml", text.as_bytes(), "toml").expect("readable")
+}
+
+fn request(policy: AxisPolicy) -> PlanRequest {
+    let part = Arc::new(Impeller::build(&description()).expect("an impeller"));
+    PlanRequest { part, setup: Setup::default(), policy, compare: false, field_cells: 256 }
+}
+
+/// Plans, and asks to stop after a while.
+fn stopped_after(
+    wait: Duration,
+    job: &PlanJob,
+    request: &PlanRequest,
+    monitor: &Monitor,
+) -> Result<PlanOutcome, JobError> {
+    std::thread::scope(|scope| {
+        let work = scope.spawn(|| job.run(request, monitor));
+        std::thread::sleep(wait);
+        monitor.stop();
+        work.join().expect("no panic")
+    })
+}
+
+/// Positions of the sections that are finished.
+fn finished_part(plan: &PlungePlan) -> usize {
+    let whole = |s: &usize| !matches!(plan.sections[*s].added, Some((_, Stopped::Cancelled)));
+    plan.positions.iter().filter(|p| whole(&p.section)).count()
+}
+
+#[test]
+fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
+    let request = request(AxisPolicy::Minimal);
+    let started = Instant::now();
+    let whole = run(&request, &Monitor::default()).expect("a plan");
+    let time = started.elapsed();
+    assert!(!whole.after.plan.is_unfinished(), "nobody stopped it");
+    let (mut unfinished, mut cut_short) = (0, 0);
+    for share in (1..20).step_by(2) {
+        let job = PlanJob::default();
+        let outcome = match stopped_after(time * share / 20, &job, &request, &Monitor::default()) {
+            Ok(outcome) => outcome,
+            // Nothing was found yet.
+            Err(error) => {
+                assert_eq!(error, JobError::Cancelled);
+                continue;
+            }
+        };
+        let (plan, summary) = (&outcome.after.plan, &outcome.after.summary);
+        if !plan.is_unfinished() {
+            continue;
+        }
+        unfinished += 1;
+        assert!(!plan.positions.is_empty() && plan.sections.len() == whole.after.plan.sections.len());
+        assert_eq!(outcome.before.plan, whole.before.plan, "what it is compared with is whole");
+        let finished = finished_part(plan);
+        assert_eq!(
+            plan.positions[..finished],
+            whole.after.plan.positions[..finished],
+            "as in the whole plan"
+        );
+        cut_short += usize::from(plan.positions.len() > finished);
+        assert_eq!(summary.interferential, 0, "the core is free");
+        assert!(summary.min_retract_clearance >= outcome.setup.stock.safety_distance - 1e-3, "measured");
+        assert!(
+            summary.uncut_share >= whole.after.summary.uncut_share - 1e-6,
+            "what is not cut counts: {} uncut, {} by the whole plan",
+            summary.uncut_share,
+            whole.after.summary.uncut_share
+        );
+        let program = ClProgram::of_plan(&request.part.name, plan);
+        assert!(program.part.ends_with("UNFINISHED"), "a program that is run by mistake says what it is");
+        let program = read_apt_bytes("plunge.apt", write_apt(&program).as_bytes()).expect("readable");
+        let verdict = verify(&request.part, &Channel::of(&request.part), &outcome.setup, &program);
+        assert_eq!(verdict.expect("can be judged").faults, [], "stopped after {share}/20");
+        let text = write_plan(&description(), &outcome.setup, plan, 1);
+        assert!(text.contains("\"cancelled\""), "the file says so");
+        let stored = read_plan_bytes("plan.json", text.as_bytes()).expect("readable");
+        assert!(stored.plan.is_unfinished(), "and keeps it");
+        // Nothing that is not finished is taken for known the next time.
+        if unfinished == 1 {
+            let again = job.run(&request, &Monitor::default()).expect("a plan");
+            assert_eq!(again.after.plan, whole.after.plan, "planned on to the same end");
+        }
+    }
+    assert!(unfinished > 2, "stopped on the way {unfinished} times");
+    assert!(cut_short > 0, "no plan with a part of a section");
+}
+
+#[test]
+fn a_cancel_after_a_stop_leaves_nothing() {
+    let monitor = Monitor::default();
+    monitor.stop();
+    monitor.cancel();
+    let nothing = run(&request(AxisPolicy::Minimal), &monitor);
+    assert_eq!(nothing.map(|_| ()), Err(JobError::Cancelled));
+}
+
+#[test]
+fn of_a_stopped_comparison_the_finished_plans_stay() {
+    let request = PlanRequest { compare: true, field_cells: 64, ..request(AxisPolicy::Conventional) };
+    let monitor = Monitor::default();
+    monitor.stop();
+    let outcome = run(&request, &monitor).expect("the plan that was asked for is ready at once");
+    assert!(!outcome.after.plan.is_unfinished());
+    assert_eq!(outcome.others.len(), 0, "no half a plan to compare with");
+}
 
 #[test]
 #[ignore = "a timing: run it alone on a quiet machine, `cargo test --test cancel -- --ignored`"]
 fn the_planner_obeys_cancel_within_50_ms() {
-    let text = include_str!("../assets/parts/impeller532.toml");
-    let description = read_part_bytes("impeller532.toml", text.as_bytes(), "toml").expect("readable");
-    let part = Arc::new(Impeller::build(&description).expect("an impeller"));
-    let mut setup = Setup::default();
-    setup.plunge.step = Some(1.0);
-    let request = PlanRequest { part, setup, policy: AxisPolicy::Monotone, compare: false, field_cells: 512 };
-    let cancel_after = |wait: u64| {
-        let monitor = Monitor::default();
-        std::thread::scope(|scope| {
-            let work = scope.spawn(|| vanecut::job::run(&request, &monitor).is_ok());
-            std::thread::sleep(Duration::from_millis(wait));
-            let start = Instant::now();
-            monitor.cancel();
-            let was_done = work.join().expect("no panic");
-            if was_done { Duration::ZERO } else { start.elapsed() }
-        })
-    };
-    // At several moments, so that every stage of the work is met; the quickest of three attempts is
-    // the planner's own time, without what else the machine does.
-    let moments = [5, 20, 60, 120, 250, 500];
-    let slowest = moments.map(|wait| [wait; 3].map(cancel_after).into_iter().min());
-    let slowest = slowest.into_iter().flatten().max().expect("attempts were made");
-    assert!(slowest < Duration::from_millis(50), "the planner took {slowest:?} to stop");
+    for policy in [AxisPolicy::Monotone, AxisPolicy::Minimal] {
+        let mut request = request(policy);
+        request.setup.plunge.step = Some(1.0);
+        let cancel_after = |wait: u64| {
+            let monitor = Monitor::default();
+            std::thread::scope(|scope| {
+                let work = scope.spawn(|| run(&request, &monitor).is_ok());
+                std::thread::sleep(Duration::from_millis(wait));
+                let start = Instant::now();
+                monitor.cancel();
+                let was_done = work.join().expect("no panic");
+                if was_done { Duration::ZERO } else { start.elapsed() }
+            })
+        };
+        // At several moments, so that every stage of the work is met; the quickest of three attempts is
+        // the planner's own time, without what else the machine does.
+        let moments = [5, 20, 60, 120, 250, 500];
+        let slowest = moments.map(|wait| [wait; 3].map(cancel_after).into_iter().min());
+        let slowest = slowest.into_iter().flatten().max().expect("attempts were made");
+        assert!(slowest < Duration::from_millis(50), "the planner took {slowest:?} to stop");
+    }
 }

@@ -55,6 +55,7 @@ fn disc(lean: f64) -> Impeller {
         hub_line: 0,
         shroud_line: 0,
         count_line: 0,
+        notes: Vec::new(),
     };
     Impeller::build(&description).expect("an impeller")
 }

@@ -30,7 +30,8 @@ fn written(part: &Impeller, chord_error: f64) -> (Tessellation, GltfFile) {
 #[test]
 fn every_part_of_a_part_is_a_named_node() {
     for (name, blades, splitters) in [("impeller532.toml", 17, 0), ("impeller9x9.toml", 9, 9)] {
-        let (_, file) = written(&sample(name), 0.1);
+        let part = sample(name);
+        let (_, file) = written(&part, 0.1);
         file.check();
         let mut names = vec!["hub".to_owned(), "shroud".to_owned()];
         names.extend((1..=blades).map(|k| format!("blade_{k}")));
@@ -39,6 +40,7 @@ fn every_part_of_a_part_is_a_named_node() {
         assert_eq!(found, names);
         let facts = &file.root()["extras"]["vanecut"];
         assert_eq!(facts["rotation_axis"], "z");
+        assert_eq!(facts["rotation"], part.rotation().name());
         assert_eq!(facts["blades"], blades);
         assert_eq!(facts["splitters"], splitters);
         assert_eq!(facts["chord_error"], 0.1);
@@ -122,6 +124,7 @@ fn the_scene_that_is_shipped_is_that_of_the_part() {
     let shipped = GltfFile::of_glb(&std::fs::read(path).expect("the file is there"));
     shipped.check();
     let (_, file) = written(&sample("impeller9x9.toml"), 0.05);
+    assert_eq!(shipped.root()["extras"], file.root()["extras"], "the same facts");
     for node in ["hub", "shroud", "blade_1", "splitter_1"] {
         let ((a, s), (b, t)) = (shipped.local(node), file.local(node));
         assert_eq!((a.len(), s), (b.len(), t), "{node}: the same triangles");

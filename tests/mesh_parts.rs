@@ -1,16 +1,23 @@
 //! Parts that went through triangles are the parts they were.
 
+#[path = "mesh_parts/body.rs"]
+mod body;
+#[path = "mesh_parts/nodes.rs"]
+mod nodes;
+
 use std::path::Path;
 
+use body::Body;
 use nalgebra::Rotation3;
 use vanecut::formats::gltf::GltfScene;
 use vanecut::formats::{read_part, read_part_bytes};
-use vanecut::geometry::{Meridional, Point, Vector, rotate_z};
-use vanecut::job::{PlanRequest, run};
+use vanecut::geometry::{Point, Vector, rotate_z};
+use vanecut::job::{PlanRequest, PolicyResult, run};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{MeshOptions, NamedMesh, Role, TriangleMesh, Unit, describe};
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, Blade, BladeSide, Impeller, Setup, SideProbe};
+use vanecut::part::{AxisPolicy, Blade, BladeSide, Impeller, Rotation, Setup, SideProbe};
+use vanecut::plunge::{PlungePlan, Position};
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
@@ -37,6 +44,11 @@ fn separate(part: &Impeller) -> Vec<NamedMesh> {
         }
     }
     meshes
+}
+
+/// What has to be said of bare triangles of a part: the sample parts turn against the wrap of their blades.
+fn turning(part: &Impeller) -> MeshOptions {
+    MeshOptions { rotation: Some(part.rotation()), ..MeshOptions::default() }
 }
 
 fn back(meshes: Vec<NamedMesh>, options: &MeshOptions) -> Impeller {
@@ -102,7 +114,7 @@ fn same(one: &Impeller, other: &Impeller, tolerance: f64) {
 
 #[test]
 fn own_files_give_the_part_back() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+    for name in SAMPLES {
         let part = sample(name);
         let again = through_glb(&part);
         same(&part, &again, 0.02);
@@ -112,107 +124,144 @@ fn own_files_give_the_part_back() {
     }
 }
 
-#[test]
-fn a_compressor_from_elsewhere_comes_back() {
+/// A compressor that is not of this project, where it is at hand.
+fn compressor() -> Option<Impeller> {
     let path =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/cc_autoblade/cc_autoblade.geomTurbo");
     if !path.exists() {
         println!("skipped: {} is not there", path.display());
-        return;
+        return None;
     }
-    let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
-    let mut again = through_glb(&part);
-    assert!((part.pitch().abs() - again.pitch().abs()).abs() < 1e-12);
-    // A mesh does not tell which side this file calls the suction side.
-    if part.pitch() * again.pitch() < 0.0 {
-        for blade in std::iter::once(&mut again.main).chain(&mut again.splitters) {
-            std::mem::swap(&mut blade.suction, &mut blade.pressure);
-        }
-        for splitter in &mut again.splitters {
-            *splitter = splitter.rotated(part.pitch());
-        }
-    }
+    Some(Impeller::build(&read_part(&path).expect("readable")).expect("an impeller"))
+}
+
+#[test]
+fn a_compressor_from_elsewhere_comes_back() {
+    let Some(part) = compressor() else { return };
+    let again = through_glb(&part);
+    assert!((part.pitch() - again.pitch()).abs() < 1e-12, "with its sides");
     same(&part, &again, 0.02);
 }
 
 #[test]
-fn plans_of_own_files_are_the_same() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+fn bare_triangles_tell_the_sides_by_the_blades_wrap() {
+    if let Some(part) = compressor() {
+        let again = back(separate(&part), &MeshOptions::default());
+        assert_eq!(again.rotation(), part.rotation(), "its file names the sides as the wrap does");
+        same(&part, &again, 0.02);
+    }
+    for name in SAMPLES {
         let part = sample(name);
-        let plan = |part: &Impeller| {
-            let request = PlanRequest {
-                part: part.clone().into(),
-                setup: Setup::default(),
-                policy: AxisPolicy::Conventional,
-                compare: false,
-                field_cells: 16,
-            };
-            run(&request, &Monitor::default()).expect("a plan").after.plan
-        };
-        let (a, b) = (plan(&part), plan(&through_glb(&part)));
-        let (mut moved, mut turned): (f64, f64) = (0.0, 0.0);
-        for (p, q) in a.positions.iter().zip(&b.positions) {
+        let angle = |p: Point| p.y.atan2(p.x);
+        let side = &part.main.suction;
+        let wrap = angle(side.point(1.0, 0.5)) - angle(side.point(0.1, 0.5));
+        let again = back(separate(&part), &MeshOptions::default());
+        let inlet_up = part.out_of_inlet().z > 0.0;
+        assert_eq!(again.rotation(), Rotation::about_z(-wrap, inlet_up), "{name}: against the wrap");
+        assert!(again.notes.is_empty(), "{name}: {:?}", again.notes);
+        for rotation in Rotation::ALL {
+            let options = MeshOptions { rotation: Some(rotation), ..MeshOptions::default() };
+            assert_eq!(back(separate(&part), &options).rotation(), rotation, "{name}: as it is told");
+        }
+    }
+}
+
+#[test]
+fn blades_that_hardly_wrap_are_asked_about() {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml"))
+        .expect("readable");
+    let straight: String = text
+        .lines()
+        .map(|line| {
+            if line.starts_with("angle") {
+                "angle = [[0, 0.5], [1, 0.5]]\n".into()
+            } else {
+                format!("{line}\n")
+            }
+        })
+        .collect();
+    let part =
+        Impeller::build(&read_part_bytes("radial.toml", straight.as_bytes(), "toml").expect("readable"))
+            .expect("an impeller");
+    let again = back(separate(&part), &MeshOptions::default());
+    let note = again.notes.first().expect("a word about it");
+    assert!(note.contains("--rotation") && !note.contains('\n'), "{note}");
+    assert!(back(separate(&part), &turning(&part)).notes.is_empty(), "no doubt once it is told");
+}
+
+const SAMPLES: [&str; 3] = ["impeller532.toml", "impeller9x9.toml", "pump6.toml"];
+
+fn planned(part: &Impeller, policy: AxisPolicy) -> PolicyResult {
+    let request = PlanRequest {
+        part: part.clone().into(),
+        setup: Setup::default(),
+        policy,
+        compare: false,
+        field_cells: 128,
+    };
+    run(&request, &Monitor::default()).expect("a plan").after
+}
+
+/// Greatest distance of tips (mm) and angle of axes (degrees) between positions at the same places of the same rows, and
+/// the number of positions that only one of both plans has.
+fn differences(a: &PlungePlan, b: &PlungePlan) -> (f64, f64, usize) {
+    let at =
+        |p: &Position, q: &Position| (p.section, p.row) == (q.section, q.row) && (p.s - q.s).abs() < 5e-4;
+    let (mut moved, mut turned, mut met) = (0.0_f64, 0.0_f64, 0);
+    for p in &a.positions {
+        if let Some(q) = b.positions.iter().find(|q| at(p, q)) {
+            met += 1;
             moved = moved.max((p.tip - q.tip).norm());
             turned = turned.max(p.axis.angle(&q.axis).to_degrees());
         }
+    }
+    (moved, turned, a.positions.len() + b.positions.len() - 2 * met)
+}
+
+#[test]
+fn conventional_plans_of_own_files_are_the_same() {
+    for name in SAMPLES {
+        let part = sample(name);
+        let plan = |part: &Impeller| planned(part, AxisPolicy::Conventional).plan;
+        let (moved, turned, alone) = differences(&plan(&part), &plan(&through_glb(&part)));
         println!("{name}: {moved:.4} mm, {turned:.4}°");
-        assert_eq!(a.positions.len(), b.positions.len());
+        assert_eq!(alone, 0, "{name}");
         assert!(moved < 0.05 && turned < 0.1, "{name}: {moved} mm, {turned}°");
     }
 }
 
-/// A wheel in one mesh without inner walls: hub between the blades, rim, sides, tips and trailing edges share corners.
-fn fused(part: &Impeller, along: usize, across: usize, high: usize) -> TriangleMesh {
-    let mut mesh = TriangleMesh::default();
-    // Coincident corners are made one by the reader: each patch has its own.
-    let mut patch = |rows: usize, columns: usize, at: &dyn Fn(usize, usize) -> Point| {
-        let first = mesh.points.len() as u32;
-        for i in 0..=rows {
-            // Patches come to the same corners in different ways.
-            let rounded = |p: Point| Point::from(p.coords.map(|x| (x * 1e5).round() / 1e5));
-            mesh.points.extend((0..=columns).map(|j| rounded(at(i, j))));
-        }
-        let index = |i: usize, j: usize| first + (i * (columns + 1) + j) as u32;
-        for i in 0..rows {
-            for j in 0..columns {
-                mesh.triangles.push([index(i, j), index(i + 1, j), index(i, j + 1)]);
-                mesh.triangles.push([index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)]);
-            }
-        }
-    };
-    let (suction, pressure) = (&part.main.suction, &part.main.pressure);
-    let u = |i: usize| (i as f64 / along as f64).powi(2);
-    let hub = part.hub.curve();
-    let place = |p: Point| (hub.project(Meridional::of(&p)).0, p.y.atan2(p.x));
-    for k in 0..part.blade_count {
-        let turn = |p: Point| rotate_z(&p, part.pitch() * k as f64);
-        let floor = |i: usize, j: usize| {
-            // From the suction side of this blade to the pressure side of the next one.
-            let ((t0, a0), (t1, a1)) = (place(suction.point(u(i), 0.0)), place(pressure.point(u(i), 0.0)));
-            let width = (a1 - a0 + part.pitch()).rem_euclid(std::f64::consts::TAU.copysign(part.pitch()));
-            let width = if part.pitch() < 0.0 && width > 0.0 { width - std::f64::consts::TAU } else { width };
-            let x = j as f64 / across as f64;
-            hub.point(t0 + (t1 - t0) * x).at_angle(a0 + width * x)
-        };
-        patch(along, across, &|i, j| turn(floor(i, j)));
-        // Ahead of the blades, and down the rim.
-        let nose = |i: usize, j: usize| {
-            let p = floor(0, j);
-            let (t, a) = place(p);
-            if i == 8 { p } else { hub.point(t * (0.5 + i as f64 / 16.0)).at_angle(a) }
-        };
-        patch(8, across, &|i, j| turn(nose(i, j)));
-        patch(2, across, &|i, j| {
-            let p = turn(floor(along, j));
-            Point::new(p.x, p.y, p.z + 4.0 * i as f64)
-        });
-        for side in [suction, pressure] {
-            patch(along, high, &|i, j| turn(side.point(u(i), j as f64 / high as f64)));
-        }
-        patch(along, 1, &|i, j| turn([suction, pressure][j].point(u(i), 1.0)));
-        patch(1, high, &|i, j| turn([suction, pressure][i].point(1.0, j as f64 / high as f64)));
+#[test]
+fn monotone_plans_of_own_files_differ_by_single_inserted_steps() {
+    // A step that is as long as a step may be is halved or not.
+    for name in SAMPLES {
+        let part = sample(name);
+        let plan = |part: &Impeller| planned(part, AxisPolicy::Monotone).plan;
+        let (a, b) = (plan(&part), plan(&through_glb(&part)));
+        let (moved, turned, alone) = differences(&a, &b);
+        println!("{name}: {moved:.4} mm, {turned:.4}°, {alone} of {} alone", a.positions.len());
+        assert!(moved < 0.05 && turned < 0.4, "{name}: {moved} mm, {turned}°");
+        assert!(100 * alone <= a.positions.len(), "{name}: {alone}");
     }
-    mesh
+}
+
+#[test]
+fn minimal_plans_of_own_files_leave_as_much() {
+    // A search takes another turn at the slightest change; what it comes to stays.
+    for name in SAMPLES {
+        let part = sample(name);
+        let (a, b) = (planned(&part, AxisPolicy::Minimal), planned(&through_glb(&part), AxisPolicy::Minimal));
+        let (a, b) = (a.summary, b.summary);
+        let mean = (a.residual_mean - b.residual_mean).abs();
+        let p95 = (a.residual_p95 - b.residual_p95).abs();
+        println!(
+            "{name}: {} and {} positions, mean {mean:.4}, p95 {p95:.4} mm apart",
+            a.positions, b.positions
+        );
+        assert!(100 * a.positions.abs_diff(b.positions) <= a.positions, "{name}");
+        assert!(mean < 0.005 && p95 < 0.03, "{name}: {mean}, {p95} mm");
+        assert!((a.uncut_share - b.uncut_share).abs() < 1e-3, "{name}");
+        assert_eq!((a.interferential, b.interferential), (0, 0), "{name}");
+    }
 }
 
 #[test]
@@ -222,9 +271,48 @@ fn a_wheel_in_one_mesh_is_taken_apart() {
         all.append(&m.mesh);
         all
     });
-    same(&part, &back(vec![named("Body".into(), 0, joined)], &MeshOptions::default()), 0.02);
-    let one = fused(&part, 160, 24, 24);
-    same(&part, &back(vec![named("Solid1".into(), 0, one)], &MeshOptions::default()), 0.02);
+    same(&part, &back(vec![named("Body".into(), 0, joined)], &turning(&part)), 0.02);
+    let one = Body::default().of(&part).whole();
+    same(&part, &back(vec![named("Solid1".into(), 0, one)], &turning(&part)), 0.02);
+}
+
+#[test]
+fn fillets_belong_to_neither_hub_nor_blade() {
+    for (name, radius) in [("impeller532.toml", 2.0), ("impeller532.toml", 5.0), ("pump6.toml", 3.0)] {
+        let part = sample(name);
+        let body = Body { fillet: radius, ..Body::default() }.of(&part);
+        println!("{name}, fillets of {radius} mm");
+        same(&part, &back(vec![named("Solid1".into(), 0, body.whole())], &turning(&part)), 0.05);
+        // Fillets as part of the blades, or of the hub.
+        for with_blades in [true, false] {
+            let (hub, blades) = body.separate(with_blades);
+            let mut meshes = vec![named("hub".into(), 0, hub)];
+            meshes.extend(blades.into_iter().map(|mesh| named("blades".into(), 1, mesh)));
+            same(&part, &back(meshes, &turning(&part)), 0.05);
+        }
+    }
+}
+
+#[test]
+fn a_covered_wheel_in_one_mesh_is_taken_apart() {
+    for fillet in [0.0, 2.0] {
+        let part = sample("impeller532.toml");
+        let body = Body { cover: true, fillet, ..Body::default() }.of(&part);
+        same(&part, &back(vec![named("Solid1".into(), 0, body.whole())], &turning(&part)), 0.05);
+    }
+}
+
+#[test]
+fn a_body_whose_blades_hang_together_is_refused_with_what_to_separate() {
+    let part = sample("impeller532.toml");
+    let mut body = Body::default().of(&part);
+    body.join_blades(&part);
+    let meshes = vec![named("Solid1".into(), 0, body.whole())];
+    let error = describe("back", meshes, Unit::Millimetre, &MeshOptions::default())
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("hangs together") && error.contains("meshes of their own"), "{error}");
 }
 
 #[test]
@@ -235,7 +323,7 @@ fn one_blade_is_enough_with_the_number_of_blades_and_needs_no_shroud() {
     meshes.remove(1);
     let error = describe("back", meshes.clone(), Unit::Millimetre, &MeshOptions::default()).unwrap_err();
     assert!(error.to_string().contains("--blades N"), "{error}");
-    same(&part, &back(meshes, &MeshOptions { blades: Some(9), ..MeshOptions::default() }), 0.02);
+    same(&part, &back(meshes, &MeshOptions { blades: Some(9), ..turning(&part) }), 0.02);
 }
 
 #[test]
@@ -254,7 +342,7 @@ fn the_sides_of_a_blade_may_be_meshes_of_their_own() {
             meshes.push(named(format!("Blade_{k}_face_{n}"), meshes.len(), mesh));
         }
     }
-    same(&part, &back(meshes, &MeshOptions::default()), 0.02);
+    same(&part, &back(meshes, &turning(&part)), 0.02);
 }
 
 #[test]
@@ -262,7 +350,7 @@ fn splitters_without_a_name_are_told_by_their_length() {
     let part = sample("impeller9x9.toml");
     let mut meshes = separate(&part);
     meshes.iter_mut().filter(|m| m.name.starts_with("Splitter")).for_each(|m| m.name = "Vane".into());
-    same(&part, &back(meshes, &MeshOptions::default()), 0.02);
+    same(&part, &back(meshes, &turning(&part)), 0.02);
 }
 
 #[test]
@@ -280,7 +368,7 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
             .expect("an impeller")
     };
     // Along x and along an odd axis beside the origin.
-    same(&part, &build(metres(&|p| Point::new(p.z, p.x, p.y)), &MeshOptions::default()), 0.02);
+    same(&part, &build(metres(&|p| Point::new(p.z, p.x, p.y)), &turning(&part)), 0.02);
     let odd = Rotation3::from_euler_angles(0.3, 0.8, -0.4);
     let tilted = build(metres(&|p| odd * p + Vector::new(0.1, 0.2, -0.05)), &MeshOptions::default());
     assert_eq!(tilted.blade_count, 6);
@@ -288,7 +376,7 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
     // Millimetres in a file of metres.
     let huge = describe("back", separate(&part), Unit::Metre, &MeshOptions::default()).unwrap_err();
     assert!(huge.to_string().contains("--unit mm"), "{huge}");
-    let options = MeshOptions { unit: Some(Unit::Millimetre), ..MeshOptions::default() };
+    let options = MeshOptions { unit: Some(Unit::Millimetre), ..turning(&part) };
     same(&part, &build(separate(&part), &options), 0.02);
     // Names that tell nothing.
     let mut meshes = separate(&part);
@@ -303,8 +391,13 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
             .to_string()
             .contains("NODE=blade")
     );
+    let mut alike = meshes.clone();
+    alike.iter_mut().for_each(|m| m.name = "Solid".into());
     roles.extend((2..8).map(|k| (format!("Body{k}"), Role::Blade)));
-    same(&part, &back(meshes, &MeshOptions { roles, ..MeshOptions::default() }), 0.02);
+    let numbered =
+        roles.iter().map(|(name, role)| (name.to_lowercase().replace("body", "#"), *role)).collect();
+    same(&part, &back(alike, &MeshOptions { roles: numbered, ..turning(&part) }), 0.02);
+    same(&part, &back(meshes, &MeshOptions { roles, ..turning(&part) }), 0.02);
 }
 
 #[test]

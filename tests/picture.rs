@@ -6,7 +6,9 @@ use std::path::Path;
 use glam::{UVec2, Vec2, Vec3};
 use vanecut::formats::read_part;
 use vanecut::geometry::{Point, Vector};
-use vanecut::gpu::{Camera, CutterFilter, FloorColours, Gpu, Picture, Renderer, Scene, SceneOptions, View};
+use vanecut::gpu::{
+    Camera, CutterFilter, FloorColours, Gpu, Picture, Renderer, Scene, SceneOptions, SectionPlane, View,
+};
 use vanecut::palette::{INTERFERENTIAL, SELECTED};
 use vanecut::part::{AxisPolicy, Feed, Impeller, Tool};
 use vanecut::plunge::plan::{CoreContact, PlungePlan, Position, SectionPlan};
@@ -61,7 +63,15 @@ fn plan(part: &Impeller) -> PlungePlan {
     };
     PlungePlan {
         policy: AxisPolicy::Conventional,
-        sections: vec![SectionPlan { tool, from: 1.0, to: 0.6, feed: Feed::Inward, rows: 1, added: None }],
+        sections: vec![SectionPlan {
+            tool,
+            from: 1.0,
+            to: 0.6,
+            feed: Feed::Inward,
+            rows: 1,
+            rest: false,
+            added: None,
+        }],
         positions: vec![position(0.95, 0.0), position(0.75, 2.0)],
         dropped: Vec::new(),
         rounds: 1,
@@ -205,4 +215,75 @@ fn the_pointer_finds_the_cutter_that_is_seen() {
     }
     let far_off = Vec2::new(1e6, 1e6);
     assert_eq!(scene.pick(&camera, &options, far_off, size), None);
+}
+
+#[test]
+fn where_the_section_plane_cuts_material_it_hides_cutters_and_is_a_place_to_measure() {
+    let mut studio = Studio::new();
+    let part = part();
+    let mut scene = Scene::new(&studio.gpu, &part);
+    scene.set_plan(Some(&plan(&part)));
+    let size = SIZE.as_vec2();
+    let (wheel, channel) = (scene.framing().wheel.center, scene.framing().channel.center);
+    let (mut cut, mut agree, mut total, mut behind) = (0, 0, 0, 0);
+    for (view, through) in [(View::Iso, wheel), (View::Channel, channel), (View::Section(1), channel)] {
+        let camera = Camera::standard(view, scene.framing(), size.x / size.y);
+        // Across the line of sight: what stands before the plane is gone.
+        let normal = camera.basis().2;
+        let section = SectionPlane { normal, offset: normal.dot(through) };
+        let options = SceneOptions { section: Some(section), ..Default::default() };
+        let whole = SceneOptions { show_cutters: CutterFilter::Hidden, ..options };
+        let picture = studio.shot(&scene, view, &whole, 1);
+        let grey = options.theme.greys().section.map(|x| x * 255.0);
+        for (x, y) in (2..SIZE.x).step_by(9).flat_map(|x| (2..SIZE.y).step_by(9).map(move |y| (x, y))) {
+            let at = 4 * (y * SIZE.x + x) as usize;
+            let seen = &picture.rgba[at..at + 3];
+            let like =
+                |share: f32| seen.iter().zip(grey).all(|(&a, b)| (f32::from(a) - b * share).abs() < 2.0);
+            let is_cap = like(1.0) || like(0.84);
+            let pixel = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            let pick = scene.pick(&camera, &whole, pixel, size);
+            let on_section = pick.is_some_and(|pick| pick.on_section);
+            total += 1;
+            agree += usize::from(on_section == is_cap);
+            let Some(pick) = pick.filter(|_| on_section && is_cap) else { continue };
+            cut += 1;
+            let off = normal.dot(pick.point) - section.offset;
+            assert!(off.abs() < 0.05, "a point of the plane itself: {off} mm off");
+            // Cutters that stand out of the plane may be picked, those behind it may not.
+            let picked = studio.renderer.pick(&studio.gpu, &scene, &camera, &options, pixel, size);
+            let seen = scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
+            behind += usize::from(picked.expect("the device answers").is_some() && seen.is_none());
+        }
+    }
+    assert!(cut > 100, "{cut} places on the cut");
+    assert!(agree * 100 >= total * 98, "picture and pointer agree at {agree} of {total} places");
+    // The pointer has a reach of a few pixels about the edge of a cutter.
+    assert!(behind * 50 <= cut, "{behind} of {cut} places on the cut give a cutter behind it");
+}
+
+#[test]
+fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positions() {
+    let mut studio = Studio::new();
+    let part = part();
+    let mut scene = Scene::new(&studio.gpu, &part);
+    let plan = plan(&part);
+    scene.set_plan(Some(&plan));
+    let options = SceneOptions { show_cutters: CutterFilter::All, ..Default::default() };
+    let mut red =
+        |scene: &Scene| pixels_like(&studio.shot(scene, View::Section(1), &options, 4), INTERFERENTIAL);
+    assert!(red(&scene) > 100, "the plan before");
+    scene.set_coming(Some(&plan), false);
+    assert_eq!(red(&scene), 0, "neither sound nor not");
+    let size = SIZE.as_vec2();
+    let camera = Camera::standard(View::Section(1), scene.framing(), size.x / size.y);
+    let above = plan.positions[1].tip + plan.positions[1].axis * 3.0;
+    let pixel = camera.project(Vec3::new(above.x as f32, above.y as f32, above.z as f32), size);
+    let pixel = pixel.expect("in front");
+    let pick = |scene: &Scene| scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
+    assert_eq!(pick(&scene), None);
+    scene.set_coming(Some(&plan), true);
+    assert!(red(&scene) > 100, "judged");
+    scene.set_coming(None, false);
+    assert_eq!(pick(&scene), Some(1), "the plan before can be picked again");
 }

@@ -178,7 +178,7 @@ fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
     };
     let (setup, before) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
     let (_, after) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
-    assert_eq!(setup.plunge.sections.len(), 3, "three tools");
+    assert_eq!(setup.plunge.sections.iter().filter(|section| !section.rest).count(), 3, "three tools");
     for section in 0..3 {
         assert!(count(&before, section) > 0, "section {section} interferes before");
         assert_eq!(count(&after, section), 0, "section {section} is free after");
@@ -194,7 +194,8 @@ fn rows_may_be_cut_outwards_and_corners_rounded() {
         tool.corner_radius = 0.8;
     }
     let tool = setup.tools.last().expect("tools").number;
-    setup.plunge.sections = vec![SectionSetup { tool, from: 0.4, to: 0.0, feed: Some(Feed::Outward) }];
+    setup.plunge.sections =
+        vec![SectionSetup { tool, from: 0.4, to: 0.0, feed: Some(Feed::Outward), rest: false }];
     let (_, plan) = planned(&part, &setup, AxisPolicy::Monotone);
     let first_row: Vec<_> = plan.positions.iter().filter(|p| p.row == 0).collect();
     assert!(first_row.windows(2).all(|w| w[1].s > w[0].s), "rows run from inlet to outlet");

@@ -4,6 +4,7 @@ use egui::{CursorIcon, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 use glam::Vec3;
 
 use crate::gpu::camera::Camera;
+use crate::gpu::mesh::Segment;
 use crate::part::setup::SectionSetup;
 
 use super::App;
@@ -22,14 +23,7 @@ impl App {
     pub(super) fn section_borders(&mut self, ui: &mut Ui, panes: &[Pane], camera: &Camera) {
         self.border_held = false;
         let chosen = self.state.results.planned.as_ref().map(|planned| planned.outcome.setup.clone());
-        let own = &self.state.document.edited.setup.plunge.sections;
-        let sections: Vec<SectionSetup> = match &chosen {
-            Some(chosen) if own.is_empty() => chosen.plunge.sections.clone(),
-            _ => own.clone(),
-        };
-        if !self.state.look.layers.hub {
-            return;
-        }
+        let sections = self.sections_with_borders();
         for k in (0..sections.len()).filter(|&k| tools::is_joined(&sections, k)) {
             for pane in panes {
                 let Some((grip, line)) = self.border_line(pane, camera, sections[k].to) else { continue };
@@ -45,7 +39,13 @@ impl App {
                 let held = response.dragged() || response.hovered();
                 let colour = theme::accent(ui.visuals());
                 let painter = ui.painter_at(pane.visible);
-                painter.line(line, Stroke::new(if held { 3.0 } else { 2.0 }, colour));
+                // The picture has the line itself where it is seen; what something hides is hinted at.
+                if held {
+                    painter.line(line, Stroke::new(3.0, colour));
+                } else {
+                    let faint = Stroke::new(1.2, colour.gamma_multiply(0.75));
+                    painter.extend(egui::Shape::dashed_line(&line, faint, 5.0, 4.0));
+                }
                 painter.circle(grip, 0.35 * GRIP, colour, Stroke::new(1.5, egui::Color32::WHITE));
                 if response.drag_started() {
                     self.state.document.step();
@@ -69,6 +69,32 @@ impl App {
                 ));
             }
         }
+    }
+
+    /// Sections in force, none while the floor that their borders lie on is not shown.
+    fn sections_with_borders(&self) -> Vec<SectionSetup> {
+        if !self.state.look.layers.hub {
+            return Vec::new();
+        }
+        let own = &self.state.document.edited.setup.plunge.sections;
+        match &self.state.results.planned {
+            Some(planned) if own.is_empty() => planned.outcome.setup.plunge.sections.clone(),
+            _ => own.clone(),
+        }
+    }
+
+    /// The borders as lines of the picture, hidden by what stands before them.
+    pub(super) fn border_segments(&self, visuals: &egui::Visuals) -> Vec<Segment> {
+        let Some(pictures) = &self.pictures else { return Vec::new() };
+        let sections = self.sections_with_borders();
+        let colour = theme::accent(visuals).to_normalized_gamma_f32();
+        let colour = [colour[0], colour[1], colour[2]];
+        let borders = (0..sections.len()).filter(|&k| tools::is_joined(&sections, k));
+        let lines = borders.filter_map(|k| pictures.floor_line(sections[k].to));
+        let segment = |pair: &[(Vec3, Vec3)]| {
+            Segment::coloured(pair[0].0.to_array(), pair[1].0.to_array(), 2.0, colour).on_part()
+        };
+        lines.flat_map(|line| line.windows(2).map(segment).collect::<Vec<_>>()).collect()
     }
 
     /// The line across the floor at `s` on the screen, with its middle; `None` where that looks away from the viewer.

@@ -59,6 +59,7 @@ commands! {
     SaveProject "Save project" "Writes the project to its file" [CTRL, S];
     SaveProjectAs "Save project as…" "Writes the project to another file" [CTRL | SHIFT, S];
     OpenPart "Open part…" "Opens an impeller: .toml, .geomTurbo, TurboGrid .inf, or a mesh (.glb, .gltf)" [CTRL, O];
+    AssignRoles "Assign roles…" "Tells which node of the part's mesh file is hub, shroud, blade or splitter" [];
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     SaveSetup "Save setup…" "Writes the setup as it stands" [];
     ExportCl "Export CL…" "Writes the plan shown as \"after\" as an APT cutter-location file" [CTRL, E];
@@ -74,7 +75,7 @@ commands! {
     Redo "Redo" "Makes the change again" [CTRL, Y];
     Plan "Plan channel" "Plans the channel with the setup as it stands" [NONE, F5];
     PlanFlank "Plan flank curves" "Plans the flank curves of the channel with the setup as it stands" [NONE, F6];
-    Cancel "Cancel" "Stops the work; the last good plan stays" [NONE, Escape];
+    Cancel "Cancel" "Stops the work; of a plan the best so far stays, or pressed again the last good one" [NONE, Escape];
     NextFault "Next interferential" "Selects the next interferential position in cutting order" [NONE, N];
     PreviousFault "Previous interferential" "Selects the interferential position before" [SHIFT, N];
     NextRow "Next row of the table" "Selects the row below, as the table is filtered and sorted" [NONE, ArrowDown];

@@ -121,6 +121,8 @@ impl App {
         let flank = self.shown_flank();
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
+        // A file has no mark that says "not judged yet".
+        picture.load_coming(None);
         picture.load_flank(flank);
         match picture.export(&camera, &options, size) {
             Ok(mut picture) => {

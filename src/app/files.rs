@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::formats::InputError;
 use crate::formats::apt::{ClProgram, write_apt};
 use crate::formats::gltf::{CutterNodes, GltfScene, PlanScene};
-use crate::formats::part_file::{read_part, read_part_bytes};
+use crate::formats::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::formats::project_file::{EXTENSION, part_hash};
 use crate::formats::setup_file::write_setup;
 use crate::formats::write::write_whole;
@@ -51,6 +51,7 @@ pub fn samples() -> Vec<Sample> {
 pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError> {
     let (file, description) = match source {
         PartSource::File(path) => (path.display().to_string(), read_part(path)?),
+        PartSource::Mesh(path, options) => (path.display().to_string(), read_part_with(path, options)?),
         PartSource::Sample(name) => {
             let file = format!("{name}.toml");
             let Some((_, _, text)) = BUILT_IN.iter().find(|(known, ..)| known == name) else {

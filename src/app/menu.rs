@@ -17,7 +17,13 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
     (
         "File",
         &[
-            &[Command::NewProject, Command::OpenProject, Command::OpenPart, Command::OpenSetup],
+            &[
+                Command::NewProject,
+                Command::OpenProject,
+                Command::OpenPart,
+                Command::AssignRoles,
+                Command::OpenSetup,
+            ],
             &[Command::SaveProject, Command::SaveProjectAs],
             &[
                 Command::SaveSetup,
@@ -149,6 +155,7 @@ impl App {
         let open = self.state.document.part.is_some();
         match command {
             C::NewProject | C::SaveProject | C::SaveProjectAs | C::KeepSet => open,
+            C::AssignRoles => self.is_mesh(),
             C::DismissProblems => !self.state.problems.is_empty(),
             C::PlanFlank => open,
             C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
@@ -196,6 +203,7 @@ impl App {
             C::FollowEdits => self.state.follow ^= true,
             C::DismissProblems => self.state.problems.clear(),
             C::OpenPart => self.dialogs.ask(ctx, Purpose::OpenPart, String::new()),
+            C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.ask(ctx, Purpose::OpenSetup, String::new()),
             C::SaveSetup => self.dialogs.ask(ctx, Purpose::SaveSetup, self.suggest("setup.toml")),
             C::ExportCl => self.dialogs.ask(ctx, Purpose::ExportCl, self.suggest("plunge.apt")),

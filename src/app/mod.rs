@@ -5,6 +5,7 @@
 //! | [`state`] | three rooms, and the rules between them; no drawing |
 //! | [`document`], [`results`], [`look`] | what is edited (with undo), what was computed, how it is looked at |
 //! | [`planned`] | a finished plan with what the panels show of it |
+//! | [`coming`] | a plan in the making, stage by stage |
 //! | [`engine`] | opening and planning as functions, so that tests can stand in |
 //! | [`command`] | everything the window can be told to do |
 //! | [`theme`] | colours and sizes, declared once |
@@ -13,15 +14,17 @@
 //! | [`mouse`], `point_menu` | what the mouse does, by preset; what a right click offers |
 //! | [`overlay`], [`cube`], `borders` | what floats over them; the borders of sections, to be dragged |
 //! | [`scrub`] | stock at a place of the timeline |
+//! | `roles` | which node of a mesh file is what, asked where names do not tell |
 //! | [`dialogs`], [`files`] | choosing files; reading and writing them in the background |
 //! | `project`, [`home`] | the project as a file, and what is asked before it is lost; recent ones, copies that survive a crash |
 //! | [`menu`], [`palette`], [`work`] | the menu; the search for commands; what runs in the background and what becomes of it |
-//! | [`mod@run`] | opening the window |
+//! | [`mod@run`], [`handover`] | opening the window; what outlives a device that is lost |
 //!
 //! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which ask for a repaint when
 //! they are done; without input and without work nothing is drawn.
 
 mod borders;
+pub mod coming;
 pub mod command;
 pub mod cube;
 pub mod dialogs;
@@ -29,6 +32,7 @@ pub mod document;
 pub mod engine;
 pub mod export;
 pub mod files;
+pub mod handover;
 pub mod home;
 mod latest;
 pub mod look;
@@ -43,6 +47,7 @@ pub mod planned;
 mod point_menu;
 mod project;
 pub mod results;
+mod roles;
 pub mod run;
 mod scrub;
 pub mod state;
@@ -89,7 +94,12 @@ pub struct App {
     session: project::Session,
     export: export::ExportSettings,
     export_dialog: export::ExportDialog,
+    roles: roles::RolesDialog,
     device: String,
+    /// Where everything goes when the device is lost.
+    way_out: Option<handover::WayOut>,
+    /// Whether it went there; the window only waits to be closed.
+    left: bool,
     title: String,
     start: Option<Instant>,
     first_picture: Option<Duration>,
@@ -123,7 +133,10 @@ impl App {
             session: project::Session::default(),
             export: export::ExportSettings::default(),
             export_dialog: export::ExportDialog::default(),
+            roles: roles::RolesDialog::default(),
             device,
+            way_out: None,
+            left: false,
             title: String::new(),
             start: None,
             first_picture: None,
@@ -236,7 +249,9 @@ impl App {
                 self.obey(ui.ctx(), command);
             }
             let compare = &mut self.state.compare;
-            open("Policies").show(ui, |ui| panels::policies::show(ui, compare, planned.as_deref()));
+            let coming = self.state.results.coming.as_ref().and_then(|coming| coming.planned.clone());
+            open("Policies")
+                .show(ui, |ui| panels::policies::show(ui, compare, planned.as_deref(), coming.as_deref()));
             let setup = &mut self.state.document.edited.setup;
             open("Cutters").show(ui, |ui| panels::tools::show(ui, setup, chosen));
             let flank = self.state.results.flank.clone();
@@ -270,7 +285,7 @@ impl App {
 
     /// Section and facts of the selected position.
     fn selected(&mut self, ui: &mut Ui, k: usize) {
-        let height = panels::section::height(ui.available_height());
+        let height = panels::section::height(ui.ctx().content_rect().height());
         panels::positions::headline(ui, &self.state, k);
         ui.horizontal(|ui| {
             for (tab, name) in [(Tab::Section, "Section"), (Tab::Facts, "Figures")] {
@@ -329,11 +344,17 @@ const LEAST_FOR_PLOTS: f32 = 400.0;
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        self.collect(ctx);
+        if !self.has_left() {
+            self.collect(ctx);
+        }
+        if self.has_left() {
+            return;
+        }
         self.take_drops(ctx);
         self.watch_closing(ctx);
         // A question or the search for a command has the keyboard for itself.
-        if !self.palette.is_open() && !self.session.is_asking() && !self.export_dialog.is_open() {
+        let asks = self.session.is_asking() || self.export_dialog.is_open() || self.roles.is_open();
+        if !self.palette.is_open() && !asks {
             for command in Command::pressed(ctx, |command| self.can(command)) {
                 self.obey(ctx, command);
             }
@@ -352,6 +373,9 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        if self.has_left() {
+            return;
+        }
         Panel::top("menu").show(ui, |ui| self.menu(ui));
         let open = self.state.document.part.is_some();
         if open {
@@ -401,10 +425,13 @@ impl eframe::App for App {
         }
         self.ask_unsaved(ui);
         self.ask_export(ui);
+        self.ask_roles(ui);
         // A drag of a border is one step, however long it takes.
         if !self.border_held {
             let time = ui.input(|input| input.time);
             self.state.document.watch(time);
         }
+        // The device may have gone while the views were drawn.
+        self.collect_device_faults(ui.ctx());
     }
 }

@@ -6,13 +6,14 @@ use egui::{Align2, Color32, ComboBox, DragValue, FontId, Pos2, Rect, RichText, S
 use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
 
+use super::coming::ComingCutters;
 use super::command::Command;
 use super::look::{Across, Arrangement, Layers, Look};
 use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
 use super::planned::Side;
 use super::state::State;
-use super::theme;
+use super::theme::{self, Condition};
 
 /// Puts `content` on a backing of its own at `at`.
 fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
@@ -88,14 +89,32 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut State, side: Side) {
     });
 }
 
-/// Mark of a plan that the edited setup has left behind: a word and an edge.
-pub fn out_of_date(ui: &mut Ui, rect: Rect) {
-    let orange = theme::Condition::Blocked;
+/// Mark of a plan that the edited setup has left behind, a word and an edge, and below it what is known of the next one.
+pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&ComingCutters>) {
+    let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
-    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(200.0, 26.0));
+    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(260.0, 46.0)).intersect(rect);
     floating(ui, at, |ui| {
-        let text = RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
-        ui.label(text).on_hover_text("The setup was edited after this plan; plan again (F5)");
+        ui.spacing_mut().item_spacing.y = 2.0;
+        if stale {
+            let text = RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
+            ui.label(text).on_hover_text("The setup was edited after this plan; plan again (F5)");
+        }
+        let Some(coming) = coming else { return };
+        let policy = policy_label(coming.plan.policy).to_lowercase();
+        let count = coming.plan.positions.len();
+        let (words, colour) = match coming.interferential() {
+            None => (format!("New {policy}: {count} positions, not judged yet"), ui.visuals().text_color()),
+            Some(0) => {
+                (format!("New {policy}: none of {count} interferes"), Condition::Sound.text(ui.visuals()))
+            }
+            Some(faults) => (
+                format!("New {policy}: {faults} of {count} interfere"),
+                Condition::Interferential.text(ui.visuals()),
+            ),
+        };
+        ui.label(RichText::new(words).color(colour))
+            .on_hover_text("Cutters of the setup as it is now; what they leave on the hub follows");
     });
 }
 
@@ -199,6 +218,8 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
 pub struct Values {
     /// On the side under the cursor.
     pub here: Option<f32>,
+    /// Left on a wall above the blade allowance, mm, where the walls are shown; below zero it is cut into.
+    pub deviation: Option<f32>,
     /// At the same place of the other side, where both are shown.
     pub other: Option<(Side, f32)>,
 }
@@ -223,11 +244,14 @@ pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
             None if difference => "More stock after than before",
             None => "Stock on hub",
         };
-        let value =
-            values.here.filter(|_| width > 170.0 && walls.is_none()).map(|stock| match values.other {
-                Some((side, other)) => format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()),
-                None => format!("{stock:.2} mm here"),
-            });
+        let value = match (walls, values.other) {
+            (Some(most), _) => values.deviation.map(|d| format!("{} here", signed(d, most))),
+            (None, Some((side, other))) => {
+                values.here.map(|stock| format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()))
+            }
+            (None, None) => values.here.map(|stock| format!("{stock:.2} mm here")),
+        };
+        let value = value.filter(|_| width > 170.0);
         ui.horizontal(|ui| {
             ui.label(RichText::new(head).size(12.0));
             if let Some(value) = value {
@@ -260,14 +284,20 @@ fn end_field(value: &mut f32, from: f32, to: f32) -> DragValue<'_> {
 
 /// Ends of a scale around zero that follow from what is shown: under the blade allowance, and above it.
 fn fixed_ends(ui: &mut Ui, most: f32) {
-    let micrometres = 1e3 * most;
     ui.horizontal(|ui| {
-        ui.label(RichText::new(format!("−{micrometres:.1} µm")).size(12.0));
+        ui.label(RichText::new(signed(-most, most)).size(12.0));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(format!("+{micrometres:.1} µm")).size(12.0))
+            ui.label(RichText::new(signed(most, most)).size(12.0))
                 .on_hover_text("Above the blade allowance; below zero it is cut into");
         });
     });
+}
+
+/// Stock above an allowance with its sign, on a scale that ends at `most`; both in mm.
+pub fn signed(value: f32, most: f32) -> String {
+    let digits = if most < 0.1 { 4 } else { 3 };
+    let sign = if value < 0.0 { '−' } else { '+' };
+    format!("{sign}{:.digits$} mm", value.abs())
 }
 
 /// The ends of the scale.

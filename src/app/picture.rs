@@ -12,6 +12,7 @@ use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::flank::{self, FlankColours};
 use crate::gpu::floor::value_mesh;
+use crate::gpu::mesh::{Mesh, Segment};
 use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
 use crate::gpu::scene::{Scene, SceneOptions};
@@ -20,6 +21,7 @@ use crate::job::flank::FlankOutcome;
 use crate::part::{AxisPolicy, Impeller};
 use crate::residual::FloorGrid;
 
+use super::coming::ComingCutters;
 use super::planned::{Planned, Side};
 use super::view3d::Hit;
 
@@ -98,6 +100,11 @@ impl Pictures {
         self.sides = [None, None];
     }
 
+    /// The part that is loaded.
+    pub fn mesh(&self) -> Option<&PartMeshes> {
+        self.mesh.as_ref()
+    }
+
     /// What the standard views aim at; `None` while no part is loaded.
     pub fn framing(&self) -> Option<&Framing> {
         let with_sections = self.sides.iter().flatten().map(|picture| picture.scene.framing());
@@ -118,6 +125,12 @@ impl Pictures {
             *slot = Some(Picture::new(&self.egui, &self.gpu, self.mesh.as_ref()?));
         }
         slot.as_mut()
+    }
+
+    /// A picture of triangles that are no part yet.
+    pub fn loose(&self, mesh: PartMesh) -> Picture {
+        let mesh = Arc::new(mesh);
+        Picture::new(&self.egui, &self.gpu, &PartMeshes { fine: Arc::clone(&mesh), draft: mesh })
     }
 
     /// Faults the device reported since the last look.
@@ -150,7 +163,9 @@ pub struct Picture {
     renderer: Option<Renderer>,
     scene: Scene,
     content: Option<Content>,
+    coming: Option<ComingCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
+    borders: Vec<Segment>,
     /// What the scene's floor shows, for the value under the cursor.
     floor: Option<(Arc<FloorGrid>, Vec<f32>)>,
     /// What egui knows the picture as, and which of the renderer's textures that is.
@@ -167,7 +182,9 @@ impl Picture {
             renderer: None,
             scene: Scene::from_mesh(gpu, Arc::clone(&mesh.fine)).with_draft(gpu, &mesh.draft),
             content: None,
+            coming: None,
             flank: None,
+            borders: Vec::new(),
             floor: None,
             texture: None,
             drawn: None,
@@ -251,6 +268,43 @@ impl Picture {
             self.scene.set_values(&self.gpu, mesh);
         }
         self.generation += 1;
+    }
+
+    /// Lays a mesh over what is drawn, in the colours of its values, or nothing.
+    pub fn highlight(&mut self, mesh: Option<Mesh>) {
+        match mesh {
+            Some(mesh) => self.scene.set_values(&self.gpu, mesh),
+            None => self.scene.set_floor(&self.gpu, None, None),
+        }
+        self.generation += 1;
+    }
+
+    /// What the standard views of it aim at.
+    pub fn framing(&self) -> &Framing {
+        self.scene.framing()
+    }
+
+    /// Shows the cutters of a plan in the making in place of the plan's, or none of it.
+    pub fn load_coming(&mut self, coming: Option<&ComingCutters>) {
+        let same = match (&self.coming, coming) {
+            (Some(a), Some(b)) => Arc::ptr_eq(&a.plan, &b.plan) && a.judged == b.judged,
+            (None, None) => true,
+            _ => false,
+        };
+        if !same {
+            self.scene.set_coming(coming.map(|c| &*c.plan), coming.is_some_and(|c| c.judged));
+            self.coming = coming.cloned();
+            self.generation += 1;
+        }
+    }
+
+    /// Shows borders between sections as lines on the floor.
+    pub fn load_borders(&mut self, lines: Vec<Segment>) {
+        if self.borders != lines {
+            self.scene.set_borders(&self.gpu, &lines);
+            self.borders = lines;
+            self.generation += 1;
+        }
     }
 
     fn shows_walls(&self) -> bool {
@@ -341,7 +395,10 @@ impl Picture {
         let Some(pick) = self.scene.pick(camera, options, at, glam::vec2(size.x, size.y)) else {
             return Hit::default();
         };
-        Hit { point: Some(pick.point), stock: self.stock_at(pick.point), position: pick.position }
+        // Inside the material there is no stock on the hub, and a cutter hides it.
+        let on_hub = !pick.on_section && !self.shows_walls();
+        let stock = if on_hub { self.stock_at(pick.point) } else { None };
+        Hit { point: Some(pick.point), stock, deviation: pick.value, position: pick.position }
     }
 
     /// Stock on the hub at a point of the hub, mm.

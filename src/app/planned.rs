@@ -1,4 +1,4 @@
-//! A finished plan with what the panels show of it, worked out once, off the UI thread.
+//! A plan with what the panels show of it, worked out once, off the UI thread.
 
 use std::sync::Arc;
 
@@ -58,6 +58,11 @@ impl Planned {
         let stock = outcome.policies().into_iter().map(under).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);
         Self { setup, outcome: Arc::new(outcome), stock, range }
+    }
+
+    /// Whether planning was cancelled before the plan was finished.
+    pub fn is_unfinished(&self) -> bool {
+        self.outcome.after.plan.is_unfinished()
     }
 
     /// Whether a policy was planned.

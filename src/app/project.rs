@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use egui::{Context, Modal, RichText, Ui};
 
-use crate::formats::project_file::{EXTENSION, PartPlace, Project, StoredSet, Viewpoint, write_project};
+use crate::formats::project_file::{
+    Chosen, EXTENSION, PartPlace, Project, StoredSet, Viewpoint, write_project,
+};
 use crate::gpu::camera::{Camera, Projection};
 
 use super::App;
@@ -15,6 +17,8 @@ use super::document::{Edited, WhatIf};
 use super::engine::PartSource;
 use super::files::WriteTask;
 use super::home::{Habits, Home};
+use super::look::REVEAL;
+use super::planned::Side;
 use super::state::{Problem, State};
 
 /// A copy is written this long after the last change.
@@ -61,6 +65,7 @@ fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
     let edited = &state.document.edited;
     let place = match &part.source {
         PartSource::File(path) => PartPlace::File(path.clone()),
+        PartSource::Mesh(path, choices) => PartPlace::Mesh { file: path.clone(), choices: choices.clone() },
         PartSource::Sample(name) => PartPlace::Sample(name.clone()),
     };
     let sets = edited.sets.iter().map(|set| StoredSet {
@@ -74,6 +79,11 @@ fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
         setup: edited.setup.clone(),
         sets: sets.collect(),
         viewpoint: camera.as_ref().map(viewpoint),
+        chosen: Chosen {
+            before: state.look.side == Side::Before,
+            position: state.look.selected,
+            cut: state.look.cut,
+        },
         original: None,
     })
 }
@@ -98,6 +108,7 @@ pub(super) fn edited_of(project: &Project) -> Edited {
 pub(super) fn source_of(project: &Project) -> PartSource {
     match &project.part {
         PartPlace::File(path) => PartSource::File(path.clone()),
+        PartPlace::Mesh { file, choices } => PartSource::Mesh(file.clone(), choices.clone()),
         PartPlace::Sample(name) => PartSource::Sample(name.clone()),
     }
 }
@@ -247,6 +258,12 @@ impl App {
             camera.projection = if v.parallel { Projection::Orthographic } else { Projection::Perspective };
             self.view.restore(camera);
         }
+        // The plan that follows keeps what it has of this.
+        let Chosen { before, position, cut } = project.chosen;
+        let look = &mut self.state.look;
+        look.side = if before { Side::Before } else { Side::After };
+        (look.selected, look.cut) = (position, cut);
+        look.reveal_selection = if position.is_some() { REVEAL } else { 0 };
         let part = self.state.document.part.as_ref();
         if part.is_some_and(|part| part.hash != project.part_hash) {
             self.state.fault(Problem::new(

@@ -7,6 +7,7 @@ use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
 use crate::part::Setup;
 
+use super::coming::Coming;
 use super::planned::Planned;
 
 /// What a plan came to.
@@ -29,16 +30,22 @@ const MOST_FIGURES: usize = 64;
 pub struct Results {
     /// Latest good plan.
     pub planned: Option<Arc<Planned>>,
+    /// What is known of the plan in the making, while there is one.
+    pub coming: Option<Arc<Coming>>,
     /// Latest good flank plan.
     pub flank: Option<Arc<FlankOutcome>>,
     figures: Vec<(Setup, Figures)>,
 }
 
 impl Results {
-    /// Takes a plan in, and notes its figures.
+    /// Takes a plan in, and notes its figures once it is finished.
     pub fn take(&mut self, planned: Planned) {
-        self.note(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
+        // What a cancel left of a plan is not what its setup comes to.
+        if !planned.is_unfinished() {
+            self.note(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
+        }
         self.planned = Some(Arc::new(planned));
+        self.coming = None;
     }
 
     /// Notes what a setup comes to.

@@ -4,12 +4,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use eframe::egui_wgpu;
+use eframe::{CreationContext, egui_wgpu};
 use egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 
-use crate::gpu::device::{device_descriptor, pick_adapter};
+use crate::gpu::device::{device_descriptor, pick_adapter, pick_software};
 
 use super::App;
+use super::engine::Engine;
+use super::handover::WayOut;
 
 /// Name of the window's folder and of the window to the desktop.
 const APP_ID: &str = "vanecut";
@@ -35,9 +37,20 @@ pub enum AppError {
     /// Anything else the window system says.
     #[error("the window does not open ({0}); see the README for the packages it needs")]
     Window(String),
+    /// The device was lost, and there is none to go on with.
+    #[error(
+        "the graphics device was lost ({reason}), and the window does not open again ({error}); the next start offers what was not saved"
+    )]
+    Lost {
+        /// What the device said.
+        reason: String,
+        /// Why there is no window.
+        error: String,
+    },
 }
 
-/// Opens the window, with `initial` (a part or a setup file) in it, and returns when it is closed.
+/// Opens the window, with `initial` (a part or a setup file) in it, and returns when it is closed. When the graphics
+/// device is lost, it opens once more with the software driver, and everything is as it was.
 ///
 /// # Errors
 /// [`AppError`] when there is no display, no Vulkan, or the window system refuses.
@@ -46,25 +59,44 @@ pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
     if cfg!(target_os = "linux") && !has_display() {
         return Err(AppError::NoDisplay);
     }
-    let viewport = egui::ViewportBuilder::default()
-        .with_app_id(APP_ID)
-        .with_title("Vanecut")
-        .with_inner_size([1280.0, 800.0])
-        .with_min_inner_size([800.0, 500.0]);
-    let wgpu_options =
-        WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(wgpu_setup()), ..Default::default() };
-    let options = eframe::NativeOptions { viewport, wgpu_options, ..Default::default() };
-    let create = Box::new(move |cc: &eframe::CreationContext<'_>| {
+    let way_out = WayOut::default();
+    let leave_by = way_out.clone();
+    open(None, false, move |cc| {
         let mut app = App::new(cc);
         app.time_from(start);
+        app.leave_by(leave_by);
         if let Some(folder) = eframe::storage_dir(APP_ID) {
             app.set_home(folder);
         }
         if let Some(path) = initial {
             app.open_path(path);
         }
-        Ok(Box::new(app) as Box<dyn eframe::App>)
-    });
+        app
+    })?;
+    let Some(left) = way_out.take() else { return Ok(()) };
+    let reason = left.reason().to_owned();
+    eprintln!(
+        "vanecut: the graphics device was lost ({reason}); the window opens again with the software driver"
+    );
+    let again = open(left.size(), true, move |cc| App::resumed(cc, Engine::default(), left));
+    again.map_err(|error| AppError::Lost { reason, error: error.to_string() })
+}
+
+/// Opens a window of `size` points, on the software driver alone if `software`, and returns when it is closed.
+fn open(
+    size: Option<egui::Vec2>,
+    software: bool,
+    app: impl FnOnce(&CreationContext<'_>) -> App + 'static,
+) -> Result<(), AppError> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_app_id(APP_ID)
+        .with_title("Vanecut")
+        .with_inner_size(size.unwrap_or(egui::vec2(1280.0, 800.0)))
+        .with_min_inner_size([800.0, 500.0]);
+    let wgpu_options =
+        WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(wgpu_setup(software)), ..Default::default() };
+    let options = eframe::NativeOptions { viewport, wgpu_options, ..Default::default() };
+    let create = Box::new(move |cc: &CreationContext<'_>| Ok(Box::new(app(cc)) as Box<dyn eframe::App>));
     eframe::run_native("Vanecut", options, create).map_err(|error| match error {
         eframe::Error::Wgpu(error) => AppError::NoVulkan(error.to_string()),
         eframe::Error::WinitEventLoop(_) => AppError::DeadDisplay(display()),
@@ -85,13 +117,14 @@ fn display() -> String {
 
 /// Vulkan only: without a Vulkan driver eframe would silently take OpenGL, which draws other pixels
 /// and has no compute.
-fn wgpu_setup() -> WgpuSetupCreateNew {
+fn wgpu_setup(software: bool) -> WgpuSetupCreateNew {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     setup.instance_descriptor.backends = wgpu::Backends::VULKAN;
-    setup.native_adapter_selector = Some(Arc::new(|adapters, surface| {
+    setup.native_adapter_selector = Some(Arc::new(move |adapters, surface| {
         let fits = |adapter: &&wgpu::Adapter| surface.is_none_or(|s| adapter.is_surface_supported(s));
         let fitting: Vec<wgpu::Adapter> = adapters.iter().filter(fits).cloned().collect();
-        pick_adapter(&fitting).map_err(|error| error.to_string())
+        let pick = if software { pick_software } else { pick_adapter };
+        pick(&fitting).map_err(|error| error.to_string())
     }));
     setup.device_descriptor = Arc::new(device_descriptor);
     setup

@@ -10,6 +10,7 @@ use crate::job::flank::FlankOutcome;
 use crate::part::AxisPolicy;
 use crate::plunge::{PlungePlan, Position};
 
+use super::coming::ComingCutters;
 use super::document::{Document, Edited, OpenPart};
 use super::engine::PartSource;
 use super::look::{Arrangement, Column, Filter, Look, REVEAL};
@@ -160,12 +161,29 @@ impl State {
         self.notice = None;
     }
 
-    /// Takes a plan in. The selection stays where the new plan still has that position.
+    /// Takes a plan in. The selection stays where the new plan still has that position. What a cancel left of a plan takes
+    /// no finished one's place of the same setup.
     pub fn take_plan(&mut self, planned: Planned) {
+        let unfinished = planned.is_unfinished();
+        let has_better =
+            |known: &Arc<Planned>| !known.is_unfinished() && known.setup.same_but_for_flank(&planned.setup);
+        if unfinished && self.results.planned.as_ref().is_some_and(has_better) {
+            self.plan_cancelled();
+            return;
+        }
         self.results.take(planned);
         self.keep_within_plan();
         self.problems.retain(|problem| !problem.of_plan);
         self.notice = None;
+        if unfinished {
+            self.done("Planning cancelled: the best so far, not finished; plan again (F5)");
+        }
+    }
+
+    /// Planning was cancelled, and nothing new came of it.
+    pub fn plan_cancelled(&mut self) {
+        let kept = if self.results.planned.is_some() { "; the plan before stays" } else { "" };
+        self.done(format!("Planning cancelled{kept}"));
     }
 
     /// Takes a flank plan in, and shows it.
@@ -200,14 +218,46 @@ impl State {
 
     /// Policy that a side shows; the default where the plan has no other.
     pub fn policy(&self, side: Side) -> Option<AxisPolicy> {
-        let planned = self.results.planned.as_ref()?;
-        let wished = self.look.policies[side as usize].filter(|&policy| planned.has(policy));
-        Some(wished.unwrap_or_else(|| planned.default_policy(side)))
+        self.on(side).map(|shown| shown.policy)
     }
 
-    /// Plan on a side.
+    /// Plan on a side: that of the plan in the making once it is finished there, till then the one before.
     pub fn on(&self, side: Side) -> Option<Shown<'_>> {
-        Some(Shown { planned: self.results.planned.as_ref()?, policy: self.policy(side)? })
+        let coming = self.results.coming.as_ref().and_then(|coming| coming.planned.as_ref());
+        let finished = coming.zip(self.awaited(side)).filter(|(planned, policy)| planned.has(*policy));
+        finished.map(|(planned, policy)| Shown { planned, policy }).or_else(|| self.before_edit(side))
+    }
+
+    /// The last whole plan on a side, older than the setup while another is in the making.
+    pub fn before_edit(&self, side: Side) -> Option<Shown<'_>> {
+        let planned = self.results.planned.as_ref()?;
+        let wished = self.look.policies[side as usize].filter(|&policy| planned.has(policy));
+        Some(Shown { planned, policy: wished.unwrap_or_else(|| planned.default_policy(side)) })
+    }
+
+    /// Policy that a side waits for while a plan is in the making.
+    fn awaited(&self, side: Side) -> Option<AxisPolicy> {
+        let coming = self.results.coming.as_ref()?;
+        let default = match side {
+            Side::Before => AxisPolicy::Conventional,
+            Side::After => coming.setup.plunge.axis,
+        };
+        Some(self.look.policies[side as usize].unwrap_or(default))
+    }
+
+    /// Cutters of the plan in the making that a side shows in place of those of the plan before.
+    pub fn coming_on(&self, side: Side) -> Option<&ComingCutters> {
+        let (coming, policy) = self.results.coming.as_ref().zip(self.awaited(side))?;
+        if coming.planned.as_ref().is_some_and(|planned| planned.has(policy)) {
+            return None;
+        }
+        coming.cutters(policy)
+    }
+
+    /// Whether what a side shows is older than the setup.
+    pub fn is_stale(&self, side: Side) -> bool {
+        let stale = |shown: Shown| !shown.planned.setup.same_but_for_flank(&self.document.edited.setup);
+        self.on(side).is_some_and(stale)
     }
 
     /// Whether a side is on the screen.
@@ -238,7 +288,11 @@ impl State {
 
     /// Ends of the colour scale, mm.
     pub fn range(&self) -> (f32, f32) {
-        let fitting = || self.results.planned.as_ref().map_or((0.0, 1.0), |planned| planned.range);
+        // The plan in the making does not move the scale of the one before.
+        let fitting = || {
+            let first = || self.on(self.look.side).map(|shown| shown.planned.range);
+            self.results.planned.as_ref().map(|planned| planned.range).or_else(first).unwrap_or((0.0, 1.0))
+        };
         self.look.range.unwrap_or_else(fitting)
     }
 

@@ -40,6 +40,8 @@ pub struct Hit {
     pub point: Option<glam::Vec3>,
     /// Stock on the hub there, mm.
     pub stock: Option<f32>,
+    /// What is left on a wall there above the blade allowance, mm, while the walls are shown.
+    pub deviation: Option<f32>,
     /// Position whose cutter is in front.
     pub position: Option<usize>,
 }

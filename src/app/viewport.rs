@@ -173,13 +173,19 @@ impl App {
 
     fn draw(&mut self, ui: &Ui, pane: &Pane, camera: Camera, moving: bool) {
         let content = self.content(pane.side);
-        let options = self.options(pane.side);
+        let options = SceneOptions { show_borders: true, ..self.options(pane.side) };
         let flank = self.shown_flank();
+        let borders = self.border_segments(ui.visuals());
+        let coming = self.state.coming_on(pane.side);
+        // The next stage comes soon.
+        let moving = moving || coming.is_some();
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
         };
         picture.load_flank(flank);
         picture.load(content);
+        picture.load_coming(coming);
+        picture.load_borders(borders);
         // The very first picture is a fast one too: something to see comes before something smooth.
         let moving = moving || !picture.has_drawn();
         let scale = ui.pixels_per_point();
@@ -196,7 +202,9 @@ impl App {
     /// What a side's picture shows of the plan.
     pub(super) fn content(&self, side: Side) -> Option<Content> {
         let shown = self.state.on(side)?;
-        let other = self.state.policy(side.other());
+        // Plans of different setups have different floors.
+        let other = self.state.on(side.other()).filter(|other| Arc::ptr_eq(other.planned, shown.planned));
+        let other = other.map(|other| other.policy);
         let floor = match (self.state.look.cut, other) {
             (_, Some(other)) if self.state.look.difference && side == Side::After => {
                 FloorStock::MoreThan(other)
@@ -224,8 +232,11 @@ impl App {
             let line = Stroke::new(2.0, theme::accent(ui.visuals()));
             ui.painter().line_segment([egui::pos2(x, whole.top()), egui::pos2(x, whole.bottom())], line);
         }
-        if self.state.out_of_date() {
-            overlay::out_of_date(ui, whole);
+        for pane in panes {
+            let coming = self.state.coming_on(pane.side);
+            if self.state.is_stale(pane.side) || coming.is_some() {
+                overlay::in_the_making(ui, pane.visible, self.state.is_stale(pane.side), coming);
+            }
         }
         if let Some(points) = self.state.look.measure.clone() {
             let under = self.hover.as_ref().and_then(|hover| hover.hit.point);
@@ -299,7 +310,11 @@ impl App {
         if let Some(position) = hover.hit.position {
             pane.response.clone().on_hover_text_at_pointer(format!("Position {}", position + 1));
         }
-        Values { here: hover.hit.stock, other: hover.other.map(|stock| (pane.side.other(), stock)) }
+        Values {
+            here: hover.hit.stock,
+            deviation: hover.hit.deviation,
+            other: hover.other.map(|stock| (pane.side.other(), stock)),
+        }
     }
 
     /// Brings the selected position into view, unless it is there already.
@@ -330,10 +345,10 @@ impl App {
             show_axes: layers.axes,
             show_holders: layers.holders,
             show_links: layers.links,
-            show_floor_colours: if difference || walls.is_some() {
-                FloorColours::Values
-            } else {
-                layers.floor
+            show_floor_colours: match walls {
+                Some(_) => FloorColours::Walls,
+                None if difference => FloorColours::Values,
+                None => layers.floor,
             },
             map: if difference || walls.is_some() { ColourMap::Difference } else { ColourMap::Cividis },
             range_mm: match walls {

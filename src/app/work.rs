@@ -11,9 +11,11 @@ use crate::gpu::device::LOST;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{End, Worker};
-use crate::part::Setup;
+use crate::monitor::Monitor;
+use crate::part::{AxisPolicy, Setup};
 
 use super::App;
+use super::coming::Slot;
 use super::dialogs::Purpose;
 use super::document::{Edited, OpenPart};
 use super::engine::{Engine, PartSource, PlanTask};
@@ -21,19 +23,76 @@ use super::files::{self, WriteTask, Written};
 use super::picture::PartMeshes;
 use super::planned::Planned;
 use super::project::{Pending, edited_of, source_of};
+use super::roles::{Untold, asked_in_words};
 use super::state::Problem;
 
-/// What to open: a project, or a part, a setup, or both.
+/// What to open.
+#[derive(Clone)]
 pub(super) enum OpenTask {
-    Project(PathBuf),
+    /// A project; with another source of its part than the one it names, if there is one.
+    Project(PathBuf, Option<PartSource>),
+    /// A part, a setup, or both.
     Files { part: Option<PartSource>, setup: Option<PathBuf> },
+    /// The nodes of a mesh file, to be told apart by hand.
+    Nodes(PartSource),
+}
+
+impl OpenTask {
+    /// The same with another source of the part.
+    pub(super) fn with_part(self, source: PartSource) -> Self {
+        match self {
+            Self::Project(path, _) => Self::Project(path, Some(source)),
+            Self::Files { setup, .. } => Self::Files { part: Some(source), setup },
+            Self::Nodes(_) => Self::Files { part: Some(source), setup: None },
+        }
+    }
 }
 
 /// What was opened.
+#[derive(Default)]
 pub(super) struct Opened {
     part: Option<(OpenPart, PartMeshes)>,
     setup: Option<(PathBuf, Setup)>,
     project: Option<(PathBuf, Project)>,
+    /// A mesh file whose nodes are to be told apart first.
+    untold: Option<Untold>,
+}
+
+/// Opens what is asked for. A mesh file of which no part can be made comes back with its nodes and the reason.
+fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, InputError> {
+    let (source, setup, project) = match task {
+        OpenTask::Project(path, instead) => {
+            let project = read_project(path)?;
+            let source = instead.clone().unwrap_or_else(|| source_of(&project));
+            (Some(source), None, Some((path.clone(), project)))
+        }
+        OpenTask::Files { part, setup } => {
+            let read = |path: &PathBuf| Ok::<_, InputError>((path.clone(), read_setup(path)?));
+            (part.clone(), setup.as_ref().map(read).transpose()?, None)
+        }
+        OpenTask::Nodes(source) => {
+            let nodes = source.mesh().map(|(path, said)| Untold::read(path, &said, task.clone(), None));
+            return Ok(Opened { untold: nodes.transpose()?, ..Opened::default() });
+        }
+    };
+    let Some(source) = source else { return Ok(Opened { setup, project, ..Opened::default() }) };
+    match (engine.open)(&source, monitor) {
+        Ok((impeller, hash)) => {
+            let mesh = PartMeshes::new(&impeller);
+            let part = Some((OpenPart { source, impeller, hash }, mesh));
+            Ok(Opened { part, setup, project, untold: None })
+        }
+        Err(error) => {
+            let nodes = source
+                .mesh()
+                .and_then(|(path, said)| Untold::read(path, &said, task.clone(), Some(&error)).ok());
+            match nodes {
+                Some(untold) => Ok(Opened { untold: Some(untold), ..Opened::default() }),
+                // What is wrong lies deeper than in its roles.
+                None => Err(error),
+            }
+        }
+    }
 }
 
 /// The background threads.
@@ -42,8 +101,12 @@ pub(super) struct Work {
     planner: Worker<PlanTask, Planned, JobError>,
     flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     writer: Worker<WriteTask, Written, InputError>,
+    /// Where the planner leaves what it knows so far.
+    coming: Slot,
     /// What was asked of the planner last.
     asked: Option<Asked>,
+    /// Number of the last task of the planner.
+    tasks: u64,
 }
 
 /// How often progress moves on the screen while something runs.
@@ -57,37 +120,23 @@ impl Work {
             move || ctx.request_repaint()
         };
         let (to_open, to_plan, to_flank) = (engine.clone(), engine.clone(), engine.clone());
-        let open = move |task: &OpenTask, monitor: &crate::monitor::Monitor| {
-            let (source, setup, project) = match task {
-                OpenTask::Project(path) => {
-                    let project = read_project(path)?;
-                    (Some(source_of(&project)), None, Some((path.clone(), project)))
-                }
-                OpenTask::Files { part, setup } => {
-                    let read = |path: &PathBuf| Ok::<_, InputError>((path.clone(), read_setup(path)?));
-                    (part.clone(), setup.as_ref().map(read).transpose()?, None)
-                }
-            };
-            let part = match source {
-                Some(source) => {
-                    let (impeller, hash) = (to_open.open)(&source, monitor)?;
-                    let mesh = PartMeshes::new(&impeller);
-                    Some((OpenPart { source, impeller, hash }, mesh))
-                }
-                None => None,
-            };
-            Ok(Opened { part, setup, project })
+        let coming = Slot::default();
+        let plan = {
+            let (slot, notify) = (coming.clone(), repaint());
+            move |task: &PlanTask, monitor: &Monitor| to_plan.planned(task, monitor, &slot, &notify)
         };
         Self {
-            opener: Worker::new("open", open, repaint()),
-            planner: Worker::new("plan", move |task, monitor| to_plan.planned(task, monitor), repaint()),
+            opener: Worker::new("open", move |task, monitor| open(&to_open, task, monitor), repaint()),
+            planner: Worker::new("plan", plan, repaint()),
             flanker: Worker::new(
                 "flank",
                 move |request, monitor| (to_flank.flank)(request, monitor),
                 repaint(),
             ),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
+            coming,
             asked: None,
+            tasks: 0,
         }
     }
 
@@ -100,10 +149,16 @@ impl Work {
         self.asked = None;
     }
 
+    /// Whether a plan is being made.
+    pub(super) fn is_planning(&self) -> bool {
+        self.planner.is_busy()
+    }
+
     /// What runs, and how far it is.
     pub(super) fn running(&self) -> Option<(&'static str, f64)> {
         let opening = self.opener.progress().map(|fraction| ("Opening", fraction));
-        let planning = || self.planner.progress().map(|fraction| ("Planning", fraction));
+        let what = if self.planner.is_stopping() { "Judging" } else { "Planning" };
+        let planning = || self.planner.progress().map(|fraction| (what, fraction));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
         let curves = || self.flanker.progress().map(|fraction| ("Planning flank curves", fraction));
         opening.or_else(planning).or_else(curves).or_else(writing)
@@ -112,17 +167,23 @@ impl Work {
 
 impl App {
     pub(super) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
-        self.state.opening.clone_from(&part);
+        self.submit_open(OpenTask::Files { part, setup });
+    }
+
+    pub(super) fn submit_open(&mut self, task: OpenTask) {
+        self.state.opening = match &task {
+            OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
+            OpenTask::Files { part, .. } => part.clone(),
+            OpenTask::Nodes(source) => Some(source.clone()),
+        };
         self.state.notice = None;
-        self.work.opener.submit(OpenTask::Files { part, setup });
+        self.work.opener.submit(task);
     }
 
     /// Opens a file for what it is: project, setup or part.
     pub(super) fn open_file(&mut self, path: PathBuf) {
         if files::is_project(&path) {
-            self.state.opening = Some(PartSource::File(path.clone()));
-            self.state.notice = None;
-            self.work.opener.submit(OpenTask::Project(path));
+            self.submit_open(OpenTask::Project(path, None));
         } else if files::is_setup(&path) {
             self.open_files(None, Some(path));
         } else {
@@ -144,7 +205,9 @@ impl App {
             compare: self.state.compare && !draft,
             draft,
         };
+        self.work.tasks += 1;
         let task = PlanTask {
+            number: self.work.tasks,
             part: Arc::clone(&part.impeller),
             setup: asked.setup.clone(),
             compare: asked.compare,
@@ -162,17 +225,35 @@ impl App {
         if same && enough {
             return;
         }
-        // A plan that is nearly there is worth more than another beginning.
-        let nearly = self.work.planner.progress().is_some_and(|fraction| fraction > 0.5);
-        if !(held && nearly) {
+        // A plan that is nearly there is worth more than another beginning; and nothing would ever be seen if each
+        // movement of the hand began anew before the first stage was there.
+        let worth_waiting = self.work.planner.progress().is_some_and(|fraction| {
+            let told = self.state.results.coming.as_ref().is_some_and(|coming| {
+                coming.task == self.work.tasks
+                    && coming.cutters(AxisPolicy::Conventional).is_some_and(|cutters| cutters.judged)
+            });
+            !told || fraction > 0.5
+        });
+        if !(held && worth_waiting) {
             self.submit_plan(held);
         }
     }
 
-    /// Stops what the user waits for. Writing is over in a moment and is left to end.
+    /// Takes in what the planner knows so far; nothing of a task that has ended or is not the last.
+    fn collect_coming(&mut self) {
+        let coming = self.work.coming.take().filter(|coming| coming.task == self.work.tasks);
+        if !self.work.planner.is_busy() {
+            self.state.results.coming = None;
+        } else if coming.is_some() {
+            self.state.results.coming = coming;
+        }
+    }
+
+    /// Stops what the user waits for; of a plan the best so far comes, unless this is the second time. Writing is over in a
+    /// moment and is left to end.
     pub(super) fn cancel(&mut self) {
         self.work.opener.cancel();
-        self.work.planner.cancel();
+        self.work.planner.stop();
         self.work.flanker.cancel();
     }
 
@@ -204,6 +285,7 @@ impl App {
     pub(super) fn collect(&mut self, ctx: &egui::Context) {
         if let Some((_, end)) = self.work.opener.take_end() {
             self.state.opening = None;
+            self.roles.stop_waiting();
             match end {
                 End::Done(opened) => self.take_opened(opened),
                 End::Cancelled => self.state.done("Opening cancelled"),
@@ -220,17 +302,14 @@ impl App {
                         self.state.take_plan(planned);
                     }
                 }
-                End::Cancelled | End::Failed(JobError::Cancelled) => {
-                    let kept =
-                        if self.state.results.planned.is_some() { "; the plan before stays" } else { "" };
-                    self.state.done(format!("Planning cancelled{kept}"));
-                }
+                End::Cancelled | End::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 End::Failed(JobError::Setup(fault)) => {
                     self.state.fault(Problem::of_plan(fault.what, fault.cure));
                 }
                 End::Broken(what) => self.state.fault(broken("Planning", &what)),
             }
         }
+        self.collect_coming();
         if let Some((_, end)) = self.work.flanker.take_end() {
             self.take_flank(end);
         }
@@ -247,40 +326,66 @@ impl App {
                 End::Broken(what) => self.state.fault(broken("Writing", &what)),
             }
         }
+        self.collect_device_faults(ctx);
+    }
+
+    /// Takes in what the graphics device reports.
+    pub(super) fn collect_device_faults(&mut self, ctx: &egui::Context) {
         let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
         let lost = errors.iter().find(|error| error.starts_with(LOST));
-        if let Some(error) = lost.or(errors.last()) {
-            let line = error.lines().next().unwrap_or_default();
-            let problem = Problem::new(
-                format!("The graphics device reports: {line}"),
-                "save the project and start again with VANECUT_GPU=software",
-            );
-            if lost.is_some() {
-                // The window itself may have nothing left to draw on.
-                eprintln!("vanecut: {}; {}", problem.what, problem.cure);
-                self.pictures = None;
-                self.hover = None;
-                "no 3D view".clone_into(&mut self.device);
-            }
-            self.state.fault(problem);
-            // Whatever becomes of the device, the work stays.
-            self.copy_now();
+        let Some(error) = lost.or(errors.last()) else { return };
+        let line = error.lines().next().unwrap_or_default();
+        // Whatever becomes of the device, the work stays.
+        self.copy_now();
+        if lost.is_some() && self.leave(ctx, line) {
+            return;
         }
+        let problem = Problem::new(
+            format!("The graphics device reports: {line}"),
+            "save the project and start again with VANECUT_GPU=software",
+        );
+        if lost.is_some() {
+            // The window itself may have nothing left to draw on.
+            eprintln!("vanecut: {}; {}", problem.what, problem.cure);
+            self.pictures = None;
+            self.hover = None;
+            "no 3D view".clone_into(&mut self.device);
+        }
+        self.state.fault(problem);
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project } = opened;
+        let Opened { part, setup, project, untold } = opened;
+        if let Some(untold) = untold {
+            self.roles.ask(untold);
+            return;
+        }
         let new_part = part.is_some();
         if let Some((part, mesh)) = part {
+            self.roles.close();
             self.work.planner_cancel();
+            // Choices that no file holds yet are something to lose.
+            let chosen = matches!(part.source, PartSource::Mesh(..))
+                && project.as_ref().is_none_or(|(_, project)| source_of(project) != part.source);
+            let same = chosen && part.source.file().is_some_and(|(path, _)| self.is_of_open_part(path));
             // Cutters and limits of another part would only mislead: its setup goes with it.
             let edited = match (&project, &setup) {
                 (Some((_, project)), _) => edited_of(project),
                 (None, Some((_, setup))) => Edited { setup: setup.clone(), ..Edited::default() },
+                // The same file with other roles: what was set for it still holds.
+                (None, None) if same => self.state.document.edited.clone(),
                 (None, None) => Edited::default(),
             };
-            let path = project.as_ref().map(|(path, _)| path.clone());
+            let own = self.state.document.path.clone().filter(|_| same);
+            let path = project.as_ref().map(|(path, _)| path.clone()).or(own);
             self.state.open(part, edited, path);
+            if chosen {
+                self.state.document.mark_unsaved();
+            }
+            let part = self.state.document.part.as_ref();
+            for note in part.map(|part| part.impeller.notes.clone()).unwrap_or_default() {
+                self.state.fault(Problem::new(asked_in_words(&note), ""));
+            }
             self.view.reset();
             self.hover = None;
             if let Some(pictures) = &mut self.pictures {

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::mesh::axis::Axis;
 use crate::mesh::{MeshOptions, Role, Unit};
+use crate::part::Rotation;
 
 /// Plans the rough milling of centrifugal impellers. Without a command it opens the window.
 #[derive(Debug, Parser)]
@@ -33,7 +34,15 @@ pub enum Command {
     /// Parts from format to format; a part or a plan to a glTF scene
     Convert(ConvertArgs),
     /// Throughput of the kernels on this machine
-    Bench,
+    Bench(BenchArgs),
+}
+
+/// `vanecut bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// About how many positions the largest plan has by which growth is measured; 100000 takes many minutes
+    #[arg(long, value_name = "N", default_value_t = 4000)]
+    pub positions: usize,
 }
 
 /// What to know of a part that is a mesh.
@@ -49,6 +58,10 @@ pub struct MeshArgs {
     /// Axis of rotation in the file: x, y or z; absent: found from the hub
     #[arg(long, value_name = "AXIS")]
     pub rotation_axis: Option<Axis>,
+    /// Sense of rotation seen from the inlet, cw or ccw: the side of the blades that leads is the pressure side; absent:
+    /// what the file says, or told from the blades' wrap
+    #[arg(long, value_name = "SENSE")]
+    pub rotation: Option<Rotation>,
     /// Number of main blades, where the file holds only one
     #[arg(long, value_name = "N")]
     pub blades: Option<usize>,
@@ -62,6 +75,7 @@ impl MeshArgs {
             unit: self.unit,
             axis: self.rotation_axis,
             blades: self.blades,
+            rotation: self.rotation,
         }
     }
 }

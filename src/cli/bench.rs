@@ -5,23 +5,21 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::{Failure, bench_flank, say};
+use super::args::BenchArgs;
+use super::{Failure, bench_flank, bench_growth, say};
 use crate::formats::gltf::GltfScene;
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
 use crate::job::{PlanJob, PlanOutcome, PlanRequest, run as run_job};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Blank, Channel, Impeller, Setup, Tool};
+use crate::part::{AxisPolicy, Blank, Channel, Impeller, PartDescription, Setup, Tool};
 use crate::plunge::Planner;
 use crate::plunge::slotting::DepthSurface;
 use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 
 /// Runs of each measurement; the median counts.
 const RUNS: usize = 5;
-
-/// Steps of the growth measurement, mm: each has about twice the positions of the one before it.
-const GROWTH_STEPS: [f64; 3] = [4.0, 2.0, 1.0];
 
 /// Cutters of 30, 16 and 8 mm, sharp, as in the wheel's published plan: what is measured does not change with the library.
 fn three_tools() -> Vec<Tool> {
@@ -40,33 +38,12 @@ fn three_tools() -> Vec<Tool> {
         .collect()
 }
 
-/// A minimal plan of the measured part; `step` in mm instead of the tools' own. Returns its positions.
-fn minimal(outcome: &PlanOutcome, step: Option<f64>) -> usize {
+/// A minimal plan of the measured part.
+fn minimal(outcome: &PlanOutcome) {
     let channel = Channel::of(&outcome.part);
-    let mut setup = outcome.setup.clone();
-    setup.plunge.step = step.or(setup.plunge.step);
-    for section in &mut setup.plunge.sections {
-        section.feed = None;
-    }
-    let planner = Planner::new(&outcome.part, &channel, &setup);
-    planner.plan(AxisPolicy::Minimal, &Monitor::default()).map_or(0, |plan| plan.positions.len())
-}
-
-/// How the time of a minimal plan grows with its positions: the exponent fitted to smaller and smaller steps.
-fn growth(outcome: &PlanOutcome) -> Result<(), Failure> {
-    let mut points: Vec<(f64, f64)> = Vec::new();
-    for step in GROWTH_STEPS {
-        let started = Instant::now();
-        let positions = minimal(outcome, Some(step));
-        let seconds = started.elapsed().as_secs_f64();
-        line(&format!("minimal plan, step {step} mm: {positions} positions"), seconds)?;
-        points.push(((positions as f64).ln(), seconds.ln()));
-    }
-    say(&format!(
-        "{:<62} {:>10.2}\n",
-        "  time grows with positions to the power of",
-        bench_flank::slope(&points)
-    ))
+    let planner = Planner::new(&outcome.part, &channel, &outcome.setup);
+    let plan = planner.plan(AxisPolicy::Minimal, &Monitor::default());
+    std::hint::black_box(plan.is_ok());
 }
 
 /// How long the window waits for a minimal plan and its fields after one slider moved: what it moved decides what is
@@ -99,8 +76,10 @@ fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
 }
 
 /// Measures on the largest sample part and prints the medians.
-pub fn run() -> Result<(), Failure> {
-    let part = sample("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
+pub fn run(args: &BenchArgs) -> Result<(), Failure> {
+    bench_growth::check(args.positions)?;
+    let wheel = describe("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
+    let part = build(&wheel)?;
     let channel = Channel::of(&part);
     let request = PlanRequest {
         part: part.clone(),
@@ -116,14 +95,9 @@ pub fn run() -> Result<(), Failure> {
     line("plan of one channel: two policies, contact, both fields 512²", plan_seconds)?;
     let outcome = run_job(&request, &Monitor::default()).map_err(|e| Failure::Work(e.to_string()))?;
 
-    line(
-        "minimal plan of one channel",
-        median(|| {
-            minimal(&outcome, None);
-        }),
-    )?;
+    line("minimal plan of one channel", median(|| minimal(&outcome)))?;
     sliders(&outcome)?;
-    growth(&outcome)?;
+    bench_growth::run(&wheel, &outcome.setup, args.positions)?;
 
     bench_flank::lines()?;
     mesh(&part)?;
@@ -178,8 +152,16 @@ pub fn run() -> Result<(), Failure> {
 
 /// A sample part that comes with the program, built.
 pub(super) fn sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Failure> {
-    let description = read_part_bytes(name, text, "toml")?;
-    let part = Impeller::build(&description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?;
+    build(&describe(name, text)?)
+}
+
+fn describe(name: &str, text: &[u8]) -> Result<PartDescription, Failure> {
+    Ok(read_part_bytes(name, text, "toml")?)
+}
+
+/// A part that is made from a sample, built.
+pub(super) fn build(description: &PartDescription) -> Result<Arc<Impeller>, Failure> {
+    let part = Impeller::build(description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?;
     Ok(Arc::new(part))
 }
 

@@ -7,6 +7,7 @@ mod assess_pictures;
 mod bench;
 mod bench_flank;
 mod bench_frames;
+mod bench_growth;
 mod convert;
 mod flank;
 mod open;
@@ -124,6 +125,6 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Verify(a)) => verify::run(&a),
         Some(Command::Render(a)) => render::run(&a),
         Some(Command::Convert(a)) => convert::run(&a),
-        Some(Command::Bench) => bench::run(),
+        Some(Command::Bench(a)) => bench::run(&a),
     }
 }

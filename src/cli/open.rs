@@ -19,6 +19,9 @@ pub fn part(path: &Path, mesh: &MeshArgs) -> Result<(PartDescription, Impeller),
     let description = read_part_with(path, &mesh.options())?;
     let part = Impeller::build(&description)
         .map_err(|e| Failure::at(&path.display().to_string(), e.line, &e.to_string()))?;
+    for note in &part.notes {
+        eprintln!("vanecut: {}: {note}", path.display());
+    }
     Ok((description, part))
 }
 

@@ -18,7 +18,7 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     };
     let walls = (colours == FlankColours::Walls).then(|| wall_deviations(&plan.part, &plan.walls));
     let (shown_on, map, most) = match &walls {
-        Some((_, most)) => (FloorColours::Values, ColourMap::Difference, most.max(1e-3)),
+        Some((_, most)) => (FloorColours::Walls, ColourMap::Difference, most.max(1e-3)),
         None => (FloorColours::Plain, ColourMap::default(), 1.0),
     };
     let options = SceneOptions {

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
 use crate::part::{Feed, Impeller};
-use crate::plunge::{Held, PlungePlan, Position};
+use crate::plunge::{Held, PlungePlan, Position, SectionPlan, Stopped};
 use crate::residual::FloorGrid;
 
 /// A number, or null where there is none.
@@ -49,7 +49,7 @@ pub fn plan_object(
     let mut map = head(part, Some(channels));
     map.insert("positions".into(), json!(s.positions));
     map.insert("rows".into(), json!(plan.sections.iter().map(|s| s.rows).sum::<usize>()));
-    map.insert("sections".into(), json!(plan.sections.len()));
+    map.insert("sections".into(), json!(plan.sections.iter().filter(|s| s.is_cut()).count()));
     map.append(&mut decisive(s));
     map.insert("min_hub_clearance".into(), number(s.min_hub_clearance));
     map.insert("min_blade_clearance".into(), number(s.min_blade_clearance));
@@ -61,6 +61,7 @@ pub fn plan_object(
     map.insert("blocked".into(), json!(s.blocked));
     map.insert("held".into(), held_object(&held_back(plan, None)));
     map.insert("settled".into(), json!(plan.settled));
+    map.insert("stopped".into(), json!(plan.is_unfinished().then(|| Stopped::Cancelled.name())));
     map.insert("rounds".into(), json!(plan.rounds));
     map.insert("by_section".into(), by_section(result, grid, reasons));
     map
@@ -77,16 +78,14 @@ pub fn compared(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<Strin
 
 fn by_section(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>]) -> Value {
     let sections = sections(result, grid)
-        .into_iter()
-        .zip(&result.plan.sections)
-        .enumerate()
-        .map(|(index, (s, section))| {
+        .map(|(index, section, s)| {
             let mut map = Map::new();
             map.insert("tool".into(), json!(section.tool.number));
             map.insert("diameter".into(), number(section.tool.diameter));
             map.insert("from".into(), number(section.from));
             map.insert("to".into(), number(section.to));
             map.insert("feed".into(), json!(feed_word(section.feed)));
+            map.insert("rest".into(), json!(section.rest));
             map.insert("positions".into(), json!(s.positions));
             map.append(&mut decisive(&s));
             map.insert("blocked".into(), json!(s.blocked));
@@ -100,10 +99,13 @@ fn by_section(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>
     Value::Array(sections)
 }
 
-fn sections(result: &PolicyResult, grid: &FloorGrid) -> Vec<Summary> {
-    (0..result.plan.sections.len())
-        .map(|i| Summary::of_section(&result.plan, grid, &result.field, i))
-        .collect()
+/// The sections of a plan's program, with their places in the plan and their figures.
+fn sections<'r>(
+    result: &'r PolicyResult,
+    grid: &'r FloorGrid,
+) -> impl Iterator<Item = (usize, &'r SectionPlan, Summary)> {
+    let sections = result.plan.sections.iter().enumerate().filter(|(_, section)| section.is_cut());
+    sections.map(|(i, section)| (i, section, Summary::of_section(&result.plan, grid, &result.field, i)))
 }
 
 fn feed_word(feed: Feed) -> &'static str {
@@ -128,7 +130,7 @@ pub fn named_table<'r>(
     );
     for (name, result) in results {
         let whole = [(String::from("all"), String::new(), result.summary.clone())];
-        let parts = sections(result, grid).into_iter().zip(&result.plan.sections).map(|(s, section)| {
+        let parts = sections(result, grid).map(|(_, section, s)| {
             (format!("{:.2} to {:.2}", section.from, section.to), format!("D {}", section.tool.diameter), s)
         });
         for (section, tool, s) in parts.chain(whole) {
@@ -185,7 +187,7 @@ pub fn held(plan: &PlungePlan) -> String {
 /// Why each section was chosen, where the setup did not give it.
 pub fn reasons(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
     let mut text = String::new();
-    for (section, reason) in plan.sections.iter().zip(reasons) {
+    for (section, reason) in plan.sections.iter().zip(reasons).filter(|(section, _)| section.is_cut()) {
         let Some(reason) = reason else { continue };
         let tool = &section.tool;
         text += &format!(
@@ -202,8 +204,14 @@ pub fn added(plan: &PlungePlan) -> String {
     for section in &plan.sections {
         if let Some((count, stopped)) = section.added {
             let (from, to) = (section.from, section.to);
-            text +=
-                &format!("{from:.2} to {to:.2}: {count} plunges added to the rows; {}\n", stopped.words());
+            let why = stopped.words();
+            let what = match (section.rest, count) {
+                _ if stopped == Stopped::Cancelled => format!("{count} plunges added; {why}"),
+                (false, _) => format!("{count} plunges added to the rows; {why}"),
+                (true, 0) => "nothing left that is thick enough for another cutter".to_owned(),
+                (true, _) => format!("{count} plunges for the rest; {why}"),
+            };
+            text += &format!("{from:.2} to {to:.2}, D {}: {what}\n", section.tool.diameter);
         }
     }
     text

@@ -310,6 +310,7 @@ impl Found {
             hub_line,
             shroud_line,
             count_line,
+            notes: Vec::new(),
         })
     }
 

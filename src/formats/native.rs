@@ -54,6 +54,7 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputErr
         hub_line,
         shroud_line,
         count_line: document.line(blades.at),
+        notes: Vec::new(),
     })
 }
 

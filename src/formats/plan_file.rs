@@ -140,6 +140,7 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
             to: section.to,
             feed: section.feed.unwrap_or(crate::part::Feed::Inward),
             rows: file.rows.get(index).copied().unwrap_or(0),
+            rest: section.rest,
             added: file.added.get(index).copied().flatten(),
         });
     }

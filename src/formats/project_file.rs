@@ -13,10 +13,11 @@ use super::native::write_native;
 use super::setup_file::write_setup;
 use super::source::{name_of, read_bytes};
 use super::stored::{check_version, setup_within};
+use crate::mesh::MeshOptions;
 use crate::part::{PartDescription, Setup};
 
 /// Version of the file; readers refuse newer ones.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Ending of project files.
 pub const EXTENSION: &str = "vanecut";
 /// Most sets a project may hold.
@@ -28,8 +29,26 @@ const MAX_SETS: usize = 1000;
 pub enum PartPlace {
     /// A file.
     File(PathBuf),
+    /// A mesh file, with what the user said about it.
+    Mesh {
+        /// The file.
+        file: PathBuf,
+        /// Roles, unit, axis and what else was chosen.
+        choices: MeshOptions,
+    },
     /// A sample that comes with the program.
     Sample(String),
+}
+
+impl PartPlace {
+    /// The same with another path of the file.
+    fn moved(&self, to: impl FnOnce(&Path) -> PathBuf) -> Self {
+        match self {
+            Self::File(file) => Self::File(to(file)),
+            Self::Mesh { file, choices } => Self::Mesh { file: to(file), choices: choices.clone() },
+            Self::Sample(name) => Self::Sample(name.clone()),
+        }
+    }
 }
 
 /// Where the part is looked at from; lengths mm, angles rad.
@@ -45,6 +64,21 @@ pub struct Viewpoint {
     pub distance: f32,
     /// Whether the rays are parallel.
     pub parallel: bool,
+}
+
+/// What was chosen of the plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chosen {
+    /// Whether the conventional plan was shown.
+    #[serde(default)]
+    pub before: bool,
+    /// Position, counted from 0 in cutting order.
+    #[serde(default)]
+    pub position: Option<usize>,
+    /// Number of positions that were cut; `None`: all.
+    #[serde(default)]
+    pub cut: Option<usize>,
 }
 
 /// What sets are compared by: what a setup came to when it was planned. Lengths mm, time s, share 0…1.
@@ -88,6 +122,8 @@ pub struct Project {
     pub sets: Vec<StoredSet>,
     /// Where it was looked at from.
     pub viewpoint: Option<Viewpoint>,
+    /// What was chosen of the plan.
+    pub chosen: Chosen,
     /// File the project itself belongs to, in copies that were saved by themselves.
     pub original: Option<PathBuf>,
 }
@@ -103,6 +139,8 @@ struct ProjectFile {
     sets: Vec<SetFile>,
     #[serde(default)]
     viewpoint: Option<Viewpoint>,
+    #[serde(default)]
+    chosen: Chosen,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     original: Option<PathBuf>,
 }
@@ -128,10 +166,7 @@ pub fn part_hash(part: &PartDescription) -> u64 {
 /// Text of a project file that is to stand at `path`: the part is named relative to it where it lies in the same
 /// folder or below.
 pub fn write_project(project: &Project, path: &Path) -> String {
-    let part = match &project.part {
-        PartPlace::File(part) => PartPlace::File(relative(part, path)),
-        sample => sample.clone(),
-    };
+    let part = project.part.moved(|part| relative(part, path));
     let file = ProjectFile {
         vanecut_project: VERSION,
         part,
@@ -148,6 +183,7 @@ pub fn write_project(project: &Project, path: &Path) -> String {
             })
             .collect(),
         viewpoint: project.viewpoint,
+        chosen: project.chosen,
         original: project.original.clone(),
     };
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
@@ -198,22 +234,21 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     let sets = file.sets.iter().map(|set| {
         Ok(StoredSet { name: set.name.clone(), setup: setup(&set.name, &set.setup)?, figures: set.figures })
     });
-    let part = match file.part {
-        PartPlace::File(part)
-            if part.components().next().is_some_and(|c| {
-                matches!(c, Component::Normal(_) | Component::ParentDir | Component::CurDir)
-            }) =>
-        {
-            PartPlace::File(path.parent().unwrap_or(Path::new("")).join(part))
-        }
-        part => part,
+    let is_relative = |part: &Path| {
+        let first = part.components().next();
+        first.is_some_and(|c| matches!(c, Component::Normal(_) | Component::ParentDir | Component::CurDir))
     };
+    let part = file.part.moved(|part| match is_relative(part) {
+        true => path.parent().unwrap_or(Path::new("")).join(part),
+        false => part.to_owned(),
+    });
     Ok(Project {
         part,
         part_hash,
         setup: setup("setup", &file.setup)?,
         sets: sets.collect::<Result<_, InputError>>()?,
         viewpoint: file.viewpoint.filter(Viewpoint::is_usable),
+        chosen: file.chosen,
         original: file.original,
     })
 }
@@ -228,6 +263,9 @@ impl Viewpoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::axis::Axis;
+    use crate::mesh::{Role, Unit};
+    use crate::part::Rotation;
 
     fn project() -> Project {
         let mut setup = Setup::default();
@@ -255,18 +293,41 @@ mod tests {
                 distance: 400.0,
                 parallel: true,
             }),
+            chosen: Chosen { before: true, position: Some(16), cut: None },
             original: None,
         }
     }
 
     #[test]
     fn a_project_comes_back_as_it_was_written() {
-        for place in [PartPlace::File("/parts/wheel.toml".into()), PartPlace::Sample("pump6".to_owned())] {
+        let choices = MeshOptions {
+            roles: vec![("Body 3".to_owned(), Role::Hub), ("#7".to_owned(), Role::Ignored)],
+            unit: Some(Unit::Inch),
+            axis: Some(Axis::Y),
+            blades: Some(9),
+            rotation: Some(Rotation::Clockwise),
+        };
+        for place in [
+            PartPlace::File("/parts/wheel.toml".into()),
+            PartPlace::Sample("pump6".to_owned()),
+            PartPlace::Mesh { file: "/parts/tuning/wheel.glb".into(), choices },
+            PartPlace::Mesh { file: "/parts/wheel.glb".into(), choices: MeshOptions::default() },
+        ] {
             let project = Project { part: place, ..project() };
             let path = Path::new("/parts/tuning/wheel.vanecut");
             let text = write_project(&project, path);
             assert_eq!(read_project_bytes(path, text.as_bytes()), Ok(project));
         }
+    }
+
+    #[test]
+    fn a_project_of_the_first_version_still_opens() {
+        let path = Path::new("/parts/wheel.vanecut");
+        let text = write_project(&project(), path);
+        let from = text.find(",\n  \"chosen\"").expect("it is written last");
+        let first = format!("{}\n}}\n", &text[..from]).replace("project\": 2", "project\": 1");
+        let read = read_project_bytes(path, first.as_bytes()).expect("reads");
+        assert_eq!(read, Project { chosen: Chosen::default(), ..project() });
     }
 
     #[test]
@@ -285,7 +346,7 @@ mod tests {
         for (bytes, word) in [
             (String::new(), "no project file"),
             ("{\"vanecut_project\": 1}".to_owned(), "no project file"),
-            (text.replace("\"vanecut_project\": 1", "\"vanecut_project\": 99"), "newer vanecut"),
+            (text.replace("\"vanecut_project\": 2", "\"vanecut_project\": 99"), "newer vanecut"),
             (text.replace("step = 7.5", "stepp = 7.5"), "step"),
             (text.replace("123456789abcdef0", "xyz"), "hexadecimal"),
         ] {

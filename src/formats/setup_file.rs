@@ -9,9 +9,9 @@
 //! hub_allowance = 0.5
 //! [[tool]]                   # number, diameter, corner_radius, insert_width, overhang, plunge_feed, spindle
 //! diameter = 30.0            # the one key a tool must have
-//! [plunge]                   # axis, step, row_spacing, wall_scallop, max_axis_change, max_tilt
+//! [plunge]                   # axis, step, row_spacing, wall_scallop, max_axis_change, max_tilt, rest
 //! axis = "monotone"
-//! [[plunge.section]]         # tool, from, to, feed
+//! [[plunge.section]]         # tool, from, to, feed, rest
 //! tool = 1
 //! from = 1.0
 //! to = 0.6
@@ -199,6 +199,7 @@ fn plunge(table: &Section<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Resu
         "wall_scallop",
         "max_axis_change",
         "max_tilt",
+        "rest",
         "section",
     ])?;
     if let Some(axis) = table.string("axis")? {
@@ -213,9 +214,18 @@ fn plunge(table: &Section<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Resu
     if let Some(angle) = table.number("max_tilt", ANGLE)? {
         plunge.max_tilt = angle.value.to_radians();
     }
+    if let Some(rest) = table.boolean("rest")? {
+        plunge.rest = rest.value;
+    }
     let sections = table.tables("section")?;
     check_count(&sections, MAX_SECTIONS, "sections")?;
     plunge.sections = sections.iter().map(|table| section(table, tools)).collect::<Result<_, _>>()?;
+    if let (Some(section), Some(table)) = (plunge.sections.first(), sections.first())
+        && section.rest
+    {
+        let what = format!("{} cuts the rest, but nothing comes before it", table.shown());
+        return Err(table.fault(what, "put it after the sections whose rest it shall cut"));
+    }
     Ok(())
 }
 
@@ -246,7 +256,7 @@ pub fn axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
 }
 
 fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputError> {
-    table.check_keys(&["tool", "from", "to", "feed"])?;
+    table.check_keys(&["tool", "from", "to", "feed", "rest"])?;
     let needed = |key: &str| {
         table.fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
     };
@@ -278,7 +288,8 @@ fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputErr
             }
         }),
     };
-    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, feed })
+    let rest = table.boolean("rest")?.is_some_and(|rest| rest.value);
+    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, feed, rest })
 }
 
 fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
@@ -351,6 +362,9 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     writeln!(out, "wall_scallop = {:?}", plunge.wall_scallop)?;
     writeln!(out, "max_axis_change = {}", degrees_text(plunge.max_axis_change))?;
     writeln!(out, "max_tilt = {}", degrees_text(plunge.max_tilt))?;
+    if !plunge.rest {
+        writeln!(out, "rest = false")?;
+    }
     for section in &plunge.sections {
         writeln!(out, "\n[[plunge.section]]\ntool = {}", section.tool)?;
         writeln!(out, "from = {:?}\nto = {:?}", section.from, section.to)?;
@@ -358,6 +372,9 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
             Some(Feed::Inward) => writeln!(out, "feed = \"inward\"")?,
             Some(Feed::Outward) => writeln!(out, "feed = \"outward\"")?,
             None => {}
+        }
+        if section.rest {
+            writeln!(out, "rest = true")?;
         }
     }
     writeln!(out, "\n[flank]")?;
@@ -400,6 +417,7 @@ step = 8.0
 max_axis_change = 4.3
 max_tilt = 30
 wall_scallop = 0.4
+rest = false
 [[plunge.section]]
 tool = 7
 from = 1.0
@@ -409,6 +427,7 @@ feed = "outward"
 tool = 2
 from = 0.6
 to = 0.0
+rest = true
 [flank]
 tool = 4
 "#;
@@ -444,6 +463,8 @@ tool = 4
         assert_eq!((setup.plunge.step, setup.plunge.row_spacing), (Some(8.0), None));
         assert_eq!(setup.plunge.max_tilt, 30f64.to_radians());
         assert_eq!(setup.plunge.sections[0].feed, Some(Feed::Outward));
+        assert_eq!((setup.plunge.rest, setup.plunge.sections[0].rest), (false, false));
+        assert!(setup.plunge.sections[1].rest);
         assert_eq!((setup.flank.tool, setup.flank.layer_depth), (Some(4), 3.0));
     }
 
@@ -473,11 +494,13 @@ tool = 4
             ("step = 8.0", "step = 0", 14, "greater than 0"),
             ("max_axis_change = 4.3", "max_axis_change = 91", 15, "at most 90"),
             ("max_tilt = 30", "max_tilt = -1", 16, "greater than 0"),
-            ("tool = 7", "tool = 3", 19, "there is no tool 3; use one of the tools 7, 2"),
-            ("to = 0.6", "to = 1.0", 21, "outlet end"),
-            ("from = 1.0", "from = 1.5", 20, "from 0 to 1"),
-            ("\"outward\"", "\"sideways\"", 22, "inward"),
-            ("[[plunge.section]]", "[plunge.section]", 18, "TOML"),
+            ("tool = 7", "tool = 3", 20, "there is no tool 3; use one of the tools 7, 2"),
+            ("to = 0.6", "to = 1.0", 22, "outlet end"),
+            ("from = 1.0", "from = 1.5", 21, "from 0 to 1"),
+            ("\"outward\"", "\"sideways\"", 23, "inward"),
+            ("rest = false", "rest = 0", 18, "true or false"),
+            ("outward\"", "outward\"\nrest = true", 19, "nothing comes before it"),
+            ("[[plunge.section]]", "[plunge.section]", 19, "TOML"),
         ] {
             assert!(SAMPLE.contains(from), "{from} must be in the sample");
             let error = read(&SAMPLE.replacen(from, to, 1)).expect_err(to);

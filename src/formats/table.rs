@@ -250,6 +250,22 @@ impl<'t> Section<'t> {
         }
     }
 
+    /// A truth value.
+    ///
+    /// # Errors
+    /// When the key holds something else.
+    pub fn boolean(&self, key: &str) -> Result<Option<At<bool>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let at = value.span().start;
+        match value.get_ref() {
+            DeValue::Boolean(value) => Ok(Some(At { value: *value, at })),
+            other => {
+                let what = format!("`{key}` holds a {}, not true or false", other.type_str());
+                Err(self.doc.fault(at, what, "write true or false, without quotes"))
+            }
+        }
+    }
+
     fn child(&self, key: &str, value: &'t Spanned<DeValue<'t>>) -> Result<Section<'t>, InputError> {
         let name = if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) };
         match value.get_ref() {

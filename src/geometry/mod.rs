@@ -1,11 +1,13 @@
 //! Geometry in f64, millimetres and radians: a catalogue of curves, surfaces and queries.
 
+pub mod cells;
 pub mod cubic;
 pub mod cutter;
 pub mod envelope;
 pub mod meridian;
 pub mod search;
 
+pub use cells::Cells;
 pub use cubic::Cubic;
 pub use cutter::CutterSolid;
 pub use meridian::MeridionalCurve;

@@ -20,6 +20,8 @@ pub enum CutterState {
     Interferential = 2,
     /// Chosen by the user.
     Selected = 3,
+    /// Nothing is known of its core yet.
+    Unjudged = 4,
 }
 
 /// Which cutters are drawn.
@@ -143,7 +145,7 @@ impl CutterChoice {
         if !in_work {
             // Not by colour alone: the faulty ones also stand out in length.
             let stretch = match instance.state {
-                0 => 1.0,
+                0 | 4 => 1.0,
                 1 => 1.5,
                 _ => 2.0,
             };
@@ -159,7 +161,8 @@ fn rim_colour(state: u32) -> LineColour {
         0 => LineColour::Sound,
         1 => LineColour::Blocked,
         2 => LineColour::Interferential,
-        _ => LineColour::Selected,
+        3 => LineColour::Selected,
+        _ => LineColour::Unjudged,
     }
 }
 
@@ -184,7 +187,7 @@ pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec
         into.extend(polyline(&points, width, colour));
     };
     let width = match instance.state {
-        0 => 1.1,
+        0 | 4 => 1.1,
         3 => 2.6,
         _ => 1.6,
     };

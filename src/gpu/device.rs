@@ -169,6 +169,18 @@ pub fn pick_adapter(adapters: &[wgpu::Adapter]) -> Result<wgpu::Adapter, GpuErro
         Ok(value) if !value.is_empty() => return Err(GpuError::UnknownChoice(value)),
         _ => false,
     };
+    pick(adapters, software)
+}
+
+/// Picks the software driver, whatever else there is.
+///
+/// # Errors
+/// [`GpuError::NoVulkan`] or [`GpuError::NoSoftware`].
+pub fn pick_software(adapters: &[wgpu::Adapter]) -> Result<wgpu::Adapter, GpuError> {
+    pick(adapters, true)
+}
+
+fn pick(adapters: &[wgpu::Adapter], software: bool) -> Result<wgpu::Adapter, GpuError> {
     let best = adapters
         .iter()
         .filter_map(|adapter| {

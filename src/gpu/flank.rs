@@ -121,11 +121,5 @@ fn of<K: PartialEq + Copy>(table: &[(K, Rgb)], key: K) -> Rgb {
 
 fn segment(a: &Point, b: &Point, wall: bool, colour: Rgb) -> Segment {
     let at = |p: &Point| [p.x as f32, p.y as f32, p.z as f32];
-    Segment { a: at(a), width: WIDTHS[usize::from(!wall)], b: at(b), colour: own_colour(colour) }
-}
-
-/// A colour of its own for a line, as the shader unpacks it.
-fn own_colour(colour: Rgb) -> u32 {
-    let [r, g, b] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
-    0x8000_0000 | b << 16 | g << 8 | r
+    Segment::coloured(at(a), at(b), WIDTHS[usize::from(!wall)], colour)
 }

@@ -38,6 +38,7 @@ const LETTERS: &[(char, [u8; 7])] = &[
     ('p', [0, 0, 30, 17, 30, 16, 16]),
     ('i', [4, 0, 12, 4, 4, 4, 14]),
     ('l', [12, 4, 4, 4, 4, 4, 14]),
+    ('w', [0, 0, 17, 17, 21, 21, 10]),
 ];
 /// Columns a letter takes, with the gap behind it.
 const ADVANCE: u32 = 6;
@@ -50,6 +51,7 @@ pub fn add_legend(picture: &mut Picture, options: &SceneOptions) {
         FloorColours::Values if options.map == ColourMap::Difference => {
             (options.map, "more after than before")
         }
+        FloorColours::Walls => (options.map, "left on the walls"),
         FloorColours::Values | FloorColours::Plain => return,
     };
     draw_legend(picture, map, options.range_mm, title, options.theme);
@@ -76,8 +78,9 @@ fn draw_legend(picture: &mut Picture, map: ColourMap, range: (f32, f32), title: 
         pen.fill(left + x, top + 11 * dot, 1, bar_height, colour);
     }
     let below = top + 11 * dot + bar_height + 3 * dot;
-    pen.text(left, below, &format!("{:.2}", range.0));
-    let high = format!("{:.2}+ mm", range.1);
+    let digits = if range.1 < 0.1 { 4 } else { 2 };
+    pen.text(left, below, &format!("{:.digits$}", range.0));
+    let high = format!("{:.digits$}+ mm", range.1);
     let width = high.chars().count() as u32 * ADVANCE * dot;
     pen.text((left + bar_width).saturating_sub(width), below, &high);
 }
@@ -140,7 +143,13 @@ mod tests {
 
     #[test]
     fn every_letter_of_the_titles_is_there() {
-        for title in ["stock on hub", "contact of the core", "more after than before", "0.50 4.00+ mm-"] {
+        for title in [
+            "stock on hub",
+            "contact of the core",
+            "more after than before",
+            "left on the walls",
+            "0.50 4.00+ mm-",
+        ] {
             for letter in title.chars().filter(|c| *c != ' ') {
                 assert!(LETTERS.iter().any(|(known, _)| *known == letter), "{letter:?} of {title:?}");
             }

@@ -4,7 +4,10 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use crate::mesh::grid_triangles;
+use super::camera::Ray;
+use crate::geometry::Point;
+use crate::mesh::{TriangleMesh, grid_triangles};
+use crate::palette::Rgb;
 
 /// One corner of a triangle. 32 bytes, matches `SurfaceIn` of `shaders/scene.wgsl`.
 #[repr(C)]
@@ -40,7 +43,7 @@ pub struct Segment {
     pub width: f32,
     /// End.
     pub b: [f32; 3],
-    /// Index into the table of line colours ([`LineColour`]).
+    /// Index into the table of line colours ([`LineColour`]), or a colour of its own ([`Segment::coloured`]).
     pub colour: u32,
 }
 
@@ -62,6 +65,26 @@ pub enum LineColour {
     Interferential = 5,
     /// Rim of the selected cutter.
     Selected = 6,
+    /// Rim of a cutter that is not judged yet.
+    Unjudged = 7,
+}
+
+impl Segment {
+    /// Marks a line in a colour of its own.
+    const OWN: u32 = 1 << 31;
+    /// Marks a line that lies on the part: the section plane cuts it too.
+    const ON_PART: u32 = 1 << 30;
+
+    /// A line in a colour of its own, as the shader unpacks it.
+    pub fn coloured(a: [f32; 3], b: [f32; 3], width: f32, colour: Rgb) -> Self {
+        let [r, g, blue] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
+        Self { a, width, b, colour: Self::OWN | blue << 16 | g << 8 | r }
+    }
+
+    /// The same line, cut by the section plane with the part it lies on.
+    pub fn on_part(self) -> Self {
+        Self { colour: self.colour | Self::ON_PART, ..self }
+    }
 }
 
 /// Points of a surface in rows and columns.
@@ -172,6 +195,21 @@ impl Mesh {
         Self { vertices, indices: quads(profile.len(), angles.len()) }
     }
 
+    /// Flat triangles with corners of their own, every `stride`-th of those given; `place` brings a corner to where it
+    /// is drawn.
+    pub fn flat(mesh: &TriangleMesh, stride: usize, place: impl Fn(&Point) -> Vec3) -> Self {
+        let mut flat = Self::default();
+        for t in mesh.triangles.iter().step_by(stride.max(1)) {
+            let [a, b, c] = t.map(|i| place(&mesh.points[i as usize]));
+            let normal = (b - a).cross(c - a).normalize_or_zero().to_array();
+            for p in [a, b, c] {
+                flat.indices.push(flat.vertices.len() as u32);
+                flat.vertices.push(Vertex { position: p.to_array(), value: 1.0, normal, uncut: 0.0 });
+            }
+        }
+        flat
+    }
+
     /// Adds the triangles of another mesh.
     pub fn append(&mut self, other: &Mesh) {
         let base = self.vertices.len() as u32;
@@ -184,11 +222,29 @@ impl Mesh {
         self.indices.len() / 3
     }
 
-    /// Distance along the ray to the nearest triangle in front of its start, mm, and the normal
-    /// there.
-    pub fn hit(&self, ray: &super::camera::Ray) -> Option<(f32, Vec3)> {
+    /// Where the ray meets the nearest triangle in front of its start.
+    pub fn hit(&self, ray: &Ray) -> Option<MeshHit> {
+        let mut nearest: Option<(Crossing, &[u32])> = None;
+        self.each_crossing(ray, |crossing, triangle| {
+            if nearest.is_none_or(|(n, _)| crossing.distance < n.distance) {
+                nearest = Some((crossing, triangle));
+            }
+        });
+        let (Crossing { distance, u, v }, triangle) = nearest?;
+        let [a, b, c] = [0, 1, 2].map(|k| self.vertices[triangle[k] as usize]);
+        let value = a.value + (b.value - a.value) * u + (c.value - a.value) * v;
+        Some(MeshHit { distance, normal: Vec3::from_array(a.normal), value })
+    }
+
+    /// How many triangles the ray crosses in front of its start.
+    pub fn crossings(&self, ray: &Ray) -> usize {
+        let mut count = 0;
+        self.each_crossing(ray, |_, _| count += 1);
+        count
+    }
+
+    fn each_crossing<'a>(&'a self, ray: &Ray, mut found: impl FnMut(Crossing, &'a [u32])) {
         let at = |i: u32| Vec3::from_array(self.vertices[i as usize].position);
-        let mut nearest: Option<(f32, u32)> = None;
         for triangle in self.indices.chunks_exact(3) {
             let a = at(triangle[0]);
             let (ab, ac) = (at(triangle[1]) - a, at(triangle[2]) - a);
@@ -202,13 +258,30 @@ impl Mesh {
             let q = t.cross(ab);
             let v = ray.direction.dot(q) / det;
             let distance = ac.dot(q) / det;
-            let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-            if inside && distance > 0.0 && nearest.is_none_or(|n| distance < n.0) {
-                nearest = Some((distance, triangle[0]));
+            if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 {
+                found(Crossing { distance, u, v }, triangle);
             }
         }
-        nearest.map(|(distance, i)| (distance, Vec3::from_array(self.vertices[i as usize].normal)))
     }
+}
+
+/// Where a ray meets a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshHit {
+    /// Distance along the ray, mm.
+    pub distance: f32,
+    /// Normal there.
+    pub normal: Vec3,
+    /// Value there, see [`Vertex::value`].
+    pub value: f32,
+}
+
+/// Where a ray crosses a triangle: distance along the ray, shares of the second and third corner.
+#[derive(Clone, Copy)]
+struct Crossing {
+    distance: f32,
+    u: f32,
+    v: f32,
 }
 
 /// Turns a point about Z.
@@ -263,7 +336,6 @@ pub fn thin(us: &[f64], curve: impl Fn(f64) -> Vec3, tolerance: f32) -> Vec<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::camera::Ray;
 
     fn cone() -> Mesh {
         let n = 0.5f32.sqrt();
@@ -277,9 +349,10 @@ mod tests {
         let mesh = cone();
         assert_eq!(mesh.triangles(), 180);
         let ray = Ray { origin: Vec3::new(7.5, 0.01, 100.0), direction: Vec3::NEG_Z };
-        let (distance, normal) = mesh.hit(&ray).expect("over the cone");
-        assert!((distance - 97.5).abs() < 0.02, "{distance}");
-        assert!(normal.z > 0.7, "{normal}");
+        let hit = mesh.hit(&ray).expect("over the cone");
+        assert!((hit.distance - 97.5).abs() < 0.02, "{hit:?}");
+        assert!(hit.normal.z > 0.7, "{hit:?}");
+        assert_eq!(mesh.crossings(&ray), 1);
         let beside = Ray { origin: Vec3::new(20.0, 0.0, 100.0), direction: Vec3::NEG_Z };
         assert_eq!(mesh.hit(&beside), None);
     }
@@ -296,6 +369,15 @@ mod tests {
                 assert!((n.length() - 1.0).abs() < 1e-5 && n.dot(up) > 0.9, "{n}");
             }
         }
+    }
+
+    #[test]
+    fn the_value_where_a_ray_meets_is_that_of_the_corners_about_it() {
+        let grid = PointGrid::sample(&even(4), &even(4), |u, v| Vec3::new(u as f32, v as f32, 0.0));
+        let mesh = grid.mesh(|_, _| Vec3::Z, |i, j| i as f32 - 10.0 * j as f32);
+        let ray = Ray { origin: Vec3::new(0.4, 0.15, 3.0), direction: Vec3::NEG_Z };
+        let hit = mesh.hit(&ray).expect("over the grid");
+        assert!((hit.value - (1.6 - 6.0)).abs() < 1e-4, "{hit:?}");
     }
 
     #[test]

@@ -87,6 +87,39 @@ impl PartMesh {
         Self::with_detail(part, &DRAFT)
     }
 
+    /// Triangles that are no part yet, by what they are taken for; the axis of rotation upright.
+    pub fn of_loose(hub: Mesh, blades: Mesh, shroud: Mesh) -> Self {
+        let corners = || [&hub, &blades, &shroud].into_iter().flat_map(|m| &m.vertices);
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for p in corners().map(|v| Vec3::from_array(v.position)) {
+            (low, high) = (low.min(p), high.max(p));
+        }
+        if corners().next().is_none() {
+            (low, high) = (Vec3::NEG_ONE, Vec3::ONE);
+        }
+        // Blades stand on the hub towards the inlet, which is to be seen.
+        let height = |mesh: &Mesh| {
+            mesh.vertices.iter().map(|v| v.position[2]).sum::<f32>() / mesh.vertices.len().max(1) as f32
+        };
+        let stand = blades.vertices.is_empty() || hub.vertices.is_empty() || height(&blades) >= height(&hub);
+        let up_sign = if stand { 1.0 } else { -1.0 };
+        let (center, radius) = ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3));
+        let whole = Frame { center, radius, from: Vec3::new(0.7, -0.7, 0.85 * up_sign).normalize() };
+        let stride = (corners().count() / 2000).max(1);
+        let outline: Vec<Vec3> = corners().step_by(stride).map(|v| Vec3::from_array(v.position)).collect();
+        let framing = Framing {
+            wheel: whole,
+            channel: whole,
+            sections: Vec::new(),
+            wheel_outline: outline.clone(),
+            channel_outline: outline,
+            up_sign,
+        };
+        let main = BladeMesh { closing: blades, turns: vec![0.0], ..BladeMesh::default() };
+        let (floor, splitters, edges) = (Mesh::default(), Vec::new(), Vec::new());
+        Self { hub, floor, floor_columns: 1, main, splitters, shroud, edges, framing }
+    }
+
     fn with_detail(part: &Impeller, detail: &Detail) -> Self {
         let channel = WallFeet::new(part);
         let up_sign = up_sign(part) as f32;

@@ -27,8 +27,18 @@ pub struct Pipelines {
     pub parity: [wgpu::RenderPipeline; 2],
     /// The section plane, where the stencil says material.
     pub cap: wgpu::RenderPipeline,
-    /// Surfaces and cutters into [`ID_FORMAT`]; with one sample only.
-    pub ids: Option<[wgpu::RenderPipeline; 2]>,
+    /// Into [`ID_FORMAT`]; with one sample only.
+    pub ids: Option<IdPipelines>,
+}
+
+/// What draws ids; everything but cutters only hides.
+#[derive(Debug)]
+pub struct IdPipelines {
+    pub surface: wgpu::RenderPipeline,
+    pub values: wgpu::RenderPipeline,
+    pub parity: [wgpu::RenderPipeline; 2],
+    pub cap: wgpu::RenderPipeline,
+    pub cutter: wgpu::RenderPipeline,
 }
 
 /// What a pipeline does with the stencil.
@@ -113,11 +123,23 @@ impl Pipelines {
             format: ID_FORMAT,
             ..stage(label, vertex, fragment, buffers, false)
         };
-        let ids = (samples == 1).then(|| {
-            [
-                build(&id("surface ids", "surface_vertex", "surface_id_fragment", &surfaces)),
-                build(&id("cutter ids", "cutter_vertex", "cutter_id_fragment", &cutters)),
-            ]
+        let parity = |label, format| {
+            let turned = |bit| Stage {
+                format,
+                stencil: Stencil::Turned(bit),
+                ..stage(label, "surface_vertex", "parity_fragment", &surfaces, false)
+            };
+            [1, 2].map(|bit| build(&turned(bit)))
+        };
+        let ids = (samples == 1).then(|| IdPipelines {
+            surface: build(&id("surface ids", "surface_vertex", "surface_id_fragment", &surfaces)),
+            values: build(&id("value ids", "floor_vertex", "values_id_fragment", &surfaces)),
+            parity: parity("parity of ids", ID_FORMAT),
+            cap: build(&Stage {
+                stencil: Stencil::Asked,
+                ..id("cap ids", "cap_vertex", "cap_id_fragment", &[])
+            }),
+            cutter: build(&id("cutter ids", "cutter_vertex", "cutter_id_fragment", &cutters)),
         });
         Self {
             ids,
@@ -136,10 +158,7 @@ impl Pipelines {
                 &cutters,
                 true,
             )),
-            parity: [1, 2].map(|bit| {
-                let parity = stage("parity", "surface_vertex", "parity_fragment", &surfaces, false);
-                build(&Stage { stencil: Stencil::Turned(bit), ..parity })
-            }),
+            parity: parity("parity", COLOUR_FORMAT),
             cap: build(&Stage {
                 stencil: Stencil::Asked,
                 ..stage("cap", "cap_vertex", "cap_fragment", &[], false)

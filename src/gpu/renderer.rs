@@ -124,6 +124,40 @@ fn surfaces(pass: &mut wgpu::RenderPass, wheel: &Wheel, wanted: &dyn Fn(Layer) -
     }
 }
 
+/// Draws surfaces with a value per corner.
+fn values(pass: &mut wgpu::RenderPass, wheel: &Wheel, mesh: &MeshBuffers) {
+    pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+    pass.set_vertex_buffer(1, wheel.instances.slice(..));
+    pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+    pass.draw_indexed(0..mesh.count, 0, 0..1);
+}
+
+/// Draws the section plane where it cuts material, if there is one.
+fn cap(
+    pass: &mut wgpu::RenderPass,
+    wheel: &Wheel,
+    options: &SceneOptions,
+    parity: &[wgpu::RenderPipeline; 2],
+    cap: &wgpu::RenderPipeline,
+) {
+    if options.section.is_none() {
+        return;
+    }
+    // Each kind of solid turns a bit of its own: feet of blades reach a little into the hub.
+    if options.show_hub {
+        pass.set_pipeline(&parity[0]);
+        surfaces(pass, wheel, &|layer| layer == Layer::Hub);
+    }
+    if options.show_blades {
+        pass.set_pipeline(&parity[1]);
+        let blade = |layer| matches!(layer, Layer::Blades | Layer::CutAway | Layer::Foot);
+        surfaces(pass, wheel, &blade);
+    }
+    pass.set_pipeline(cap);
+    pass.set_stencil_reference(0);
+    pass.draw(0..4, 0..1);
+}
+
 impl Renderer {
     /// Prepares a renderer on a device.
     pub fn new(gpu: &Gpu) -> Self {
@@ -234,7 +268,7 @@ impl Renderer {
         pass.set_pipeline(&pipelines.surface);
         surfaces(pass, wheel, &|layer| is_opaque(layer, options));
         let floor = scene.floor.as_ref().and_then(|f| match options.show_floor_colours {
-            FloorColours::Residual | FloorColours::Values => {
+            FloorColours::Residual | FloorColours::Values | FloorColours::Walls => {
                 Some(f.draft.as_ref().filter(|_| options.draft).unwrap_or(&f.residual))
             }
             FloorColours::Interference => f.contact.as_ref(),
@@ -242,26 +276,9 @@ impl Renderer {
         });
         if let Some(floor) = floor {
             pass.set_pipeline(&pipelines.floor);
-            pass.set_vertex_buffer(0, floor.vertices.slice(..));
-            pass.set_vertex_buffer(1, wheel.instances.slice(..));
-            pass.set_index_buffer(floor.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..floor.count, 0, 0..1);
+            values(pass, wheel, floor);
         }
-        if options.section.is_some() {
-            // Each kind of solid turns a bit of its own: feet of blades reach a little into the hub.
-            if options.show_hub {
-                pass.set_pipeline(&pipelines.parity[0]);
-                surfaces(pass, wheel, &|layer| layer == Layer::Hub);
-            }
-            if options.show_blades {
-                pass.set_pipeline(&pipelines.parity[1]);
-                let blade = |layer| matches!(layer, Layer::Blades | Layer::CutAway | Layer::Foot);
-                surfaces(pass, wheel, &blade);
-            }
-            pass.set_pipeline(&pipelines.cap);
-            pass.set_stencil_reference(0);
-            pass.draw(0..4, 0..1);
-        }
+        cap(pass, wheel, options, &pipelines.parity, &pipelines.cap);
         let unit = self.unit(options);
         let solid = 0..unit.solid;
         // Glass over glass is what costs most: in motion the bottoms stand for it.
@@ -274,7 +291,8 @@ impl Renderer {
             pass.set_vertex_buffer(0, wheel.edges.slice(..));
             pass.draw(0..6, 0..wheel.edge_count);
         }
-        if let Some((buffer, count)) = &scene.paths {
+        let borders = scene.borders.as_ref().filter(|_| options.show_borders);
+        for (buffer, count) in scene.paths.iter().chain(borders) {
             pass.set_vertex_buffer(0, buffer.slice(..));
             pass.draw(0..6, 0..*count);
         }
@@ -323,15 +341,26 @@ impl Renderer {
         let seen = seen.narrowed(pixel, size, pick::WINDOW as f32);
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&seen));
         self.stream_cutters(gpu, scene, camera, options);
-        let Some([surface, cutter]) = self.pipelines[0].as_ref().and_then(|p| p.ids.as_ref()) else {
+        let Some(ids) = self.pipelines[0].as_ref().and_then(|p| p.ids.as_ref()) else {
             return Ok(None);
         };
+        // Cutters of a plan in the making are no positions yet.
+        if scene.coming.is_some() {
+            return Ok(None);
+        }
         let target = &self.pick_target;
         let draw = |pass: &mut wgpu::RenderPass| {
+            let wheel = scene.wheel(options);
             pass.set_bind_group(0, &self.bind_group, &[]);
-            pass.set_pipeline(surface);
-            surfaces(pass, scene.wheel(options), &|layer| is_opaque(layer, options));
-            pass.set_pipeline(cutter);
+            pass.set_pipeline(&ids.surface);
+            surfaces(pass, wheel, &|layer| is_opaque(layer, options));
+            let walls = scene.floor.as_ref().filter(|_| options.show_floor_colours == FloorColours::Walls);
+            if let Some(walls) = walls {
+                pass.set_pipeline(&ids.values);
+                values(pass, wheel, &walls.residual);
+            }
+            cap(pass, wheel, options, &ids.parity, &ids.cap);
+            pass.set_pipeline(&ids.cutter);
             self.draw_cutters(pass, self.unit(options), 0..self.unit(options).mesh.count);
         };
         target.draw(gpu, draw);
@@ -347,14 +376,19 @@ impl Renderer {
 
     /// Chooses the cutters to draw and sorts them far to near, so that glass lies over glass.
     fn stream_cutters(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, options: &SceneOptions) {
-        let choice = options.cutter_choice();
+        let mut choice = options.cutter_choice();
+        if scene.coming.is_some() {
+            // Selection and timeline speak of the plan before.
+            (choice.at, choice.selected) = (None, None);
+        }
+        let cutters = scene.coming.as_ref().unwrap_or(&scene.cutters);
         let back = camera.basis().2;
         let mut lines: Vec<Segment> = Vec::new();
         let mut shown: Vec<(f32, CutterInstance)> = Vec::new();
-        let steps = if scene.cutters.len() > 300 { 16 } else { 32 };
-        for cutter in &scene.cutters {
+        let steps = if cutters.len() > 300 { 16 } else { 32 };
+        for cutter in cutters {
             let Some(instance) = choice.instance(cutter) else { continue };
-            let selected = options.selected == Some(instance.id as usize);
+            let selected = choice.selected == Some(instance.id as usize);
             let whole = instance.height >= cutter.instance.height;
             // In motion the rims of the few that matter are enough.
             if !options.draft || selected || whole {
@@ -369,7 +403,7 @@ impl Renderer {
             shown.push((Vec3::from_array(instance.tip).dot(back), instance));
         }
         if options.show_links {
-            cutters::links(&scene.cutters, options.at, &mut lines);
+            cutters::links(cutters, choice.at, &mut lines);
         }
         shown.sort_by(|a, b| a.0.total_cmp(&b.0));
         let instances: Vec<CutterInstance> = shown.into_iter().map(|s| s.1).collect();

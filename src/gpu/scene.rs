@@ -7,10 +7,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
 use super::camera::{Camera, Ray};
-use super::cutters::{self, Cutter, CutterChoice, CutterFilter};
+use super::cutters::{self, Cutter, CutterChoice, CutterFilter, CutterState};
 use super::device::Gpu;
 use super::floor;
-use super::mesh::{Mesh, Segment, turn};
+use super::mesh::{Mesh, MeshHit, Segment, turn};
 use super::part_mesh::{BladeMesh, PartMesh};
 use super::view::{Frame, Framing};
 use crate::palette::{ColourMap, Theme};
@@ -27,8 +27,10 @@ pub enum FloorColours {
     Residual,
     /// Depth of contact of the cores that end there.
     Interference,
-    /// Values of another kind, on floor or walls, set by [`Scene::set_values`].
+    /// Values of another kind on the floor, set by [`Scene::set_values`].
     Values,
+    /// What is left on the walls of the channel, set by [`Scene::set_values`]; they stand in place of the blades.
+    Walls,
     /// Nothing.
     Plain,
 }
@@ -73,6 +75,8 @@ pub struct SceneOptions {
     pub pixel_scale: f32,
     /// The part beyond this plane is left out.
     pub section: Option<SectionPlane>,
+    /// Borders between sections.
+    pub show_borders: bool,
     /// No background: the picture is transparent where nothing is.
     pub transparent: bool,
     /// Fast rather than fine: cutters with fewer facets.
@@ -121,6 +125,7 @@ impl Default for SceneOptions {
             cutter_stub: 0.15,
             pixel_scale: 1.0,
             section: None,
+            show_borders: false,
             transparent: false,
             draft: false,
         }
@@ -151,7 +156,9 @@ impl SceneOptions {
     pub fn showing(colours: FloorColours) -> Self {
         let show_cutters = match colours {
             FloorColours::Interference => CutterFilter::All,
-            FloorColours::Residual | FloorColours::Values | FloorColours::Plain => CutterFilter::Hidden,
+            FloorColours::Residual | FloorColours::Values | FloorColours::Walls | FloorColours::Plain => {
+                CutterFilter::Hidden
+            }
         };
         Self { show_floor_colours: colours, show_cutters, ..Self::default() }
     }
@@ -280,6 +287,20 @@ pub(super) struct FloorPart {
     mesh: Mesh,
 }
 
+/// A surface under the pointer.
+#[derive(Clone, Copy)]
+struct Surface {
+    /// Along the ray, mm.
+    distance: f32,
+    value: Option<f32>,
+    on_section: bool,
+}
+
+/// The ray turned back about Z: cheaper than turning a blade.
+fn turned_back(ray: &Ray, angle: f64) -> Ray {
+    Ray { origin: turn(ray.origin, -angle), direction: turn(ray.direction, -angle) }
+}
+
 /// One part with its plan, on the GPU.
 #[derive(Debug)]
 pub struct Scene {
@@ -288,8 +309,12 @@ pub struct Scene {
     draft: Option<Wheel>,
     /// Curves or moves of a flank plan.
     pub(super) paths: Option<(wgpu::Buffer, u32)>,
+    /// Borders between sections.
+    pub(super) borders: Option<(wgpu::Buffer, u32)>,
     pub(super) floor: Option<FloorPart>,
     pub(super) cutters: Vec<Cutter>,
+    /// Cutters of a plan in the making, drawn in place of the others and no positions to be picked.
+    pub(super) coming: Option<Vec<Cutter>>,
     framing: Framing,
 }
 
@@ -300,6 +325,10 @@ pub struct Pick {
     pub point: Vec3,
     /// Position whose cutter is under the pixel.
     pub position: Option<usize>,
+    /// Value there, where surfaces with values were met ([`FloorColours::Walls`]).
+    pub value: Option<f32>,
+    /// Whether it is material that the section plane cuts.
+    pub on_section: bool,
 }
 
 impl Scene {
@@ -312,7 +341,17 @@ impl Scene {
     pub fn from_mesh(gpu: &Gpu, part: Arc<PartMesh>) -> Self {
         let framing = part.framing.clone();
         let fine = Wheel::new(gpu, &part);
-        Self { fine, draft: None, paths: None, floor: None, cutters: Vec::new(), framing, part }
+        Self {
+            fine,
+            draft: None,
+            paths: None,
+            borders: None,
+            floor: None,
+            cutters: Vec::new(),
+            coming: None,
+            framing,
+            part,
+        }
     }
 
     /// With a coarser mesh of the same part for pictures in motion.
@@ -331,6 +370,17 @@ impl Scene {
         self.cutters = plan.map(cutters::cutters).unwrap_or_default();
         self.framing.sections = plan.map_or(0, |p| p.sections.len()).checked_sub(1).map_or(vec![], |last| {
             (0..=last).map(|k| section_frame(&self.cutters, k, &self.framing)).collect()
+        });
+    }
+
+    /// Shows the cutters of a plan in the making in place of the plan's; `judged`: whether contact is known of them.
+    pub fn set_coming(&mut self, plan: Option<&PlungePlan>, judged: bool) {
+        self.coming = plan.map(|plan| {
+            let mut coming = cutters::cutters(plan);
+            for cutter in coming.iter_mut().filter(|_| !judged) {
+                cutter.instance.state = CutterState::Unjudged as u32;
+            }
+            coming
         });
     }
 
@@ -374,6 +424,12 @@ impl Scene {
         self.paths = (!lines.is_empty()).then(buffer);
     }
 
+    /// Borders between sections, as lines; see [`SceneOptions::show_borders`].
+    pub fn set_borders(&mut self, gpu: &Gpu, lines: &[Segment]) {
+        let buffer = || (vertex_buffer(gpu, "borders", lines), lines.len() as u32);
+        self.borders = (!lines.is_empty()).then(buffer);
+    }
+
     /// What the standard views aim at.
     pub fn framing(&self) -> &Framing {
         &self.framing
@@ -387,51 +443,82 @@ impl Scene {
     /// What is under a pixel of a picture of `size`, if anything.
     pub fn pick(&self, camera: &Camera, options: &SceneOptions, pixel: Vec2, size: Vec2) -> Option<Pick> {
         let ray = camera.ray(pixel, size);
+        let surface = self.surface_under(&ray, options);
         let choice = options.cutter_choice();
-        let cutter = self
-            .cutters
-            .iter()
+        let shown = self.cutters.iter().filter(|_| self.coming.is_none());
+        let cutter = shown
             .filter_map(|c| choice.instance(c))
             .filter_map(|i| Some((cutters::hit(&i, &ray)?, i.id as usize)))
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        let mut surface = f32::INFINITY;
-        let kept = options.section.map_or(Some((0.0, f32::INFINITY)), |plane| plane.kept(&ray));
-        let (start, end) = kept.unwrap_or((f32::INFINITY, f32::INFINITY));
+        let at = |distance: f32| ray.origin + ray.direction * distance;
+        match cutter {
+            Some((distance, id)) if surface.is_none_or(|s| distance <= s.distance) => {
+                Some(Pick { point: at(distance), position: Some(id), value: None, on_section: false })
+            }
+            _ => surface.map(|s| Pick {
+                point: at(s.distance),
+                position: None,
+                value: s.value,
+                on_section: s.on_section,
+            }),
+        }
+    }
+
+    /// Nearest surface of the part as it is drawn, the section plane where it cuts material included.
+    fn surface_under(&self, whole: &Ray, options: &SceneOptions) -> Option<Surface> {
+        let kept = options.section.map_or(Some((0.0, f32::INFINITY)), |plane| plane.kept(whole));
+        let (start, end) = kept?;
         // The part is looked at from where the section plane lets the ray in.
-        let whole = ray;
-        let ray =
-            Ray { origin: ray.origin + ray.direction * if kept.is_some() { start } else { 0.0 }, ..ray };
-        let mut near = |hit: Option<(f32, Vec3)>| {
-            let distance = hit.map_or(f32::INFINITY, |h| start + h.0);
-            if distance <= end {
-                surface = surface.min(distance);
+        let ray = Ray { origin: whole.origin + whole.direction * start, ..*whole };
+        if start > 0.0 && self.is_inside(&ray, options) {
+            return Some(Surface { distance: start, value: None, on_section: true });
+        }
+        let mut nearest: Option<Surface> = None;
+        let mut near = |hit: Option<MeshHit>, has_value: bool| {
+            let Some(hit) = hit else { return };
+            let distance = start + hit.distance;
+            if distance <= end && nearest.is_none_or(|n| distance < n.distance) {
+                let value = has_value.then_some(hit.value);
+                nearest = Some(Surface { distance, value, on_section: false });
             }
         };
         if options.show_hub {
-            near(self.part.hub.hit(&ray));
+            near(self.part.hub.hit(&ray), false);
+        }
+        let walls = self.floor.as_ref().filter(|_| options.show_floor_colours == FloorColours::Walls);
+        if let Some(walls) = walls {
+            near(walls.mesh.hit(&ray), true);
         }
         let blades = self.blades().filter(|_| options.show_blades);
         for (blade, lit) in blades {
             for (k, &angle) in blade.turns.iter().enumerate() {
-                // Turning the ray back is cheaper than turning the blade.
-                let back = Ray { origin: turn(ray.origin, -angle), direction: turn(ray.direction, -angle) };
+                let back = turned_back(&ray, angle);
                 for (side, mesh) in [&blade.suction, &blade.pressure].into_iter().enumerate() {
                     if k >= lit || !options.cut_away {
-                        near(mesh.hit(&back));
+                        near(mesh.hit(&back), false);
                     } else if lit == 2 && side == k {
                         // Walls drawn as glass let the pointer through to what is behind.
-                        near(mesh.hit(&back).filter(|hit| hit.1.dot(back.direction) < 0.0));
+                        near(mesh.hit(&back).filter(|hit| hit.normal.dot(back.direction) < 0.0), false);
                     }
                 }
             }
         }
-        let at = |distance: f32| whole.origin + whole.direction * distance;
-        match cutter {
-            Some((distance, id)) if distance <= surface => {
-                Some(Pick { point: at(distance), position: Some(id) })
-            }
-            _ => surface.is_finite().then(|| Pick { point: at(surface), position: None }),
-        }
+        nearest
+    }
+
+    /// Whether a ray begins inside hub or blades that are shown: it crosses an odd number of their faces, which are
+    /// closed. As the renderer fills the section plane.
+    fn is_inside(&self, ray: &Ray, options: &SceneOptions) -> bool {
+        let odd = |count: usize| count % 2 == 1;
+        let in_blades = || {
+            let of = |blade: &BladeMesh| -> usize {
+                let faces = [&blade.suction, &blade.pressure, &blade.closing, &blade.foot];
+                let copies = blade.turns.iter().map(|&angle| turned_back(ray, angle));
+                copies.map(|back| faces.iter().map(|mesh| mesh.crossings(&back)).sum::<usize>()).sum()
+            };
+            self.blades().map(|(blade, _)| of(blade)).sum()
+        };
+        options.show_hub && odd(self.part.hub.crossings(ray)) || options.show_blades && odd(in_blades())
     }
 
     fn blades(&self) -> impl Iterator<Item = (&BladeMesh, usize)> {

@@ -24,7 +24,7 @@ pub struct FrameUniform {
     plane: [f32; 4],
     greys: [[f32; 4]; 9],
     lines: [[f32; 4]; 8],
-    states: [[f32; 4]; 4],
+    states: [[f32; 4]; 5],
     table: [[f32; 4]; TABLE_LEN],
 }
 
@@ -50,6 +50,7 @@ impl FrameUniform {
             (LineColour::Blocked, darker(palette::BLOCKED)),
             (LineColour::Interferential, darker(palette::INTERFERENTIAL)),
             (LineColour::Selected, darker(palette::SELECTED)),
+            (LineColour::Unjudged, darker(palette::UNJUDGED)),
         ] {
             lines[colour as usize] = rgb(value);
         }
@@ -77,7 +78,14 @@ impl FrameUniform {
             ]
             .map(rgb),
             lines,
-            states: [palette::SOUND, palette::BLOCKED, palette::INTERFERENTIAL, palette::SELECTED].map(rgb),
+            states: [
+                palette::SOUND,
+                palette::BLOCKED,
+                palette::INTERFERENTIAL,
+                palette::SELECTED,
+                palette::UNJUDGED,
+            ]
+            .map(rgb),
             table: map.table().map(|c| [c[0], c[1], c[2], 255].map(|x| f32::from(x) / 255.0)),
         }
     }

@@ -2,12 +2,14 @@
 //! cancel between.
 
 pub mod flank;
+pub mod stage;
 pub mod summary;
 pub mod worker;
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+pub use stage::{Listener, Stage};
 pub use summary::Summary;
 
 use rayon::prelude::*;
@@ -79,7 +81,7 @@ impl PlanOutcome {
 /// Why there is no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum JobError {
-    /// Cancelled; keep the last good result.
+    /// Cancelled, and there is nothing to show for it; keep the last good result.
     #[error("cancelled")]
     Cancelled,
     /// The part and the setup do not go together: what, and what to do.
@@ -122,60 +124,118 @@ pub struct PlanJob {
 }
 
 impl PlanJob {
-    /// Plans one channel.
+    /// Plans one channel. Once `monitor` is told to stop, the plan asked for is judged as far as it is found, see
+    /// [`PlungePlan::is_unfinished`]; others that are not finished are left out.
     ///
     /// # Errors
-    /// [`JobError::Cancelled`] soon after `monitor` is told so; [`JobError::Setup`] when part and setup
-    /// do not go together.
+    /// [`JobError::Cancelled`] soon after `monitor` is told so, or to stop where nothing was found yet;
+    /// [`JobError::Setup`] when part and setup do not go together.
     pub fn run(&self, request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
+        self.run_telling(request, monitor, Listener::default())
+    }
+
+    /// As [`Self::run`]; `listener` is told of every stage. The conventional plan, which takes least, is judged before
+    /// others begin.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_telling(
+        &self,
+        request: &PlanRequest,
+        monitor: &Monitor,
+        listener: Listener,
+    ) -> Result<PlanOutcome, JobError> {
         let part = &request.part;
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let known = last.take().filter(|(known, _)| Arc::ptr_eq(known, part)).map(|(_, known)| known);
         let mut known = known.unwrap_or_default();
-        let outcome = plan(request, &mut known, monitor);
+        let outcome = plan(request, &mut known, monitor, listener);
         *last = Some((part.clone(), known));
         outcome
     }
 }
 
-/// As [`PlanJob::run`], with what is `known`.
-fn plan(request: &PlanRequest, known: &mut Known, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
+/// As [`PlanJob::run_telling`], with what is `known`.
+fn plan(
+    request: &PlanRequest,
+    known: &mut Known,
+    monitor: &Monitor,
+    listener: Listener,
+) -> Result<PlanOutcome, JobError> {
     let started = std::time::Instant::now();
     let part = &request.part;
     let channel = Channel::of(part);
     let Resolved { setup, reasons } = resolve(&request.setup, part, &channel)?;
+    listener.tell(|| Stage::Resolved(setup.clone(), reasons.clone()));
     let planner = Planner::new(part, &channel, &setup);
-    monitor.report(0.05);
-    let measured = |plan: PlungePlan, grid: &FloorGrid| -> Result<PolicyResult, PlanError> {
-        monitor.check()?;
-        Ok(with_field(plan, grid))
+    // What every plan is judged beside and by is made even after a stop.
+    let closing = &monitor.closing();
+    let judged = |policy, known: &mut KnownSections, monitor: &Monitor| -> Result<PlungePlan, PlanError> {
+        let placed = planner.place(policy, known, monitor)?;
+        listener.tell(|| Stage::Placed(placed.plan().clone()));
+        let plan = planner.judge(placed, monitor)?;
+        listener.tell(|| Stage::Judged(plan.clone()));
+        Ok(plan)
     };
-    let mut known_of = |policy: AxisPolicy| known.remove(&policy).unwrap_or_default();
-    let mut known_conventional = known_of(AxisPolicy::Conventional);
-    // The conventional plan is ready long before others: meanwhile it is measured.
-    let conventional = || -> Result<(PolicyResult, FloorGrid), PlanError> {
-        let plan = planner.plan_knowing(AxisPolicy::Conventional, &mut known_conventional, monitor)?;
-        monitor.check()?;
+    let measured = |plan: PlungePlan, grid: &Arc<FloorGrid>| -> Result<PolicyResult, PlanError> {
+        closing.check()?;
+        let result = with_field(plan, grid);
+        listener.tell(|| Stage::Measured(Arc::clone(grid), result.clone()));
+        Ok(result)
+    };
+    // First of all, and on all processors, what is ready soonest.
+    let known_conventional = known.entry(AxisPolicy::Conventional).or_default();
+    let before = judged(AxisPolicy::Conventional, known_conventional, closing)?;
+    // The way to the others is the long one.
+    monitor.report(0.1);
+    let ready = OnceLock::new();
+    let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>), PlanError> {
         let cutters = stretches_of_setup(&setup);
         let (blank, stock) = (planner.blank(), &setup.stock);
         let source = FloorSource { part, channel: &channel, blank, stock, cutters: &cutters };
-        let grid = FloorGrid::new(&source, request.field_cells);
-        Ok((measured(plan, &grid)?, grid))
+        let grid = Arc::new(FloorGrid::new(&source, request.field_cells));
+        let result = measured(before, &grid)?;
+        // Nobody else sets it.
+        let _ = ready.set(Arc::clone(&grid));
+        Ok((result, grid))
     };
     let wanted = |policy: &&AxisPolicy| {
         **policy != AxisPolicy::Conventional && (request.compare || **policy == request.policy)
     };
-    let mut policies: Vec<(AxisPolicy, KnownSections)> =
-        AxisPolicy::ALL.iter().filter(wanted).map(|&policy| (policy, known_of(policy))).collect();
-    let asked = || -> Result<Vec<PlungePlan>, PlanError> {
-        policies.par_iter_mut().map(|(policy, known)| planner.plan_knowing(*policy, known, monitor)).collect()
+    let mut policies: Vec<(AxisPolicy, KnownSections)> = AxisPolicy::ALL
+        .iter()
+        .filter(wanted)
+        .map(|&policy| (policy, known.remove(&policy).unwrap_or_default()))
+        .collect();
+    // A plan that is there before the grid is measured at the end.
+    let asked = || -> Result<Vec<Result<PolicyResult, PlungePlan>>, PlanError> {
+        let asked = policies.par_iter_mut().map(|(policy, known)| {
+            let plan = judged(*policy, known, monitor);
+            let cancelled = matches!(plan, Err(PlanError::Cancelled(_)));
+            if *policy == request.policy {
+                if cancelled {
+                    // With nothing to judge nobody needs the rest.
+                    monitor.cancel();
+                }
+            } else if cancelled && monitor.is_stopped() || plan.as_ref().is_ok_and(PlungePlan::is_unfinished)
+            {
+                return Ok(None);
+            }
+            let plan = plan?;
+            Ok(Some(match ready.get() {
+                Some(grid) => Ok(measured(plan, grid)?),
+                None => Err(plan),
+            }))
+        });
+        asked.filter_map(Result::transpose).collect()
     };
     let (before, asked) = rayon::join(conventional, asked);
-    known.insert(AxisPolicy::Conventional, known_conventional);
     known.extend(policies);
     let ((before, grid), asked) = (before?, asked?);
-    let mut others =
-        asked.into_iter().map(|plan| measured(plan, &grid)).collect::<Result<Vec<PolicyResult>, _>>()?;
+    let mut others = asked
+        .into_iter()
+        .map(|plan| plan.or_else(|plan| measured(plan, &grid)))
+        .collect::<Result<Vec<PolicyResult>, _>>()?;
     let after = match others.iter().position(|result| result.plan.policy == request.policy) {
         Some(index) => others.remove(index),
         None => before.clone(),
@@ -189,16 +249,7 @@ fn plan(request: &PlanRequest, known: &mut Known, monitor: &Monitor) -> Result<P
     }
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    Ok(PlanOutcome {
-        part: part.clone(),
-        grid: Arc::new(grid),
-        before,
-        after,
-        others,
-        elapsed,
-        setup,
-        reasons,
-    })
+    Ok(PlanOutcome { part: part.clone(), grid, before, after, others, elapsed, setup, reasons })
 }
 
 /// Adds to a plan what it leaves on the hub.

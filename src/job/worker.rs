@@ -76,6 +76,11 @@ impl Ticket {
         self.monitor.progress()
     }
 
+    /// Whether it was asked to end with what it has found, and has not ended yet.
+    pub fn is_stopping(&self) -> bool {
+        self.status() == Status::Running && self.monitor.is_stopped()
+    }
+
     fn set(&self, status: Status) {
         self.status.store(status as u8, Ordering::Release);
     }
@@ -184,6 +189,27 @@ where
         (self.notify)();
     }
 
+    /// Asks what runs to end with what it has found: its end comes when that is made whole. What has not begun, or is asked
+    /// a second time, is cancelled.
+    pub fn stop(&self) {
+        {
+            let desk = self.shared.desk();
+            if let (None, Some(running)) = (&desk.next, &desk.running)
+                && !running.is_stopping()
+            {
+                running.monitor.stop();
+                return;
+            }
+        }
+        self.cancel();
+    }
+
+    /// Whether what runs was asked to end with what it has found.
+    pub fn is_stopping(&self) -> bool {
+        let desk = self.shared.desk();
+        desk.next.is_none() && desk.running.as_ref().is_some_and(Ticket::is_stopping)
+    }
+
     /// Progress 0…1 of what waits or runs; `None` when idle.
     pub fn progress(&self) -> Option<f64> {
         let desk = self.shared.desk();
@@ -273,7 +299,8 @@ mod tests {
     use std::sync::atomic::AtomicUsize;
     use std::time::{Duration, Instant};
 
-    /// Request `n`: 0 answers at once, 1 works until told to stop, 2 fails, 3 panics, 4 ignores cancel for a while.
+    /// Request `n`: 0 answers at once, 1 works until told to stop, 2 fails, 3 panics, 4 ignores cancel for a while, 5 works
+    /// until told to stop and has something then.
     fn fake(request: &u32, monitor: &Monitor) -> Result<u32, &'static str> {
         match request {
             1 => loop {
@@ -286,6 +313,17 @@ mod tests {
             4 => {
                 std::thread::sleep(Duration::from_millis(200));
                 Ok(4)
+            }
+            5 => {
+                while monitor.check().is_ok() {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                let slow = Instant::now();
+                while monitor.closing().check().is_ok() && slow.elapsed() < Duration::from_millis(100) {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                monitor.closing().check().map_err(|_| "stopped")?;
+                Ok(50)
             }
             n => Ok(*n),
         }
@@ -337,6 +375,35 @@ mod tests {
         worker.submit(7);
         let (_, end) = until(|| worker.take_end());
         assert!(matches!(end, End::Done(7)), "{end:?}");
+    }
+
+    #[test]
+    fn a_stopped_request_ends_with_what_it_has() {
+        let worker = Worker::new("test", fake, || ());
+        let running = |request: u32| {
+            let ticket = worker.submit(request);
+            until(|| (ticket.status() == Status::Running).then_some(()));
+            worker.stop();
+            ticket
+        };
+        let ticket = running(5);
+        assert!(worker.is_stopping() && ticket.is_stopping(), "on its way to an end");
+        let (_, end) = until(|| worker.take_end());
+        assert!(matches!(end, End::Done(50)), "{end:?}");
+        assert!(!worker.is_busy() && !worker.is_stopping(), "idle afterwards");
+        // A job that knows no such thing is cancelled.
+        running(1);
+        assert!(matches!(until(|| worker.take_end()).1, End::Failed("stopped")), "it has nothing");
+        // Asked twice, nobody wants what there is.
+        running(5);
+        worker.stop();
+        let (_, end) = worker.take_end().expect("the end is there at once");
+        assert!(matches!(end, End::Cancelled), "{end:?}");
+        // A newer request does not wait for the rest of an older one.
+        let stopped = running(5);
+        worker.submit(7);
+        assert_eq!(stopped.status(), Status::Superseded, "nobody wants what there is of it");
+        assert!(matches!(until(|| worker.take_end()).1, End::Done(7)), "the newest request's result");
     }
 
     #[test]

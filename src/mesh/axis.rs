@@ -8,7 +8,8 @@ use super::surface::Surface;
 use crate::geometry::{Point, Vector};
 
 /// An axis of the file's frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// Through the origin, along x.
     X,
@@ -18,16 +19,27 @@ pub enum Axis {
     Z,
 }
 
+impl Axis {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// The letter for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+        }
+    }
+}
+
 impl FromStr for Axis {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.to_lowercase().as_str() {
-            "x" => Ok(Self::X),
-            "y" => Ok(Self::Y),
-            "z" => Ok(Self::Z),
-            _ => Err(format!("`{text}` is no axis; give x, y or z")),
-        }
+        let lower = text.to_lowercase();
+        let known = Self::ALL.into_iter().find(|axis| axis.name() == lower);
+        known.ok_or_else(|| format!("`{text}` is no axis; give x, y or z"))
     }
 }
 

@@ -1,10 +1,10 @@
 //! From named meshes to the description of a part.
 
-use std::str::FromStr;
-
 use super::TriangleMesh;
 use super::axis::{Axis, Frame, found};
-use super::profile::{Course, Profile, flow_side};
+use super::fillets::between_fillets;
+use super::options::{MeshOptions, Unit, check_size};
+use super::profile::{Course, Profile, flow_side, middle};
 use super::roles::{NamedMesh, Role, assign, listed};
 use super::rows::{Rows, blades};
 use super::rulings::Rulings;
@@ -14,7 +14,7 @@ use super::sides::{Section, SideCurve};
 use super::surface::Surface;
 use super::tips::tip_curve;
 use crate::geometry::{Meridional, MeridionalCurve, Point};
-use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError};
+use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError, Rotation};
 
 /// Span sections of a blade.
 const SECTIONS: usize = 13;
@@ -24,62 +24,14 @@ const SECTION_POINTS: usize = 180;
 const INSET: f64 = 0.01;
 /// Largest distance of straight lines from a side that counts as made of them, mm.
 const STRAIGHT: f64 = 0.012;
-/// Diameters of impellers, mm.
-const DIAMETERS: std::ops::RangeInclusive<f64> = 3.0..=5000.0;
+/// Share of the channel's height that a blade has to reach over, free of fillets.
+const LEAST_HEIGHT: f64 = 0.2;
+/// Wrap of a blade from which on it tells the sense of rotation, rad.
+const CLEAR_WRAP: f64 = 0.1;
+/// Share of the area of hub or shroud that has to lie on its curve where fillets do not.
+pub(super) const MOSTLY: f64 = 0.5;
 /// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
 const TOLERANCE: (f64, f64) = (0.05, 1e-4);
-
-/// A unit of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// Millimetres.
-    Millimetre,
-    /// Centimetres.
-    Centimetre,
-    /// Metres.
-    Metre,
-    /// Inches.
-    Inch,
-}
-
-impl Unit {
-    /// Millimetres in it.
-    pub fn mm(self) -> f64 {
-        match self {
-            Self::Millimetre => 1.0,
-            Self::Centimetre => 10.0,
-            Self::Metre => 1000.0,
-            Self::Inch => 25.4,
-        }
-    }
-}
-
-impl FromStr for Unit {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.to_lowercase().as_str() {
-            "mm" => Ok(Self::Millimetre),
-            "cm" => Ok(Self::Centimetre),
-            "m" => Ok(Self::Metre),
-            "in" => Ok(Self::Inch),
-            _ => Err(format!("`{text}` is no unit; give mm, cm, m or in")),
-        }
-    }
-}
-
-/// What a user says about a mesh file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshOptions {
-    /// Roles by the name of a node; they come before what names tell.
-    pub roles: Vec<(String, Role)>,
-    /// Unit of the file's numbers, if it is not the format's own.
-    pub unit: Option<Unit>,
-    /// Axis of rotation in the file's frame; otherwise found from the hub.
-    pub axis: Option<Axis>,
-    /// Number of main blades, if the meshes do not tell.
-    pub blades: Option<usize>,
-}
 
 /// The part that `meshes` (in the file's frame, in `unit`) stand for. `name` becomes its name.
 ///
@@ -96,7 +48,7 @@ pub fn describe(
     let scale = options.unit.unwrap_or(unit).mm();
     let Sorted { mut hub, mut shroud, blades: mut blade_meshes, one } = sorted;
     let all = || std::iter::once(&hub).chain(&shroud).chain(blade_meshes.iter().map(|(_, m)| m));
-    check_size(all(), scale, unit, options)?;
+    check_size(all(), unit, options.unit)?;
     for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
         mesh.points.iter_mut().for_each(|p| *p *= scale);
     }
@@ -149,16 +101,22 @@ pub fn describe(
     };
     let curve = |profile: &Profile| MeridionalCurve::through(&profile.points);
     let band = Band::new(&curve(&hub_curve), &curve(&shroud_curve), &corners);
-    let main = blade(&main, &band, "main blade")?;
+    let main = sections(&main, &band, "main blade")?;
     let splitters =
-        splitters.iter().map(|s| blade(s, &band, "splitter")).collect::<Result<Vec<_>, PartError>>()?;
+        splitters.iter().map(|s| sections(s, &band, "splitter")).collect::<Result<Vec<_>, PartError>>()?;
+    let (rotation, note) = match options.rotation {
+        Some(rotation) => (rotation, None),
+        None => sense(&main, course.inlet_up()),
+    };
+    let leading_first = rotation.sign_about_z(course.inlet_up()) < 0.0;
     Ok(PartDescription {
         name: name.to_owned(),
         hub: CurveDescription::Points(hub_curve.points),
         shroud: CurveDescription::Points(shroud_curve.points),
         blade_count: rows.count,
-        main,
-        splitters,
+        main: blade(&main, leading_first),
+        splitters: splitters.iter().map(|s| blade(s, leading_first)).collect(),
+        notes: note.into_iter().collect(),
         hub_line: 0,
         shroud_line: 0,
         count_line: 0,
@@ -218,45 +176,6 @@ fn sorted(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted, Part
     Ok(sorted)
 }
 
-/// A wheel has a size that is possible.
-fn check_size<'a>(
-    meshes: impl Iterator<Item = &'a TriangleMesh>,
-    scale: f64,
-    unit: Unit,
-    options: &MeshOptions,
-) -> Result<(), PartError> {
-    let (mut low, mut high) = (Point::from([f64::INFINITY; 3]), Point::from([f64::NEG_INFINITY; 3]));
-    for p in meshes.flat_map(|m| &m.points) {
-        low = low.inf(p);
-        high = high.sup(p);
-    }
-    let across = (high - low).amax();
-    let size = across * scale;
-    if DIAMETERS.contains(&size) {
-        return Ok(());
-    }
-    let shown = if size >= 1e4 { format!("{:.4} m", size / 1e3) } else { format!("{size:.4} mm") };
-    let known = [(Unit::Millimetre, "mm"), (Unit::Inch, "in"), (Unit::Centimetre, "cm"), (Unit::Metre, "m")];
-    let fits = known
-        .iter()
-        .find(|(u, _)| Some(*u) != options.unit && *u != unit && DIAMETERS.contains(&(across * u.mm())));
-    let cure = match fits {
-        Some((Unit::Millimetre, _)) => {
-            format!("give --unit mm (it would be {across:.4} mm), or cm or in, whichever its numbers are")
-        }
-        Some((u, name)) => format!(
-            "give --unit {name} (it would be {:.4} mm), if that is what its numbers are",
-            across * u.mm()
-        ),
-        None => "scale the file to its true size".to_owned(),
-    };
-    Err(PartError::new(
-        0,
-        format!("the wheel would be {shown} across, which is no size of an impeller"),
-        cure,
-    ))
-}
-
 fn turned(
     surface: &Surface,
     course: &Course,
@@ -265,9 +184,15 @@ fn turned(
     tolerance: f64,
 ) -> Result<Profile, PartError> {
     let side = flow_side(surface, course, blades, name)?;
-    let profile = course.curve(&side).ok_or_else(|| {
+    let profile = course.curve(&side.corners).ok_or_else(|| {
         PartError::new(0, format!("the {name} has no extent"), format!("check which mesh is the {name}"))
     })?;
+    if profile.residual > tolerance
+        && let Some(bottom) = course.bottom(&side.corners, middle(blades), tolerance)
+        && bottom.share_of(surface, &side.triangles, tolerance) > MOSTLY
+    {
+        return Ok(bottom);
+    }
     judged(profile, name, tolerance)
 }
 
@@ -279,30 +204,35 @@ fn judged(profile: Profile, name: &str, tolerance: f64) -> Result<Profile, PartE
                 "the {name} is not a surface of revolution: {:.2} mm off at z = {:.1}, r = {:.1} mm",
                 profile.residual, profile.at.z, profile.at.r
             ),
-            format!(
-                "check which mesh is the {name}, the axis of rotation (--rotation-axis), and that it has no fillets"
-            ),
+            format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
         ));
     }
     Ok(profile)
 }
 
 /// Sections of a blade between hub and shroud.
-fn blade(surface: &Surface, band: &Band, name: &str) -> Result<BladeDescription, PartError> {
+fn sections(surface: &Surface, band: &Band, name: &str) -> Result<Vec<Section>, PartError> {
     let cutter = Cutter::new(surface, band);
     let (low, high) = cutter.reach(40);
     let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
-    if !(0.2..=1.0).contains(&(high - low)) {
+    if !(LEAST_HEIGHT..=1.0).contains(&(high - low)) {
         return Err(PartError::new(
             0,
             format!("the {name} does not reach from hub to shroud"),
             "check the roles of the meshes (--role NODE=hub, shroud or blade)",
         ));
     }
-    let mut sections = Vec::with_capacity(SECTIONS);
-    for k in 0..SECTIONS {
-        let height = low + (high - low) * k as f64 / (SECTIONS - 1) as f64;
-        let section = Section::of(&cutter.cut(height)).ok_or_else(|| {
+    let (low, high) = between_fillets(low, high, |height| Section::of(&cutter.cut(height)));
+    if high - low < LEAST_HEIGHT {
+        return Err(PartError::new(
+            0,
+            format!("the fillets of the {name} leave {:.0} % of its height", 100.0 * (high - low)),
+            "export the wheel without fillets",
+        ));
+    }
+    let at = |k: usize| low + (high - low) * k as f64 / (SECTIONS - 1) as f64;
+    let section = |height: f64| {
+        Section::of(&cutter.cut(height)).ok_or_else(|| {
             PartError::new(
                 0,
                 format!(
@@ -311,12 +241,29 @@ fn blade(surface: &Surface, band: &Band, name: &str) -> Result<BladeDescription,
                 ),
                 "close its gaps, or leave scraps out with --role NODE=ignore",
             )
-        })?;
-        sections.push(section);
-    }
-    let turn: f64 = sections.iter().flat_map(|s| &s.sides).map(|s| s.turn()).sum();
-    // The suction side lies on the side towards which the blade does not lean downstream.
-    let (suction, pressure) = if turn >= 0.0 { (0, 1) } else { (1, 0) };
+        })
+    };
+    (0..SECTIONS).map(|k| section(at(k))).collect()
+}
+
+/// The sense of rotation that a blade's wrap tells, and a word about it where the wrap is small.
+fn sense(sections: &[Section], inlet_up: bool) -> (Rotation, Option<String>) {
+    let sides = || sections.iter().flat_map(|s| &s.sides);
+    let wrap = sides().map(SideCurve::turn).sum::<f64>() / sides().count().max(1) as f64;
+    let rotation = Rotation::about_z(-wrap, inlet_up);
+    let note = (wrap.abs() < CLEAR_WRAP).then(|| {
+        format!(
+            "the blades wrap by {:.1}° only, which hardly tells the suction side: taken to turn {rotation}, seen from the inlet; if that is wrong, give --rotation {}",
+            wrap.abs().to_degrees(),
+            rotation.reversed().name()
+        )
+    });
+    (rotation, note)
+}
+
+/// The blade of `sections`; its pressure side, which leads, is the one at the smaller angles if `leading_first`.
+fn blade(sections: &[Section], leading_first: bool) -> BladeDescription {
+    let (suction, pressure) = if leading_first { (1, 0) } else { (0, 1) };
     let at = |k: usize| k as f64 / (SECTION_POINTS - 1) as f64;
     let side = |which: usize| -> Vec<Vec<Point>> {
         sections.iter().map(|s| (0..SECTION_POINTS).map(|k| s.sides[which].point(at(k))).collect()).collect()
@@ -327,15 +274,15 @@ fn blade(surface: &Surface, band: &Band, name: &str) -> Result<BladeDescription,
     };
     if let (Some(a), Some(b)) = (lines(suction), lines(pressure)) {
         let ends = |r: &Rulings, end: usize| (0..SECTION_POINTS).map(|k| r.ends(at(k))[end]).collect();
-        return Ok(BladeDescription::Sections {
+        return BladeDescription::Sections {
             suction: vec![ends(&a, 0), ends(&a, 1)],
             pressure: vec![ends(&b, 0), ends(&b, 1)],
             line: 0,
-        });
+        };
     }
     let (suction, mut pressure) = (side(suction), side(pressure));
     for (a, b) in suction.iter().zip(&mut pressure) {
         b[0] = a[0];
     }
-    Ok(BladeDescription::Sections { suction, pressure, line: 0 })
+    BladeDescription::Sections { suction, pressure, line: 0 }
 }

@@ -2,8 +2,12 @@
 
 pub mod axis;
 pub mod describe;
+mod fillets;
 mod fit;
+mod nearest;
+pub mod nodes;
 mod normals;
+pub mod options;
 mod profile;
 pub mod roles;
 mod rows;
@@ -16,7 +20,8 @@ mod surface;
 pub mod tessellate;
 mod tips;
 
-pub use describe::{MeshOptions, Unit, describe};
+pub use describe::describe;
+pub use options::{MeshOptions, Unit};
 pub use roles::{NamedMesh, Role};
 
 use crate::geometry::Point;

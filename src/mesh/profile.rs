@@ -1,8 +1,9 @@
 //! Hub and shroud out of triangles: the side that faces the flow, and the meridional curve through its corners.
 
 use super::fit::SmoothFunction;
+use super::nearest::Nearest;
 use super::surface::{NONE, Surface};
-use crate::geometry::{Meridional, norm2};
+use crate::geometry::{Meridional, MeridionalCurve, norm2};
 use crate::part::PartError;
 
 /// Largest turn between neighbouring triangles of one smooth side, as cosine.
@@ -13,8 +14,18 @@ const VOTES: f64 = 0.2;
 const VOTERS: usize = 1000;
 /// Most cubic pieces of a curve.
 const MOST_SPANS: usize = 160;
+/// Rounds in which what stands over a curve is taken away.
+const MOST_ROUNDS: usize = 40;
 /// Share of the circumference in a normal from which on a triangle is none of revolution.
 const LEAST_ACROSS: f64 = 0.35;
+
+/// The flow side of a hub or shroud.
+pub struct FlowSide {
+    /// Its corners.
+    pub corners: Vec<Meridional>,
+    /// Its triangles.
+    pub triangles: Vec<usize>,
+}
 
 /// A meridional curve and how well it meets its corners.
 #[derive(Clone, Debug)]
@@ -49,6 +60,11 @@ impl Course {
         Self { along, across: Meridional { r: -along.z, z: along.r } }
     }
 
+    /// Whether the inlet faces towards +Z.
+    pub fn inlet_up(&self) -> bool {
+        self.along.z <= 0.0
+    }
+
     /// How far along the course a point is, and how far beside it.
     pub fn of_point(&self, p: Meridional) -> (f64, f64) {
         (p.r * self.along.r + p.z * self.along.z, p.r * self.across.r + p.z * self.across.z)
@@ -58,9 +74,44 @@ impl Course {
         Meridional { r: x * self.along.r + y * self.across.r, z: x * self.along.z + y * self.across.z }
     }
 
+    /// The curve along that side of `points` which faces away from `above`. What stands over it by more than
+    /// `tolerance`, mm, takes no part, such as fillets at the feet of blades.
+    pub fn bottom(&self, points: &[Meridional], above: Meridional, tolerance: f64) -> Option<Profile> {
+        let sign = (self.of_point(above).1 - self.of_point(middle(points)).1).signum();
+        let mut kept = points.to_vec();
+        let mut near = f64::INFINITY;
+        for _ in 0..MOST_ROUNDS {
+            let profile = self.curve(&kept)?;
+            if profile.residual < tolerance {
+                return Some(profile);
+            }
+            let curve = SmoothFunction::fit(&self.pairs(&profile.points), (profile.points.len() / 2).max(1))?;
+            let over: Vec<f64> = kept
+                .iter()
+                .map(|p| {
+                    let (x, y) = self.of_point(*p);
+                    sign * (y - curve.at(x)) / norm2(1.0, curve.slope(x))
+                })
+                .collect();
+            let highest = over.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            near = (0.6 * highest.min(near)).max(0.5 * tolerance);
+            let before = kept.len();
+            let mut at = over.iter();
+            kept.retain(|_| at.next().is_some_and(|over| *over < near));
+            if kept.len() < 8 || (kept.len() == before && near <= 0.5 * tolerance) {
+                return None;
+            }
+        }
+        None
+    }
+
+    fn pairs(&self, points: &[Meridional]) -> Vec<(f64, f64)> {
+        points.iter().map(|p| self.of_point(*p)).collect()
+    }
+
     /// The curve through `points`, of which all count.
     pub fn curve(&self, points: &[Meridional]) -> Option<Profile> {
-        let pairs: Vec<(f64, f64)> = points.iter().map(|p| self.of_point(*p)).collect();
+        let pairs = self.pairs(points);
         let (low, high) = pairs
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
@@ -93,6 +144,33 @@ impl Course {
     }
 }
 
+/// Middle of points.
+pub fn middle(points: &[Meridional]) -> Meridional {
+    let sum = points.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
+    let count = points.len().max(1) as f64;
+    Meridional { r: sum.r / count, z: sum.z / count }
+}
+
+impl Profile {
+    /// Share of the area of `triangles` of a surface that lies on the curve within `tolerance`, mm.
+    pub fn share_of(&self, surface: &Surface, triangles: &[usize], tolerance: f64) -> f64 {
+        let curve = MeridionalCurve::through(&self.points);
+        let on = |i: u32| {
+            let corner = Meridional::of(&surface.points[i as usize]);
+            curve.project(corner).1.abs() < tolerance
+        };
+        let (mut on_curve, mut all) = (0.0, 0.0);
+        for &t in triangles {
+            let area = surface.area(t);
+            all += area;
+            if surface.triangles[t].iter().all(|i| on(*i)) {
+                on_curve += area;
+            }
+        }
+        on_curve / f64::max(all, 1e-300)
+    }
+}
+
 /// A triangle's normal in the meridional plane, and its share along the circumference.
 pub fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
     let (c, n) = (surface.centre(t), surface.normals[t]);
@@ -101,7 +179,7 @@ pub fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
     (Meridional { r: (n.x * c.x + n.y * c.y) / r, z: n.z }, across)
 }
 
-/// Corners of the flow side of a hub or shroud: the smooth piece nearest to the blades.
+/// The flow side of a hub or shroud: the smooth piece nearest to the blades.
 ///
 /// # Errors
 /// When there is no such side.
@@ -110,7 +188,7 @@ pub fn flow_side(
     course: &Course,
     blades: &[Meridional],
     name: &str,
-) -> Result<Vec<Meridional>, PartError> {
+) -> Result<FlowSide, PartError> {
     // Fillets and what else is not turned take no part.
     let turned: Vec<bool> =
         (0..surface.triangles.len()).map(|t| meridional_normal(surface, t).1.abs() < LEAST_ACROSS).collect();
@@ -139,10 +217,12 @@ pub fn flow_side(
     }
     let most = votes.iter().copied().max().unwrap_or(0);
     let chosen: Vec<bool> = votes.iter().map(|v| *v > 0 && *v as f64 >= VOTES * most as f64).collect();
+    let mut triangles = Vec::new();
     let mut used = vec![false; corners.len()];
     for (t, g) in group.iter().enumerate() {
         if *g != NONE && chosen[*g as usize] && turned[t] && follows(course, surface, t) {
             surface.triangles[t].iter().for_each(|i| used[*i as usize] = true);
+            triangles.push(t);
         }
     }
     let found: Vec<Meridional> =
@@ -154,7 +234,7 @@ pub fn flow_side(
             format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
         ));
     }
-    Ok(found)
+    Ok(FlowSide { corners: found, triangles })
 }
 
 /// Whether a triangle runs with the course, not back along a rim or a bore.
@@ -163,87 +243,4 @@ fn follows(course: &Course, surface: &Surface, t: usize) -> bool {
     let across = n.r * course.across.r + n.z * course.across.z;
     // 0.2: a curve may turn a little beyond along the axis or away from it.
     across.abs() > 0.2
-}
-
-/// Nearest of many points of the meridional plane, by cells.
-struct Nearest<'a> {
-    points: &'a [Meridional],
-    low: Meridional,
-    cell: f64,
-    columns: usize,
-    rows: usize,
-    /// First entry of each cell, and the entries.
-    starts: Vec<u32>,
-    entries: Vec<u32>,
-}
-
-impl<'a> Nearest<'a> {
-    fn of(points: &'a [Meridional]) -> Self {
-        let (mut low, mut high) = (
-            Meridional { r: f64::INFINITY, z: f64::INFINITY },
-            Meridional { r: f64::NEG_INFINITY, z: f64::NEG_INFINITY },
-        );
-        for p in points {
-            low = Meridional { r: low.r.min(p.r), z: low.z.min(p.z) };
-            high = Meridional { r: high.r.max(p.r), z: high.z.max(p.z) };
-        }
-        let cell = ((high.r - low.r).max(high.z - low.z) / 256.0).max(1e-6);
-        let columns = ((high.r - low.r) / cell).max(0.0) as usize + 1;
-        let rows = ((high.z - low.z) / cell).max(0.0) as usize + 1;
-        let (columns, rows) = (columns.min(1024), rows.min(1024));
-        let mut nearest = Self { points, low, cell, columns, rows, starts: Vec::new(), entries: Vec::new() };
-        let mut counts = vec![0_u32; columns * rows + 1];
-        let cells: Vec<usize> = points.iter().map(|p| nearest.cell_of(*p)).collect();
-        cells.iter().for_each(|c| counts[c + 1] += 1);
-        for c in 1..counts.len() {
-            counts[c] += counts[c - 1];
-        }
-        nearest.starts = counts.clone();
-        nearest.entries = vec![0; points.len()];
-        for (i, c) in cells.iter().enumerate() {
-            nearest.entries[counts[*c] as usize] = i as u32;
-            counts[*c] += 1;
-        }
-        nearest
-    }
-
-    fn place(&self, p: Meridional) -> (usize, usize) {
-        let at = |x: f64, most: usize| ((x / self.cell).max(0.0) as usize).min(most - 1);
-        (at(p.r - self.low.r, self.columns), at(p.z - self.low.z, self.rows))
-    }
-
-    fn cell_of(&self, p: Meridional) -> usize {
-        let (i, j) = self.place(p);
-        i * self.rows + j
-    }
-
-    /// Number of the nearest point, searched in growing rings of cells.
-    fn nearest(&self, p: Meridional) -> Option<u32> {
-        let (ci, cj) = self.place(p);
-        let mut best: Option<(f64, u32)> = None;
-        for ring in 0..self.columns.max(self.rows) {
-            let (i0, i1) = (ci.saturating_sub(ring), (ci + ring).min(self.columns - 1));
-            let (j0, j1) = (cj.saturating_sub(ring), (cj + ring).min(self.rows - 1));
-            let rows = (i0..=i1).flat_map(|i| {
-                // Of the rows within the ring, only both ends are on it.
-                let whole = i.abs_diff(ci) == ring;
-                let ends = [cj.checked_sub(ring), (cj + ring < self.rows).then_some(cj + ring)];
-                let all = if whole { j0..j1 + 1 } else { 0..0 };
-                let two = if whole { [None, None] } else { ends };
-                all.chain(two.into_iter().flatten()).map(move |j| i * self.rows + j)
-            });
-            for cell in rows {
-                for &k in &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
-                    let d = self.points[k as usize].distance(p);
-                    if best.is_none_or(|(least, _)| d < least) {
-                        best = Some((d, k));
-                    }
-                }
-            }
-            if best.is_some_and(|(d, _)| d <= ring as f64 * self.cell) {
-                break;
-            }
-        }
-        best.map(|(_, k)| k)
-    }
 }

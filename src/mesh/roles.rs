@@ -6,7 +6,8 @@ use super::TriangleMesh;
 use crate::part::PartError;
 
 /// What a mesh is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Role {
     /// Body of the wheel: its flow side counts, whatever else it has.
     Hub,
@@ -17,6 +18,7 @@ pub enum Role {
     /// Splitter blades.
     Splitter,
     /// Nothing of the impeller.
+    #[serde(rename = "ignore")]
     Ignored,
 }
 
@@ -117,12 +119,15 @@ pub fn guessed(mesh: &NamedMesh) -> Option<Role> {
     role_named(&mesh.name).or_else(|| mesh.other_names.iter().find_map(|name| role_named(name)))
 }
 
-/// Roles of all meshes: as `given` by node name (case does not matter), else as guessed.
+/// Roles of all meshes: as `given` by node name (case does not matter) or by `#` and the node's number, else as guessed.
 ///
 /// # Errors
 /// When a name given is that of no mesh.
 pub fn assign(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Vec<Option<Role>>, PartError> {
     let is = |mesh: &NamedMesh, name: &str| {
+        if let Some(number) = name.strip_prefix('#').and_then(|number| number.parse::<usize>().ok()) {
+            return mesh.node == number;
+        }
         let name = name.to_lowercase();
         std::iter::once(&mesh.name).chain(&mesh.other_names).any(|n| n.to_lowercase() == name)
     };

@@ -1,7 +1,8 @@
 //! A wheel in one mesh taken apart: what is turned and meets the blades is the hub, what stands on it the blades.
 
 use super::TriangleMesh;
-use super::profile::{Course, meridional_normal};
+use super::describe::MOSTLY;
+use super::profile::{Course, meridional_normal, middle};
 use super::surface::{NONE, Surface, pieces};
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
@@ -12,6 +13,8 @@ const TURNED: f64 = 0.1;
 const SMOOTH: f64 = 0.9;
 /// Distance from the hub's curve within which a corner is on the hub: mm, and share of the size.
 const ON_HUB: (f64, f64) = (0.02, 2e-4);
+/// Weight (area times border) of a cover, at least, as share of the hub's or the other way round.
+const COVER: f64 = 0.05;
 /// Share of the largest blade's area below which a piece is a scrap.
 const SCRAP: f64 = 0.05;
 
@@ -19,14 +22,18 @@ const SCRAP: f64 = 0.05;
 pub struct Segments {
     /// The hub, or its flow side.
     pub hub: Surface,
-    /// The shroud, where it is a piece of its own.
+    /// The shroud, where it is a piece of its own, or the cover.
     pub shroud: Option<TriangleMesh>,
     /// Single blades.
     pub blades: Vec<TriangleMesh>,
 }
 
-/// Of pieces that do not hang together, those that are turned are hub and shroud, the others blades.
-fn loose(wheel: &Surface) -> Option<Segments> {
+/// Of pieces that do not hang together, those that are turned are hub and shroud, the others blades. `None`: they do
+/// hang together.
+///
+/// # Errors
+/// The number of turned pieces, if they are more than two.
+fn loose(wheel: &Surface) -> Result<Option<Segments>, usize> {
     let mesh = TriangleMesh { points: wheel.points.clone(), triangles: wheel.triangles.clone() };
     let (mut round, mut blades) = (Vec::new(), Vec::new());
     for piece in pieces(&mesh) {
@@ -38,23 +45,34 @@ fn loose(wheel: &Surface) -> Option<Segments> {
         }
         if across < TURNED * area { round.push(surface) } else { blades.push(piece) }
     }
+    if blades.len() < 2 {
+        return Ok(None);
+    }
+    if round.len() > 2 {
+        return Err(round.len());
+    }
     // The hub is nearest to the axis.
     let inner = |s: &Surface| s.points.iter().map(|p| Meridional::of(p).r).fold(f64::INFINITY, f64::min);
     round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));
     let mut round = round.into_iter();
-    let hub = round.next()?;
+    let Some(hub) = round.next() else { return Ok(None) };
     let shroud = round.next().map(|s| TriangleMesh { points: s.points, triangles: s.triangles });
-    (blades.len() > 1 && round.next().is_none()).then_some(Segments { hub, shroud, blades })
+    Ok(Some(Segments { hub, shroud, blades }))
 }
 
-/// Hub and blades of a wheel in one mesh, about Z.
+/// A turned face of a wheel: hub or cover.
+struct Face {
+    /// Heights of all corners of the wheel over it, towards the blades.
+    heights: Vec<f64>,
+    /// Least radius of its corners.
+    inner: f64,
+}
+
+/// Hub, blades and, if there is one, cover of a wheel in one mesh, about Z.
 ///
 /// # Errors
-/// When no turned face carries blades; says what to separate.
+/// When no turned face carries blades, or they hang together; says what to separate.
 pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
-    if let Some(segments) = loose(wheel) {
-        return Ok(segments);
-    }
     let unclear = |why: &str| {
         PartError::new(
             0,
@@ -62,55 +80,80 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
             "export hub and blades as meshes of their own, or name them with --role NODE=hub and NODE=blade",
         )
     };
+    match loose(wheel) {
+        Ok(Some(segments)) => return Ok(segments),
+        Ok(None) => {}
+        Err(count) => return Err(unclear(&format!("it holds {count} turned bodies"))),
+    }
     let turned: Vec<bool> =
         (0..wheel.triangles.len()).map(|t| meridional_normal(wheel, t).1.abs() < TURNED).collect();
-    let (face, count) =
+    let (group, count) =
         wheel.groups(|a, b| turned[a] && turned[b] && wheel.normals[a].dot(&wheel.normals[b]) > SMOOTH);
-    // The hub is the large turned face that meets what is not turned along the longest border.
+    // Hub and cover are the large turned faces that meet what is not turned along the longest borders.
     let (mut areas, mut borders) = (vec![0.0; count], vec![0.0; count]);
-    for t in (0..face.len()).filter(|&t| turned[t]) {
-        areas[face[t] as usize] += wheel.area(t);
+    for t in (0..group.len()).filter(|&t| turned[t]) {
+        areas[group[t] as usize] += wheel.area(t);
         for (k, &n) in wheel.neighbours[t].iter().enumerate() {
             if n != NONE && !turned[n as usize] {
                 let corners = wheel.triangles[t];
                 let (a, b) = (corners[k] as usize, corners[(k + 1) % 3] as usize);
-                borders[face[t] as usize] += (wheel.points[b] - wheel.points[a]).norm();
+                borders[group[t] as usize] += (wheel.points[b] - wheel.points[a]).norm();
             }
         }
     }
-    let hub = (0..count)
-        .max_by(|&a, &b| (areas[a] * borders[a]).total_cmp(&(areas[b] * borders[b])))
-        .filter(|&f| areas[f] * borders[f] > 0.0)
-        .ok_or_else(|| unclear("no face of it is turned about the axis and carries blades"))?;
+    let weight = |f: usize| areas[f] * borders[f];
+    let mut carrying: Vec<usize> = (0..count).filter(|&f| weight(f) > 0.0).collect();
+    carrying.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
+    carrying.truncate(2);
+    let heaviest = carrying.first().map_or(0.0, |&f| weight(f));
+    carrying.retain(|&f| weight(f) > COVER * heaviest);
+    if carrying.is_empty() {
+        return Err(unclear("no face of it is turned about the axis and carries blades"));
+    }
 
     let size = wheel.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     let tolerance = ON_HUB.0.max(ON_HUB.1 * size);
     let corners: Vec<Meridional> = wheel.points.iter().map(Meridional::of).collect();
     let of = |keep: &dyn Fn(usize) -> bool| -> Vec<Meridional> {
         let mut used = vec![false; corners.len()];
-        for t in (0..face.len()).filter(|&t| keep(t)) {
+        for t in (0..group.len()).filter(|&t| keep(t)) {
             wheel.triangles[t].iter().for_each(|i| used[*i as usize] = true);
         }
         corners.iter().zip(used).filter(|(_, used)| *used).map(|(p, _)| *p).collect()
     };
     let standing = of(&|t| !turned[t]);
-    let course = Course::of(&standing);
-    let profile = course
-        .curve(&of(&|t| turned[t] && face[t] as usize == hub))
-        .filter(|p| p.residual < tolerance)
-        .ok_or_else(|| {
-            unclear("no turned face runs from inlet to outlet, as where fillets join it to the blades")
-        })?;
-    let middle =
-        standing.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
-    let number = standing.len().max(1) as f64;
-    let curve = MeridionalCurve::through(&profile.points)
-        .facing(Meridional { r: middle.r / number, z: middle.z / number });
-    let heights: Vec<f64> = corners.iter().map(|p| curve.project(*p).1).collect();
-    let any =
-        |t: usize, is: &dyn Fn(f64) -> bool| wheel.triangles[t].iter().any(|i| is(heights[*i as usize]));
-    let below = |t: usize| any(t, &|h| h < -tolerance);
-    let blade = |t: usize| !below(t) && any(t, &|h| h > tolerance);
+    let (course, middle) = (Course::of(&standing), middle(&standing));
+    let face = |number: usize| -> Option<Face> {
+        let own = |t: usize| turned[t] && group[t] as usize == number;
+        let points = of(&own);
+        let triangles: Vec<usize> = (0..group.len()).filter(|&t| own(t)).collect();
+        // Fillets lead smoothly from it up to the noses of the blades.
+        let profile = course
+            .curve(&points)
+            .filter(|p| p.residual < tolerance)
+            .or_else(|| course.bottom(&points, middle, tolerance))
+            .filter(|p| p.share_of(wheel, &triangles, tolerance) > MOSTLY)?;
+        let curve = MeridionalCurve::through(&profile.points).facing(middle);
+        let heights = corners.iter().map(|p| curve.project(*p).1).collect();
+        let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
+        Some(Face { heights, inner })
+    };
+    let mut faces: Vec<Face> = carrying.into_iter().filter_map(face).collect();
+    // The hub is nearer to the axis.
+    faces.sort_by(|a, b| a.inner.total_cmp(&b.inner));
+    let mut faces = faces.into_iter();
+    let Some(hub) = faces.next() else {
+        return Err(unclear("no turned face runs from inlet to outlet between the blades"));
+    };
+    let cover = faces.next();
+
+    let any = |face: &Face, t: usize, is: &dyn Fn(f64) -> bool| {
+        wheel.triangles[t].iter().any(|i| is(face.heights[*i as usize]))
+    };
+    let below = |face: &Face, t: usize| any(face, t, &|h| h < -tolerance);
+    let stands = |face: &Face, t: usize| !below(face, t) && any(face, t, &|h| h > tolerance);
+    let lies = |face: &Face, t: usize| !below(face, t) && !any(face, t, &|h| h > tolerance);
+    let blade = |t: usize| stands(&hub, t) && cover.as_ref().is_none_or(|cover| stands(cover, t));
 
     let blades = pieces(&mesh_of(wheel, &blade));
     let area = |mesh: &TriangleMesh| {
@@ -122,9 +165,10 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
     let blades: Vec<TriangleMesh> =
         measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, m)| m).collect();
     if blades.len() < 2 {
-        return Err(unclear("what stands on its hub hangs together, as where a cover joins the blades"));
+        return Err(unclear("what stands on its hub hangs together"));
     }
-    Ok(Segments { hub: wheel.part(|t| !below(t) && !blade(t)), shroud: None, blades })
+    let shroud = cover.map(|cover| mesh_of(wheel, &|t| lies(&cover, t)));
+    Ok(Segments { hub: wheel.part(|t| lies(&hub, t)), shroud, blades })
 }
 
 fn mesh_of(wheel: &Surface, keep: &dyn Fn(usize) -> bool) -> TriangleMesh {

@@ -77,6 +77,8 @@ pub struct PartDescription {
     pub shroud_line: usize,
     /// See `hub_line`.
     pub count_line: usize,
+    /// What the file left open and how it was taken, one line each, for the user to confirm.
+    pub notes: Vec<String>,
 }
 
 /// Why a description is no impeller; the caller adds the file name.
@@ -95,5 +97,52 @@ impl PartError {
     /// A fault at `line` (0: none).
     pub fn new(line: usize, what: impl Into<String>, cure: impl Into<String>) -> Self {
         Self { line, what: what.into(), cure: cure.into() }
+    }
+}
+
+impl CurveDescription {
+    fn scaled(&self, factor: f64) -> Self {
+        let all = |points: &[Meridional]| {
+            points.iter().map(|p| Meridional { r: factor * p.r, z: factor * p.z }).collect()
+        };
+        match self {
+            Self::Points(points) => Self::Points(all(points)),
+            Self::BSpline { control, degree, knots } => {
+                Self::BSpline { control: all(control), degree: *degree, knots: knots.clone() }
+            }
+        }
+    }
+}
+
+impl BladeDescription {
+    fn scaled(&self, factor: f64) -> Self {
+        let side = |sections: &[Vec<Point>]| {
+            sections.iter().map(|points| points.iter().map(|p| p * factor).collect()).collect()
+        };
+        match self {
+            Self::Sections { suction, pressure, line } => {
+                Self::Sections { suction: side(suction), pressure: side(pressure), line: *line }
+            }
+            Self::Camber { spans, line } => {
+                let span = |span: &CamberSpan| CamberSpan {
+                    thickness: span.thickness.iter().map(|&(at, mm)| (at, factor * mm)).collect(),
+                    ..span.clone()
+                };
+                Self::Camber { spans: spans.iter().map(span).collect(), line: *line }
+            }
+        }
+    }
+}
+
+impl PartDescription {
+    /// The same part, `factor` times as large.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            hub: self.hub.scaled(factor),
+            shroud: self.shroud.scaled(factor),
+            main: self.main.scaled(factor),
+            splitters: self.splitters.iter().map(|blade| blade.scaled(factor)).collect(),
+            ..self.clone()
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::blade::{Blade, RawBlade, blade_line};
 use super::description::{PartDescription, PartError};
 use super::flowpath::{Flowpath, check_channel, curve, face};
+use super::rotation::Rotation;
 use super::side::BladeSide;
 use crate::geometry::{Meridional, wrap_angle};
 
@@ -23,6 +24,8 @@ pub struct Impeller {
     pub main: Blade,
     /// Splitters of one pitch, turned into channel 1.
     pub splitters: Vec<Blade>,
+    /// What its file left open and how it was taken, one line each.
+    pub notes: Vec<String>,
     pitch: f64,
 }
 
@@ -84,8 +87,16 @@ impl Impeller {
                 s.blade.rotated(-ahead.floor() * pitch)
             })
             .collect();
-        let part =
-            Self { name: d.name.clone(), blade_count: d.blade_count, hub, shroud, main, splitters, pitch };
+        let part = Self {
+            name: d.name.clone(),
+            blade_count: d.blade_count,
+            hub,
+            shroud,
+            main,
+            splitters,
+            notes: d.notes.clone(),
+            pitch,
+        };
         part.check_passages(blade_line(&d.main))?;
         Ok(part)
     }
@@ -98,8 +109,16 @@ impl Impeller {
 
     /// Direction of the axis of rotation that points out of the inlet, away from the back of the wheel.
     pub fn out_of_inlet(&self) -> crate::geometry::Vector {
-        let inwards = self.hub.point(0.0).z >= self.hub.point(1.0).z;
-        crate::geometry::Vector::z() * if inwards { 1.0 } else { -1.0 }
+        crate::geometry::Vector::z() * if self.inlet_up() { 1.0 } else { -1.0 }
+    }
+
+    fn inlet_up(&self) -> bool {
+        self.hub.point(0.0).z >= self.hub.point(1.0).z
+    }
+
+    /// The sense in which the wheel turns when its pressure sides lead.
+    pub fn rotation(&self) -> Rotation {
+        Rotation::about_z(-self.pitch, self.inlet_up())
     }
 
     /// Outer radius, mm.

@@ -77,6 +77,9 @@ pub struct SectionSetup {
     pub to: f64,
     /// Direction of the rows; absent: inward.
     pub feed: Option<Feed>,
+    /// Whether it cuts only where the sections before it left a thick layer, single plunges instead of rows. Only `minimal`
+    /// does; the other policies leave such a section out.
+    pub rest: bool,
 }
 
 /// `[plunge]`.
@@ -94,6 +97,9 @@ pub struct PlungeSetup {
     pub max_axis_change: f64,
     /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
     pub max_tilt: f64,
+    /// Whether sections that are chosen get smaller cutters after them for what they leave beside leaning walls
+    /// ([`SectionSetup::rest`]).
+    pub rest: bool,
     /// Sections, outlet → inlet; empty: chosen from the tools, for the least time.
     pub sections: Vec<SectionSetup>,
 }
@@ -213,6 +219,7 @@ impl Default for Setup {
                 wall_scallop: 0.6,
                 max_axis_change: 5f64.to_radians(),
                 max_tilt: 45f64.to_radians(),
+                rest: true,
                 sections: Vec::new(),
             },
             flank: FlankSetup {

@@ -60,34 +60,35 @@ fn same_axis(a: &Station, b: &Station) -> bool {
 /// What was cut before the next position of a row: earlier sections and the row so far.
 struct Known<'e> {
     earlier: &'e Columns,
-    columns: Columns,
+    row: Columns,
     blank: &'e Blank,
     top: &'e BlankTop<'e>,
 }
 
 impl<'e> Known<'e> {
     fn new(earlier: &'e Columns, blank: &'e Blank, top: &'e BlankTop<'e>) -> Self {
-        Self { earlier, columns: earlier.clone(), blank, top }
+        Self { earlier, row: Columns::default(), blank, top }
     }
 
     /// Forgets the row.
     fn forget(&mut self) {
-        self.columns.truncate(self.earlier.len());
+        self.row = Columns::default();
     }
 
     /// Whether the last of `stations` interferes; remembers it as cut.
     fn interferes(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         let Some(last) = stations.last() else { return false };
         let column = Column::new(maker.cutter(last), maker.tool.core_radius(), self.top);
-        let interferes = core_interferes(&column, self.columns.all(), self.blank);
-        self.columns.push(column);
+        let before = self.earlier.all().near(&column).chain(self.row.all().near(&column));
+        let interferes = core_interferes(&column, before, self.blank);
+        self.row.push(column);
         interferes
     }
 
     /// Whether the last of `stations`, the first of which is free, is free as well; remembers it as cut.
     fn cut_freely(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         if let [first] = stations {
-            self.columns.push(Column::new(maker.cutter(first), maker.tool.core_radius(), self.top));
+            self.row.push(Column::new(maker.cutter(first), maker.tool.core_radius(), self.top));
             return true;
         }
         !self.interferes(maker, stations)
@@ -212,7 +213,7 @@ impl Planner<'_> {
                 *moved = first.moved();
             }
             let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
-            if !core_interferes(&column, attempts.earlier.all(), &self.blank) {
+            if !core_interferes(&column, attempts.earlier.all().near(&column), &self.blank) {
                 return Some(Start { s, first, free: true });
             }
             unmoved = unmoved.or(Some(Start { s, first, free: false }));

@@ -16,7 +16,7 @@ use super::row::Station;
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many, tool_of};
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::setup::{AxisPolicy, Feed};
+use crate::part::setup::{AxisPolicy, Feed, SectionSetup};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 
 /// Times a plunge is lifted before its contact is left to the verdict.
@@ -57,6 +57,20 @@ struct Placed {
     blade_clearance: f64,
     /// How far it stops short of the allowance, mm.
     lift: f64,
+}
+
+/// A plan whose cutters stand where they go; nothing is known yet of their contact with stock, and of their retracts.
+#[derive(Debug)]
+pub struct PlacedPlan {
+    plan: PlungePlan,
+    last: Option<Arc<SectionCut>>,
+}
+
+impl PlacedPlan {
+    /// The plan as far as it goes: contact reads as none, retract points as the tips.
+    pub fn plan(&self) -> &PlungePlan {
+        &self.plan
+    }
 }
 
 /// One row, planned.
@@ -134,6 +148,24 @@ pub(super) struct SectionCut {
     pub added: Option<(usize, Stopped)>,
 }
 
+impl SectionCut {
+    /// Nothing of a section that comes after the plunges of `columns`.
+    pub fn empty(feed: Feed, columns: Columns) -> Self {
+        Self { feed, rows: Vec::new(), columns, added: None }
+    }
+
+    /// As [`Self::empty`], of a section that nothing was found of before planning was cancelled.
+    fn unbegun(section: &SectionSetup, columns: Columns) -> Self {
+        let feed = section.feed.unwrap_or(Feed::Inward);
+        Self { added: Some((0, Stopped::Cancelled)), ..Self::empty(feed, columns) }
+    }
+
+    /// Whether planning was cancelled before the section was finished.
+    pub fn is_unfinished(&self) -> bool {
+        matches!(self.added, Some((_, Stopped::Cancelled)))
+    }
+}
+
 impl<'a> Planner<'a> {
     /// For `part` with its `channel` and a `setup` that [`super::sections::resolve`] has completed.
     pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
@@ -154,11 +186,12 @@ impl<'a> Planner<'a> {
         &self.blank
     }
 
-    /// Plans one channel by `policy`.
+    /// Plans one channel by `policy`. Once the monitor asks to stop, the plan is what was found until then, measured: all
+    /// sections that are finished, and what there is of the one that is not.
     ///
     /// # Errors
-    /// [`PlanError::Cancelled`] soon after the monitor asks for it, [`PlanError::Setup`] when a cutter
-    /// does not fit where it shall work.
+    /// [`PlanError::Cancelled`] soon after the monitor asks for it, or to stop where nothing was found yet;
+    /// [`PlanError::Setup`] when a cutter does not fit where it shall work.
     pub fn plan(&self, policy: AxisPolicy, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
         self.plan_knowing(policy, &mut KnownSections::default(), monitor)
     }
@@ -175,16 +208,19 @@ impl<'a> Planner<'a> {
         monitor: &Monitor,
     ) -> Result<PlungePlan, PlanError> {
         // A plan hands out work in many small pieces: each would be a change of thread for one that is not of the pool.
-        rayon::scope(|_| self.planned(policy, known, monitor))
+        rayon::scope(|_| self.judge(self.place(policy, known, monitor)?, monitor))
     }
 
-    /// [`Self::plan_knowing`] by a thread of the pool.
-    fn planned(
+    /// The first half of [`Self::plan_knowing`]: positions, axes and depths.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn place(
         &self,
         policy: AxisPolicy,
         known: &mut KnownSections,
         monitor: &Monitor,
-    ) -> Result<PlungePlan, PlanError> {
+    ) -> Result<PlacedPlan, PlanError> {
         let mut plan = PlungePlan {
             policy,
             sections: Vec::new(),
@@ -197,7 +233,6 @@ impl<'a> Planner<'a> {
         known.keep_for(self.setup)?;
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
-            monitor.check()?;
             monitor.report(0.8 * index as f64 / sections.len() as f64);
             let tool = tool_of(self.setup, section.tool)?;
             let place = SetupPlace::Section { index, tool: tool.number };
@@ -208,7 +243,10 @@ impl<'a> Planner<'a> {
                     other => other,
                 })
             };
-            let cut = known.get_or_make(index, self.setup, make)?;
+            let cut = match last.as_ref().filter(|last| last.is_unfinished()) {
+                Some(last) => Arc::new(SectionCut::unbegun(section, last.columns.clone())),
+                None => known.get_or_make(index, self.setup, make)?,
+            };
             let planned: usize = cut.rows.iter().map(|row| row.placed.len()).sum();
             self.check_count(plan.positions.len() + planned, tool, place)?;
             plan.sections.push(SectionPlan {
@@ -217,6 +255,7 @@ impl<'a> Planner<'a> {
                 to: section.to,
                 feed: cut.feed,
                 rows: cut.rows.len(),
+                rest: section.rest,
                 added: cut.added,
             });
             for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
@@ -238,7 +277,21 @@ impl<'a> Planner<'a> {
             }
             last = Some(cut);
         }
+        if plan.positions.is_empty() && plan.is_unfinished() {
+            return Err(Cancelled.into());
+        }
         monitor.report(0.85);
+        Ok(PlacedPlan { plan, last })
+    }
+
+    /// The second half of [`Self::plan_knowing`]: contact of the cores, retract points and links. What was found is judged
+    /// whether it is all or not: only a cancel counts.
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`] soon after the monitor asks for it.
+    pub fn judge(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
+        let PlacedPlan { mut plan, last } = placed;
+        let monitor = &monitor.closing();
         if let Some(cut) = last {
             self.measure(&mut plan, &cut.columns, monitor)?;
         }
@@ -361,20 +414,29 @@ impl<'a> Planner<'a> {
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let grounds = self.grounds[index].as_ref().map_err(PlanError::clone)?;
-        if policy == AxisPolicy::Minimal {
-            return self.minimal_section(index, grounds, &columns, monitor);
+        let section = &self.setup.plunge.sections[index];
+        match (policy, section.rest) {
+            (AxisPolicy::Minimal, false) => {
+                return self.minimal_section(index, grounds, &columns, monitor);
+            }
+            (AxisPolicy::Minimal, true) => return self.rest_section(index, grounds, columns, monitor),
+            (_, true) => return Ok(SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns)),
+            (_, false) => {}
         }
         let (axes, most_lift) = match policy {
             AxisPolicy::Staircase => (AxisPolicy::Conventional, Some(1.0)),
             other => (other, None),
         };
-        let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
-        let rows = self.section_rows(index, grounds, axes, &columns, monitor)?;
-        let feed = section.feed.unwrap_or(Feed::Inward);
-        let mut cut = SectionCut { feed, rows: Vec::with_capacity(rows.len()), columns, added: None };
+        let rows = match self.section_rows(index, grounds, axes, &columns, monitor) {
+            Err(PlanError::Cancelled(_)) if monitor.is_stopped() => {
+                return Ok(SectionCut::unbegun(section, columns));
+            }
+            rows => rows?,
+        };
+        let mut cut = SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns);
         for row in rows {
-            cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, monitor)?);
+            cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, &monitor.closing())?);
         }
         Ok(cut)
     }

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::choice::rest::thick_after;
 use super::cycle::SectionCut;
 use super::sections::{SetupFault, tool_of};
 use crate::part::setup::{AxisPolicy, PlungeSetup, SectionSetup, Stock};
@@ -16,6 +17,8 @@ struct Input {
     section: SectionSetup,
     plunge: PlungeSetup,
     machine: Machine,
+    /// Layer that is left to a smaller cutter, mm.
+    rest_from: Option<f64>,
 }
 
 impl Input {
@@ -30,9 +33,11 @@ impl Input {
             plunge: PlungeSetup {
                 axis: AxisPolicy::Conventional,
                 sections: Vec::new(),
+                rest: false,
                 ..setup.plunge.clone()
             },
             machine: setup.machine.clone(),
+            rest_from: thick_after(setup, index)?,
         })
     }
 }
@@ -57,8 +62,8 @@ impl KnownSections {
         Ok(self.sections.len())
     }
 
-    /// Section `index` of a plan by `setup`, if it is known; else what `make` makes of the section before. The sections before must be
-    /// known.
+    /// Section `index` of a plan by `setup`, if it is known; else what `make` makes of the section before, which is remembered
+    /// when it is finished. The sections before must be known.
     ///
     /// # Errors
     /// Those of `make`, and when the section has no tool.
@@ -72,7 +77,9 @@ impl KnownSections {
             return Ok(Arc::clone(cut));
         }
         let cut = Arc::new(make(self.sections.last().map(|(_, cut)| cut.as_ref()))?);
-        self.sections.push((Input::of(setup, index)?, Arc::clone(&cut)));
+        if !cut.is_unfinished() {
+            self.sections.push((Input::of(setup, index)?, Arc::clone(&cut)));
+        }
         Ok(cut)
     }
 

@@ -33,6 +33,6 @@ pub mod sections;
 pub mod slotting;
 pub mod survey;
 
-pub use cycle::{PlanError, Planner};
+pub use cycle::{PlacedPlan, PlanError, Planner};
 pub use known::KnownSections;
 pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan, Stopped};

@@ -45,7 +45,7 @@ impl Condition {
     }
 }
 
-/// Why `minimal` added no more plunges to a section.
+/// Why no more plunges were planned in a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stopped {
@@ -55,6 +55,10 @@ pub enum Stopped {
     ShareReached,
     /// The whole plan has as many positions as one may have for more to be added.
     PlanFull,
+    /// What is left is for the smaller cutter that comes after.
+    SmallerCutter,
+    /// Planning was cancelled: what there is of the section is the best so far.
+    Cancelled,
 }
 
 impl Stopped {
@@ -64,6 +68,8 @@ impl Stopped {
             Self::NothingWorthwhile => "nothing_worthwhile",
             Self::ShareReached => "share_reached",
             Self::PlanFull => "plan_full",
+            Self::SmallerCutter => "smaller_cutter",
+            Self::Cancelled => "cancelled",
         }
     }
 
@@ -73,6 +79,8 @@ impl Stopped {
             Self::NothingWorthwhile => "no other would take enough",
             Self::ShareReached => "as many as a section may get",
             Self::PlanFull => "the plan is too long for more",
+            Self::SmallerCutter => "the rest is for a smaller cutter",
+            Self::Cancelled => "cancelled: the best so far",
         }
     }
 }
@@ -211,8 +219,18 @@ pub struct SectionPlan {
     pub feed: Feed,
     /// Number of rows.
     pub rows: usize,
-    /// Plunges that were added to those of the rows, and why no more; `None` by policies that add none.
+    /// Whether it cuts only what the sections before it left thick.
+    pub rest: bool,
+    /// Plunges that were added to those of the rows, and why no more; `None` by policies that add none, unless they were
+    /// cancelled.
     pub added: Option<(usize, Stopped)>,
+}
+
+impl SectionPlan {
+    /// Whether it is part of the program: one for the rest may turn out to have nothing to cut.
+    pub fn is_cut(&self) -> bool {
+        !self.rest || self.rows > 0
+    }
 }
 
 /// A plunge plan of one channel.
@@ -230,4 +248,11 @@ pub struct PlungePlan {
     pub rounds: usize,
     /// Whether the loop came to rest.
     pub settled: bool,
+}
+
+impl PlungePlan {
+    /// Whether planning was cancelled before this plan was finished: it is sound, but leaves more than it would have.
+    pub fn is_unfinished(&self) -> bool {
+        self.sections.iter().any(|s| matches!(s.added, Some((_, Stopped::Cancelled))))
+    }
 }

@@ -1,8 +1,8 @@
 //! Which cutter works where: sections given by the setup, or a sensible choice.
 
-use super::choice::choose;
 use super::choice::fit::cylinders;
 use super::choice::search::SHORTEST;
+use super::choice::{choose, choose_rest};
 use super::survey::Survey;
 use crate::part::setup::{PlungeSetup, SectionSetup};
 use crate::part::{Channel, Impeller, Setup, Tool};
@@ -55,8 +55,8 @@ impl SetupFault {
     }
 }
 
-/// Most positions a plan of one channel may have: ten times what the smallest cutters for a wheel need.
-pub const MAX_POSITIONS: usize = 20_000;
+/// Most positions a plan of one channel may have: it takes about a gigabyte while it is made.
+pub const MAX_POSITIONS: usize = 200_000;
 
 /// A setup with everything filled in that it left open.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +91,12 @@ pub fn resolve(
     if setup.plunge.sections.is_empty() {
         survey.try_cylinders(part, channel, &setup.stock, &cylinders(&resolved.tools));
         let limit = (!given).then(|| largest_diameter(setup, part, &survey));
-        for chosen in choose(&resolved.tools, limit, &survey, setup) {
+        let mut chosen = choose(&resolved.tools, limit, &survey, setup);
+        if setup.plunge.rest {
+            let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
+            chosen.extend(choose_rest(&sections, &resolved.tools, &survey, &setup.stock));
+        }
+        for chosen in chosen {
             resolved.plunge.sections.push(chosen.section);
             reasons.push(Some(chosen.reason));
         }
@@ -206,7 +211,7 @@ fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), Set
     let mut total = 0.0;
     // Where the limit is passed.
     let mut beyond = None;
-    for (index, section) in plunge.sections.iter().enumerate() {
+    for (index, section) in plunge.sections.iter().enumerate().filter(|(_, section)| !section.rest) {
         let tool = tool_of(setup, section.tool)?;
         let length = (section.from - section.to) * part.hub.length().max(part.shroud.length());
         let stations = &survey.stations[survey.covered(section.from, section.to)];

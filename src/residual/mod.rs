@@ -43,15 +43,16 @@ pub fn cutters_of(plan: &PlungePlan) -> Vec<FieldCutter> {
         .collect()
 }
 
-/// Which cutters a setup lets work where; of a resolved setup, all of them.
+/// Which cutters a setup lets work where; of a resolved setup, all of them. Those that cut the rest do not count: the floor
+/// to be cut is what the rows reach.
 pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
     let radius = |number: u32| setup.tools.iter().find(|tool| tool.number == number).map(Tool::radius);
     let stretch = |s: &SectionSetup| Some(CutterStretch { from: s.from, to: s.to, radius: radius(s.tool)? });
-    setup.plunge.sections.iter().filter_map(stretch).collect()
+    setup.plunge.sections.iter().filter(|section| !section.rest).filter_map(stretch).collect()
 }
 
-/// Which cutters work where in a plan.
+/// Which cutters work where in a plan; see [`stretches_of_setup`].
 pub fn stretches_of(plan: &PlungePlan) -> Vec<CutterStretch> {
     let stretch = |s: &SectionPlan| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
-    plan.sections.iter().map(stretch).collect()
+    plan.sections.iter().filter(|section| !section.rest).map(stretch).collect()
 }

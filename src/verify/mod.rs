@@ -12,6 +12,7 @@ pub use plunges::{Cut, cuts_of};
 
 use crate::formats::apt::ClProgram;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
+use crate::part::setup::Stock;
 use crate::part::{AxisPolicy, Feed, Tool};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::clearance::FinishedPart;
@@ -106,39 +107,27 @@ pub fn verify(
     for (k, (cut, &(contact, hub, blade, retract))) in cuts.iter().zip(&measured).enumerate() {
         let here = turned(&cut.cutter, -part.pitch() * turns[k] as f64);
         let s = part.hub.s_at(part.hub.curve().project(Meridional::of(&here.tip)).0);
-        let mut fault = |bad: bool, what: String| {
-            if bad {
-                faults.push(Fault { line: cut.line, what });
-            }
-        };
-        fault(
-            hub < setup.stock.hub_allowance - PROGRAM_TOLERANCE,
-            format!("comes {:.4} mm near the hub; the allowance is {} mm", hub, setup.stock.hub_allowance),
-        );
-        fault(
-            blade < setup.stock.blade_allowance - PROGRAM_TOLERANCE,
-            format!(
-                "comes {:.4} mm near a blade; the allowance is {} mm",
-                blade, setup.stock.blade_allowance
-            ),
-        );
-        fault(
-            retract < setup.stock.safety_distance - 1e-3,
-            format!(
-                "moves in rapid {retract:.3} mm from the blank; the safety distance is {} mm",
-                setup.stock.safety_distance
-            ),
-        );
-        let beyond = beyond_machine(part, setup, &here.axis);
-        fault(beyond.is_some(), beyond.unwrap_or_default());
-        fault(
-            contact.interferes(),
-            format!(
-                "interferes: the core meets stock up to {:.3} mm above its bottom, over {:.0} % of its area",
-                contact.depth,
-                100.0 * contact.area_share
-            ),
-        );
+        let Stock { hub_allowance, blade_allowance, safety_distance, .. } = setup.stock;
+        let found = [
+            (hub < hub_allowance - PROGRAM_TOLERANCE)
+                .then(|| format!("comes {hub:.4} mm near the hub; the allowance is {hub_allowance} mm")),
+            (blade < blade_allowance - PROGRAM_TOLERANCE)
+                .then(|| format!("comes {blade:.4} mm near a blade; the allowance is {blade_allowance} mm")),
+            (retract < safety_distance - 1e-3).then(|| {
+                format!(
+                    "moves in rapid {retract:.3} mm from the blank; the safety distance is {safety_distance} mm"
+                )
+            }),
+            beyond_machine(part, setup, &here.axis),
+            contact.interferes().then(|| {
+                format!(
+                    "interferes: the core meets stock up to {:.3} mm above its bottom, over {:.0} % of its area",
+                    contact.depth,
+                    100.0 * contact.area_share
+                )
+            }),
+        ];
+        faults.extend(found.into_iter().flatten().map(|what| Fault { line: cut.line, what }));
         plan.positions.push(Position {
             tip: here.tip,
             axis: here.axis,
@@ -210,6 +199,7 @@ fn sections_of(part: &Impeller, cuts: &[Cut]) -> Vec<SectionPlan> {
                 to: ours.iter().map(s).fold(1.0, f64::min),
                 feed: if last <= first { Feed::Inward } else { Feed::Outward },
                 rows: ours.iter().map(|c| c.row + 1).max().unwrap_or(0),
+                rest: false,
                 added: None,
             })
         })

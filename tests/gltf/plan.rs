@@ -56,6 +56,7 @@ fn plan() -> PlungePlan {
         to: 0.0,
         feed: Feed::Inward,
         rows: 1,
+        rest: false,
         added: None,
     };
     PlungePlan {

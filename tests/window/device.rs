@@ -5,6 +5,7 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
 use vanecut::app::App;
 use vanecut::app::dialogs::Purpose;
+use vanecut::app::handover::WayOut;
 use vanecut::formats::project_file::read_project;
 
 use crate::fake;
@@ -92,4 +93,53 @@ fn a_device_that_is_lost_leaves_the_work_intact_and_says_so() {
     again.state_mut().open_path(path);
     settle(&mut again);
     assert_eq!(again.state().state().document.edited.setup.plunge.step, Some(4.0), "all of it was saved");
+}
+
+#[test]
+fn a_window_whose_device_is_lost_closes_and_the_next_one_is_as_it_was() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let drawn_on = create_render_state(vulkan(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
+    let device = drawn_on.device.clone();
+    let (to_app, way_out) = (engine.clone(), WayOut::default());
+    let mut lost = sample_in(
+        egui_kittest::Harness::builder()
+            .with_size([900.0, 600.0])
+            .renderer(WgpuTestRenderer::from_render_state(drawn_on))
+            .build_eframe(|cc| App::with_engine(cc, to_app)),
+    );
+    lost.state_mut().set_home(folder.path().join("home"));
+    lost.state_mut().leave_by(way_out.clone());
+    lost.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);
+    lost.run_steps(6);
+    settle(&mut lost);
+    lost.get_by_label("Position 3").click();
+    lost.run_steps(8);
+    let camera = lost.state().camera();
+    device.destroy();
+    device.poll(wgpu::PollType::wait_indefinitely()).expect("polls");
+    lost.step();
+    let commands = &lost.output().viewport_output[&egui::ViewportId::ROOT].commands;
+    assert!(commands.contains(&egui::ViewportCommand::Close), "the window closes: {commands:?}");
+    assert_eq!(lost.output().shapes.len(), 0, "nothing is drawn on a device that is gone");
+    let left = way_out.take().expect("everything is left");
+    assert!(left.reason().contains("device lost"), "{}", left.reason());
+    drop(lost);
+
+    let mut again = egui_kittest::Harness::builder()
+        .with_size([900.0, 600.0])
+        .wgpu_setup(vulkan())
+        .build_eframe(move |cc| App::resumed(cc, engine, left));
+    again.run_steps(4);
+    let said = again.state().state().problems[0].what.clone();
+    assert!(said.contains("The graphics device was lost"), "{said}");
+    again.get_by_label(&said);
+    again.get_by_label("3D view");
+    let state = again.state().state();
+    assert_eq!(state.document.edited.setup.plunge.step, Some(5.0));
+    assert!(state.document.is_unsaved() && state.document.can_undo());
+    assert_eq!((state.look.selected, state.position_count()), (Some(2), 64), "plan and selection");
+    assert_eq!(again.state().camera(), camera, "the view");
+    let copies = std::fs::read_dir(folder.path().join("home/recovery")).expect("a folder").flatten();
+    assert_eq!(copies.count(), 1, "and the copy that survives anything is there");
 }

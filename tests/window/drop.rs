@@ -23,7 +23,8 @@ impl egui::DroppedFile for OnDisk {
     }
 }
 
-fn drop_on(window: &mut Window, paths: &[&Path]) {
+/// Drops files on a window, and waits until what follows is done.
+pub fn drop_on(window: &mut Window, paths: &[&Path]) {
     let files = paths.iter().map(|path| Arc::new(OnDisk(path.to_path_buf())) as egui::DroppedFileHandle);
     window.input_mut().dropped_files = files.collect();
     window.step();

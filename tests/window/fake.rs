@@ -6,34 +6,46 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use vanecut::app::engine::Engine;
 use vanecut::geometry::Vector;
-use vanecut::job::{JobError, PlanOutcome, PlanRequest, PolicyResult, Summary};
+use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, Summary};
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::{Channel, Passage};
 use vanecut::part::setup::{Feed, SectionSetup};
 use vanecut::part::{AxisPolicy, Impeller, Tool};
 use vanecut::plunge::sections::SetupFault;
-use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan};
+use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan, Stopped};
 use vanecut::residual::{FloorGrid, ResidualField};
 
 /// Faults of the conventional plan at the tools' own step.
 pub const FAULTS: usize = 5;
 
-/// While set, the planner works on without end, until it is told to stop.
+/// While set, the planner works on without end, until it is told to stop; it has half a plan then.
 pub type Slow = Arc<AtomicBool>;
 
 /// The real samples under the stand-in.
 pub fn engine() -> (Engine, Slow) {
     let slow = Slow::default();
     let stalls = Arc::clone(&slow);
-    let plan = move |request: &PlanRequest, monitor: &Monitor| {
+    let plan = move |request: &PlanRequest, monitor: &Monitor, _: Listener| {
         while stalls.load(Ordering::SeqCst) {
             monitor.report(0.4);
+            if monitor.is_stopped() {
+                return Ok(unfinished(plan(request)?));
+            }
             monitor.check().map_err(|_| JobError::Cancelled)?;
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
         plan(request)
     };
     (Engine { plan: Arc::new(plan), ..Engine::default() }, slow)
+}
+
+/// The first row alone, as when the planner was stopped after it.
+fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
+    let plan = &mut outcome.after.plan;
+    plan.positions.retain(|position| position.row == 0);
+    plan.sections[0].rows = 1;
+    plan.sections[0].added = Some((0, Stopped::Cancelled));
+    outcome
 }
 
 fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
@@ -67,7 +79,8 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     };
     let mut setup = request.setup.clone();
     setup.tools = vec![tool.clone()];
-    setup.plunge.sections = vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, feed: Some(Feed::Inward) }];
+    setup.plunge.sections =
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, feed: Some(Feed::Inward), rest: false }];
     Ok(PlanOutcome {
         reasons: vec![None],
         part: Arc::clone(part),
@@ -119,8 +132,15 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
             });
         }
     }
-    let section =
-        SectionPlan { tool: tool.clone(), from: 1.0, to: 0.5, feed: Feed::Inward, rows: 2, added: None };
+    let section = SectionPlan {
+        tool: tool.clone(),
+        from: 1.0,
+        to: 0.5,
+        feed: Feed::Inward,
+        rows: 2,
+        rest: false,
+        added: None,
+    };
     PlungePlan { policy, sections: vec![section], positions, dropped: Vec::new(), rounds: 2, settled: true }
 }
 

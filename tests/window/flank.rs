@@ -5,7 +5,7 @@ use vanecut::app::dialogs::Purpose;
 use vanecut::part::FlankScheme;
 
 use crate::fake;
-use crate::harness::{settle, snapshot_view, with_sample};
+use crate::harness::{settle, snapshot_view, with_sample, words};
 
 #[test]
 fn flank_curves_are_planned_shown_and_written() {
@@ -32,8 +32,26 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Left on the walls");
-    window.get_by_label(&format!("+{:.1} µm", 1e3 * most));
+    window.get_by_label(&vanecut::app::overlay::signed(most, most));
     snapshot_view(&mut window, "flank_walls");
+    // Under the cursor its value, with its sign: above the allowance or below it.
+    let view = window.get_by_label("3D view").rect();
+    let (mut above, mut below) = (0, 0);
+    for x in 1..24 {
+        for y in 1..24 {
+            let share = egui::vec2(x as f32 / 24.0, y as f32 / 24.0);
+            window.hover_at(view.min + view.size() * share);
+            window.step();
+            let Some(text) = words(&window, " mm here") else { continue };
+            let value: f32 = text.trim_end_matches(" mm here").replace('−', "-").parse().expect("a figure");
+            assert!(value.abs() <= most + 1e-4, "{text} of {most}");
+            above += usize::from(text.starts_with('+') && value > 0.0);
+            below += usize::from(text.starts_with('−'));
+        }
+    }
+    window.event(egui::Event::PointerGone);
+    window.run_steps(2);
+    assert!(above > 0 && below > 0, "both signs are found: {above} above, {below} below");
     window.get_by_label("layer").click_accesskit();
     window.run_steps(4);
     window.get_by_label("Stock on hub");

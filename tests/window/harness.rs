@@ -50,12 +50,18 @@ pub fn sample_in(mut window: Window) -> Window {
 pub fn settle(window: &mut Window) {
     let start = Instant::now();
     window.step();
-    while window.state().is_busy() {
-        assert!(start.elapsed() < Duration::from_secs(120), "the work does not end");
-        std::thread::sleep(Duration::from_millis(2));
-        window.step();
+    // What has ended may begin something else when it is taken in.
+    loop {
+        while window.state().is_busy() {
+            assert!(start.elapsed() < Duration::from_secs(120), "the work does not end");
+            std::thread::sleep(Duration::from_millis(2));
+            window.step();
+        }
+        window.run_steps(4);
+        if !window.state().is_busy() {
+            return;
+        }
     }
-    window.run_steps(4);
 }
 
 /// What is allowed to differ between machines: anti-aliasing of text.
@@ -86,4 +92,13 @@ pub fn press(window: &mut Window, at: egui::Pos2) {
         let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
         window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
     }
+}
+
+/// What a label says that has `part` in it; `None` where there is no such label.
+pub fn words(window: &Window, part: &str) -> Option<String> {
+    use egui_kittest::kittest::{NodeT, Queryable};
+    // Of a label the words are its value.
+    let label = window.query_by_label_contains(part)?;
+    let node = label.accesskit_node();
+    node.value().or_else(|| node.label())
 }

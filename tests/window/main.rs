@@ -12,8 +12,11 @@ mod mouse;
 mod project;
 mod real;
 mod review;
+mod roles;
 mod section;
+mod stages;
 mod tuning;
+mod walk;
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -125,6 +128,35 @@ fn cancel_acts_at_once_and_keeps_the_last_good_plan() {
     let notice = window.state().state().notice.clone().expect("a word about it");
     assert_eq!((notice.tone, notice.text.contains("cancelled")), (Tone::Done, true), "{notice:?}");
     slow.store(false, Ordering::SeqCst);
+}
+
+#[test]
+fn a_cancelled_plan_of_a_new_setup_is_shown_as_the_best_so_far() {
+    let (engine, slow) = fake::engine();
+    let mut window = with_sample(engine);
+    let finished = window.state().state().position_count();
+    assert!(window.query_by_label("Unfinished:").is_none(), "a finished plan");
+    slow.store(true, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(8.0);
+    window.run_steps(3);
+    assert!(window.state().is_busy(), "the edit is being planned");
+    window.get_by_label("Cancel").click();
+    settle(&mut window);
+    let state = window.state().state();
+    let shown = state.shown().expect("a plan").plan();
+    assert!(shown.is_unfinished() && !shown.positions.is_empty(), "what was found until then");
+    assert!(!state.out_of_date(), "it is of the setup as it stands");
+    let notice = state.notice.clone().expect("a word about it");
+    assert_eq!((notice.tone, notice.text.contains("best so far")), (Tone::Done, true), "{notice:?}");
+    assert_eq!(state.results.figures(&state.document.edited.setup), None, "no figures to compare sets by");
+    window.get_by_label("Unfinished:");
+    // A plan that ends takes its place.
+    slow.store(false, Ordering::SeqCst);
+    window.key_press(egui::Key::F5);
+    window.step();
+    settle(&mut window);
+    assert!(window.query_by_label("Unfinished:").is_none(), "finished now");
+    assert!(window.state().state().position_count() > finished / 2, "both rows");
 }
 
 #[test]

@@ -2,8 +2,11 @@
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 
-use crate::gpu::flank::FlankColours;
+use crate::flank::chart::Region;
+use crate::flank::{FlankPlan, MoveKind};
+use crate::gpu::flank::{FlankColours, MOVE_COLOURS, REGION_COLOURS};
 use crate::job::flank::FlankOutcome;
+use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 use crate::part::{FlankScheme, Setup};
 
 use super::super::command::Command;
@@ -92,8 +95,60 @@ pub fn show(
             ui.selectable_value(&mut look.colours, colours, name).on_hover_text(tip);
         }
     });
+    if look.shown {
+        ui.horizontal_wrapped(|ui| key(ui, look.colours, &outcome.plan));
+    }
     ScrollArea::horizontal().id_salt("flank table").show(ui, |ui| table(ui, outcome));
     asked
+}
+
+/// What the colours of the curves mean.
+fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
+    let layers = plan.curves.layers.len();
+    let patch = |ui: &mut Ui, rgb: Rgb, words: &str| {
+        let (at, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        let [r, g, b] = rgb.map(|x| (x * 255.0).round() as u8);
+        ui.painter().rect_filled(at, 2.0, egui::Color32::from_rgb(r, g, b));
+        ui.label(RichText::new(words).small());
+    };
+    match colours {
+        FlankColours::Layer => {
+            let table = ColourMap::Viridis.table();
+            let at = |k: usize| table[k].map(|x| f32::from(x) / 255.0);
+            patch(ui, at(0), "layer 1, at the hub");
+            if layers > 1 {
+                patch(ui, at(TABLE_LEN - 1), &format!("layer {layers}"));
+            }
+        }
+        FlankColours::Region => {
+            let curves = || plan.curves.layers.iter().flat_map(|layer| &layer.curves);
+            let divided = curves().any(|curve| curve.region != Region::Inlet);
+            for (region, rgb) in REGION_COLOURS {
+                let words = match region {
+                    Region::Inlet if !divided => "the whole channel",
+                    _ if !divided => continue,
+                    Region::Inlet => "before the splitter",
+                    Region::LowSide => "splitter to suction side",
+                    Region::HighSide => "splitter to pressure side",
+                };
+                patch(ui, rgb, words);
+            }
+        }
+        FlankColours::Feed => {
+            for (kind, rgb) in MOVE_COLOURS {
+                let words = match kind {
+                    MoveKind::Rapid => "rapid",
+                    MoveKind::Approach => "approach",
+                    MoveKind::Cut => "cut",
+                    MoveKind::Link => "link",
+                };
+                patch(ui, rgb, words);
+            }
+        }
+        FlankColours::Walls => {
+            ui.label(RichText::new("orange: below the blade allowance; violet: above it").small());
+        }
+    }
 }
 
 fn table(ui: &mut Ui, outcome: &FlankOutcome) {
@@ -124,12 +179,12 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         }
     });
     ui.label(format!(
-        "{} layers, cutter D {}, floor {:.2} m; walls {:.1} µm over, {:.1} µm under; {}",
+        "{} layers, cutter D {}, floor {:.2} m; walls {:.4} mm over, {:.4} mm under; {}",
         curves.layers.len(),
         plan.tool.diameter,
         1e-3 * curves.floor_length,
-        1e3 * plan.max_overcut(),
-        1e3 * plan.max_undercut(),
+        plan.max_overcut(),
+        plan.max_undercut(),
         duration(plan.times.total()),
     ));
     let lost: f64 = plan.left_out.iter().map(|stretch| stretch.length).sum();

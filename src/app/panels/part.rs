@@ -80,11 +80,7 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.18).max(8.0));
         if let Some(source) = &state.opening {
-            let name = match source {
-                PartSource::File(path) => path.display().to_string(),
-                PartSource::Sample(name) => name.clone(),
-            };
-            ui.label(format!("Opening {name}…"));
+            ui.label(format!("Opening {}…", source.shown()));
             return;
         }
         for path in &state.recoverable {

@@ -13,13 +13,15 @@ pub const HEIGHT: f32 = 92.0;
 /// Plots narrower than this show no range, points.
 const NARROW: f32 = 112.0;
 
-/// One curve: name, unit, whether its scale begins at 0, values.
+/// One curve: name, unit, whether its scale begins at 0 and how far it goes at least, values.
 struct Curve {
     name: &'static str,
     /// Its name where there is little room.
     short: &'static str,
     unit: &'static str,
     from_zero: bool,
+    /// A scale shorter than this would make mountains of nothing.
+    least: f64,
     values: Vec<f64>,
 }
 
@@ -32,19 +34,20 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     if row.is_empty() {
         return;
     }
-    let curve = |name, short, unit, from_zero, value: &dyn Fn(usize) -> f64| Curve {
+    let curve = |name, short, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| Curve {
         name,
         short,
         unit,
         from_zero,
+        least,
         values: row.clone().map(value).collect(),
     };
     let at = |k: usize| &plan.positions[k];
     let curves = [
-        curve("α", "α", "°", false, &|k| at(k).alpha.to_degrees()),
-        curve("Contact", "C", " mm", true, &|k| at(k).contact.depth),
-        curve("Stock", "St", " mm", true, &|k| f64::from(shown.stock(k))),
-        curve("Step", "Sp", " mm", true, &|k| step_before(plan, k)),
+        curve("α", "α", "°", (false, 1.0), &|k| at(k).alpha.to_degrees()),
+        curve("Contact", "C", " mm", (true, 0.1), &|k| at(k).contact.depth),
+        curve("Stock", "St", " mm", (true, 0.1), &|k| f64::from(shown.stock(k))),
+        curve("Step", "Sp", " mm", (true, 0.1), &|k| step_before(plan, k)),
     ];
     let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interferential).collect();
     let mut clicked = None;
@@ -82,9 +85,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &Curve, faulty: &[bool], chosen: Option<
     if !(high - low).is_finite() {
         return None;
     }
-    if high - low < 1e-9 {
-        high = low + 1.0;
-    }
+    high = high.max(low + curve.least);
     let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, 18.0), rect.max - egui::vec2(5.0, 6.0));
     let last = (curve.values.len() - 1).max(1) as f32;
     let place = |k: usize, v: f64| -> Pos2 {

@@ -166,7 +166,7 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
 
 /// Contact depth: nothing at all reads as such.
 fn depth(depth: f64) -> String {
-    if depth <= 0.0 { "0".to_owned() } else { format!("{depth:.2}") }
+    if depth < 0.005 { "0".to_owned() } else { format!("{depth:.2}") }
 }
 
 fn cell(ui: &mut Ui, text: RichText) {

@@ -9,10 +9,14 @@ use super::super::theme::{self, Condition};
 
 /// How much of the section is shown to either side, in radii of the cutter.
 const WIDE: f64 = 1.75;
-/// Height of the drawing in a panel of `height` points: what the table above it can spare.
-pub fn height(panel: f32) -> f32 {
-    (0.32 * panel).clamp(110.0, 200.0)
+
+/// Height of the drawing in a window of `height` points: what the table above it can spare.
+pub fn height(window: f32) -> f32 {
+    (0.24 * window).clamp(110.0, 230.0)
 }
+
+/// Room of the dimensions at the top, points.
+const DIMENSIONS: f32 = 50.0;
 
 /// From mm of the section to the screen.
 struct Frame {
@@ -23,11 +27,16 @@ struct Frame {
 
 impl Frame {
     fn new(rect: Rect, view: &SectionView) -> Self {
-        let scale = f64::from(rect.width()) / (2.0 * WIDE * view.tool.radius());
-        let near = view.hub.iter().filter(|p| p[0].abs() < view.tool.radius());
+        let radius = view.tool.radius();
+        let (width, height) = (f64::from(rect.width()), f64::from(rect.height()));
+        let near = view.hub.iter().filter(|p| p[0].abs() < radius);
         let lowest = near.map(|p| p[1]).fold(0.0, f64::min);
-        // The hub sits in the lower fifth, the cutter above it.
-        Self { rect, scale, low: lowest - 0.2 * f64::from(rect.height()) / scale }
+        // A strip of hub below, the cutter with what its core meets above it, the dimensions at the top.
+        let (below, dimensions) = (0.12 * height, f64::from(DIMENSIONS));
+        let room = (height - below - dimensions).max(0.3 * height);
+        let shown = view.contact_depth().max(0.25 * radius) - lowest;
+        let scale = (width / (2.0 * WIDE * radius)).min(room / shown);
+        Self { rect, scale, low: lowest - below / scale }
     }
 
     fn at(&self, [x, y]: Place) -> Pos2 {
@@ -128,22 +137,24 @@ fn dimensions(ui: &Ui, painter: &egui::Painter, frame: &Frame, view: &SectionVie
     span(
         painter,
         frame,
-        [-radius, under(10.0)],
-        [radius, under(10.0)],
+        [-radius, under(15.0)],
+        [radius, under(15.0)],
         &format!("D {}", view.tool.diameter),
         ink,
     );
     if core > 0.0 {
         let text = format!("core {}", short(2.0 * core));
-        span(painter, frame, [-core, under(26.0)], [core, under(26.0)], &text, ink);
+        span(painter, frame, [-core, under(30.0)], [core, under(30.0)], &text, ink);
     }
     let text = format!("w {}", short(view.tool.insert_width));
-    span(painter, frame, [core, under(42.0)], [radius, under(42.0)], &text, ink);
+    span(painter, frame, [core, under(45.0)], [radius, under(45.0)], &text, ink);
     let depth = view.contact_depth();
     if depth > 0.0 {
+        // Beside the core: over what it meets nothing could be read.
         let text = format!("{} mm", short(depth));
         let ink = Condition::Interferential.text(ui.visuals());
-        span(painter, frame, [-core * 0.5, 0.0], [-core * 0.5, depth], &text, ink);
+        let x = -core - 6.0 / frame.scale;
+        span(painter, frame, [x, 0.0], [x, depth], &text, ink);
     }
     // The step before is where the cutter came from, behind the axis.
     if view.step > 0.0 {
@@ -169,7 +180,7 @@ fn span(painter: &egui::Painter, frame: &Frame, a: Place, b: Place, text: &str, 
     let (at, align) = if flat {
         (a + (b - a) * 0.5 - egui::vec2(0.0, 1.0), Align2::CENTER_BOTTOM)
     } else {
-        (a + (b - a) * 0.5 + egui::vec2(4.0, 0.0), Align2::LEFT_CENTER)
+        (a + (b - a) * 0.5 - egui::vec2(4.0, 0.0), Align2::RIGHT_CENTER)
     };
     painter.text(at, align, text, FontId::proportional(10.5), ink);
 }

@@ -53,6 +53,9 @@ fn message(ui: &mut Ui, state: &State, activity: &Activity) {
         }
         (None, _) if activity.running.is_some() => RichText::new("Working; the window stays yours").weak(),
         (None, Some(_)) if state.out_of_date() => RichText::new("Setup edited: plan again (F5)"),
+        (None, Some(planned)) if planned.is_unfinished() => {
+            RichText::new("Cancelled: the best so far; plan again (F5)")
+        }
         (None, Some(planned)) => {
             RichText::new(format!("Planned in {:.0} ms", 1000.0 * planned.outcome.elapsed)).weak()
         }

@@ -30,6 +30,7 @@ const S: Spec = Spec {
 pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     if setup.tools.is_empty() {
         ui.label(RichText::new("Chosen from the tool library for the part").weak());
+        rest(ui, setup);
         let Some(chosen) = chosen else { return };
         summary(ui, chosen);
         let edit = ui.button("Edit cutters and sections").on_hover_text("Takes these over into the setup");
@@ -54,7 +55,8 @@ fn summary(ui: &mut Ui, setup: &Setup) {
         ui.end_row();
         for section in &setup.plunge.sections {
             let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
-            ui.label(format!("T{} D {}", tool.number, tool.diameter));
+            let rest = if section.rest { ", rest" } else { "" };
+            ui.label(format!("T{} D {}{rest}", tool.number, tool.diameter));
             ui.label(format!("{} mm", tool.insert_width));
             ui.label(format!("{:.2}", section.from));
             ui.label(format!("{:.2}", section.to));
@@ -88,7 +90,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
     }
     if let Some(k) = remove {
         let gone = setup.tools.remove(k);
-        setup.plunge.sections.retain(|section| section.tool != gone.number);
+        remove_sections(setup, |_, section| section.tool == gone.number);
     }
     if ui.button("Add cutter").clicked() {
         let number = setup.tools.iter().map(|tool| tool.number).max().unwrap_or(0).saturating_add(1);
@@ -110,6 +112,7 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     ui.label(RichText::new("Sections, outlet to inlet").strong());
     if setup.plunge.sections.is_empty() {
         ui.label(RichText::new("Chosen from the cutters").weak());
+        rest(ui, setup);
     }
     let numbers: Vec<u32> = setup.tools.iter().map(|tool| tool.number).collect();
     let mut remove = None;
@@ -146,17 +149,46 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
                     remove = Some(k);
                 }
             });
+            if k > 0 {
+                ui.checkbox(&mut section.rest, format!("Section {} cuts only the rest", k + 1))
+                    .on_hover_text(
+                        "Single plunges where the sections before left a thick layer; by Minimal alone",
+                    );
+            }
         });
     }
     borders(ui, &mut setup.plunge.sections);
     if let Some(k) = remove {
-        setup.plunge.sections.remove(k);
+        remove_sections(setup, |index, _| index == k);
     }
     if ui.button("Add section").clicked() {
         let from = setup.plunge.sections.last().map_or(1.0, |section| section.to);
         let tool = numbers.last().copied().unwrap_or(1);
-        setup.plunge.sections.push(SectionSetup { tool, from, to: (from - 0.3).max(0.0), feed: None });
+        setup.plunge.sections.push(SectionSetup {
+            tool,
+            from,
+            to: (from - 0.3).max(0.0),
+            feed: None,
+            rest: false,
+        });
     }
+}
+
+/// Removes the sections that are `gone`. The first cuts everything: nothing comes before it.
+fn remove_sections(setup: &mut Setup, gone: impl Fn(usize, &SectionSetup) -> bool) {
+    let sections = std::mem::take(&mut setup.plunge.sections);
+    let kept = sections.into_iter().enumerate().filter(|(index, section)| !gone(*index, section));
+    setup.plunge.sections = kept.map(|(_, section)| section).collect();
+    if let Some(first) = setup.plunge.sections.first_mut() {
+        first.rest = false;
+    }
+}
+
+/// Whether smaller cutters are chosen for the rest.
+fn rest(ui: &mut Ui, setup: &mut Setup) {
+    ui.checkbox(&mut setup.plunge.rest, "Smaller cutters for the rest").on_hover_text(
+        "Where a cutter leaves a thick layer beside leaning walls, a smaller one comes back; by Minimal alone",
+    );
 }
 
 /// Makes the cutters and sections that the program chose the setup's own.

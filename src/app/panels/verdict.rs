@@ -15,7 +15,8 @@ const LEAST_SHOWN: f64 = 0.0005;
 
 /// Draws the line.
 pub fn show(ui: &mut Ui, state: &State) {
-    let Some((before, after)) = state.on(Side::Before).zip(state.on(Side::After)) else {
+    // Figures of one setup: those of a plan in the making stand in the views until it is whole.
+    let Some((before, after)) = state.before_edit(Side::Before).zip(state.before_edit(Side::After)) else {
         ui.label(RichText::new("No plan yet").weak());
         return;
     };
@@ -24,6 +25,12 @@ pub fn show(ui: &mut Ui, state: &State) {
         ui.label(text).on_hover_text("The setup was edited after this plan");
     }
     let plan = after.plan();
+    if plan.is_unfinished() {
+        let text = RichText::new("Unfinished:").color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text(
+            "Planning was cancelled: this is the best so far. What it does not cut yet counts as uncut",
+        );
+    }
     let planned = after.planned;
     let (before, after) = (&planned.result(before.policy).summary, &planned.result(after.policy).summary);
     interferential(ui, plan, before, after);

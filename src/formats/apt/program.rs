@@ -22,9 +22,11 @@ impl ClTool {
 
 impl ClProgram {
     /// The program of a plan: per plunge in rapid to the retract point, at the plunge feed to the tip,
-    /// in rapid back; positions in cutting order. A position of a section that the plan lacks is left out.
+    /// in rapid back; positions in cutting order. A position of a section that the plan lacks is left out. The name says so
+    /// when the plan is not finished.
     pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
-        let mut program = Self { part: part.to_owned(), ..Self::default() };
+        let part = if plan.is_unfinished() { format!("{part} UNFINISHED") } else { part.to_owned() };
+        let mut program = Self { part, ..Self::default() };
         for position in &plan.positions {
             let Some(tool) = plan.sections.get(position.section).map(|section| &section.tool) else {
                 continue;

@@ -4,8 +4,10 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::de::{Error, IgnoredAny, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+
+use crate::part::Rotation;
 
 /// Most elements of any list of the document.
 pub const MAX_ITEMS: usize = 100_000;
@@ -61,6 +63,83 @@ pub struct Node {
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
     pub extensions: Option<NodeExtensions>,
+    #[serde(default)]
+    pub extras: Extras,
+}
+
+/// What Vanecut's own scenes say of a part; whatever others keep here is skipped.
+#[derive(Debug, Default)]
+pub struct Extras {
+    /// Sense of rotation, seen from the inlet.
+    pub rotation: Option<Rotation>,
+}
+
+impl<'de> Deserialize<'de> for Extras {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        /// Looks for a key of an object, and for a word in it; anything else holds neither.
+        struct Within(&'static [&'static str]);
+
+        impl<'de> DeserializeSeed<'de> for Within {
+            type Value = Option<String>;
+
+            fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+                deserializer.deserialize_any(self)
+            }
+        }
+
+        impl<'de> Visitor<'de> for Within {
+            type Value = Option<String>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("anything")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut found = None;
+                while let Some(key) = map.next_key::<String>()? {
+                    match self.0.split_first() {
+                        Some((wanted, rest)) if *wanted == key => {
+                            found = map.next_value_seed(Within(rest))?
+                        }
+                        _ => drop(map.next_value::<IgnoredAny>()?),
+                    }
+                }
+                Ok(found)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+                while list.next_element::<IgnoredAny>()?.is_some() {}
+                Ok(None)
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+                Ok(self.0.is_empty().then(|| text.to_owned()))
+            }
+
+            fn visit_bool<E: Error>(self, _: bool) -> Result<Self::Value, E> {
+                Ok(None)
+            }
+
+            fn visit_i64<E: Error>(self, _: i64) -> Result<Self::Value, E> {
+                Ok(None)
+            }
+
+            fn visit_u64<E: Error>(self, _: u64) -> Result<Self::Value, E> {
+                Ok(None)
+            }
+
+            fn visit_f64<E: Error>(self, _: f64) -> Result<Self::Value, E> {
+                Ok(None)
+            }
+
+            fn visit_unit<E: Error>(self) -> Result<Self::Value, E> {
+                Ok(None)
+            }
+        }
+
+        let word = Within(&["vanecut", "rotation"]).deserialize(deserializer)?;
+        Ok(Self { rotation: word.and_then(|word| word.parse().ok()) })
+    }
 }
 
 #[derive(Debug, Deserialize)]

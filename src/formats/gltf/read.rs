@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::container::{Container, MAX_MESH_BYTES};
-use super::scene;
+use super::scene::{Scene, scene};
 use crate::formats::InputError;
 use crate::formats::source::{MAX_COORDINATE, Source, name_of, read_bytes_up_to, stem_of};
 use crate::mesh::{MeshOptions, NamedMesh, Unit, describe};
@@ -12,16 +12,25 @@ use crate::part::{PartDescription, PartError};
 /// Reads a part from a `.glb` or `.gltf` file and the buffers beside it.
 pub fn read(path: &Path, options: &MeshOptions) -> Result<PartDescription, InputError> {
     let name = name_of(path);
-    part(&name, read_meshes(path)?, options)
+    part(&name, scene_of(path)?, options)
 }
 
 /// Reads a part from the bytes of a file that names no other.
 pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<PartDescription, InputError> {
-    part(name, read_meshes_bytes(name, bytes)?, options)
+    part(name, scene_of_bytes(name, bytes)?, options)
 }
 
 /// The meshes of a file in their places, in metres, in the file's frame.
 pub fn read_meshes(path: &Path) -> Result<Vec<NamedMesh>, InputError> {
+    Ok(scene_of(path)?.meshes)
+}
+
+/// As [`read_meshes`], from bytes; `name` stands for the file in messages.
+pub fn read_meshes_bytes(name: &str, bytes: &[u8]) -> Result<Vec<NamedMesh>, InputError> {
+    Ok(scene_of_bytes(name, bytes)?.meshes)
+}
+
+fn scene_of(path: &Path) -> Result<Scene, InputError> {
     let name = name_of(path);
     let bytes = read_bytes_up_to(path, MAX_MESH_BYTES)?;
     let folder = match path.parent() {
@@ -29,15 +38,16 @@ pub fn read_meshes(path: &Path) -> Result<Vec<NamedMesh>, InputError> {
         Some(folder) => folder,
         None => Path::new("."),
     };
-    scene::meshes(&mut Container::open(Source { file: &name }, bytes, Some(folder))?)
+    scene(&mut Container::open(Source { file: &name }, bytes, Some(folder))?)
 }
 
-/// As [`read_meshes`], from bytes; `name` stands for the file in messages.
-pub fn read_meshes_bytes(name: &str, bytes: &[u8]) -> Result<Vec<NamedMesh>, InputError> {
-    scene::meshes(&mut Container::open(Source { file: name }, bytes.to_vec(), None)?)
+fn scene_of_bytes(name: &str, bytes: &[u8]) -> Result<Scene, InputError> {
+    scene(&mut Container::open(Source { file: name }, bytes.to_vec(), None)?)
 }
 
-fn part(name: &str, meshes: Vec<NamedMesh>, options: &MeshOptions) -> Result<PartDescription, InputError> {
+fn part(name: &str, scene: Scene, options: &MeshOptions) -> Result<PartDescription, InputError> {
+    let Scene { meshes, rotation } = scene;
+    let options = &MeshOptions { rotation: options.rotation.or(rotation), ..options.clone() };
     let fault = |e: PartError| InputError::new(name, e.line, e.what, e.cure);
     let scale = options.unit.unwrap_or(Unit::Metre).mm();
     // 1,000 times what any part may measure, so that the question about the unit comes first.

@@ -11,6 +11,7 @@ use crate::formats::InputError;
 use crate::formats::source::shown;
 use crate::geometry::Point;
 use crate::mesh::{NamedMesh, TriangleMesh};
+use crate::part::Rotation;
 
 /// Most meshes in their places.
 const MAX_INSTANCES: usize = 10_000;
@@ -42,14 +43,30 @@ struct Walk<'c, 'a> {
     container: &'c mut Container<'a>,
     pieces: HashMap<usize, Arc<Vec<Piece>>>,
     found: Vec<NamedMesh>,
+    rotation: Option<Rotation>,
     corners: usize,
     triangles: usize,
 }
 
-/// All meshes of the default scene (the first one, or all nodes, when none is named), in the file's unit and frame.
-pub fn meshes(container: &mut Container<'_>) -> Result<Vec<NamedMesh>, InputError> {
+/// What a file holds of a wheel.
+pub struct Scene {
+    /// Its meshes in their places, in the file's unit and frame.
+    pub meshes: Vec<NamedMesh>,
+    /// The sense of rotation, where the file tells it.
+    pub rotation: Option<Rotation>,
+}
+
+/// All meshes of the default scene (the first one, or all nodes, when none is named).
+pub fn scene(container: &mut Container<'_>) -> Result<Scene, InputError> {
     let roots = roots(container)?;
-    let mut walk = Walk { container, pieces: HashMap::new(), found: Vec::new(), corners: 0, triangles: 0 };
+    let mut walk = Walk {
+        container,
+        pieces: HashMap::new(),
+        found: Vec::new(),
+        rotation: None,
+        corners: 0,
+        triangles: 0,
+    };
     let mut seen = vec![false; walk.container.document.nodes.len()];
     let mut visited: Vec<(usize, Option<usize>)> = Vec::new();
     let mut waiting: Vec<Waiting> = roots
@@ -70,6 +87,10 @@ pub fn meshes(container: &mut Container<'_>) -> Result<Vec<NamedMesh>, InputErro
             let what = format!("the transform of node {node} is not finite");
             return Err(walk.container.fault(what, EXPORT_AGAIN));
         }
+        if let Some(rotation) = described.extras.rotation {
+            let mirrored = here.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+            walk.rotation = Some(if mirrored { rotation.reversed() } else { rotation });
+        }
         let place = visited.len();
         visited.push((node, above));
         let children = described.children.clone();
@@ -82,7 +103,7 @@ pub fn meshes(container: &mut Container<'_>) -> Result<Vec<NamedMesh>, InputErro
             above: Some(place),
         }));
     }
-    Ok(walk.found)
+    Ok(Scene { meshes: walk.found, rotation: walk.rotation })
 }
 
 fn roots(container: &Container<'_>) -> Result<Vec<usize>, InputError> {

@@ -52,6 +52,7 @@ pub(super) fn read(path: &Path) -> Result<PartDescription, InputError> {
         hub_line,
         shroud_line,
         count_line,
+        notes: Vec::new(),
     })
 }
 

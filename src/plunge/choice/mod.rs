@@ -10,18 +10,21 @@
 //! | how long a cutter takes | [`estimate`] |
 //! | which choice is the cheapest | [`search`] |
 //! | why this one, in words | `reason` |
+//! | what they leave beside leaning walls | [`rest`] |
 
 pub mod estimate;
 pub mod fit;
 mod reason;
+pub mod rest;
 pub mod search;
 
-use crate::part::setup::SectionSetup;
+use crate::part::setup::{SectionSetup, Stock};
 use crate::part::{Setup, Tool};
 use crate::plunge::survey::Survey;
 use estimate::Estimator;
 use fit::Rules;
 use reason::Reasons;
+use rest::rest_of;
 use search::cheapest;
 
 /// A section that was chosen, and why.
@@ -46,10 +49,16 @@ pub fn choose(tools: &[Tool], limit: Option<f64>, survey: &Survey, setup: &Setup
             from: survey.stations[stretch.from].s,
             to: survey.stations[stretch.to].s,
             feed: None,
+            rest: false,
         },
         reason: reasons.of(index),
     });
     sections.collect()
+}
+
+/// Chooses from `tools` the sections that cut the rest of `sections`.
+pub fn choose_rest(sections: &[SectionSetup], tools: &[Tool], survey: &Survey, stock: &Stock) -> Vec<Chosen> {
+    rest_of(sections, &candidates(tools, None), survey, &Rules::new(stock))
 }
 
 /// The tools to choose from: large to small, of one size the shorter first, none twice, none above the limit unless

@@ -189,3 +189,26 @@ fn reasons_name_the_border_and_the_price_of_another_size() {
     assert!(reason.contains("% longer"), "{reason}");
     assert!(chosen[1].reason.contains("to the leading edge through a passage down to 15.0 mm"), "{chosen:?}");
 }
+
+#[test]
+fn a_smaller_cutter_with_room_and_length_cuts_the_rest() {
+    let tools = [tool(1, 30.0), tool(2, 20.0), tool(3, 12.0), tool(4, 4.0)];
+    let setup = Setup::default();
+    let section = |tool: u32, from: f64, to: f64| SectionSetup { tool, from, to, feed: None, rest: false };
+    let rest = |sections: &[SectionSetup], tools: &[Tool], survey: &Survey| {
+        let chosen = choose_rest(sections, tools, survey, &setup.stock);
+        assert!(chosen.iter().all(|chosen| chosen.section.rest));
+        chosen.iter().map(|c| (c.section.tool, c.section.from, c.section.to)).collect::<Vec<_>>()
+    };
+    let wide = opening(60.0, 60.0);
+    // D 20 is too large after D 30, and one cutter serves neighbours that ask for the same.
+    assert_eq!(rest(&[section(1, 1.0, 0.5), section(1, 0.5, 0.0)], &tools, &wide), [(3, 1.0, 0.0)]);
+    // Large to small, each for the stretch whose rest it cuts.
+    assert_eq!(
+        rest(&[section(2, 1.0, 0.5), section(3, 0.5, 0.0)], &tools, &wide),
+        [(3, 1.0, 0.5), (4, 0.5, 0.0)]
+    );
+    assert_eq!(rest(&[section(4, 1.0, 0.0)], &tools, &wide), []);
+    let short = [tool(1, 30.0), Tool { overhang: 30.0, ..tool(3, 12.0) }, tool(4, 4.0)];
+    assert_eq!(rest(&[section(1, 1.0, 0.0)], &short, &wide), [(4, 1.0, 0.0)]);
+}

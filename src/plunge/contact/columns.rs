@@ -1,5 +1,6 @@
 //! Plunges in cutting order, and which of them are near.
 
+use super::index::{Around, Index};
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::part::Blank;
 use crate::plunge::slotting::DepthSurface;
@@ -49,50 +50,27 @@ impl<'a> BlankTop<'a> {
     }
 }
 
-/// Plunges of one block: neighbours in cutting order are neighbours on the hub.
-const BLOCK: usize = 32;
 /// How far up an axis is looked at at most, mm.
 const FURTHEST: f64 = 1e4;
-
-/// What holds all plunges of a block.
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    /// First tip and first axis.
-    tip: Point,
-    axis: Vector,
-    /// Largest distance of a tip from the first one, of an axis from the first one, and largest radius.
-    aside: f64,
-    turned: f64,
-    radius: f64,
-}
 
 /// Plunges in cutting order.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
     all: Vec<Column>,
-    /// One for each [`BLOCK`] of `all`.
-    blocks: Vec<Block>,
+    index: Index,
 }
 
 impl Columns {
     /// Adds the next plunge.
     pub fn push(&mut self, column: Column) {
-        let cutter = &column.cutter;
-        if self.all.len().is_multiple_of(BLOCK) {
-            let (tip, axis, radius) = (cutter.tip, cutter.axis, cutter.radius);
-            self.blocks.push(Block { tip, axis, aside: 0.0, turned: 0.0, radius });
-        } else if let Some(block) = self.blocks.last_mut() {
-            block.aside = block.aside.max((cutter.tip - block.tip).norm());
-            block.turned = block.turned.max((cutter.axis - block.axis).norm());
-            block.radius = block.radius.max(cutter.radius);
-        }
+        self.index.push(&column.cutter);
         self.all.push(column);
     }
 
     /// Forgets all but the first `count`.
     pub fn truncate(&mut self, count: usize) {
         self.all.truncate(count);
-        self.blocks.truncate(count.div_ceil(BLOCK));
+        self.index.truncate(count);
     }
 
     /// How many there are.
@@ -117,7 +95,7 @@ impl Columns {
 
     /// What was cut before number `k`.
     pub fn before(&self, k: usize) -> Earlier<'_> {
-        Earlier { columns: &self.all[..k], blocks: &self.blocks }
+        Earlier { columns: self, count: k }
     }
 }
 
@@ -138,43 +116,17 @@ impl FromIterator<Column> for Columns {
 /// Plunges that were cut before another one.
 #[derive(Clone, Copy, Debug)]
 pub struct Earlier<'a> {
-    columns: &'a [Column],
-    blocks: &'a [Block],
+    columns: &'a Columns,
+    count: usize,
 }
 
 impl<'a> Earlier<'a> {
-    /// Those that may have removed some of the core of `column`, in cutting order.
+    /// Those that may have removed some of the core of `column`, in cutting order. Some that have not are among them.
     pub fn near(self, column: &Column) -> impl DoubleEndedIterator<Item = &'a Column> + use<'a> {
-        self.around(&column.cutter, column.core_radius, column.top)
-    }
-
-    /// Those that may remove something within `reach` mm of the axis of `cutter`, from its tip to `top` mm above, in
-    /// cutting order. Some that do not are among them.
-    pub fn around(
-        self,
-        cutter: &CutterSolid,
-        reach: f64,
-        top: f64,
-    ) -> impl DoubleEndedIterator<Item = &'a Column> + use<'a> {
-        let cutter = *cutter;
-        self.columns
-            .chunks(BLOCK)
-            .zip(self.blocks)
-            .filter(move |(_, block)| block.is_near(&cutter, reach, top))
-            .flat_map(|(columns, _)| columns)
-    }
-}
-
-impl Block {
-    fn is_near(&self, cutter: &CutterSolid, reach: f64, top: f64) -> bool {
-        // How far over the first tip of the block its plunges are asked about bounds how far its axes part.
-        let top = top.min(FURTHEST);
-        let parted = |height: f64| {
-            let over = (cutter.tip + cutter.axis * height - self.tip).norm() + self.aside;
-            self.aside + self.turned * over
-        };
-        let spread = parted(0.0).max(parted(top));
-        within(cutter, &self.tip, &self.axis, reach + self.radius + spread, top)
+        let Column { cutter: CutterSolid { tip, axis, .. }, core_radius, top } = *column;
+        let around = Around { tip, axis, reach: core_radius, top };
+        let all = &self.columns.all;
+        self.columns.index.near(&around, self.count).into_iter().map(|number| &all[number as usize])
     }
 }
 
@@ -197,4 +149,48 @@ fn within(cutter: &CutterSolid, tip: &Point, axis: &Vector, reach: f64, top: f64
     // Above the blank nothing matters.
     let h = if a > 1e-12 { (-b / a).min(top.min(FURTHEST)).max(0.0) } else { 0.0 };
     (a * h + 2.0 * b) * h + c < reach * reach
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers from 0 to 1, the same every time.
+    fn dice(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A plunge somewhere on a field of 600 mm, leaning by up to 40°.
+    fn column(seed: &mut u64) -> Column {
+        let mut between = |from: f64, to: f64| from + (to - from) * dice(seed);
+        let tip = Point::new(between(-300.0, 300.0), between(-300.0, 300.0), between(-20.0, 20.0));
+        let axis = Vector::new(between(-0.8, 0.8), between(-0.8, 0.8), 1.0).normalize();
+        let radius = [4.0, 15.0][usize::from(between(0.0, 1.0) > 0.5)];
+        let cutter = CutterSolid { tip, axis, radius, corner_radius: 0.0 };
+        Column { cutter, core_radius: 0.6 * radius, top: between(10.0, 200.0) }
+    }
+
+    #[test]
+    fn those_near_a_core_are_found_among_the_first_ones() {
+        let mut seed = 7;
+        let mut columns: Columns = (0..3000).map(|_| column(&mut seed)).collect();
+        // What was forgotten is not found, and what takes its place is.
+        columns.truncate(1000);
+        columns.extend((0..1500).map(|_| column(&mut seed)));
+        let mut looked_at = 0;
+        for k in (0..columns.len()).step_by(50) {
+            let column = &columns.as_slice()[k];
+            let number = |near: &Column| columns.as_slice().iter().position(|c| std::ptr::eq(c, near));
+            let near: Vec<usize> = columns.before(k).near(column).filter_map(number).collect();
+            assert!(near.is_sorted() && near.iter().all(|&n| n < k), "in cutting order, none later");
+            looked_at += near.len();
+            let met = (0..k).filter(|&n| column.may_meet(&columns.as_slice()[n].cutter));
+            for n in met {
+                assert!(near.binary_search(&n).is_ok(), "{n} is met by {k}, but not found");
+            }
+        }
+        let all: usize = (0..columns.len()).step_by(50).sum();
+        assert!(looked_at < all / 2, "{looked_at} of {all} were looked at");
+    }
 }

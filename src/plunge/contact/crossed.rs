@@ -1,6 +1,6 @@
 //! Earlier plunges as the lines of one core meet them.
 
-use super::columns::{Column, Earlier};
+use super::columns::Column;
 use crate::geometry::cutter::column_interval;
 use crate::geometry::{CutterSolid, Point, Vector, frame_about, norm2};
 
@@ -96,10 +96,10 @@ pub struct Neighbours {
 }
 
 impl Neighbours {
-    /// Of `column`, among all that were cut earlier.
-    pub fn of(column: &Column, earlier: Earlier) -> Self {
+    /// Of `column`, among `earlier` ones in cutting order.
+    pub fn of<'c>(column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) -> Self {
         let mut near = Self::default();
-        near.gather(column, earlier.near(column));
+        near.gather(column, earlier);
         near
     }
 

@@ -4,6 +4,7 @@
 
 mod columns;
 mod crossed;
+mod index;
 
 pub use columns::{BlankTop, Column, Columns, Earlier};
 use crossed::{CoreLine, Neighbours};
@@ -31,12 +32,16 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of `column`'s core with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &Column, earlier: Earlier, blank: &Blank) -> CoreContact {
-    contact_up_to(column, &Neighbours::of(column, earlier), blank, &RINGS, f64::INFINITY)
+    contact_up_to(column, &Neighbours::of(column, earlier.near(column)), blank, &RINGS, f64::INFINITY)
 }
 
 /// Whether the contact is deeper than a planner may leave it: as [`core_contact`], but done at the first line
 /// that says so.
-pub fn core_interferes(column: &Column, earlier: Earlier, blank: &Blank) -> bool {
+pub fn core_interferes<'c>(
+    column: &Column,
+    earlier: impl DoubleEndedIterator<Item = &'c Column>,
+    blank: &Blank,
+) -> bool {
     let near = Neighbours::of(column, earlier);
     contact_up_to(column, &near, blank, &RINGS, PLANNED_CONTACT).depth > PLANNED_CONTACT
 }

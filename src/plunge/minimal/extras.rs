@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
 use super::floor::{Floor, Gain};
-use crate::geometry::{CutterSolid, Point};
+use crate::geometry::{Cells, CutterSolid, Point};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::contact::{Columns, ContactSearch};
@@ -148,20 +148,23 @@ pub struct ExtraSearch<'a> {
     /// Those that contact does not allow yet.
     waiting: Vec<Extra>,
     /// Tips of those that were added.
-    added: Vec<Point>,
+    added: Cells,
     /// What a plunge must take, mm³.
     least: f64,
 }
 
 impl<'a> ExtraSearch<'a> {
-    /// A pool of axes in `rows`, at `places` s along each, for what the plunges so far have left of `floor`.
-    pub fn new(rows: &'a [CandidateMaker<'a>], places: &[f64], floor: Floor, blank: &'a Blank) -> Self {
+    /// A pool of axes at `feet`, each a row of `rows` and an s, for what the plunges so far have left of `floor`.
+    pub fn new(
+        rows: &'a [CandidateMaker<'a>],
+        feet: &[(usize, f64)],
+        floor: Floor,
+        blank: &'a Blank,
+    ) -> Self {
         let radius = rows.first().map_or(0.0, |row| row.maker.tool.radius());
         let least = LEAST_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
-        let (heap, waiting, added) = (BinaryHeap::new(), Vec::new(), Vec::new());
+        let (heap, waiting, added) = (BinaryHeap::new(), Vec::new(), Cells::new(APART_RADII * radius));
         let mut search = Self { rows, blank, floor, heap, waiting, added, least };
-        let feet: Vec<(usize, f64)> =
-            (0..rows.len()).flat_map(|row| places.iter().map(move |&s| (row, s))).collect();
         let place = |(index, &(row, s)): (usize, &(usize, f64))| {
             let maker = &rows[row];
             if maker.maker.monitor.is_cancelled() {
@@ -174,6 +177,11 @@ impl<'a> ExtraSearch<'a> {
         let pool: Vec<Extra> = feet.par_iter().enumerate().filter_map(place).collect();
         search.heap = BinaryHeap::from(pool);
         search
+    }
+
+    /// The floor after all plunges that were found.
+    pub fn floor(&self) -> &Floor {
+        &self.floor
     }
 
     /// Up to `most` stations by rows of the pool that take `times` the least or more, each row in cutting order, all of
@@ -192,11 +200,15 @@ impl<'a> ExtraSearch<'a> {
         else {
             return Ok(Vec::new());
         };
-        let radius = tool.radius();
+        let mut added = Cells::new(NEAR_RADII * tool.radius());
         self.heap.extend(std::mem::take(&mut self.waiting));
         let mut count = 0;
         while let Some(best) = self.heap.pop() {
-            monitor.check()?;
+            match monitor.check() {
+                // What was found until now stands for itself.
+                Err(_) if monitor.is_stopped() => break,
+                checked => checked?,
+            }
             if best.gain < times * self.least || count >= most {
                 self.heap.push(best);
                 break;
@@ -215,6 +227,7 @@ impl<'a> ExtraSearch<'a> {
             let cutter = self.cutter(best.row, &station, lift);
             self.floor.cut(part, &cutter);
             self.added.push(cutter.tip);
+            added.push(station.tip);
             found[best.row].push((-station.ends.s_hub * inward, station));
             count += 1;
         }
@@ -222,10 +235,9 @@ impl<'a> ExtraSearch<'a> {
         let (held, rest) = self.heap.drain().partition(|extra| extra.held().is_some());
         self.heap = BinaryHeap::from(rest);
         self.waiting.extend::<Vec<Extra>>(held);
-        let near = |a: &Station, b: &Station| (a.tip - b.tip).norm() < NEAR_RADII * radius;
         for mut extra in std::mem::take(&mut self.waiting) {
             if let Some(station) = extra.held()
-                && found.iter().flatten().any(|(_, added)| near(&station, added))
+                && added.any_near(&station.tip, 0)
             {
                 (extra.look, extra.gain, extra.seen) = (Look::Clear(station), f64::INFINITY, None);
                 self.waiting.push(extra);
@@ -252,11 +264,8 @@ impl<'a> ExtraSearch<'a> {
     /// An entry with what it takes now; `None` when that is too little.
     fn still_worth(&self, mut extra: Extra) -> Option<Extra> {
         let Extra { row, seen, gain, .. } = extra;
-        let apart = APART_RADII * self.rows[row].maker.tool.radius();
-        let since = seen.map(|seen| &self.added[seen..]);
         let now = |station: &Station, lift: f64, before: f64| {
-            let near = |tip: &Point| (tip - station.tip).norm_squared() < apart * apart;
-            let changed = since.is_none_or(|since| since.iter().any(near));
+            let changed = seen.is_none_or(|seen| self.added.any_near(&station.tip, seen));
             if changed { self.gain(row, station, lift).cost } else { before }
         };
         let (gain, least) = match &mut extra.look {

@@ -8,9 +8,11 @@ use crate::plunge::ground::Stretch;
 /// Edge of a cell in cutter radii.
 const CELL_RADII: f64 = 0.2;
 /// Most cells of a stretch along it, and across.
-const MAX_CELLS: usize = 400;
+const MAX_CELLS: usize = 4000;
 /// How far from its tip a cutter is looked at, in radii: the flank may reach stock on a hub that rises beside it.
 const REACH_RADII: f64 = 1.25;
+/// What is so near to its tip is well under a cutter, in radii.
+const WELL_UNDER_RADII: f64 = 0.8;
 /// Layers thicker than this, in radii, count as this thick: where nothing was cut the stock is as high as the channel.
 const THICKEST_RADII: f64 = 1.0;
 
@@ -106,6 +108,28 @@ impl Floor {
             scale,
             thickest: THICKEST_RADII * tool.radius(),
         }
+    }
+
+    /// Share of the floor on which the stock stands more than `excess` mm above the allowance, or was not cut at all.
+    pub fn share_above(&self, excess: f64) -> f64 {
+        let (mut thick, mut all) = (0.0, 0.0);
+        for cell in self.rows.iter().flat_map(|row| &row.cells) {
+            all += cell.area;
+            if cell.height - self.allowance > excess {
+                thick += cell.area;
+            }
+        }
+        if all > 0.0 { thick / all } else { 0.0 }
+    }
+
+    /// Whether well under `cutter` the stock stands somewhere more than `excess` mm above the allowance.
+    pub fn is_thick_under(&self, part: &Impeller, cutter: &CutterSolid, excess: f64) -> bool {
+        let reach = WELL_UNDER_RADII * cutter.radius;
+        self.under(part, cutter).any(|(i, from, to)| {
+            self.rows[i].cells[from..to].iter().any(|cell| {
+                cell.height - self.allowance > excess && (cell.point - cutter.tip).norm() <= reach
+            })
+        })
     }
 
     /// What a cell costs whose stock is `height` mm high, per mm².

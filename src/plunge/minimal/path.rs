@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, CandidateMaker, Place, TILTS};
-use crate::geometry::{CutterSolid, Vector};
+use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::contact::{Column, Columns, ContactSearch};
@@ -76,8 +76,8 @@ struct Here<'h> {
     may_begin: bool,
     /// Whether the layer left here counts.
     counts: bool,
-    /// Plunges of earlier rows that may matter here.
-    near: &'h [Column],
+    /// Plunges of earlier rows.
+    earlier: &'h Columns,
 }
 
 impl PathSearch<'_> {
@@ -101,13 +101,12 @@ impl PathSearch<'_> {
                 states.push([None; TILTS]);
                 continue;
             };
-            let near = self.near(place, earlier);
             let here = Here {
                 states: &states,
                 last,
                 may_begin: ahead <= 1e-9 || last.is_none(),
                 counts: ahead >= -1e-9,
-                near: &near,
+                earlier,
             };
             let reached = self.reached(place, &here);
             if reached.iter().any(Option::is_some) {
@@ -187,46 +186,13 @@ impl PathSearch<'_> {
         before.map(|s| s.cost).fold(begin, f64::min) + self.own(cheapest, 0.0, here)
     }
 
-    /// Earlier plunges that any candidate of a place may meet.
-    fn near(&self, place: &Place, earlier: &Columns) -> Vec<Column> {
-        let maker = self.candidates.maker;
-        let ends: Vec<(CutterSolid, f64)> = place
-            .tilts
-            .iter()
-            .flatten()
-            .flatten()
-            .map(|c| {
-                (maker.cutter(&c.station), (maker.lane.shroud_point(&c.station.ends) - c.station.tip).norm())
-            })
-            .collect();
-        let (Some(first), Some(last)) = (ends.first(), ends.last()) else { return Vec::new() };
-        // The candidates fan out from one place on the hub: what none of three of them comes near
-        // by the width of half the fan, none does.
-        let three = [first.0, ends[ends.len() / 2].0, last.0];
-        let fan = ends.iter().map(|e| (e.0.axis - three[1].axis).norm()).fold(0.0, f64::max);
-        let top = 1.5 * ends.iter().map(|e| e.1).fold(0.0, f64::max);
-        let core = maker.tool.core_radius();
-        earlier
-            .all()
-            .around(&three[1], core + fan * top, 1.125 * top)
-            .filter(|other| {
-                three.iter().any(|c| {
-                    (0..=4).any(|i| {
-                        let h = top * f64::from(i) / 4.0;
-                        let reach = other.cutter.radius + core + 0.5 * fan * h + 0.125 * top;
-                        distance_from_axis(&other.cutter, c, h) < reach
-                    })
-                })
-            })
-            .copied()
-            .collect()
-    }
-
     /// The cheapest way to the first candidate of a tilt that the blades allow.
     fn reach(&self, tilt: usize, place: &Place, here: &Here) -> Option<State> {
         let mut candidates = place.tilts[tilt].iter().flatten();
         let candidate = candidates.find_map(|c| self.candidates.cleared(c, place))?;
         let column = self.candidates.column(&candidate.station);
+        let near = here.earlier.all().near(&column);
+        let near: Vec<&Column> = near.filter(|other| column.may_meet(&other.cutter)).collect();
         let mut search = ContactSearch::default();
         let mut best: Option<State> = None;
         let mut consider = |cost_before: f64, before: Option<(usize, usize)>| {
@@ -254,7 +220,7 @@ impl PathSearch<'_> {
                 count += 1;
                 at = state.before;
             }
-            let earlier = here.near.iter().chain(passed[..count].iter().rev());
+            let earlier = near.iter().copied().chain(passed[..count].iter().rev());
             let depth = search.among(&column, earlier).depth(self.blank, affordable);
             let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
             let cost = cost_before + self.own(&candidate, lift, here);
@@ -325,10 +291,4 @@ impl PathSearch<'_> {
             },
         )
     }
-}
-
-/// Distance of the point `height` mm above the tip of `cutter` from the axis of `other`.
-fn distance_from_axis(other: &CutterSolid, cutter: &CutterSolid, height: f64) -> f64 {
-    let d = cutter.tip + cutter.axis * height - other.tip;
-    (d - other.axis * d.dot(&other.axis)).norm()
 }

@@ -53,24 +53,23 @@ impl Planner<'_> {
         let asked = self.setup.plunge.sections[index].feed;
         let first = fed(asked.unwrap_or(Feed::Inward), f64::INFINITY)?;
         let other = match &first {
-            Some(first) if asked.is_none() && first.cost > GOOD_ENOUGH * first.least => {
+            Some(first)
+                if asked.is_none() && first.cost > GOOD_ENOUGH * first.least && !monitor.is_stopped() =>
+            {
                 fed(Feed::Outward, first.cost)?
             }
             _ => None,
         };
+        // Of two ways of which one is not whole, the whole one.
+        let other = other.filter(|_| !monitor.is_stopped());
         let Some(Fed { mut cut, .. }) = other.or(first) else {
-            return Ok(SectionCut {
-                feed: Feed::Inward,
-                rows: Vec::new(),
-                columns: earlier.clone(),
-                added: None,
-            });
+            return Ok(SectionCut::empty(Feed::Inward, earlier.clone()));
         };
         self.add_extras(index, grounds, &mut cut, monitor)?;
         Ok(cut)
     }
 
-    /// The section fed one way; `None` when it costs `limit` or more.
+    /// The section fed one way, as far as it gets before it is stopped; `None` when it costs `limit` or more.
     fn fed(
         &self,
         index: usize,
@@ -80,11 +79,30 @@ impl Planner<'_> {
         limit: f64,
         monitor: &Monitor,
     ) -> Result<Option<Fed>, PlanError> {
+        let cut = SectionCut::empty(feed, earlier.clone());
+        let mut fed = Fed { cut, cost: 0.0, least: 0.0 };
+        match self.feed_rows(index, grounds, &mut fed, limit, monitor) {
+            Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(fed)),
+            within => Ok(within?.then_some(fed)),
+        }
+    }
+
+    /// Adds row after row to `fed`; `false` when it costs `limit` or more. All rows are whole when this ends early, too.
+    fn feed_rows(
+        &self,
+        index: usize,
+        grounds: &[Ground],
+        fed: &mut Fed,
+        limit: f64,
+        monitor: &Monitor,
+    ) -> Result<bool, PlanError> {
+        let Fed { cut, cost, least } = fed;
+        let feed = cut.feed;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let inward = feed.inward();
-        let mut cut = SectionCut { feed, rows: Vec::new(), columns: earlier.clone(), added: None };
-        let (mut cost, mut least) = (0.0, 0.0);
+        // A path that was found is cut.
+        let closing = &monitor.closing();
         for ground in grounds {
             let Ground { stretch, lane, rows, .. } = ground;
             let (start, end) = self.row_ends(index, stretch, inward);
@@ -110,22 +128,22 @@ impl Planner<'_> {
                     && *lift > CROSSING_RADII * tool.radius()
                 {
                     let crossing = Crossing { search: &search, from: rows[row - 1], s: first.ends.s_hub };
-                    self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, &mut cut, monitor)?;
+                    self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
                     path = search.path(&places, start, &cut.columns)?;
                 }
                 let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
-                least += path.least;
-                cost += path.cost + COST_OF_MISSED * ((end - reached) / step).abs();
-                if cost >= limit {
-                    return Ok(None);
+                *least += path.least;
+                *cost += path.cost + COST_OF_MISSED * ((end - reached) / step).abs();
+                if *cost >= limit {
+                    return Ok(false);
                 }
                 let mut stations: Vec<Station> =
                     path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
                 fill_steps(&maker, &search.candidates, &mut stations);
-                self.cut_split(stations, lambda, tool, &mut cut, monitor)?;
+                self.cut_split(stations, lambda, tool, cut, closing)?;
             }
         }
-        Ok(Some(Fed { cut, cost, least }))
+        Ok(true)
     }
 
     /// Candidates of a row that has nothing to clear and may lean sideways as it likes.

@@ -1,29 +1,59 @@
-//! What `minimal` adds to the rows of a section: single plunges where they left the most.
+//! What `minimal` adds to the rows of a section: single plunges where they left the most. And what it cuts with a smaller
+//! cutter afterwards: single plunges alone, where the layer is still thick.
+
+use rayon::prelude::*;
 
 use super::section::SCALE_RADII;
 use super::{CandidateMaker, ExtraSearch, Floor};
 use crate::monitor::Monitor;
-use crate::plunge::contact::BlankTop;
+use crate::part::setup::Feed;
+use crate::plunge::choice::rest::{thick, thick_after};
+use crate::plunge::contact::{BlankTop, Columns};
 use crate::plunge::cycle::{CutRow, PlanError, Planner, SectionCut};
 use crate::plunge::ground::Ground;
 use crate::plunge::plan::Stopped;
 use crate::plunge::row::RowMaker;
 use crate::plunge::sections::{MAX_POSITIONS, tool_of};
 
-/// Rounds in which more plunges are looked for, each beside all those before, by what a plunge has to take, in least
-/// gains: what takes most comes first, as it frees others.
-const ROUNDS: [f64; 3] = [4.0, 2.0, 1.0];
-/// How far apart they are tried along the channel, in step limits, and into how many parts they divide the way between
-/// two rows at most.
-const STEP_SHARE: f64 = 0.5;
-/// See [`STEP_SHARE`].
-const PARTS: usize = 4;
+/// How plunges are looked for.
+#[derive(Clone, Copy, Debug)]
+struct Manner {
+    /// Rounds, each beside all those before, by what a plunge has to take, in least gains: what takes most comes first,
+    /// as it frees others.
+    rounds: [f64; 3],
+    /// How far apart they are tried along the channel, in step limits.
+    step_share: f64,
+    /// Into how many parts they divide the way between two rows at most.
+    parts: usize,
+}
+
+/// Beside the rows of a section.
+const BESIDE_ROWS: Manner = Manner { rounds: [4.0, 2.0, 1.0], step_share: 0.5, parts: 4 };
+/// For the rest. The cutter before is about twice as large, so its least gains are about eight times as large; and one plunge of
+/// the smaller one takes no less time: it has to take several of them.
+const REST: Manner = Manner { rounds: [64.0, 32.0, 16.0], step_share: 0.7, parts: 3 };
 /// At most so many for each plunge of the rows.
 const MOST_SHARE: usize = 2;
-/// Plans of so many positions get no more: they are fine already, and the limit of all is for what the setup asks for.
-const MOST_POSITIONS: usize = MAX_POSITIONS / 4;
+/// Plans of so many positions get no more: the rest of the limit is for what the setup asks for.
+const MOST_POSITIONS: usize = MAX_POSITIONS / 2;
 /// They are tried no nearer to each other than this, in cutter radii.
 const NEAREST_RADII: f64 = 0.12;
+/// Share of a stretch's floor that has to be thick for a smaller cutter to come back.
+const THICK_SHARE: f64 = 0.05;
+
+/// Which plunges may be added.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    /// At most so many in all, for a section and as the whole plan has room.
+    most: usize,
+    room: usize,
+    /// How they are looked for.
+    manner: Manner,
+    /// Only where the stock stands more than this above the allowance, and only if it does on a good part of the floor, mm.
+    above: Option<f64>,
+    /// Where it still does so by this much after the first round, mm, the others are left to a smaller cutter.
+    rest_from: Option<f64>,
+}
 
 impl Planner<'_> {
     /// Adds plunges where the rows of a section left the most, up to [`MOST_SHARE`] times as many as there are.
@@ -34,45 +64,109 @@ impl Planner<'_> {
         cut: &mut SectionCut,
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
+        let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
+        let room = MOST_POSITIONS.saturating_sub(cut.columns.len());
+        let rest_from = thick_after(self.setup, index)?;
+        let most = MOST_SHARE * planned;
+        let wanted = Wanted { most, room, manner: BESIDE_ROWS, above: None, rest_from };
+        self.add_plunges(index, grounds, cut, wanted, monitor)
+    }
+
+    /// Plans section `index`, which cuts the rest of those before: no rows, single plunges where they left a thick layer.
+    ///
+    /// # Errors
+    /// As [`Planner::plan`].
+    pub(in crate::plunge) fn rest_section(
+        &self,
+        index: usize,
+        grounds: &[Ground],
+        columns: Columns,
+        monitor: &Monitor,
+    ) -> Result<SectionCut, PlanError> {
+        let section = &self.setup.plunge.sections[index];
+        let above = Some(thick(tool_of(self.setup, section.tool)?));
+        let room = MOST_POSITIONS.saturating_sub(columns.len());
+        let mut cut = SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns);
+        let wanted = Wanted { most: room, room, manner: REST, above, rest_from: None };
+        self.add_plunges(index, grounds, &mut cut, wanted, monitor)?;
+        Ok(cut)
+    }
+
+    fn add_plunges(
+        &self,
+        index: usize,
+        grounds: &[Ground],
+        cut: &mut SectionCut,
+        wanted: Wanted,
+        monitor: &Monitor,
+    ) -> Result<(), PlanError> {
+        if monitor.is_stopped() {
+            cut.added = Some((0, Stopped::Cancelled));
+            return Ok(());
+        }
+        // Those that were found are cut.
+        let closing = &monitor.closing();
         let stock = &self.setup.stock;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let scale = SCALE_RADII * tool.radius();
         let allowances = (stock.hub_allowance, stock.blade_allowance);
-        let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
-        let room = MOST_POSITIONS.saturating_sub(cut.columns.len());
-        let most = room.min(MOST_SHARE * planned);
+        let most = wanted.room.min(wanted.most);
         let (mut added_in_all, mut stopped) = (0, Stopped::NothingWorthwhile);
-        for ground in grounds {
+        for ground in grounds.iter().take_while(|_| !monitor.is_stopped()) {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice() {
                 floor.cut(self.part, &column.cutter);
+            }
+            if wanted.above.is_some_and(|above| floor.share_above(above) < THICK_SHARE) {
+                continue;
             }
             let rows = self.with_rows_beside_walls(&ground.lane, &ground.stretch, tool, &ground.rows);
             let nearest = NEAREST_RADII * tool.radius();
             let width = (0..=8)
                 .filter_map(|i| ground.lane.width(ground.stretch.s_at(f64::from(i) / 8.0)))
                 .fold(0.0, |widest: f64, (hub, _)| widest.max(hub));
-            let lambdas = between_rows(&rows, nearest / width.max(1e-6));
+            let lambdas = between_rows(&rows, nearest / width.max(1e-6), wanted.manner.parts);
             let maker =
                 |&lambda: &f64| self.row_maker(ground, tool, (lambda, lambdas.len()), cut.feed, monitor);
             let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
             let Some(first) = makers.first() else { continue };
             let (start, end) = self.row_ends(index, &ground.stretch, cut.feed.inward());
-            let step = (STEP_SHARE * first.step_limit).max(nearest) / self.part.hub.length();
+            let step = (wanted.manner.step_share * first.step_limit).max(nearest) / self.part.hub.length();
             let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
-            let places: Vec<f64> =
-                (0..=count).map(|i| start + (end - start) * i as f64 / count as f64).collect();
+            let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
+            let is_wanted = |&(row, s): &(usize, f64)| match wanted.above {
+                Some(above) => makers[row]
+                    .lane
+                    .isoparametric(makers[row].lambda, s)
+                    .map(|ends| makers[row].lane.line(&ends))
+                    .is_some_and(|(foot, axis)| {
+                        floor.is_thick_under(self.part, &tool.placed(foot, axis), above)
+                    }),
+                None => true,
+            };
+            let feet: Vec<(usize, f64)> = (0..makers.len())
+                .into_par_iter()
+                .flat_map_iter(|row| (0..=count).map(move |i| (row, s_at(i))))
+                .filter(is_wanted)
+                .collect();
             let candidates: Vec<CandidateMaker> =
                 makers.iter().map(|maker| self.candidate_maker(maker, &top)).collect();
-            let mut search = ExtraSearch::new(&candidates, &places, floor, &self.blank);
+            let mut search = ExtraSearch::new(&candidates, &feet, floor, &self.blank);
             let mut budget = most / grounds.len();
-            for times in ROUNDS {
+            for (round, &times) in wanted.manner.rounds.iter().enumerate() {
+                if round > 0
+                    && let Some(above) = wanted.rest_from
+                    && search.floor().share_above(above) >= THICK_SHARE
+                {
+                    stopped = Stopped::SmallerCutter;
+                    break;
+                }
                 let rows = search.stations(&cut.columns, budget, times)?;
                 budget -= rows.iter().map(Vec::len).sum::<usize>();
                 let before = cut.rows.len();
                 for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
-                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, monitor)?;
+                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
                 }
                 // Nothing is missing where one of these has no place after all.
                 let added: Vec<CutRow> = cut.rows.drain(before..).collect();
@@ -82,9 +176,12 @@ impl Planner<'_> {
                     cut.rows.push(row);
                 }
             }
-            if budget == 0 && planned > 0 {
-                stopped = if room < MOST_SHARE * planned { Stopped::PlanFull } else { Stopped::ShareReached };
+            if budget == 0 && most > 0 {
+                stopped = if wanted.room <= wanted.most { Stopped::PlanFull } else { Stopped::ShareReached };
             }
+        }
+        if monitor.is_stopped() {
+            stopped = Stopped::Cancelled;
         }
         cut.added = Some((added_in_all, stopped));
         Ok(())
@@ -92,10 +189,10 @@ impl Planner<'_> {
 }
 
 /// The λ of `rows` and of more between them, no nearer to each other than `nearest`.
-fn between_rows(rows: &[f64], nearest: f64) -> Vec<f64> {
+fn between_rows(rows: &[f64], nearest: f64, most_parts: usize) -> Vec<f64> {
     let mut lambdas = rows.to_vec();
     for pair in rows.windows(2) {
-        let parts = (((pair[1] - pair[0]) / nearest) as usize).clamp(1, PARTS);
+        let parts = (((pair[1] - pair[0]) / nearest) as usize).clamp(1, most_parts);
         lambdas.extend((1..parts).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / parts as f64));
     }
     lambdas.sort_by(f64::total_cmp);

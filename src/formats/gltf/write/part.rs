@@ -170,6 +170,7 @@ pub fn root(
         "rotation_axis": "z",
         "unit": "mm",
         "part": part.name,
+        "rotation": part.rotation().name(),
         "blades": part.blade_count,
         "splitters": part.blade_count * part.splitters.len(),
         "chord_error": shape.chord_error,

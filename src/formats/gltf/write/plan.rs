@@ -95,6 +95,7 @@ fn facts(scene: &PlanScene) -> Value {
         "positions": plan.positions.len(),
         "interferential": count(Condition::Interferential),
         "blocked": count(Condition::Blocked),
+        "unfinished": plan.is_unfinished(),
         "stock_scale": [scene.range.0, scene.range.1],
     })
 }

@@ -1,0 +1,111 @@
+//! What outlives a graphics device that is lost: everything but the device. Window and device belong together, so the
+//! window closes and opens again on another one, over the same state.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use eframe::CreationContext;
+use egui::{Context, ThemePreference, Vec2, ViewportCommand};
+
+use super::App;
+use super::engine::Engine;
+use super::export::ExportSettings;
+use super::picture::PartMeshes;
+use super::project::Session;
+use super::state::{Problem, State};
+use super::view3d::View3d;
+
+/// Everything of a window but its device.
+pub struct Handover {
+    state: State,
+    view: View3d,
+    session: Session,
+    export: ExportSettings,
+    mesh: Option<PartMeshes>,
+    /// Whether a plan was being made.
+    planning: bool,
+    theme: ThemePreference,
+    size: Option<Vec2>,
+    /// What the device said.
+    reason: String,
+}
+
+impl Handover {
+    /// Size of the window, points; `None` where the system does not tell.
+    pub fn size(&self) -> Option<Vec2> {
+        self.size
+    }
+
+    /// What the device said.
+    pub fn reason(&self) -> &str {
+        &self.reason
+    }
+}
+
+/// Where a window leaves what outlives it, for whoever opens the next one.
+#[derive(Clone, Default)]
+pub struct WayOut(Rc<RefCell<Option<Handover>>>);
+
+impl WayOut {
+    /// What was left, once.
+    pub fn take(&self) -> Option<Handover> {
+        self.0.borrow_mut().take()
+    }
+}
+
+impl App {
+    /// When the device is lost, closes the window and leaves everything in `way_out`. Without a way out the window stays
+    /// as it is, without pictures.
+    pub fn leave_by(&mut self, way_out: WayOut) {
+        self.way_out = Some(way_out);
+    }
+
+    /// The application as another window left it.
+    pub fn resumed(cc: &CreationContext<'_>, engine: Engine, left: Handover) -> Self {
+        let mut app = Self::with_engine(cc, engine);
+        let Handover { state, view, session, export, mesh, planning, theme, reason, .. } = left;
+        (app.state, app.view, app.session, app.export) = (state, view, session, export);
+        cc.egui_ctx.set_theme(theme);
+        if let Some((pictures, mesh)) = app.pictures.as_mut().zip(mesh) {
+            pictures.set_part(mesh);
+        }
+        app.state.results.coming = None;
+        app.state.fault(Problem::new(
+            format!("The graphics device was lost ({reason})"),
+            "nothing: the window was opened again with the software driver, and everything is as it was",
+        ));
+        if planning {
+            app.plan();
+        }
+        app
+    }
+
+    /// Whether the window has left, and only waits to be closed.
+    pub(super) fn has_left(&self) -> bool {
+        self.left
+    }
+
+    /// Leaves by the way out, if there is one.
+    pub(super) fn leave(&mut self, ctx: &Context, reason: &str) -> bool {
+        let Some(way_out) = self.way_out.take() else { return false };
+        let planning = self.work.is_planning();
+        let handover = Handover {
+            state: std::mem::take(&mut self.state),
+            view: std::mem::take(&mut self.view),
+            session: std::mem::take(&mut self.session),
+            export: self.export,
+            mesh: self.pictures.as_ref().and_then(|pictures| pictures.mesh().cloned()),
+            planning,
+            theme: ctx.options(|options| options.theme_preference),
+            size: ctx.input(|input| input.viewport().inner_rect).map(|rect| rect.size()),
+            reason: reason.to_owned(),
+        };
+        *way_out.0.borrow_mut() = Some(handover);
+        self.left = true;
+        self.pictures = None;
+        // Nothing may be drawn any more on a device that is gone.
+        ctx.graphics_mut(|graphics| *graphics = Default::default());
+        ctx.send_viewport_cmd(ViewportCommand::Close);
+        true
+    }
+}

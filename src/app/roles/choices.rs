@@ -1,0 +1,103 @@
+//! What is chosen in the dialog, from the first guess to the options of a reader.
+
+use crate::mesh::axis::Axis;
+use crate::mesh::nodes::{MeshNode, guess};
+use crate::mesh::options::likely_unit;
+use crate::mesh::{MeshOptions, Role, Unit};
+use crate::part::Rotation;
+
+/// Unit of glTF files.
+const OWN_UNIT: Unit = Unit::Metre;
+
+/// What is chosen in the dialog.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choices {
+    /// Roles of the nodes.
+    pub roles: Vec<Option<Role>>,
+    /// Unit of the file's numbers.
+    pub unit: Unit,
+    /// Axis of rotation; `None`: as the hub turns.
+    pub axis: Option<Axis>,
+    /// Number of main blades; `None`: as there are.
+    pub blades: Option<usize>,
+    /// Sense of rotation; `None`: as the file says, or the blades' wrap tells.
+    pub rotation: Option<Rotation>,
+    /// Node in work.
+    pub chosen: Option<usize>,
+    /// Whether the keyboard chose another one.
+    pub moved: bool,
+    /// Whether a role goes to all nodes of one shape.
+    pub alike: bool,
+}
+
+impl Choices {
+    /// To begin with: what was said before, else what names and shapes tell.
+    pub fn new(nodes: &[MeshNode], said: &MeshOptions) -> Self {
+        let mut roles = guess(nodes);
+        for (node, role) in nodes.iter().zip(&mut roles) {
+            let own = |key: &str| key == node.key || key.to_lowercase() == node.name.to_lowercase();
+            if let Some((_, given)) = said.roles.iter().rev().find(|(key, _)| own(key)) {
+                *role = Some(*given);
+            }
+        }
+        let mut choices = Self {
+            roles,
+            unit: OWN_UNIT,
+            axis: said.axis,
+            blades: said.blades,
+            rotation: said.rotation,
+            chosen: None,
+            moved: false,
+            alike: true,
+        };
+        let across = choices.across(nodes);
+        choices.unit = said.unit.or_else(|| likely_unit(across, OWN_UNIT)).unwrap_or(OWN_UNIT);
+        choices
+    }
+
+    /// As a reader takes them.
+    pub fn options(&self, nodes: &[MeshNode]) -> MeshOptions {
+        let named = |(node, role): (&MeshNode, &Option<Role>)| {
+            // A node that a name tells wrongly is to be left out by a word of its own.
+            let role = role.or(node.told.map(|_| Role::Ignored))?;
+            (node.told != Some(role)).then(|| (node.key.clone(), role))
+        };
+        MeshOptions {
+            roles: nodes.iter().zip(&self.roles).filter_map(named).collect(),
+            unit: Some(self.unit).filter(|unit| *unit != OWN_UNIT),
+            axis: self.axis,
+            blades: self.blades,
+            rotation: self.rotation,
+        }
+    }
+
+    /// Gives the node in work a role, and those like it.
+    pub fn give(&mut self, nodes: &[MeshNode], role: Option<Role>) {
+        let Some(chosen) = self.chosen.and_then(|k| nodes.get(k)) else { return };
+        for (node, own) in nodes.iter().zip(&mut self.roles) {
+            if node.node == chosen.node || self.alike && node.is_like(chosen) {
+                *own = role;
+            }
+        }
+    }
+
+    /// Greatest width of what is of the wheel, in the file's unit.
+    pub fn across(&self, nodes: &[MeshNode]) -> f64 {
+        let wheel = || {
+            let of_wheel = |role: &Option<Role>| role.is_some_and(|role| role != Role::Ignored);
+            nodes.iter().zip(&self.roles).filter(move |(_, role)| of_wheel(role)).map(|(node, _)| node)
+        };
+        let counted: Vec<&MeshNode> =
+            if wheel().next().is_some() { wheel().collect() } else { nodes.iter().collect() };
+        let Some(first) = counted.first() else { return 0.0 };
+        let low = counted.iter().fold(first.low, |low, n| low.inf(&n.low));
+        let high = counted.iter().fold(first.high, |high, n| high.sup(&n.high));
+        (high - low).amax()
+    }
+
+    /// The file's axis that stands upright in the picture: the one given, else the one the hub is turned about.
+    pub fn upright(&self, nodes: &[MeshNode]) -> Axis {
+        let hub = || nodes.iter().zip(&self.roles).find(|(_, role)| **role == Some(Role::Hub));
+        self.axis.or_else(|| hub().map(|(node, _)| node.turned_about())).unwrap_or(Axis::Y)
+    }
+}

@@ -1,0 +1,161 @@
+//! The picture of a mesh file whose nodes are being told apart: each as what it is taken for, the chosen one lit.
+
+use egui::{Color32, Rect, Sense, Ui, Vec2};
+use glam::Vec3;
+
+use crate::gpu::camera::Camera;
+use crate::gpu::mesh::Mesh;
+use crate::gpu::part_mesh::PartMesh;
+use crate::gpu::scene::{FloorColours, SceneOptions};
+use crate::gpu::{CutterFilter, Theme, View};
+use crate::mesh::axis::Axis;
+use crate::mesh::nodes::MeshNode;
+use crate::mesh::{NamedMesh, Role};
+
+use super::super::picture::{Picture, Pictures};
+
+/// Width that the whole file is drawn at, mm: the depth of the picture is made for parts of that size.
+const WIDTH: f64 = 300.0;
+/// Triangles that are drawn at most; of larger files every so many-th.
+const MOST_TRIANGLES: usize = 400_000;
+/// How far a step of the wheel zooms.
+const ZOOM: f32 = 0.0025;
+
+/// What the picture shows of the choices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown<'a> {
+    /// Roles of the nodes.
+    pub roles: &'a [Option<Role>],
+    /// Axis of rotation in the file, drawn upright.
+    pub axis: Axis,
+    /// Number of the node that is lit.
+    pub chosen: Option<usize>,
+}
+
+/// The picture, and what it is made of.
+#[derive(Default)]
+pub struct Preview {
+    /// One for each node, in the file's frame, about the middle of the file.
+    meshes: Vec<Mesh>,
+    picture: Option<Picture>,
+    camera: Option<Camera>,
+    /// Roles and axis that the picture was made for.
+    made_for: Option<(Vec<Option<Role>>, Axis)>,
+    lit: Option<usize>,
+}
+
+/// Where a direction of the file points when its axis of rotation stands upright.
+fn upright(axis: Axis, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    match axis {
+        Axis::X => [y, z, x],
+        Axis::Y => [x, -z, y],
+        Axis::Z => [x, y, z],
+    }
+}
+
+impl Preview {
+    /// Of the meshes of a file and their nodes.
+    pub fn new(meshes: &[NamedMesh], nodes: &[MeshNode]) -> Self {
+        let low = nodes.iter().fold(nodes[0].low, |low, n| low.inf(&n.low));
+        let high = nodes.iter().fold(nodes[0].high, |high, n| high.sup(&n.high));
+        let (middle, scale) =
+            (nalgebra::center(&low, &high), WIDTH / (high - low).amax().max(f64::MIN_POSITIVE));
+        let triangles: usize = nodes.iter().map(|n| n.triangles).sum();
+        let stride = triangles.div_ceil(MOST_TRIANGLES).max(1);
+        let mut drawn = vec![Mesh::default(); nodes.len()];
+        for mesh in meshes {
+            if let Some(k) = nodes.iter().position(|n| n.node == mesh.node) {
+                drawn[k].append(&Mesh::flat(&mesh.mesh, stride, |p| {
+                    let d = (p - middle) * scale;
+                    Vec3::new(d.x as f32, d.y as f32, d.z as f32)
+                }));
+            }
+        }
+        Self { meshes: drawn, ..Self::default() }
+    }
+
+    /// Nodes for which `wanted` holds as one mesh, the axis upright.
+    fn joined(&self, axis: Axis, wanted: impl Fn(usize) -> bool) -> Mesh {
+        let mut all = Mesh::default();
+        for (_, mesh) in self.meshes.iter().enumerate().filter(|(k, _)| wanted(*k)) {
+            all.append(mesh);
+        }
+        for vertex in &mut all.vertices {
+            vertex.position = upright(axis, vertex.position);
+            vertex.normal = upright(axis, vertex.normal);
+        }
+        all
+    }
+
+    fn make(&mut self, pictures: &Pictures, shown: &Shown<'_>, aspect: f32) {
+        let of = |role: &[Option<Role>]| self.joined(shown.axis, |k| role.contains(&shown.roles[k]));
+        let blades = of(&[Some(Role::Blade), Some(Role::Splitter)]);
+        // What has no role yet is there to be seen too; only what is left out for good is not.
+        let mesh = PartMesh::of_loose(of(&[Some(Role::Hub), None]), blades, of(&[Some(Role::Shroud)]));
+        let picture = pictures.loose(mesh);
+        let axis_changed = self.made_for.as_ref().is_none_or(|(_, axis)| *axis != shown.axis);
+        if axis_changed || self.camera.is_none() {
+            self.camera = Some(Camera::standard(View::Iso, picture.framing(), aspect));
+        }
+        self.picture = Some(picture);
+        self.made_for = Some((shown.roles.to_vec(), shown.axis));
+        self.lit = None;
+    }
+
+    /// Draws the picture of `size` points and lets the mouse turn and zoom it.
+    pub fn show(&mut self, ui: &mut Ui, pictures: Option<&Pictures>, size: Vec2, shown: &Shown<'_>) {
+        let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture of the nodes"));
+        let Some(pictures) = pictures else {
+            ui.painter().text(
+                rect.center(),
+                egui::Align2::CENTER_CENTER,
+                "no 3D view on this device",
+                egui::FontId::default(),
+                ui.visuals().weak_text_color(),
+            );
+            return;
+        };
+        if self
+            .made_for
+            .as_ref()
+            .is_none_or(|(roles, axis)| (roles.as_slice(), *axis) != (shown.roles, shown.axis))
+        {
+            self.make(pictures, shown, size.x / size.y);
+        }
+        if self.lit != shown.chosen {
+            let lit = shown.chosen.map(|chosen| self.joined(shown.axis, |k| k == chosen));
+            if let Some(picture) = &mut self.picture {
+                picture.highlight(lit);
+            }
+            self.lit = shown.chosen;
+        }
+        let (Some(picture), Some(camera)) = (&mut self.picture, &mut self.camera) else { return };
+        if response.dragged() {
+            let d = response.drag_delta();
+            camera.orbit(glam::vec2(d.x, d.y), picture.framing().wheel.center);
+        }
+        if response.hovered() {
+            let factor = (-ZOOM * ui.input(|i| i.smooth_scroll_delta.y)).exp();
+            camera.zoom(factor, picture.framing().wheel.center);
+        }
+        let dark = ui.visuals().dark_mode;
+        let options = SceneOptions {
+            show_shroud: true,
+            show_cutters: CutterFilter::Hidden,
+            show_floor_colours: FloorColours::Values,
+            range_mm: (0.0, 1.0),
+            cut_away: false,
+            theme: if dark { Theme::Dark } else { Theme::Light },
+            pixel_scale: ui.pixels_per_point(),
+            ..SceneOptions::default()
+        };
+        let pixels = (size * ui.pixels_per_point()).round();
+        if let Some(texture) =
+            picture.show(*camera, options, [pixels.x as u32, pixels.y as u32], response.dragged())
+        {
+            let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            ui.painter().image(texture, rect, all, Color32::WHITE);
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! The sense in which a wheel turns.
+//!
+//! Impellers press on the fluid with the side of their blades that leads: the pressure side. Seen along the way of the
+//! flow, blades run back against the sense of rotation: at the inlet towards the flow that comes to meet them, at the
+//! outlet swept back. So a blade's wrap tells the sense of rotation, and that the sides, where a file names neither.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Sense of rotation, seen from the inlet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Rotation {
+    /// With the clock.
+    #[serde(rename = "cw")]
+    Clockwise,
+    /// Against it.
+    #[serde(rename = "ccw")]
+    Counterclockwise,
+}
+
+impl Rotation {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Clockwise, Self::Counterclockwise];
+
+    /// Of a wheel that turns about Z by `turn` (only the sign counts), whose inlet faces towards +Z if `inlet_up`.
+    pub fn about_z(turn: f64, inlet_up: bool) -> Self {
+        if (turn > 0.0) == inlet_up { Self::Counterclockwise } else { Self::Clockwise }
+    }
+
+    /// Sign of the turn about Z of a wheel whose inlet faces towards +Z if `inlet_up`.
+    pub fn sign_about_z(self, inlet_up: bool) -> f64 {
+        if (self == Self::Counterclockwise) == inlet_up { 1.0 } else { -1.0 }
+    }
+
+    /// The other one.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        match self {
+            Self::Clockwise => Self::Counterclockwise,
+            Self::Counterclockwise => Self::Clockwise,
+        }
+    }
+
+    /// The word for it in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clockwise => "cw",
+            Self::Counterclockwise => "ccw",
+        }
+    }
+}
+
+impl fmt::Display for Rotation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Clockwise => "clockwise",
+            Self::Counterclockwise => "counter-clockwise",
+        })
+    }
+}
+
+impl FromStr for Rotation {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.to_lowercase();
+        let known = Self::ALL.into_iter().find(|rotation| rotation.name() == text);
+        known.ok_or_else(|| {
+            format!("`{text}` is no sense of rotation; give cw or ccw, as seen from the inlet")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rotation;
+
+    #[test]
+    fn a_sense_is_that_of_its_own_sign() {
+        for rotation in Rotation::ALL {
+            for inlet_up in [false, true] {
+                assert_eq!(Rotation::about_z(rotation.sign_about_z(inlet_up), inlet_up), rotation);
+            }
+            assert_eq!(rotation.name().parse(), Ok(rotation));
+            assert_ne!(rotation.reversed(), rotation);
+        }
+        assert_eq!(Rotation::about_z(0.2, true), Rotation::Counterclockwise, "seen from +z, as angles grow");
+        assert!("left".parse::<Rotation>().is_err());
+    }
+}

@@ -1,0 +1,36 @@
+//! What a user sees of the nodes of a mesh file.
+
+use vanecut::mesh::Role;
+use vanecut::mesh::axis::Axis;
+use vanecut::mesh::nodes::{guess, nodes};
+
+use crate::{sample, separate};
+
+#[test]
+fn shapes_tell_hub_blades_and_splitters_where_names_do_not() {
+    let part = sample("impeller9x9.toml");
+    let mut meshes = separate(&part);
+    let wanted: Vec<Option<Role>> = meshes
+        .iter()
+        .map(|m| match &m.name[..3] {
+            "Hub" => Some(Role::Hub),
+            "Bla" => Some(Role::Blade),
+            "Spl" => Some(Role::Splitter),
+            _ => None,
+        })
+        .collect();
+    let named = nodes(&meshes);
+    assert_eq!(guess(&named)[1], Some(Role::Shroud), "names come first");
+    assert!(named.iter().all(|node| node.key == node.name), "each has a name of its own");
+    meshes.iter_mut().for_each(|m| m.name = "Solid".into());
+    let nodes = nodes(&meshes);
+    assert_eq!(guess(&nodes), wanted);
+    assert_eq!(nodes[3].key, "#3", "one name for all: by number");
+    assert_eq!(nodes[0].turned_about(), Axis::Z);
+    assert!(
+        nodes[2].is_like(&nodes[4]) && !nodes[2].is_like(&nodes[3]),
+        "blades are alike, splitters others"
+    );
+    let across = (nodes[0].high - nodes[0].low).amax();
+    assert!((across - 2.0 * part.rim_radius()).abs() < 0.1, "{across}");
+}

@@ -1,0 +1,178 @@
+//! Mesh files whose nodes have no names: the dialog that asks what is what.
+
+use std::path::{Path, PathBuf};
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use serde_json::{Value, json};
+use vanecut::app::dialogs::Purpose;
+use vanecut::app::engine::PartSource;
+use vanecut::formats::GltfScene;
+use vanecut::formats::project_file::{PartPlace, read_project};
+use vanecut::formats::read_part_bytes;
+use vanecut::mesh::tessellate::{Fineness, Tessellation};
+use vanecut::part::Impeller;
+
+use crate::fake;
+use crate::harness::{Window, settle, snapshot_view, window};
+
+/// A wheel as a file: hub, shroud and six blades. `edit` changes its document.
+fn wheel(folder: &Path, edit: impl FnOnce(&mut Value)) -> PathBuf {
+    let text = include_bytes!("../../assets/parts/pump6.toml");
+    let part = Impeller::build(&read_part_bytes("pump6.toml", text, "toml").expect("reads")).expect("a part");
+    let shape = Tessellation::new(&part, &Fineness { chord_error: 0.05, ..Fineness::default() });
+    let bytes = GltfScene::of_part(&part, &shape).glb();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    let mut document: Value = serde_json::from_slice(&bytes[20..20 + length]).expect("JSON");
+    edit(&mut document);
+    let mut json = document.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let binary = &bytes[20 + length..];
+    let mut file = b"glTF".to_vec();
+    for word in [2, 20 + json.len() + binary.len(), json.len(), 0x4E4F_534A] {
+        file.extend((word as u32).to_le_bytes());
+    }
+    file.extend(json);
+    file.extend(binary);
+    let path = folder.join("wheel.glb");
+    std::fs::write(&path, file).expect("writes");
+    path
+}
+
+/// Takes all names away, and adds a third turned body: a nut.
+fn nameless(document: &mut Value) {
+    for list in ["nodes", "meshes", "materials"] {
+        for item in document[list].as_array_mut().expect("a list") {
+            item.as_object_mut().expect("an object").remove("name");
+        }
+    }
+    let nodes = document["nodes"].as_array_mut().expect("nodes");
+    let nut = nodes.len();
+    nodes.push(json!({ "mesh": nodes[0]["mesh"], "scale": [0.2, 0.2, 0.2] }));
+    let root = nodes.iter_mut().find(|n| n.get("children").is_some()).expect("a root");
+    root["children"].as_array_mut().expect("children").push(json!(nut));
+}
+
+fn is_asked(window: &Window) -> bool {
+    window.query_by_label("What is what in wheel.glb?").is_some()
+}
+
+fn press(window: &mut Window, label: &str) {
+    window.get_by_role_and_label(Role::Button, label).click();
+    window.run_steps(3);
+    settle(window);
+}
+
+fn choose(window: &mut Window, list: &str, item: &str) {
+    window.get_by_role_and_label(Role::ComboBox, list).click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, item).click();
+    window.run_steps(3);
+}
+
+fn source(window: &Window) -> Option<PartSource> {
+    window.state().state().document.part.as_ref().map(|part| part.source.clone())
+}
+
+#[test]
+fn nodes_without_names_are_told_apart_by_hand() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = wheel(folder.path(), nameless);
+    let (engine, _) = fake::engine();
+    let mut first = window(engine.clone());
+    first.state_mut().open_path(path.clone());
+    settle(&mut first);
+    assert!(is_asked(&first), "{:?}", first.state().state().problems);
+    assert!(first.state().state().problems.is_empty(), "the dialog itself says what is wrong");
+    first.get_by_label_contains("cannot be told apart");
+    // The guess by shape knows hub and blades; the shroud is named here, and lights up.
+    choose(&mut first, "Role of node 1", "shroud");
+    press(&mut first, "node 3");
+    snapshot_view(&mut first, "roles");
+    // A wrong choice comes back with its fault.
+    choose(&mut first, "Role of node 0", "ignore");
+    choose(&mut first, "Role of node 9", "hub");
+    press(&mut first, "Open the part");
+    assert!(is_asked(&first) && source(&first).is_none(), "still asked");
+    assert!(first.query_by_label_contains("cannot be told apart").is_none(), "another fault now");
+    choose(&mut first, "Role of node 0", "hub");
+    choose(&mut first, "Role of node 9", "ignore");
+    press(&mut first, "Open the part");
+    assert!(!is_asked(&first));
+    let part = first.state().state().document.part.clone().expect("a part");
+    assert_eq!(part.impeller.blade_count, 6);
+    let Some(PartSource::Mesh(_, said)) = source(&first) else { panic!("the choices stay with the part") };
+    assert!(first.state().state().document.is_unsaved(), "choices are something to lose");
+
+    let project = folder.path().join("p.vanecut");
+    let ctx = first.ctx.clone();
+    first.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
+    settle(&mut first);
+    let stored = read_project(&project).expect("reads").part;
+    assert_eq!(stored, PartPlace::Mesh { file: path, choices: said.clone() });
+    let mut second = window(engine);
+    second.state_mut().open_path(project);
+    settle(&mut second);
+    assert!(!is_asked(&second) && second.state().state().problems.is_empty());
+    let again = second.state().state().document.part.clone().expect("a part");
+    assert_eq!((again.hash, again.source), (part.hash, part.source), "as it was saved");
+    assert!(!second.state().state().document.is_unsaved());
+}
+
+#[test]
+fn the_keyboard_is_enough_to_tell_nodes_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = wheel(folder.path(), nameless);
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    // The hub is the first node, the shroud the second.
+    for key in [egui::Key::ArrowDown, egui::Key::H, egui::Key::ArrowDown, egui::Key::S, egui::Key::Enter] {
+        window.key_press(key);
+        window.run_steps(2);
+    }
+    settle(&mut window);
+    assert!(!is_asked(&window));
+    let Some(PartSource::Mesh(_, said)) = source(&window) else { panic!("open") };
+    let role = |node: &str| said.roles.iter().find(|(name, _)| name == node).map(|(_, role)| *role);
+    assert_eq!(role("node 0"), Some(vanecut::mesh::Role::Hub));
+    assert_eq!(role("node 1"), Some(vanecut::mesh::Role::Shroud));
+    assert_eq!(role("node 7"), Some(vanecut::mesh::Role::Blade), "guessed by its shape");
+}
+
+#[test]
+fn roles_of_an_open_part_can_be_changed_and_its_setup_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = wheel(folder.path(), |_| ());
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    window.state_mut().open_path(path.clone());
+    settle(&mut window);
+    assert_eq!(source(&window), Some(PartSource::File(path.clone())), "names tell everything");
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
+    window.run_steps(2);
+    settle(&mut window);
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    window.get_by_label("Assign roles…").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(is_asked(&window));
+    press(&mut window, "Leave it");
+    assert!(!is_asked(&window) && source(&window) == Some(PartSource::File(path.clone())));
+
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    window.get_by_label("Assign roles…").click();
+    window.run_steps(2);
+    settle(&mut window);
+    choose(&mut window, "Role of shroud", "ignore");
+    choose(&mut window, "Sense of rotation", "clockwise");
+    press(&mut window, "Open the part");
+    let part = window.state().state().document.part.clone().expect("a part");
+    let PartSource::Mesh(_, said) = part.source else { panic!("with choices") };
+    assert_eq!(said.roles, [("shroud".to_owned(), vanecut::mesh::Role::Ignored)], "only what differs");
+    assert_eq!(part.impeller.rotation(), vanecut::part::Rotation::Clockwise);
+    assert_eq!(window.state().state().document.edited.setup.plunge.step, Some(6.0), "the setup stays");
+}

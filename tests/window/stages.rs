@@ -1,0 +1,138 @@
+//! A plan in the making: what is known of the new setup is shown as it comes, and marked until it is judged.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::engine::Engine;
+use vanecut::app::planned::Side;
+use vanecut::job::{Listener, PlanJob, PlanRequest, Stage};
+use vanecut::monitor::Monitor;
+use vanecut::part::AxisPolicy;
+
+use crate::harness::{Window, settle, with_sample};
+
+/// The real planner, which waits after every stage until it may go on.
+fn held_back() -> (Engine, Arc<AtomicUsize>) {
+    let allowed = Arc::new(AtomicUsize::new(usize::MAX));
+    let (job, gate) = (PlanJob::default(), Arc::clone(&allowed));
+    let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let told = AtomicUsize::new(0);
+        let listen = |stage: Stage| {
+            let number = told.fetch_add(1, Ordering::SeqCst) + 1;
+            listener.tell(|| stage);
+            while number >= gate.load(Ordering::SeqCst) && !monitor.is_cancelled() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        };
+        job.run_telling(request, monitor, Listener::new(&listen))
+    };
+    (Engine { plan: Arc::new(plan), ..Engine::default() }, allowed)
+}
+
+fn until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
+    let start = Instant::now();
+    while !done(window) {
+        assert!(start.elapsed() < Duration::from_secs(60), "{what} does not come");
+        std::thread::sleep(Duration::from_millis(2));
+        window.step();
+    }
+}
+
+fn coming(window: &Window) -> Option<(AxisPolicy, bool, usize)> {
+    let cutters = window.state().state().coming_on(Side::After)?;
+    Some((cutters.plan.policy, cutters.judged, cutters.plan.positions.len()))
+}
+
+#[test]
+fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_is_judged() {
+    let (engine, allowed) = held_back();
+    let mut window = with_sample(engine);
+    let old = window.state().state().results.planned.clone().expect("planned");
+    let count = |window: &Window| window.state().state().position_count();
+    let before = count(&window);
+    // Resolved, then the conventional cutters, and there it waits.
+    allowed.store(2, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::Slider, "Step").set_value_accesskit(6.0);
+    window.step();
+    until(&mut window, "the first stage", |window| coming(window).is_some());
+    let (policy, judged, positions) = coming(&window).expect("cutters");
+    assert_eq!((policy, judged), (AxisPolicy::Conventional, false));
+    assert_ne!(positions, old.outcome.before.plan.positions.len(), "of the new step");
+    window.step();
+    window.get_by_label(&format!("New conventional: {positions} positions, not judged yet"));
+    window.get_by_label("Out of date");
+    assert_eq!(count(&window), before, "table and figures are still those of the whole plan");
+
+    allowed.store(3, Ordering::SeqCst);
+    until(&mut window, "contact", |window| coming(window).is_some_and(|(_, judged, _)| judged));
+    window.step();
+    let faults = window.state().state().coming_on(Side::After).and_then(|c| c.interferential());
+    let faults = faults.expect("judged");
+    assert!(faults > 0, "conventional axes interfere here");
+    window.get_by_label(&format!("New conventional: {faults} of {positions} interfere"));
+    assert!(coming(&window).is_some_and(|(policy, ..)| policy == AxisPolicy::Conventional));
+
+    // What it leaves on the hub: the side that shows it is up to date, while the other waits.
+    allowed.store(4, Ordering::SeqCst);
+    until(&mut window, "the conventional plan", |window| !window.state().state().is_stale(Side::Before));
+    let state = window.state().state();
+    assert!(state.is_stale(Side::After), "the plan by the policy is not there yet");
+    let shown = state.on(Side::Before).expect("the conventional plan").plan();
+    assert_eq!((shown.policy, shown.positions.len()), (AxisPolicy::Conventional, positions));
+    assert!(Arc::ptr_eq(state.before_edit(Side::After).expect("old").planned, &old));
+
+    allowed.store(usize::MAX, Ordering::SeqCst);
+    settle(&mut window);
+    let state = window.state().state();
+    assert!(!state.out_of_date() && state.results.coming.is_none());
+    assert_eq!(state.on(Side::Before).expect("planned").plan().positions.len(), positions);
+    assert!(window.query_by_label("Out of date").is_none());
+}
+
+#[test]
+fn a_plan_that_is_cancelled_half_way_leaves_the_one_before() {
+    let (engine, allowed) = held_back();
+    let mut window = with_sample(engine);
+    let old = window.state().state().results.planned.clone().expect("planned");
+    allowed.store(3, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::Slider, "Step").set_value_accesskit(6.0);
+    window.step();
+    until(&mut window, "contact", |window| coming(window).is_some_and(|(_, judged, _)| judged));
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(coming(&window), None, "nothing half-done stays");
+    let state = window.state().state();
+    assert!(Arc::ptr_eq(state.on(Side::Before).expect("a plan").planned, &old), "the plan before is shown");
+    window.get_by_label("Out of date");
+}
+
+#[test]
+fn while_a_slider_is_held_something_true_of_the_new_setup_comes_before_the_next_movement_counts() {
+    let (engine, allowed) = held_back();
+    let mut window = with_sample(engine);
+    let rect = window.get_by_role_and_label(Role::Slider, "Step").rect();
+    allowed.store(1, Ordering::SeqCst);
+    window.drag_at(rect.left_center() + egui::vec2(4.0, 0.0));
+    window.run_steps(1);
+    let setup = |window: &Window| window.state().state().document.edited.setup.plunge.step;
+    for x in [20.0, 24.0, 28.0] {
+        window.hover_at(rect.left_center() + egui::vec2(x, 0.0));
+        window.run_steps(2);
+    }
+    allowed.store(4, Ordering::SeqCst);
+    until(&mut window, "contact", |window| coming(window).is_some_and(|(_, judged, _)| judged));
+    // From here on a movement counts at once.
+    window.hover_at(rect.center());
+    window.run_steps(2);
+    let wanted = setup(&window);
+    allowed.store(usize::MAX, Ordering::SeqCst);
+    window.drop_at(rect.center());
+    window.run_steps(2);
+    settle(&mut window);
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    assert_eq!(planned.setup.plunge.step, wanted, "the last movement is what is planned in the end");
+}
