@@ -147,7 +147,7 @@ fn within(cutter: &CutterSolid, tip: &Point, axis: &Vector, reach: f64, top: f64
     let b = from_tip.dot(&cutter.axis) - up * along;
     let c = from_tip.norm_squared() - up * up;
     // Above the blank nothing matters.
-    let h = if a > 1e-12 { (-b / a).clamp(0.0, top.clamp(0.0, FURTHEST)) } else { 0.0 };
+    let h = if a > 1e-12 { (-b / a).min(top.min(FURTHEST)).max(0.0) } else { 0.0 };
     (a * h + 2.0 * b) * h + c < reach * reach
 }
 
