@@ -39,7 +39,7 @@ impl OnLayer<'_> {
         let (mut before, after) = (free(&low), free(&high));
         for (region, side) in [(Region::LowSide, &low), (Region::HighSide, &high)] {
             for (length, why) in side.iter().filter_map(|p| p.as_ref().err()) {
-                self.leave_out(made, region, *length, *why);
+                self.leave_out(made, region, *length, why);
             }
         }
         if let (Some(a), Some(b)) = (before.last().copied(), after.first().copied()) {
