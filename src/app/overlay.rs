@@ -71,7 +71,7 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut State, side: Side) {
         };
         let policies = planned.outcome.policies();
         if policies.len() < 3 {
-            ui.label(RichText::new(policy_label(now)).weak()).on_hover_text(name);
+            ui.label(policy_label(now)).on_hover_text(name);
             return;
         }
         let mut choice = now;

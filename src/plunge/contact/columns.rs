@@ -121,12 +121,14 @@ pub struct Earlier<'a> {
 }
 
 impl<'a> Earlier<'a> {
-    /// Those that may have removed some of the core of `column`, in cutting order. Some that have not are among them.
+    /// Those that may have removed some of the core of `column`, in cutting order.
     pub fn near(self, column: &Column) -> impl DoubleEndedIterator<Item = &'a Column> + use<'a> {
         let Column { cutter: CutterSolid { tip, axis, .. }, core_radius, top } = *column;
-        let around = Around { tip, axis, reach: core_radius, top };
         let all = &self.columns.all;
-        self.columns.index.near(&around, self.count).into_iter().map(|number| &all[number as usize])
+        let mut found = self.columns.index.near(&Around { tip, axis, reach: core_radius, top }, self.count);
+        found.retain(|&number| column.may_meet(&all[number as usize].cutter));
+        found.sort_unstable();
+        found.into_iter().map(|number| &all[number as usize])
     }
 }
 

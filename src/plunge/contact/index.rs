@@ -133,13 +133,12 @@ impl Index {
         }
     }
 
-    /// Numbers below `count` of those that may come into what is asked about, ascending. Some that do not are among them.
+    /// Numbers below `count` of those that may come into what is asked about, in any order. Some that do not are among them.
     pub fn near(&self, around: &Around, count: usize) -> Vec<u32> {
         let mut found = Vec::new();
         for place in &self.places[LEVELS - 1] {
             self.gather(LEVELS - 1, place, around, count as u32, &mut found);
         }
-        found.sort_unstable();
         found
     }
 

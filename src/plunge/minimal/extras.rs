@@ -58,10 +58,10 @@ const FEWEST: usize = 4;
 /// Lift kept above what the search saw, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
-/// One of the axes by which a place is looked at.
+/// The cutter on one of the axes by which a place is looked at: the pool is large, and no more of the axis counts.
 #[derive(Clone, Debug)]
 struct Probe {
-    station: Station,
+    cutter: CutterSolid,
     /// What it took when it was last looked at, mm³.
     gain: f64,
 }
@@ -101,7 +101,7 @@ impl Extra {
     /// Where it is, nearly.
     fn foot(&self) -> Option<&Point> {
         match &self.look {
-            Look::Place(few) => few.first().map(|probe| &probe.station.tip),
+            Look::Place(few) => few.first().map(|probe| &probe.cutter.tip),
             Look::Axis(station) | Look::Clear(station) => Some(&station.tip),
             Look::Held { station, .. } | Look::Plunge { station, .. } => Some(&station.tip),
         }
@@ -172,7 +172,8 @@ impl<'a> ExtraSearch<'a> {
                 return None;
             }
             let few = maker.fan(s, (0..TILTS).step_by(2).map(tilt), &COARSE_SHARES).into_iter();
-            let look = Look::Place(few.map(|station| Probe { station, gain: f64::INFINITY }).collect());
+            let probe = |station| Probe { cutter: maker.maker.cutter(&station), gain: f64::INFINITY };
+            let look = Look::Place(few.map(probe).collect());
             search.still_worth(Extra { gain: f64::INFINITY, order: (index, 0), row, s, seen: None, look })
         };
         let pool: Vec<Extra> = feet.par_iter().enumerate().filter_map(place).collect();
@@ -265,14 +266,15 @@ impl<'a> ExtraSearch<'a> {
     /// An entry with what it takes now; `None` when that is too little.
     fn still_worth(&self, mut extra: Extra) -> Option<Extra> {
         let Extra { row, seen, gain, .. } = extra;
+        let changed = |tip: &Point| seen.is_none_or(|seen| self.added.any_near(tip, seen));
         let now = |station: &Station, lift: f64, before: f64| {
-            let changed = seen.is_none_or(|seen| self.added.any_near(&station.tip, seen));
-            if changed { self.gain(row, station, lift).cost } else { before }
+            if changed(&station.tip) { self.gain(row, station, lift).cost } else { before }
         };
         let (gain, least) = match &mut extra.look {
             Look::Place(few) => {
-                for probe in few.iter_mut() {
-                    probe.gain = now(&probe.station, 0.0, probe.gain);
+                let part = self.rows[row].maker.part;
+                for probe in few.iter_mut().filter(|probe| changed(&probe.cutter.tip)) {
+                    probe.gain = self.floor.gain(part, &probe.cutter).cost;
                 }
                 // Between axes that take next to nothing there is none that takes enough.
                 let most = few.iter().map(|probe| probe.gain).fold(0.0, f64::max);

@@ -191,8 +191,7 @@ impl PathSearch<'_> {
         let mut candidates = place.tilts[tilt].iter().flatten();
         let candidate = candidates.find_map(|c| self.candidates.cleared(c, place))?;
         let column = self.candidates.column(&candidate.station);
-        let near = here.earlier.all().near(&column);
-        let near: Vec<&Column> = near.filter(|other| column.may_meet(&other.cutter)).collect();
+        let near: Vec<&Column> = here.earlier.all().near(&column).collect();
         let mut search = ContactSearch::default();
         let mut best: Option<State> = None;
         let mut consider = |cost_before: f64, before: Option<(usize, usize)>| {

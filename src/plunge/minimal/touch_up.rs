@@ -115,7 +115,7 @@ impl Planner<'_> {
         let (mut added_in_all, mut stopped) = (0, Stopped::NothingWorthwhile);
         for ground in grounds.iter().take_while(|_| !monitor.is_stopped()) {
             let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
-            for column in cut.columns.as_slice() {
+            for column in cut.columns.as_slice().iter().take_while(|_| !monitor.is_cancelled()) {
                 floor.cut(self.part, &column.cutter);
             }
             if wanted.above.is_some_and(|above| floor.share_above(above) < THICK_SHARE) {
