@@ -65,6 +65,8 @@ fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
         .striped(true)
         .sense(Sense::click())
         .auto_shrink([false, false])
+        // A row is asked for in several pictures; a scroll that is still under way would be added to the next.
+        .animate_scrolling(false)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
         .column(Column::exact(12.0))
         .column(Column::exact(30.0))
