@@ -133,8 +133,10 @@ impl Pictures {
         Picture::new(&self.egui, &self.gpu, &PartMeshes { fine: Arc::clone(&mesh), draft: mesh })
     }
 
-    /// Faults the device reported since the last look.
+    /// Faults the device reported since the last look. Asks it first, so that a loss is known before anything is drawn.
     pub fn take_errors(&self) -> Vec<String> {
+        // A device that fails says so in its errors.
+        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
         self.gpu.take_errors()
     }
 
