@@ -52,15 +52,17 @@ fn every_chosen_tool_fits_the_samples() {
         let setup = &resolved.setup;
         assert!((1..=4).contains(&setup.tools.len()), "{name}: {:?}", diameters(&resolved));
         assert!(diameters(&resolved).is_sorted_by(|a, b| a > b), "{name}: large to small");
-        let sections = &setup.plunge.sections;
+        let (rest, sections): (Vec<_>, Vec<_>) =
+            setup.plunge.sections.iter().partition(|section| section.rest);
         assert_eq!(
             (sections[0].from, sections[sections.len() - 1].to),
             (1.0, 0.0),
             "{name}: all of the floor"
         );
         assert!(sections.windows(2).all(|pair| pair[0].to == pair[1].from), "{name}: without a gap");
-        assert!(resolved.reasons.len() == sections.len() && resolved.reasons.iter().all(Option::is_some));
-        for section in sections {
+        assert!(resolved.reasons.len() == setup.plunge.sections.len());
+        assert!(resolved.reasons.iter().all(Option::is_some));
+        for section in sections.into_iter().chain(rest) {
             let tool = setup.tools.iter().find(|tool| tool.number == section.tool).expect("in the setup");
             assert!(plunge_cutters().contains(tool), "{name}: tool {} is from the library", tool.number);
             for i in 0..=10 {
@@ -90,8 +92,9 @@ fn fewer_blades_get_larger_cutters() {
     let text = std::fs::read_to_string(folder().join("impeller532.toml")).expect("readable");
     let open = text.replace("blades = 17", "blades = 11");
     assert_ne!(text, open, "the part has 17 blades");
-    let (narrow, wide) =
-        [&text, &open].map(|text| diameters(&chosen(&part_of(text), &Setup::default()))).into();
+    let mut setup = Setup::default();
+    setup.plunge.rest = false;
+    let (narrow, wide) = [&text, &open].map(|text| diameters(&chosen(&part_of(text), &setup))).into();
     assert!(wide.last() > narrow.last() && wide.first() >= narrow.first(), "{narrow:?}, then {wide:?}");
 }
 
@@ -101,8 +104,12 @@ fn tools_of_the_setup_are_the_only_ones_chosen_from() {
     let setup = Setup { tools: vec![tool(3, 9.0), tool(7, 20.0), tool(8, 70.0)], ..Setup::default() };
     let resolved = chosen(&part, &setup);
     assert_eq!(resolved.setup.tools, setup.tools, "the list stays as it was given");
-    let numbers: Vec<u32> = resolved.setup.plunge.sections.iter().map(|section| section.tool).collect();
-    assert_eq!(numbers, [7, 3], "both that fit");
+    let numbers = |rest: bool| -> Vec<u32> {
+        let sections = resolved.setup.plunge.sections.iter().filter(|section| section.rest == rest);
+        sections.map(|section| section.tool).collect()
+    };
+    assert_eq!(numbers(false), [7, 3], "both that fit");
+    assert_eq!(numbers(true), [3], "and what the larger leaves is for the smaller");
 }
 
 #[test]

@@ -28,7 +28,7 @@ pub fn check(positions: usize) -> Result<(), Failure> {
     if (LEAST..=MAX_POSITIONS).contains(&positions) {
         return Ok(());
     }
-    Err(Failure::Input(format!("--positions {positions}: give {LEAST} to {MAX_POSITIONS}")))
+    Err(Failure::Input(format!("--positions {positions} is out of range; give {LEAST} to {MAX_POSITIONS}")))
 }
 
 /// What is measured of a plan.
