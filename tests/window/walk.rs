@@ -163,11 +163,10 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     // Closed over a position, and opened again.
     window.get_by_label("Sort by cutting order").click();
     window.run_steps(8);
-    // The one below the selected position, which the table has in sight.
-    let chosen = worst + 2;
-    window.get_by_role_and_label(Role::Row, &format!("Position {chosen}")).click();
+    window.key_press(egui::Key::ArrowDown);
     window.run_steps(8);
     settle(&mut window);
+    let chosen = window.state().state().look.selected.expect("the next position") + 1;
     let said = words(&window, &format!("Position {chosen} of {count}")).expect("it is selected");
     save(&mut window, Purpose::SaveProject, &file("tuning.vanecut"));
     let camera = window.state().camera().expect("a camera");
