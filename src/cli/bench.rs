@@ -68,7 +68,7 @@ fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
     };
     moved("safety distance", &|setup, turn| setup.stock.safety_distance = 2.0 + 0.1 * turn)?;
     moved("inlet end of the last section", &|setup, turn| {
-        if let Some(section) = setup.plunge.sections.last_mut() {
+        if let Some(section) = setup.plunge.sections.iter_mut().rfind(|section| !section.rest) {
             section.to = section.to.max(1e-3) + 1e-3 * turn;
         }
     })?;
