@@ -45,7 +45,7 @@ pub struct Planner<'a> {
     pub(super) setup: &'a Setup,
     pub(super) blank: Blank,
     pub(super) finished: FinishedPart<'a>,
-    /// Per section what does not depend on the policy.
+    /// Per section what does not depend on the policy; nothing of those for the rest, which `minimal` alone cuts.
     grounds: Vec<Result<Vec<Ground<'a>>, PlanError>>,
 }
 
@@ -177,7 +177,11 @@ impl<'a> Planner<'a> {
             finished: FinishedPart::new(part, &channel.sides),
             grounds: Vec::new(),
         };
-        planner.grounds = setup.plunge.sections.par_iter().map(|section| planner.ground(section)).collect();
+        let shared = |section: &SectionSetup| match section.rest {
+            true => Ok(Vec::new()),
+            false => planner.ground(section),
+        };
+        planner.grounds = setup.plunge.sections.par_iter().map(shared).collect();
         planner
     }
 
@@ -423,15 +427,15 @@ impl<'a> Planner<'a> {
         columns: Columns,
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
-        let grounds = self.grounds[index].as_ref().map_err(PlanError::clone)?;
         let section = &self.setup.plunge.sections[index];
         match (policy, section.rest) {
-            (AxisPolicy::Minimal, false) => {
-                return self.minimal_section(index, grounds, &columns, monitor);
-            }
-            (AxisPolicy::Minimal, true) => return self.rest_section(index, grounds, columns, monitor),
+            (AxisPolicy::Minimal, true) => return self.rest_section(index, columns, monitor),
             (_, true) => return Ok(SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns)),
             (_, false) => {}
+        }
+        let grounds = self.grounds[index].as_ref().map_err(PlanError::clone)?;
+        if policy == AxisPolicy::Minimal {
+            return self.minimal_section(index, grounds, &columns, monitor);
         }
         let (axes, most_lift) = match policy {
             AxisPolicy::Staircase => (AxisPolicy::Conventional, Some(1.0)),

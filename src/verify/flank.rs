@@ -12,7 +12,7 @@ mod walls;
 
 use rayon::prelude::*;
 
-use super::{Fault, beyond_machine};
+use super::fault::{Fault, beyond_machine, near_blade, near_hub, rapid_near_blank};
 use crate::formats::apt::{ClProgram, Motion};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::choice::estimate::RAPID_FEED;
@@ -247,35 +247,19 @@ impl FlankVerdict {
         }
         let stock = &setup.stock;
         let Clearance { hub, blade, holder } = look.clearance;
-        let mut fault = |bad: bool, what: String| {
-            if bad {
-                self.faults.push(Fault { line: step.line, what });
-            }
-        };
-        fault(
-            hub < stock.hub_allowance - HUB_TOLERANCE,
-            format!("comes {hub:.4} mm near the hub; the allowance is {} mm", stock.hub_allowance),
-        );
-        fault(
-            blade < stock.blade_allowance - BLADE_TOLERANCE,
-            format!("comes {blade:.4} mm near a blade; the allowance is {} mm", stock.blade_allowance),
-        );
-        fault(holder, "the holder runs into a blade, the stock that stays on it, or the hub".to_owned());
-        fault(
-            look.retract < stock.safety_distance - 1e-3,
-            format!(
-                "moves in rapid {:.3} mm from the blank; the safety distance is {} mm",
-                look.retract, stock.safety_distance
-            ),
-        );
-        let beyond = beyond_machine(part, setup, &step.to.1);
-        fault(beyond.is_some(), beyond.unwrap_or_default());
-        fault(
-            step.feed.is_some() && step.turn() > MOST_TURN,
-            format!(
-                "turns the axis by {:.0}° in one move under feed; give positions between",
-                step.turn().to_degrees()
-            ),
-        );
+        let found = [
+            near_hub(hub, stock, HUB_TOLERANCE),
+            near_blade(blade, stock, BLADE_TOLERANCE),
+            holder.then(|| "the holder runs into a blade, the stock that stays on it, or the hub".to_owned()),
+            rapid_near_blank(look.retract, stock),
+            beyond_machine(part, setup, &step.to.1),
+            (step.feed.is_some() && step.turn() > MOST_TURN).then(|| {
+                format!(
+                    "turns the axis by {:.0}° in one move under feed; give positions between",
+                    step.turn().to_degrees()
+                )
+            }),
+        ];
+        self.faults.extend(found.into_iter().flatten().map(|what| Fault { line: step.line, what }));
     }
 }

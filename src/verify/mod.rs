@@ -2,17 +2,19 @@
 //!
 //! Nothing here knows how a program was planned: it looks at cutters where the program puts them.
 
+mod fault;
 mod flank;
 mod plunges;
 
 use rayon::prelude::*;
 
+pub use fault::Fault;
+use fault::{beyond_machine, near_blade, near_hub, rapid_near_blank};
 pub use flank::{FlankVerdict, Uncovered, is_flank, verify_flank};
 pub use plunges::{Cut, cuts_of};
 
 use crate::formats::apt::ClProgram;
-use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
-use crate::part::setup::Stock;
+use crate::geometry::{CutterSolid, Meridional, Point, rotate_vector_z, rotate_z};
 use crate::part::{AxisPolicy, Feed, Tool};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::clearance::FinishedPart;
@@ -22,27 +24,6 @@ use crate::plunge::{CoreContact, PlungePlan, Position, SectionPlan};
 
 /// Tolerance of distances in a program of six decimals, mm.
 const PROGRAM_TOLERANCE: f64 = 2e-6;
-
-/// A fault of a program.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
-    /// Line of the program, 0 when there is none.
-    pub line: usize,
-    /// What is wrong.
-    pub what: String,
-}
-
-impl Fault {
-    fn before_tool(line: usize) -> Self {
-        Self { line, what: "cuts before any tool is loaded; add LOADTL and CUTTER before it".to_owned() }
-    }
-
-    fn without_diameter(line: usize, tool: &Tool) -> Self {
-        let what =
-            format!("tool {} has the diameter {}; give CUTTER/ its diameter", tool.number, tool.diameter);
-        Self { line, what }
-    }
-}
 
 /// What a program does to the part.
 #[derive(Clone, Debug)]
@@ -107,17 +88,10 @@ pub fn verify(
     for (k, (cut, &(contact, hub, blade, retract))) in cuts.iter().zip(&measured).enumerate() {
         let here = turned(&cut.cutter, -part.pitch() * turns[k] as f64);
         let s = part.hub.s_at(part.hub.curve().project(Meridional::of(&here.tip)).0);
-        let Stock { hub_allowance, blade_allowance, safety_distance, .. } = setup.stock;
         let found = [
-            (hub < hub_allowance - PROGRAM_TOLERANCE)
-                .then(|| format!("comes {hub:.4} mm near the hub; the allowance is {hub_allowance} mm")),
-            (blade < blade_allowance - PROGRAM_TOLERANCE)
-                .then(|| format!("comes {blade:.4} mm near a blade; the allowance is {blade_allowance} mm")),
-            (retract < safety_distance - 1e-3).then(|| {
-                format!(
-                    "moves in rapid {retract:.3} mm from the blank; the safety distance is {safety_distance} mm"
-                )
-            }),
+            near_hub(hub, &setup.stock, PROGRAM_TOLERANCE),
+            near_blade(blade, &setup.stock, PROGRAM_TOLERANCE),
+            rapid_near_blank(retract, &setup.stock),
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| {
                 format!(
@@ -151,21 +125,6 @@ pub fn verify(
     distinct.sort_unstable();
     distinct.dedup();
     Ok(Verdict { plan, channels: distinct.len(), faults })
-}
-
-/// Tilt beyond the machine's limit that is put down to rounding, rad.
-const TILT_TOLERANCE: f64 = 1e-6;
-
-/// What is wrong with a tool axis that the machine of `setup` does not reach.
-fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> Option<String> {
-    let (limit, beyond) = (setup.machine.max_axis_tilt, setup.machine.beyond(part, axis));
-    (beyond > TILT_TOLERANCE).then(|| {
-        format!(
-            "tilts the axis by {:.2}° from the part's; the machine reaches {:.2}°",
-            (beyond + limit).to_degrees(),
-            limit.to_degrees()
-        )
-    })
 }
 
 fn turned(cutter: &CutterSolid, angle: f64) -> CutterSolid {

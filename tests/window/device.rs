@@ -5,11 +5,12 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
 use vanecut::app::App;
 use vanecut::app::dialogs::Purpose;
+use vanecut::app::engine::Engine;
 use vanecut::app::handover::WayOut;
 use vanecut::formats::project_file::read_project;
 
 use crate::fake;
-use crate::harness::{press, sample_in, settle, vulkan, window};
+use crate::harness::{Window, press, sample_in, settle, vulkan, window};
 
 #[test]
 fn without_a_device_everything_but_the_picture_works() {
@@ -44,20 +45,24 @@ fn without_a_device_everything_but_the_picture_works() {
     assert!(path.exists(), "and the work can be saved");
 }
 
+/// A window with the sample, and the device it draws on.
+fn sample_on_a_device(engine: Engine) -> (Window, wgpu::Device) {
+    let drawn_on = create_render_state(vulkan(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
+    let device = drawn_on.device.clone();
+    let window = sample_in(
+        egui_kittest::Harness::builder()
+            .with_size([900.0, 600.0])
+            .renderer(WgpuTestRenderer::from_render_state(drawn_on))
+            .build_eframe(|cc| App::with_engine(cc, engine)),
+    );
+    (window, device)
+}
+
 #[test]
 fn a_device_that_is_lost_leaves_the_work_intact_and_says_so() {
     let folder = tempfile::tempdir().expect("a folder");
     let (engine, _) = fake::engine();
-    let predictable = eframe::egui_wgpu::RendererOptions::PREDICTABLE;
-    let drawn_on = create_render_state(vulkan(), predictable);
-    let device = drawn_on.device.clone();
-    let to_app = engine.clone();
-    let mut lost = sample_in(
-        egui_kittest::Harness::builder()
-            .with_size([900.0, 600.0])
-            .renderer(WgpuTestRenderer::from_render_state(drawn_on))
-            .build_eframe(|cc| App::with_engine(cc, to_app)),
-    );
+    let (mut lost, device) = sample_on_a_device(engine.clone());
     lost.state_mut().set_home(folder.path().join("home"));
     lost.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);
     lost.run_steps(2);
@@ -99,15 +104,8 @@ fn a_device_that_is_lost_leaves_the_work_intact_and_says_so() {
 fn a_window_whose_device_is_lost_closes_and_the_next_one_is_as_it_was() {
     let folder = tempfile::tempdir().expect("a folder");
     let (engine, _) = fake::engine();
-    let drawn_on = create_render_state(vulkan(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
-    let device = drawn_on.device.clone();
-    let (to_app, way_out) = (engine.clone(), WayOut::default());
-    let mut lost = sample_in(
-        egui_kittest::Harness::builder()
-            .with_size([900.0, 600.0])
-            .renderer(WgpuTestRenderer::from_render_state(drawn_on))
-            .build_eframe(|cc| App::with_engine(cc, to_app)),
-    );
+    let way_out = WayOut::default();
+    let (mut lost, device) = sample_on_a_device(engine.clone());
     lost.state_mut().set_home(folder.path().join("home"));
     lost.state_mut().leave_by(way_out.clone());
     lost.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);

@@ -79,16 +79,16 @@ impl Planner<'_> {
     pub(in crate::plunge) fn rest_section(
         &self,
         index: usize,
-        grounds: &[Ground],
         columns: Columns,
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let section = &self.setup.plunge.sections[index];
+        let grounds = self.ground(section)?;
         let above = Some(thick(tool_of(self.setup, section.tool)?));
         let room = MOST_POSITIONS.saturating_sub(columns.len());
         let mut cut = SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns);
         let wanted = Wanted { most: room, room, manner: REST, above, rest_from: None };
-        self.add_plunges(index, grounds, &mut cut, wanted, monitor)?;
+        self.add_plunges(index, &grounds, &mut cut, wanted, monitor)?;
         Ok(cut)
     }
 
