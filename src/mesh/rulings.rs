@@ -10,12 +10,15 @@ use crate::geometry::{Cubic, Point, Vector};
 const FREE: usize = 50;
 /// Lines looked at.
 const LINES: usize = 120;
+/// Up to this parameter lie the nose and where it runs out into the flank, and this share of the places: the lines turn
+/// quickest there.
+const NOSE: (f64, f64) = (0.4, 0.7);
 /// Points of a section's curve.
-const SAMPLES: usize = 401;
+const SAMPLES: usize = 601;
 /// Rounds of the search.
 const ROUNDS: usize = 12;
 /// Weight of the bend of the shift against a square millimetre of distance.
-const STIFFNESS: f64 = 0.001;
+const STIFFNESS: f64 = 0.02;
 
 /// Lines from the lowest section of a side to its highest.
 #[derive(Clone, Debug)]
@@ -33,9 +36,15 @@ fn sampled(side: &SideCurve) -> Cubic<3> {
     Cubic::interpolate(&w, &points)
 }
 
+/// The parameter at a share of the places.
+fn graded(share: f64) -> f64 {
+    let (end, places) = NOSE;
+    if share < places { end * share / places } else { end + (1.0 - end) * (share - places) / (1.0 - places) }
+}
+
 fn shift(values: &[f64]) -> Cubic<1> {
     let n = values.len() + 1;
-    let knots: Vec<f64> = (0..=n).map(|i| i as f64 / n as f64).collect();
+    let knots: Vec<f64> = (0..=n).map(|i| graded(i as f64 / n as f64)).collect();
     // The lines at leading and trailing edge end on them.
     let mut points = vec![[0.0]; n + 1];
     points[1..n].iter_mut().zip(values).for_each(|(p, v)| p[0] = *v);
@@ -52,7 +61,7 @@ impl Rulings {
             return None;
         }
         let mut values = vec![0.0; FREE];
-        let line_at = |i: usize| (i as f64 + 0.5) / LINES as f64;
+        let line_at = |i: usize| graded((i as f64 + 0.5) / LINES as f64);
         let errors = |values: &[f64]| -> Vec<f64> {
             let shift = shift(values);
             (0..LINES).flat_map(|i| distances(lowest, highest, between, &shift, line_at(i))).collect()

@@ -19,6 +19,22 @@ impl Blade {
     pub fn rotated(&self, angle: f64) -> Self {
         Self { suction: self.suction.rotated(angle), pressure: self.pressure.rotated(angle) }
     }
+
+    /// Arc length on `curve` of the leading edge at `v`: of the place of the nose furthest upstream, wherever on it the
+    /// sides part.
+    pub fn leading_edge_on(&self, curve: &MeridionalCurve, v: f64) -> f64 {
+        const NOSE_U: f64 = 0.15;
+        const LOOKS: usize = 60;
+        let look = |i: usize| NOSE_U * i as f64 / LOOKS as f64;
+        let foremost = |side: &BladeSide| {
+            let place = |u: f64| curve.project(Meridional::of(&side.point(u, v))).0;
+            let looks: [f64; LOOKS + 1] = std::array::from_fn(|i| place(look(i)));
+            let first = (0..=LOOKS).min_by(|&a, &b| looks[a].total_cmp(&looks[b])).unwrap_or(0);
+            let (low, high) = (look(first.saturating_sub(1)), look((first + 1).min(LOOKS)));
+            search::minimum(place, low, high, 1e-7).1.min(looks[first])
+        };
+        foremost(&self.suction).min(foremost(&self.pressure))
+    }
 }
 
 /// Most sections (or spans) of a blade.
@@ -61,16 +77,9 @@ impl RawBlade {
 
     /// Arc lengths on `curve` of leading edge and rim, along the blade's edge at `v`.
     pub(super) fn ends_on(&self, curve: &MeridionalCurve, v: f64) -> (f64, f64) {
-        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
-        for side in [&self.blade.suction, &self.blade.pressure] {
-            for i in 0..=60 {
-                let (t, _) = curve.project(Meridional::of(&side.point(0.15 * f64::from(i) / 60.0, v)));
-                start = start.min(t);
-            }
-            let (t, _) = curve.project(Meridional::of(&side.point(1.0, v)));
-            end = end.max(t);
-        }
-        (start, end)
+        let sides = [&self.blade.suction, &self.blade.pressure];
+        let ends = sides.map(|side| curve.project(Meridional::of(&side.point(1.0, v))).0);
+        (self.blade.leading_edge_on(curve, v), ends[0].max(ends[1]))
     }
 }
 

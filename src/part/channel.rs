@@ -219,14 +219,8 @@ impl Channel {
         if let Some(splitter) = part.splitters.first() {
             let near = Wall::new(part, &splitter.pressure);
             let far = Wall::new(part, &splitter.suction);
-            let leading = |path: &super::Flowpath, v: f64| {
-                (0..=20)
-                    .map(|i| {
-                        let p = splitter.suction.point(0.1 * f64::from(i) / 20.0, v);
-                        path.s_at(path.curve().project(Meridional::of(&p)).0)
-                    })
-                    .fold(f64::INFINITY, f64::min)
-            };
+            let leading =
+                |path: &super::Flowpath, v: f64| path.s_at(splitter.leading_edge_on(path.curve(), v));
             splitter_s = Some([leading(&part.hub, 0.0), leading(&part.shroud, 1.0)]);
             beside_splitter =
                 vec![Passage { walls: [low.clone(), near] }, Passage { walls: [far, high.clone()] }];

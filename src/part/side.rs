@@ -1,7 +1,7 @@
 //! Blade sides: smooth surfaces lofted through span sections.
 
 use crate::geometry::cubic::{Cubic, chord_lengths};
-use crate::geometry::{Point, Vector, rotate_z};
+use crate::geometry::{Point, Vector, rotate_z, search};
 
 /// One side of a blade: S(u, v) with u from LE (0) to TE (1) and v from hub (0) to shroud (1). C2 in u;
 /// straight in v between two sections (a ruled blade), C2 in v through three or more. Straight
@@ -145,16 +145,16 @@ impl BladeSide {
     /// direction at 8 % of the chord, running on straight upstream of there.
     pub fn flank(&self) -> Self {
         const SETTLED_U: f64 = 0.08;
-        let bent = |u: f64, v: f64| {
-            let (_, here, _) = self.derivatives(u, v);
+        const STEPS: usize = 60;
+        let at = |i: usize| SETTLED_U * i as f64 / STEPS as f64;
+        let settled_from = |v: f64| {
             let (_, settled, _) = self.derivatives(SETTLED_U, v);
-            here.angle(&settled) > 10f64.to_radians()
+            let bend = |u: f64| self.derivatives(u, v).1.angle(&settled) - 10f64.to_radians();
+            let last = (0..STEPS).rev().find(|&i| bend(at(i)) > 0.0)?;
+            // Everything upstream hangs on this place: a grid would move it by jumps.
+            Some(search::root(bend, at(last), at(last + 1), 1e-9))
         };
-        let steps = 60;
-        let start = (0..=steps)
-            .rev()
-            .map(|i| SETTLED_U * f64::from(i) / f64::from(steps))
-            .find(|&u| [0.0, 0.5, 1.0].iter().any(|&v| bent(u, v)));
+        let start = [0.0, 0.5, 1.0].into_iter().filter_map(settled_from).reduce(f64::max);
         let Some(start) = start else { return self.clone() };
         let cut = |curves: &[Cubic<6>]| curves.iter().map(|c| c.starting_at(start)).collect();
         Self { stations: self.stations.clone(), spans: cut(&self.spans), slopes: cut(&self.slopes) }

@@ -9,6 +9,9 @@ use crate::part::{Blade, BladeSide, Flowpath, Impeller};
 const SAME: f64 = 1e-4;
 /// Lines along u and v before any refinement: enough to see every bend.
 const FIRST_LINES: (usize, usize) = (16, 4);
+/// Up to this u (nose and what it runs out into) mesh lines along the blade are finer by this share of the chord error:
+/// plans ask for directions there, which follow the chord error as its root only.
+const NOSE: (f64, f64) = (0.08, 0.1);
 /// Most rounds of refinement, each of which halves.
 const ROUNDS: usize = 30;
 /// Most columns across tip and foot.
@@ -104,7 +107,9 @@ fn mark(
     }
     for i in 0..us.len() - 1 {
         // Foot and tip share the error with the bend of hub and shroud across them.
-        if along_u[i * columns].max(along_u[i * columns + columns - 1]) > 0.5 * chord_error {
+        let ends = along_u[i * columns].max(along_u[i * columns + columns - 1]);
+        let share = if us[i] < NOSE.0 { NOSE.1 } else { 0.5 };
+        if ends > share * chord_error {
             split_u[i] = true;
         }
         for j in 0..columns - 1 {
