@@ -50,7 +50,9 @@ pub fn run(wheel: &PartDescription, setup: &Setup, most: usize) -> Result<(), Fa
     for (i, what) in WHAT.iter().enumerate() {
         let points: Vec<(f64, f64)> =
             all.iter().map(|(positions, seconds)| ((*positions as f64).ln(), seconds[i].ln())).collect();
-        say(&format!("{} {what} {:.2}", if i == 0 { ":" } else { "," }, slope(&points)))?;
+        let last = slope(&points[points.len() - 2..]);
+        let before = if i == 0 { ":" } else { "," };
+        say(&format!("{before} {what} {:.2} (between the last two {last:.2})", slope(&points)))?;
     }
     say("\n")
 }

@@ -11,6 +11,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -47,14 +48,14 @@ const STILL: f64 = 0.999;
 /// on top, as a few miss what is narrow.
 const EXPECTED: f64 = 1.2;
 /// See [`EXPECTED`].
-const EXPECTED_LEAST: f64 = 0.8;
+const EXPECTED_LEAST: f64 = 0.6;
 /// How many of the best are looked at again side by side, how many of these closer at most, and how many at least where
 /// they are near to each other.
 const BEST: usize = 16;
 /// See [`BEST`].
 const BATCH: usize = 8;
 /// See [`BEST`].
-const FEWEST: usize = 4;
+const FEWEST: usize = 6;
 /// Lift kept above what the search saw, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
@@ -332,18 +333,24 @@ impl<'a> ExtraSearch<'a> {
         let Extra { row, s, order, .. } = extra;
         let makes = &self.rows[row];
         match extra.look {
-            Look::Place(_) => makes
-                .fan(s, (0..TILTS).map(tilt), &FAN_SHARES)
-                .into_iter()
-                .enumerate()
-                .map(|(axis, station)| Extra {
-                    order: (order.0, axis),
-                    seen: None,
-                    look: Look::Axis(station),
-                    ..extra
-                })
-                .filter_map(|axis| self.still_worth(axis))
-                .collect(),
+            Look::Place(_) => {
+                // The most work of all: half of it for whoever has none.
+                let axes = |tilts: Range<usize>| -> Vec<Extra> {
+                    let fan = makes.fan(s, tilts.clone().map(tilt), &FAN_SHARES);
+                    let from = tilts.start * FAN_SHARES.len();
+                    let axis = |(number, station)| Extra {
+                        order: (order.0, from + number),
+                        seen: None,
+                        look: Look::Axis(station),
+                        ..extra
+                    };
+                    let axes = fan.into_iter().enumerate().map(axis);
+                    axes.filter_map(|axis| self.still_worth(axis)).collect()
+                };
+                let (mut some, more) = rayon::join(|| axes(0..TILTS / 2), || axes(TILTS / 2..TILTS));
+                some.extend(more);
+                some
+            }
             Look::Axis(station) if !makes.maker.monitor.is_cancelled() => makes
                 .maker
                 .exact(&station)

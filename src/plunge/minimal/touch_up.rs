@@ -31,7 +31,7 @@ struct Manner {
 const BESIDE_ROWS: Manner = Manner { rounds: [4.0, 2.0, 1.0], step_share: 0.5, parts: 4 };
 /// For the rest. The cutter before is about twice as large, so its least gains are about eight times as large; and one plunge of
 /// the smaller one takes no less time: it has to take several of them.
-const REST: Manner = Manner { rounds: [64.0, 32.0, 16.0], step_share: 0.7, parts: 3 };
+const REST: Manner = Manner { rounds: [52.0, 26.0, 13.0], step_share: 0.7, parts: 3 };
 /// At most so many for each plunge of the rows.
 const MOST_SHARE: usize = 2;
 /// Plans of so many positions get no more: the rest of the limit is for what the setup asks for.
@@ -39,7 +39,7 @@ const MOST_POSITIONS: usize = MAX_POSITIONS / 2;
 /// They are tried no nearer to each other than this, in cutter radii.
 const NEAREST_RADII: f64 = 0.12;
 /// Share of a stretch's floor that has to be thick for a smaller cutter to come back.
-const THICK_SHARE: f64 = 0.05;
+const THICK_SHARE: f64 = 0.04;
 
 /// Which plunges may be added.
 #[derive(Clone, Copy, Debug)]
