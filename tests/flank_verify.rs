@@ -54,16 +54,17 @@ fn made(inner: usize) -> Made {
     let layer = DepthSurface::new(part.hub.curve(), stock.hub_allowance + tool.corner_radius);
     let finished = FinishedPart::new(&part, &channel.sides);
     let axes = [0, 1].map(|wall| {
-        let fit = WallFit::new(&finished, &channel.full, wall, &milling).expect("a wall");
+        let fit = WallFit::new(&finished, &channel.full, wall, &milling, std::slice::from_ref(&layer))
+            .expect("a wall");
         fit.axes(fit.swept(0.0))
     });
     let walls = [0, 1].map(|wall| -> Vec<Place> {
-        let tip = |s: &WallStation| Some((s.tip_on(&layer, &tool)?, s.axis));
-        axes[wall].stations.iter().filter(|s| ALONG.contains(&s.s)).filter_map(tip).collect()
+        let tip = |s: &WallStation| Some((s.tip?, s.axis));
+        axes[wall].stations(0).iter().filter(|s| ALONG.contains(&s.s)).filter_map(tip).collect()
     });
     // The axis of a wall at s, by the stations around it.
     let at = |wall: usize, s: f64| {
-        let stations = &axes[wall].stations;
+        let stations = axes[wall].stations(0);
         let k = stations.partition_point(|x| x.s < s).clamp(1, stations.len() - 1);
         let (a, b) = (&stations[k - 1], &stations[k]);
         let share = ((s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use vanecut::flank::layer::Layer;
 use vanecut::flank::wall::{WallAxes, WallFit, WallMilling, WallStation};
 use vanecut::formats::part_file::read_part;
-use vanecut::geometry::{CutterSolid, Point, Vector, frame_about};
+use vanecut::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, frame_about};
 use vanecut::part::{BladeSide, BladeWall, Channel, Impeller, Passage, Tool, WallEnvelope};
 use vanecut::plunge::clearance::FinishedPart;
 use vanecut::plunge::slotting::DepthSurface;
@@ -12,6 +13,7 @@ use vanecut::plunge::slotting::DepthSurface;
 /// Blades through three sections, bowed.
 const BOWED: &str = "tests/cli/assess_bowed/part.toml";
 const ALLOWANCE: f64 = 0.5;
+const DEPTH: f64 = 3.0;
 
 fn part_at(path: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
@@ -37,7 +39,7 @@ fn milling(tool: &Tool) -> WallMilling<'_> {
         hub_allowance: ALLOWANCE,
         extension: 8.0,
         step: 4.0,
-        chord_error: 0.001,
+        chord_error: 5e-4,
     }
 }
 
@@ -50,39 +52,80 @@ fn walls(channel: &Channel) -> Vec<(&Passage, usize)> {
     walls
 }
 
-fn fitted(part: &Impeller, channel: &Channel, tool: &Tool, tolerance: f64) -> Vec<WallAxes> {
+/// The layers of a channel, `depth` mm each, hub first, running on beyond it.
+fn layers_of(part: &Impeller, depth: f64) -> Vec<MeridionalCurve> {
+    let heights = (0..).map(|k| (depth * f64::from(k)).max(ALLOWANCE));
+    heights.map_while(|height| Some(Layer::at_height(part, height)?.run_on(25.0, 0.5))).collect()
+}
+
+/// What a cutter rests on, on these layers.
+fn rests<'a>(layers: &'a [MeridionalCurve], tool: &Tool) -> Vec<DepthSurface<'a>> {
+    layers.iter().map(|layer| DepthSurface::new(layer, tool.corner_radius)).collect()
+}
+
+fn fitted_on(
+    part: &Impeller,
+    channel: &Channel,
+    tool: &Tool,
+    tolerance: f64,
+    rests: &[DepthSurface],
+) -> Vec<WallAxes> {
     let (finished, milling) = (FinishedPart::new(part, &channel.sides), milling(tool));
     let fitted = |(passage, wall)| {
-        let fit = WallFit::new(&finished, passage, wall, &milling).expect("a wall");
+        let fit = WallFit::new(&finished, passage, wall, &milling, rests).expect("a wall");
         fit.axes(fit.swept(tolerance))
     };
     walls(channel).into_iter().map(fitted).collect()
 }
 
-/// The cutter between two stations as a controller moves it; its bottom far below.
-fn between(a: &WallStation, b: &WallStation, share: f64, radius: f64) -> CutterSolid {
-    let axis = (a.axis + (b.axis - a.axis) * share).normalize();
-    let tip = a.foot + (b.foot - a.foot) * share - axis * 1e3;
-    CutterSolid { tip, axis, radius, corner_radius: 0.0 }
+fn fitted(part: &Impeller, channel: &Channel, tool: &Tool, tolerance: f64) -> Vec<WallAxes> {
+    let layers = layers_of(part, DEPTH);
+    fitted_on(part, channel, tool, tolerance, &rests(&layers, tool))
 }
 
-/// Least distance of `point` from the sweep, by looking at very many places of it.
-fn swept_distance(stations: &[WallStation], point: &Point, radius: f64) -> f64 {
-    let last = (stations.len() - 1) as f64;
-    let at = |t: f64| {
-        let i = (t as usize).min(stations.len() - 2);
-        between(&stations[i], &stations[i + 1], t - i as f64, radius).distance(point)
-    };
-    let scan = |from: f64, to: f64, count: usize| {
-        (0..=count)
-            .map(|k| from + (to - from) * k as f64 / count as f64)
-            .map(|t| (at(t), t))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .expect("places")
-    };
-    let (_, t) = scan(0.0, last, 10 * stations.len());
-    scan((t - 0.2).max(0.0), (t + 0.2).min(last), 4000).0
+/// The positions of a cutter on one layer, with how far along the axis from its foot the tip is.
+struct OnLayer<'a> {
+    stations: &'a [WallStation],
+    tips: Vec<Option<f64>>,
 }
+
+impl<'a> OnLayer<'a> {
+    fn of(axes: &'a WallAxes, number: usize) -> Self {
+        let stations = axes.stations(number);
+        let tip = |s: &WallStation| Some((s.tip? - s.foot).dot(&s.axis));
+        Self { stations, tips: stations.iter().map(tip).collect() }
+    }
+
+    /// The cutter between a station and the next as a controller moves it; `None` where it misses the layer.
+    fn between(&self, station: usize, share: f64, tool: &Tool) -> Option<CutterSolid> {
+        let [a, b] = [station, station + 1].map(|k| &self.stations[k]);
+        let [from, to] = [self.tips[station]?, self.tips[station + 1]?];
+        let axis = (a.axis + (b.axis - a.axis) * share).normalize();
+        let tip = a.foot + (b.foot - a.foot) * share + axis * (from + (to - from) * share);
+        Some(tool.placed(tip, axis))
+    }
+
+    /// Least distance of `point` from the sweep, by looking at very many places of it.
+    fn distance(&self, point: &Point, tool: &Tool) -> f64 {
+        let last = (self.stations.len() - 1) as f64;
+        let at = |t: f64| {
+            let i = (t as usize).min(self.stations.len() - 2);
+            self.between(i, t - i as f64, tool).map_or(f64::INFINITY, |there| there.distance(point))
+        };
+        let scan = |from: f64, to: f64, count: usize| {
+            (0..=count)
+                .map(|k| from + (to - from) * k as f64 / count as f64)
+                .map(|t| (at(t), t))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .expect("places")
+        };
+        let (_, t) = scan(0.0, last, 10 * self.stations.len());
+        scan((t - 0.2).max(0.0), (t + 0.2).min(last), 4000).0
+    }
+}
+
+/// Every so many places of a map are looked at.
+const STRIDE: usize = 83;
 
 #[test]
 fn the_map_tells_what_a_dense_sweep_leaves() {
@@ -90,6 +133,7 @@ fn the_map_tells_what_a_dense_sweep_leaves() {
         let part = part_at(name);
         let channel = Channel::of(&part);
         let cutter = tool(6.0, 3.0);
+        let count = layers_of(&part, DEPTH).len();
         for ((passage, wall), axes) in
             walls(&channel).into_iter().zip(fitted(&part, &channel, &cutter, 0.005))
         {
@@ -100,39 +144,57 @@ fn the_map_tells_what_a_dense_sweep_leaves() {
                 map.u.len(),
                 map.v.len()
             );
-            let mut looked = 0;
-            for k in (0..map.deviation.len()).step_by(83) {
-                // Exactly 0 stands where only the corner of the cutter comes.
-                if map.deviation[k] == 0.0 {
+            let mut on: Vec<OnLayer> = (0..count).map(|k| OnLayer::of(&axes, k)).collect();
+            if axes.stations(0)[0].axis == axes.stations(1)[0].axis {
+                // All layers share their axes, which are judged as lines without end.
+                on.truncate(1);
+                on[0].tips.iter_mut().for_each(|tip| *tip = Some(-1e3));
+            }
+            let (mut looked, mut met) = (0, 0);
+            for k in (0..map.deviation.len()).step_by(STRIDE) {
+                let (u, v) = (map.u[k / map.v.len()], map.v[k % map.v.len()]);
+                let point = side.point(u, v);
+                // Exactly 0 stands where only the corner of the cutter comes; next to that it is a matter of its lean.
+                let (_, height) = part.hub.curve().project(Meridional::of(&point));
+                if map.deviation[k] == 0.0 || height < ALLOWANCE + 1.5 * cutter.corner_radius {
                     continue;
                 }
                 looked += 1;
-                let (u, v) = (map.u[k / map.v.len()], map.v[k % map.v.len()]);
-                let left = swept_distance(&axes.stations, &side.point(u, v), cutter.radius()) - ALLOWANCE;
+                let left = on.iter().map(|on| on.distance(&point, &cutter)).fold(f64::INFINITY, f64::min);
+                // Next to where the flank begins its round corner leaves a little more than a cylinder; a lower layer's cutter may take some of what is left above its strip; not all of that is looked at.
+                let off = map.deviation[k] - (left - ALLOWANCE);
                 assert!(
-                    (left - map.deviation[k]).abs() < 1e-5,
-                    "{name}, wall {wall}, u {u:.3} v {v:.3}: a sweep leaves {left}, the map says {}",
+                    off > -3e-4 && off < 1e-3,
+                    "{name}, wall {wall}, u {u:.3} v {v:.3}: the map says {}, {off} too much",
                     map.deviation[k]
                 );
+                met += usize::from(off.abs() < 1e-5);
             }
-            assert!(2 * 83 * looked > map.deviation.len(), "{name}, wall {wall}: {looked} places");
+            assert!(4 * met > 3 * looked, "{name}, wall {wall}: only {met} of {looked} are met");
+            assert!(2 * STRIDE * looked > map.deviation.len(), "{name}, wall {wall}: {looked} places");
         }
     }
 }
 
 #[test]
 fn ruled_walls_are_met_within_five_micrometres() {
-    let part = part_at("assets/parts/impeller9x9.toml");
-    let channel = Channel::of(&part);
-    for diameter in [4.0, 6.0, 10.0] {
-        let cutter = tool(diameter, 0.5 * diameter);
-        for (k, axes) in fitted(&part, &channel, &cutter, 0.005).iter().enumerate() {
-            assert!(
-                axes.max_overcut <= 0.005 && axes.max_undercut <= 0.005,
-                "wall {k}, D {diameter}: {} mm over, {} mm under",
-                axes.max_overcut,
-                axes.max_undercut
-            );
+    for (name, diameters) in
+        [("assets/parts/impeller9x9.toml", [4.0, 10.0]), ("assets/parts/pump6.toml", [6.0, 12.0])]
+    {
+        let part = part_at(name);
+        let channel = Channel::of(&part);
+        for diameter in diameters {
+            for corner_radius in [0.5 * diameter, 1.0] {
+                let cutter = tool(diameter, corner_radius);
+                for (k, axes) in fitted(&part, &channel, &cutter, 5e-4).iter().enumerate() {
+                    assert!(
+                        axes.max_overcut <= 6e-4 && axes.max_undercut <= 0.005,
+                        "{name}, wall {k}, D {diameter} R {corner_radius}: {} mm over, {} mm under",
+                        axes.max_overcut,
+                        axes.max_undercut
+                    );
+                }
+            }
         }
     }
 }
@@ -142,11 +204,19 @@ fn neighbouring_axes_turn_by_little() {
     let part = part_at("assets/parts/pump6.toml");
     let channel = Channel::of(&part);
     let cutter = tool(10.0, 5.0);
+    let count = layers_of(&part, DEPTH).len();
     for axes in fitted(&part, &channel, &cutter, 0.0) {
-        for pair in axes.stations.windows(2) {
-            let turn = pair[0].axis.angle(&pair[1].axis).to_degrees();
-            let way = (pair[1].foot - pair[0].foot).norm();
-            assert!(turn < 5.0 && way < 4.5 && way > 0.0, "{turn}° and {way} mm at u {}", pair[0].u);
+        for layer in 0..count {
+            let stations = axes.stations(layer);
+            for pair in stations.windows(2) {
+                let turn = pair[0].axis.angle(&pair[1].axis).to_degrees();
+                let way = (pair[1].foot - pair[0].foot).norm();
+                assert!(turn < 5.0 && way < 4.5 && way > 0.0, "{turn}° and {way} mm at u {}", pair[0].u);
+            }
+            for (below, here) in axes.stations(layer.saturating_sub(1)).iter().zip(stations) {
+                let turn = below.axis.angle(&here.axis).to_degrees();
+                assert!(turn < 2.0, "{turn}° from the layer below {layer}, at u {}", here.u);
+            }
         }
     }
 }
@@ -157,6 +227,7 @@ fn without_tolerance_nothing_is_cut_too_deep_and_a_bow_is_what_remains() {
         let part = part_at(name);
         let channel = Channel::of(&part);
         let finished = FinishedPart::new(&part, &channel.sides);
+        let count = layers_of(&part, DEPTH).len();
         for diameter in [4.0, 8.0] {
             let cutter = tool(diameter, 0.0);
             let all = fitted(&part, &channel, &cutter, 0.0);
@@ -170,19 +241,21 @@ fn without_tolerance_nothing_is_cut_too_deep_and_a_bow_is_what_remains() {
                     "{name} {k}: {} mm under, the envelope leaves {gap}",
                     axes.max_undercut
                 );
-                let free = axes.stations.windows(2).filter(|w| w.iter().all(|s| s.blocked.is_none()));
                 let mut looked_at = 0;
-                for pair in free.step_by(3) {
-                    for share in [0.0, 0.25, 0.5, 0.75] {
-                        let mut there = between(&pair[0], &pair[1], share, cutter.radius());
-                        there.tip += there.axis * (1e3 + ALLOWANCE);
-                        let clearance = finished.blade_clearance(&there);
-                        assert!(
-                            clearance > ALLOWANCE - 1e-7,
-                            "{name} {k}, D {diameter}, u {} + {share}: {clearance}",
-                            pair[0].u
-                        );
-                        looked_at += 1;
+                for number in 0..count {
+                    let on = OnLayer::of(axes, number);
+                    let is_free = |i: &usize| on.stations[*i..*i + 2].iter().all(|s| s.blocked.is_none());
+                    for i in (0..on.stations.len() - 1).filter(is_free).step_by(7) {
+                        for there in [0.0, 0.25, 0.5, 0.75].map(|share| on.between(i, share, &cutter)) {
+                            let Some(there) = there else { continue };
+                            let clearance = finished.blade_clearance(&there);
+                            let u = on.stations[i].u;
+                            assert!(
+                                clearance > ALLOWANCE - 2e-4,
+                                "{name} {k}, D {diameter}, layer {number}, u {u}: {clearance}"
+                            );
+                            looked_at += 1;
+                        }
                     }
                 }
                 assert!(looked_at > 40, "{name} {k}: only {looked_at} free places");
@@ -199,10 +272,12 @@ fn what_stands_in_the_way_is_named() {
     // The passage is 12.5 mm wide at its narrowest.
     let cutter = tool(16.0, 0.0);
     for axes in fitted(&part, &channel, &cutter, 0.005) {
-        let blocked = axes.stations.iter().filter(|s| s.blocked.is_some()).count();
-        assert!(blocked > 3 && blocked < axes.stations.len() / 2, "{blocked} of {}", axes.stations.len());
-        for station in &axes.stations {
-            let there = cutter.placed(station.foot + station.axis * ALLOWANCE, station.axis);
+        let stations = axes.stations(0);
+        let blocked = stations.iter().filter(|s| s.blocked.is_some()).count();
+        assert!(blocked > 3 && blocked < stations.len() / 2, "{blocked} of {}", stations.len());
+        for station in stations {
+            let Some(tip) = station.tip else { continue };
+            let there = cutter.placed(tip, station.axis);
             let clearance = finished.blade_clearance(&there);
             match station.blocked {
                 Some(obstacle) => {
@@ -223,11 +298,10 @@ fn cutters_of_all_shapes_come_to_rest_on_the_hub() {
     let finished = FinishedPart::new(&part, &channel.sides);
     for corner_radius in [0.0, 1.0, 3.0] {
         let cutter = tool(6.0, corner_radius);
-        let surface = DepthSurface::new(part.hub.curve(), ALLOWANCE + corner_radius);
         let axes = &fitted(&part, &channel, &cutter, 0.0)[0];
-        let on_hub = axes.stations.iter().filter(|s| (0.05..0.95).contains(&s.s));
+        let on_hub = axes.stations(0).iter().filter(|s| (0.05..0.95).contains(&s.s));
         for station in on_hub.step_by(5) {
-            let tip = station.tip_on(&surface, &cutter).expect("over the hub");
+            let tip = station.tip.expect("over the hub");
             let clearance = finished.hub_clearance(&cutter.placed(tip, station.axis));
             assert!(
                 (clearance - ALLOWANCE).abs() < 1e-5,
@@ -256,29 +330,46 @@ fn line_distance(side: &BladeSide, v: f64, u: f64, (foot, axis): (Point, Vector)
 
 #[test]
 fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
-    for (name, diameter) in [("assets/parts/pump6.toml", 12.0), ("assets/parts/impeller532.toml", 6.0)] {
+    // One layer has to form the whole wall; of more, each its strip.
+    for (name, diameter, depth) in [
+        ("assets/parts/pump6.toml", 12.0, 100.0),
+        ("assets/parts/pump6.toml", 12.0, 12.0),
+        ("assets/parts/impeller532.toml", 6.0, 100.0),
+        ("assets/parts/impeller532.toml", 6.0, 25.0),
+    ] {
         let part = part_at(name);
         let channel = Channel::of(&part);
         let cutter = tool(diameter, 0.5 * diameter);
+        let layers = layers_of(&part, depth);
+        assert_eq!(layers.len() > 1, depth < 100.0, "{name}: {} layers", layers.len());
+        let rests = rests(&layers, &cutter);
         // Cut as deep as left: each axis is the best of its own.
-        let walls = walls(&channel).into_iter().zip(fitted(&part, &channel, &cutter, 1.0));
-        let worst = |axes: &WallAxes| {
-            let flank = axes.map.u[0];
-            let on_flank = axes.stations.iter().filter(|s| s.u >= flank && s.u <= 1.0);
-            on_flank.copied().max_by(|a, b| a.forced.total_cmp(&b.forced)).expect("stations")
-        };
+        let axes = fitted_on(&part, &channel, &cutter, 1.0, &rests);
+        let walls = walls(&channel).into_iter().zip(axes);
         let ((passage, wall), axes) = walls.max_by(|a, b| a.1.forced.total_cmp(&b.1.forced)).expect("a wall");
-        let (station, side) = (worst(&axes), passage.walls[wall].side());
+        let on_flank = |s: &WallStation| s.u >= axes.map.u[0] && s.u <= 1.0;
+        let all = (0..layers.len()).flat_map(|k| axes.stations(k).iter().map(move |station| (k, *station)));
+        let worst = all.filter(|(_, s)| on_flank(s)).max_by(|a, b| a.1.forced.total_cmp(&b.1.forced));
+        let ((layer, station), side) = (worst.expect("stations"), passage.walls[wall].side());
         assert_eq!(station.forced, axes.forced);
-        assert!(station.forced > 2e-3, "{name}: {} mm tell nothing", station.forced);
         let reach = cutter.radius() + ALLOWANCE;
         let height = (side.point(station.u, 1.0) - side.point(station.u, 0.0)).norm();
-        let from = (ALLOWANCE + cutter.corner_radius) / height;
+        // Where the flank begins on a layer; above the tip where it does not.
+        let begins = |layer: usize| {
+            let centre = rests.get(layer).and_then(|rest| rest.tip(&cutter, &station.foot, &station.axis));
+            let along = |p: Point| (p - station.foot).dot(&station.axis);
+            let above = |v: f64| {
+                centre.is_some_and(|c| along(side.point(station.u, v)) > along(c) + cutter.corner_radius)
+            };
+            (0..1000).map(|k| f64::from(k) * 1e-3).find(|v| above(*v)).unwrap_or(1.0)
+        };
+        let (from, to) = (begins(layer), begins(layer + 1));
+        assert!(from < 0.9 && to > from, "{name}: a strip from {from} to {to}");
         let off = |line: (Point, Vector)| {
-            (0..=20)
-                .map(|k| from + (1.0 - from) * f64::from(k) / 20.0)
-                .map(|v| (line_distance(side, v, station.u, line) - reach).abs())
-                .fold(0.0, f64::max)
+            let left = |v: f64| line_distance(side, v, station.u, line) - reach;
+            let formed = (0..=20).map(|k| left(from + (to - from) * f64::from(k) / 20.0).abs());
+            let above = (0..=20).map(|k| -left(to + (1.0 - to) * f64::from(k) / 20.0));
+            formed.chain(above).fold(0.0, f64::max)
         };
         let (e1, e2) = frame_about(&station.axis);
         let mut state = 11u64;
@@ -304,7 +395,8 @@ fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
                 best = (numbers, there);
             }
         }
-        assert!(first < station.forced + 1e-3, "{name}: {first} mm, not {}", station.forced);
-        assert!(best.1 > 0.93 * station.forced, "{name}: {} mm is less than {}", best.1, station.forced);
+        assert!(station.forced > 3e-4, "{name}: {} mm tell nothing", station.forced);
+        assert!(first < 1.2 * station.forced, "{name}: {first} mm, not {}", station.forced);
+        assert!(best.1 > 0.85 * station.forced, "{name}: {} mm is less than {}", best.1, station.forced);
     }
 }

@@ -214,7 +214,7 @@ fn text(outcome: &FlankOutcome) -> String {
         curves.totals[curves.scheme as usize].length / (curves.floor_length + 0.5 * curves.seam_length),
     );
     text += &format!(
-        "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept; their twist forces {:.4} mm either way on any straight edge of that radius\n",
+        "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept; their twist forces {:.4} mm either way on a straight edge of that radius, in the strip that one layer forms\n",
         plan.max_overcut(),
         plan.max_undercut(),
         plan.forced_deviation(),

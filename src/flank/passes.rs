@@ -30,8 +30,6 @@ use stretches::{Stretch, stretches};
 const CHORD: f64 = 0.005;
 /// Steps along inner curves at least and at most, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
-/// Spacing of the points that the surface a cutter rests on is drawn through, mm.
-const SURFACE_STEP: f64 = 0.5;
 
 /// A stretch of curves that is not cut, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,14 +91,17 @@ impl<'a> PassMaker<'a> {
         }
     }
 
-    /// Passes of one layer.
-    pub fn layer(&self, number: usize, found: &LayerCurves, chart: &Chart) -> LayerAxes {
+    /// Passes of one layer, on whose `surface`, offset by the corner radius, the cutter rests.
+    pub fn layer(
+        &self,
+        number: usize,
+        found: &LayerCurves,
+        chart: &Chart,
+        surface: &DepthSurface,
+    ) -> LayerAxes {
         let layer = &found.layer;
-        let beyond = self.setup.flank.extension_of(self.tool) + 4.0 * self.tool.radius();
-        let curve = layer.run_on(beyond, SURFACE_STEP);
-        let surface = DepthSurface::new(&curve, self.tool.corner_radius);
-        let milled = self.walls.iter().map(|wall| Milled::on(self, layer, wall, &surface)).collect();
-        let on = OnLayer { maker: self, layer, found, number, chart, surface: &surface, milled };
+        let milled = self.walls.iter().map(|wall| Milled::on(self, (number, layer), wall)).collect();
+        let on = OnLayer { maker: self, layer, found, number, chart, surface, milled };
         let mut made = LayerAxes { passes: Vec::new(), axes: Vec::new(), left_out: Vec::new() };
         let mut inner: Vec<(Region, Vec<LayerPoint>)> = Vec::new();
         for curve in &found.curves {

@@ -10,10 +10,11 @@ use super::curves::{CurveSource, FlankCurves, FlankError};
 use super::passes::{LayerAxes, LeftOut, PassMaker};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::wall::{WallAxes, WallFit, WallMilling};
-use crate::geometry::Vector;
+use crate::geometry::{MeridionalCurve, Vector};
 use crate::monitor::Monitor;
-use crate::part::{Blank, Channel, FlankFeeds, Impeller, Setup, Tool};
+use crate::part::{Blank, Channel, FlankFeeds, FlankScheme, Impeller, Setup, Tool};
 use crate::plunge::clearance::FinishedPart;
+use crate::plunge::slotting::DepthSurface;
 
 use super::chart::WallName;
 
@@ -102,7 +103,7 @@ impl FlankPlan {
 #[derive(Debug, Default)]
 pub struct FlankStages {
     curves: Option<(Setup, Tool, Arc<FlankCurves>)>,
-    walls: Option<(Setup, Tool, Arc<Vec<MilledWall>>)>,
+    walls: Option<(WallInputs, Tool, Arc<Vec<MilledWall>>)>,
 }
 
 /// The parts of a setup that curves depend on; others do not make them stale.
@@ -115,13 +116,19 @@ fn curve_inputs(setup: &Setup) -> Setup {
     Setup { stock, flank, ..Setup::default() }
 }
 
-/// The parts of a setup that the axes along the walls depend on.
-fn wall_inputs(setup: &Setup) -> Setup {
+/// What the axes along the walls depend on.
+type WallInputs = (Setup, Vec<f64>);
+
+/// The parts of a setup that the axes along the walls depend on, and the heights of the layers.
+fn wall_inputs(setup: &Setup, curves: &FlankCurves) -> WallInputs {
     let mut inputs = curve_inputs(setup);
-    let extension = inputs.flank.extension;
+    let (extension, scheme) = (inputs.flank.extension, inputs.flank.scheme);
     inputs.flank = Setup::default().flank;
     inputs.flank.extension = extension;
-    inputs
+    if scheme == FlankScheme::Isoparametric {
+        inputs.flank.scheme = scheme;
+    }
+    (inputs, curves.layers.iter().map(|l| l.layer.height).collect())
 }
 
 /// Plans one channel of `part` with the cutter chosen; `stages` of an earlier plan of the same part are used again
@@ -141,22 +148,25 @@ pub fn plan(
     let tool = &chosen.tool;
     let source = CurveSource { part, channel, setup, tool };
     let known_curves = stages.curves.take().filter(|(s, t, _)| *s == curve_inputs(setup) && t == tool);
-    let known_walls = stages.walls.take().filter(|(s, t, _)| *s == wall_inputs(setup) && t == tool);
-    let finished = FinishedPart::new(part, &channel.sides);
-    let (curves, walls) = rayon::join(
-        || match known_curves {
-            Some((_, _, curves)) => Ok(curves),
-            None => source.plan(monitor).map(Arc::new),
-        },
-        || match known_walls {
-            Some((_, _, walls)) => walls,
-            None => Arc::new(milled_walls(&finished, channel, setup, tool, monitor)),
-        },
-    );
-    let curves = curves?;
-    monitor.check()?;
+    let curves = match known_curves {
+        Some((_, _, curves)) => curves,
+        None => Arc::new(source.plan(monitor)?),
+    };
     stages.curves = Some((curve_inputs(setup), tool.clone(), curves.clone()));
-    stages.walls = Some((wall_inputs(setup), tool.clone(), walls.clone()));
+    monitor.report(0.2);
+    let finished = FinishedPart::new(part, &channel.sides);
+    let grounds = curves.layers.par_iter().map(|l| l.layer.run_on(ground_beyond(setup, tool), GROUND_STEP));
+    let grounds: Vec<MeridionalCurve> = grounds.collect();
+    let surfaces: Vec<DepthSurface> =
+        grounds.par_iter().map(|ground| DepthSurface::new(ground, tool.corner_radius)).collect();
+    let inputs = wall_inputs(setup, &curves);
+    let known_walls = stages.walls.take().filter(|(known, t, _)| *known == inputs && t == tool);
+    let walls = match known_walls {
+        Some((_, _, walls)) => walls,
+        None => Arc::new(milled_walls(&finished, channel, setup, tool, &surfaces, monitor)),
+    };
+    monitor.check()?;
+    stages.walls = Some((inputs, tool.clone(), walls.clone()));
     monitor.report(0.3);
 
     let blank = Blank::of(part, setup.stock.inlet_extension);
@@ -171,7 +181,7 @@ pub fn plan(
         .map(|(number, l)| {
             monitor.check()?;
             let chart = Chart::new(&l.layer, &l.borders, clear, l.interval, LINK_SPACING, beyond);
-            let made = maker.layer(number, l, &chart);
+            let made = maker.layer(number, l, &chart, &surfaces[number]);
             Ok((chart, made))
         })
         .collect::<Result<_, FlankError>>()?;
@@ -227,12 +237,21 @@ const LINK_SPACING: f64 = 1.0;
 /// A link may come so much nearer to a wall than a curve, mm: the coarse chart errs by less.
 const LINK_SLACK: f64 = 0.05;
 
+/// Spacing of the points that the surface a cutter rests on is drawn through, mm.
+const GROUND_STEP: f64 = 0.5;
+
+/// How far the surface a cutter rests on runs beyond a layer, mm.
+fn ground_beyond(setup: &Setup, tool: &Tool) -> f64 {
+    setup.flank.extension_of(tool) + 4.0 * tool.radius()
+}
+
 /// All walls of the channel, fitted.
 fn milled_walls(
     finished: &FinishedPart,
     channel: &Channel,
     setup: &Setup,
     tool: &Tool,
+    layers: &[DepthSurface],
     monitor: &Monitor,
 ) -> Vec<MilledWall> {
     let milling = WallMilling {
@@ -255,7 +274,7 @@ fn milled_walls(
         .into_par_iter()
         .filter(|_| !monitor.is_cancelled())
         .filter_map(|(wall, region, passage, number)| {
-            let fit = WallFit::new(finished, passage, number, &milling)?;
+            let fit = WallFit::new(finished, passage, number, &milling, layers)?;
             let mut swept = fit.swept(WALL_TOLERANCES[0]);
             for &tolerance in &WALL_TOLERANCES[1..] {
                 if swept.map.max_undercut() <= MOST_UNDERCUT || monitor.is_cancelled() {

@@ -1,11 +1,12 @@
 //! Flank milling of a wall (DESIGN section 6): a cylinder beside a blade side, position by position.
 //!
 //! Every position is fitted to the true surface; then the swept surface is judged, and positions between which it cuts
-//! too deep are moved off the wall. Each axis is a line: a cutter slides along it to any depth, so that all layers use the
-//! same lines.
+//! too deep are moved off the wall. Each layer has axes of its own: they fit the strip of the wall that it forms, up to where
+//! the flank begins on the layer above, and do not cut what is formed above it.
 
 mod fit;
 mod places;
+mod strip;
 mod swept;
 
 use rayon::prelude::*;
@@ -16,8 +17,9 @@ use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
 use fit::{Face, Fitted, Line};
 use places::{evenly, station_places};
+use strip::Strip;
 pub use swept::DeviationMap;
-use swept::{deviation_map, push_off, settle};
+use swept::{Column, deviations, push_off};
 
 /// How a wall is to be milled. All lengths mm.
 #[derive(Clone, Debug)]
@@ -60,18 +62,20 @@ pub struct WallStation {
     pub foot: Point,
     /// Unit axis, towards the holder.
     pub axis: Vector,
-    /// The least that the greatest deviation of any straight edge from the wall can be here, mm: what the wall's twist and bow
-    /// force.
+    /// Tip of the cutter, lowered until it rests on the layer; `None` where it misses it.
+    pub tip: Option<Point>,
+    /// The least that the greatest deviation of any straight edge from the strip of the wall that this layer forms can be
+    /// here, mm, if it does not cut the wall above by more: what twist and bow force.
     pub forced: f64,
-    /// What the cutter would come too near to when it stands on the hub's allowance: another wall, a nose.
+    /// What the cutter comes too near to there: another wall, a nose.
     pub blocked: Option<Obstacle>,
 }
 
 /// The positions of a cutter along a wall, from before its leading edge to beyond its end, and what they leave.
 #[derive(Clone, Debug)]
 pub struct WallAxes {
-    /// The positions, inlet to outlet.
-    pub stations: Vec<WallStation>,
+    /// The positions, inlet to outlet, by layers, hub first.
+    by_layer: Vec<Vec<WallStation>>,
     /// Swept deviation over the flank; nose and blunt trailing edge are not part of it.
     pub map: DeviationMap,
     /// Greatest cut below the allowance, mm.
@@ -82,31 +86,22 @@ pub struct WallAxes {
     pub forced: f64,
 }
 
-/// Heights of the wall that a fit looks at.
-const RULED_HEIGHTS: usize = 11;
-const BOWED_HEIGHTS: usize = 25;
-/// Lines of the wall that are judged, per height of a fit.
-const JUDGED_PER_HEIGHT: usize = 2;
+/// Share of the height of a wall above which no strip begins: it would be too narrow to tell a direction.
+const MOST_UNFORMED: f64 = 0.9;
+/// Rows of a map to a strip, where a wall is highest.
+const ROWS_PER_STRIP: usize = 4;
 /// Greatest tilt of an axis along the feed from the plain offset, rad.
 const MOST_TILT: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Turn between neighbouring axes that cannot come from the wall, rad.
 const JUMP: f64 = 2.0 * MOST_TURN;
 /// Rounds of moving positions off the wall between which the swept cutter cuts too deep.
-const CORRECTIONS: usize = 4;
+const CORRECTIONS: usize = 8;
 /// Distances are met to this, mm, and stay clear of the limit by three times as much.
 const SETTLED: f64 = 1e-5;
 /// See [`SETTLED`].
 const MARGIN: f64 = 3.0 * SETTLED;
 /// Greatest turn of the axis between stations, rad.
 const MOST_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
-
-impl WallStation {
-    /// The tip of `tool` on this axis, lowered until its bottom touches `surface`: one that is offset by what shall
-    /// stay under the cutter plus its corner radius. `None` where the cutter misses the surface.
-    pub fn tip_on(&self, surface: &DepthSurface, tool: &Tool) -> Option<Point> {
-        surface.tip(tool, &self.foot, &self.axis)
-    }
-}
 
 /// A wall with positions fitted to it, before it is decided how deep they may cut.
 pub struct WallFit<'a> {
@@ -115,27 +110,30 @@ pub struct WallFit<'a> {
     face: Face<'a>,
     /// u of the positions.
     places: Vec<f64>,
-    fitted: Vec<Fitted>,
-    /// Heights of the wall that the fit looked at.
-    heights: usize,
+    /// What the cutter rests on.
+    layers: &'a [DepthSurface<'a>],
+    /// By layers, or one that all share.
+    strips: Vec<Strip>,
 }
 
 /// Positions along a wall that cut no more than a tolerance below the allowance, and what they leave.
 pub struct SweptWall {
     tolerance: f64,
-    lines: Vec<Line>,
+    /// By strips.
+    lines: Vec<Vec<Line>>,
     /// Swept deviation over the flank.
     pub map: DeviationMap,
 }
 
 impl<'a> WallFit<'a> {
-    /// Positions along `wall` (0 or 1) of `passage`, between the surfaces of `finished`. `None` where the wall has no
-    /// direction to follow.
+    /// Positions along `wall` (0 or 1) of `passage`, between the surfaces of `finished`, for each of the `layers`, hub first,
+    /// whose surfaces are offset by the corner radius. `None` where the wall has no direction to follow.
     pub fn new(
         finished: &'a FinishedPart<'a>,
         passage: &'a Passage,
         wall: usize,
         milling: &'a WallMilling<'a>,
+        layers: &'a [DepthSurface<'a>],
     ) -> Option<Self> {
         let side = passage.walls.get(wall)?.side();
         let (p, pu, pv) = side.derivatives(0.5, 0.5);
@@ -144,96 +142,138 @@ impl<'a> WallFit<'a> {
         let sign = if pu.cross(&pv).dot(&into_passage) < 0.0 { -1.0 } else { 1.0 };
         let face = Face { side, sign, reach: milling.tool.radius() + milling.blade_allowance };
         let places = station_places(&face, milling)?;
-        let count = if side.is_ruled() { RULED_HEIGHTS } else { BOWED_HEIGHTS };
-        let mut fit = Self { finished, milling, face, places, fitted: Vec::new(), heights: count };
-        let fitted = |most_tilt: f64| -> Vec<Fitted> {
-            let fitted = |&u: &f64| fit.face.fit(u, &fit.heights_at(u, count), most_tilt);
-            fit.places.par_iter().map(fitted).collect()
-        };
         let jumps = |pair: &[Fitted]| pair[0].line().axis().angle(&pair[1].line().axis()) > JUMP;
-        let tilted = fitted(MOST_TILT);
-        // A strongly bowed wall has several best tilts, between which neighbours jump.
-        fit.fitted = if tilted.windows(2).any(jumps) { fitted(0.0) } else { tilted };
-        Some(fit)
+        let mut whole = Strip::whole(&face, &places, milling);
+        let settled = |fitted: &Vec<Fitted>| !fitted.windows(2).any(jumps);
+        let tilted = Some(whole.fitted_to(&face, &places, None, MOST_TILT)).filter(settled);
+        let strips = match tilted {
+            Some(tilted) => {
+                whole.fitted = tilted;
+                let mut strips = whole.by_layer(&face, &places, milling, layers);
+                for strip in &mut strips {
+                    let own = strip.fitted_to(&face, &places, Some(&whole.fitted), MOST_TILT);
+                    strip.fitted = if settled(&own) {
+                        own
+                    } else {
+                        whole.fitted.iter().zip(&own).map(|(whole, own)| whole.instead_of(own)).collect()
+                    };
+                }
+                strips
+            }
+            // A strongly bowed wall has several best tilts, between which neighbours jump, and the best for its strips turn far
+            // from layer to layer: all layers share plain axes.
+            None => {
+                whole.fitted = whole.fitted_to(&face, &places, None, 0.0);
+                vec![whole]
+            }
+        };
+        Some(Self { finished, milling, face, places, layers, strips })
     }
 
-    /// Heights of the wall at `u`, from the lowest that the flank cuts up to its tip.
-    fn heights_at(&self, u: f64, count: usize) -> Vec<f64> {
-        let uncut = self.milling.hub_allowance + self.milling.tool.corner_radius;
-        let height = (self.face.side.point(u, 1.0) - self.face.side.point(u, 0.0)).norm();
-        evenly((uncut / height.max(1e-9)).min(0.9), 1.0, count)
+    /// The least that the greatest deviation from the wall can be at the positions on it, mm: no straight edge stays within less
+    /// of its strip, either way, without cutting the wall above it as much.
+    pub fn forced(&self) -> f64 {
+        let on_wall = |(u, _): &(&f64, &Fitted)| (self.flank_from()..=1.0).contains(*u);
+        let levels = |strip: &Strip| {
+            let here = self.places.iter().zip(&strip.fitted).filter(on_wall);
+            here.map(|(_, fitted)| fitted.level).fold(0.0, f64::max)
+        };
+        self.strips.iter().map(levels).fold(0.0, f64::max)
+    }
+
+    /// u at which the flank begins, behind the nose.
+    fn flank_from(&self) -> f64 {
+        self.face.side.u_knots()[0].max(0.0)
     }
 
     /// The positions moved along the wall's normals, so that the swept cutter cuts no more than `tolerance` mm below the
     /// allowance. With none, all that a straight edge cannot do is left.
     pub fn swept(&self, tolerance: f64) -> SweptWall {
         let (face, places) = (&self.face, &self.places);
-        let judged = JUDGED_PER_HEIGHT * (self.heights - 1) + 1;
-        let mut lines: Vec<Line> = self
-            .places
-            .par_iter()
-            .zip(&self.fitted)
-            .map(|(&u, fitted)| face.moved_off(fitted, &self.heights_at(u, self.heights), tolerance))
-            .collect();
-        let spare =
-            |line: &Line, u: f64| face.least(line, &self.heights_at(u, judged), u) + tolerance - MARGIN;
-        settle(face, places, &mut lines, spare);
-
-        let (first, last) = (face.side.u_knots()[0].max(0.0), 1.0);
-        let on_wall = |u: &f64| (first..=last).contains(u);
-        let low = |u: f64| self.heights_at(u, judged)[0];
-        let lowest = places.iter().filter(|u| on_wall(u)).map(|&u| low(u)).fold(0.9, f64::min);
-        let halves = places.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]);
-        let map_u: Vec<f64> = halves.filter(on_wall).collect();
-        let map_v = evenly(lowest, 1.0, judged);
-        let judge = |lines: &[Line]| {
-            let (mut map, segments) = deviation_map(face, lines, &map_u, &map_v);
-            // Below the cutter's corner its flank leaves nothing and takes nothing.
-            for (k, deviation) in map.deviation.iter_mut().enumerate() {
-                let (u, v) = (map_u[k / map_v.len()], map_v[k % map_v.len()]);
-                if v < low(u) {
-                    *deviation = 0.0;
+        let columns = self.columns();
+        let rows = self.rows();
+        let swept = |strip: &Strip| {
+            let mut lines = strip.moved_off(face, places, tolerance);
+            let judged = |column: &Column, row: usize| strip.is_judged(column, row, &rows);
+            let mut found = deviations(face, &lines, &columns, &rows, judged);
+            for _ in 0..CORRECTIONS {
+                let mut spares = vec![0.0; lines.len() - 1];
+                for &(deviation, segment) in found.iter().flatten() {
+                    spares[segment] = f64::min(spares[segment], deviation + tolerance - MARGIN);
                 }
+                if spares.iter().all(|&spare| spare > -SETTLED) {
+                    break;
+                }
+                push_off(face, places, &mut lines, &spares);
+                found = deviations(face, &lines, &columns, &rows, judged);
             }
-            (map, segments)
+            (lines, found)
         };
-        let (mut map, mut segments) = judge(&lines);
-        for _ in 0..CORRECTIONS {
-            let mut spares = vec![0.0; lines.len() - 1];
-            for (&deviation, &segment) in map.deviation.iter().zip(&segments) {
-                spares[segment] = f64::min(spares[segment], deviation + tolerance - MARGIN);
+        let swept: Vec<_> = self.strips.par_iter().map(swept).collect();
+        let mut deviation = vec![f64::INFINITY; columns.len() * rows.len()];
+        let mut lines = Vec::with_capacity(swept.len());
+        for (strip_lines, found) in swept {
+            for (least, found) in deviation.iter_mut().zip(found) {
+                *least = found.map_or(*least, |(here, _)| f64::min(*least, here));
             }
-            if spares.iter().all(|&spare| spare > -SETTLED) {
-                break;
-            }
-            push_off(face, places, &mut lines, &spares);
-            (map, segments) = judge(&lines);
+            lines.push(strip_lines);
         }
-        SweptWall { tolerance, lines, map }
+        // Below the cutter's corner its flank leaves nothing and takes nothing.
+        deviation.iter_mut().filter(|d| d.is_infinite()).for_each(|d| *d = 0.0);
+        let u = columns.iter().map(|column| column.u).collect();
+        SweptWall { tolerance, lines, map: DeviationMap { u, v: rows, deviation } }
+    }
+
+    /// Of the map: at the stations on the wall, and half way between them.
+    fn columns(&self) -> Vec<Column> {
+        let on_wall = |column: &Column| (self.flank_from()..=1.0).contains(&column.u);
+        let halves = 0..2 * self.places.len() - 2;
+        halves.map(|k| Column::half(&self.places, k)).filter(on_wall).collect()
+    }
+
+    /// Of the map: from the lowest that is formed anywhere up to the tip.
+    fn rows(&self) -> Vec<f64> {
+        let at_stations = self.columns().into_iter().filter(|column| column.share == 0.0);
+        let lows = at_stations.flat_map(|c| self.strips.iter().map(move |strip| strip.low[c.station]));
+        let lowest = lows.fold(MOST_UNFORMED, f64::min);
+        let least = self.strips.iter().map(Strip::judged).max().unwrap_or(2);
+        evenly(lowest, 1.0, (ROWS_PER_STRIP * self.strips.len() + 1).max(least))
     }
 
     /// The positions with what stands in their way.
     pub fn axes(&self, swept: SweptWall) -> WallAxes {
-        let hub = self.finished.part.hub.curve();
-        let wanted = self.milling.blade_allowance - swept.tolerance;
-        let station = |((&u, line), fitted): ((&f64, &Line), &Fitted)| {
-            let axis = line.axis();
-            let cutter = self.milling.tool.placed(line.low + axis * self.milling.hub_allowance, axis);
-            let s = self.finished.part.hub.s_at(hub.project(Meridional::of(&line.low)).0);
-            let blocked = obstacle(self.finished.blades(), &cutter, wanted);
-            WallStation { u, s, foot: line.low, axis, forced: fitted.level(self.heights), blocked }
-        };
-        let lines = self.places.par_iter().zip(&swept.lines).zip(&self.fitted);
-        let stations: Vec<WallStation> = lines.map(station).collect();
-        let flank = self.face.side.u_knots()[0].max(0.0);
-        let forced = stations.iter().filter(|s| (flank..=1.0).contains(&s.u)).map(|s| s.forced);
+        let by_layer = (0..self.layers.len()).map(|k| self.stations(k, &swept)).collect();
         WallAxes {
-            forced: forced.fold(0.0, f64::max),
-            stations,
+            by_layer,
+            forced: self.forced(),
             max_overcut: swept.map.max_overcut(),
             max_undercut: swept.map.max_undercut(),
             map: swept.map,
         }
+    }
+
+    fn stations(&self, layer: usize, swept: &SweptWall) -> Vec<WallStation> {
+        let hub = self.finished.part.hub.curve();
+        let tool = self.milling.tool;
+        let strip = layer.min(self.strips.len() - 1);
+        let wanted = self.milling.blade_allowance - swept.tolerance;
+        let station = |(k, line): (usize, &Line)| {
+            let axis = line.axis();
+            let tip = self.layers[layer].tip(tool, &line.low, &axis);
+            let s = self.finished.part.hub.s_at(hub.project(Meridional::of(&line.low)).0);
+            let blocked =
+                tip.and_then(|tip| obstacle(self.finished.blades(), &tool.placed(tip, axis), wanted));
+            let (u, forced) = (self.places[k], self.strips[strip].fitted[k].level);
+            WallStation { u, s, foot: line.low, axis, tip, forced, blocked }
+        };
+        swept.lines[strip].par_iter().enumerate().map(station).collect()
+    }
+}
+
+impl WallAxes {
+    /// The positions on a layer, 0 at the hub.
+    pub fn stations(&self, layer: usize) -> &[WallStation] {
+        self.by_layer.get(layer).map_or(&[], Vec::as_slice)
     }
 }
 

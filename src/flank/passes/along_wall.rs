@@ -6,7 +6,6 @@ use crate::flank::layer::{Layer, LayerPoint};
 use crate::flank::plan::MilledWall;
 use crate::flank::schemes::Role;
 use crate::geometry::{Point, Vector};
-use crate::plunge::slotting::DepthSurface;
 
 /// Why a stretch along a wall is not cut.
 const IN_THE_WAY: &str = "another blade stands in the way of the cutter along the wall";
@@ -46,11 +45,12 @@ pub(super) struct Milled {
 }
 
 impl Milled {
-    /// Lowers the cutter on all stations of a wall until it touches `surface`.
-    pub(super) fn on(maker: &PassMaker, layer: &Layer, milled: &MilledWall, surface: &DepthSurface) -> Self {
+    /// The cutter on all stations of a wall.
+    pub(super) fn on(maker: &PassMaker, (number, layer): (usize, &Layer), milled: &MilledWall) -> Self {
         let mut y = None;
-        let placed = milled.axes.stations.iter().map(|station| {
-            let tip = station.tip_on(surface, maker.tool)? + station.axis * CHORD;
+        let stations = milled.axes.stations(number);
+        let placed = stations.iter().map(|station| {
+            let tip = station.tip? + station.axis * CHORD;
             let axis = station.axis;
             let (place, _) = layer.place(&(tip + axis * maker.tool.corner_radius), y.unwrap_or(0.0), None);
             y = Some(place.y);
@@ -62,7 +62,7 @@ impl Milled {
         });
         let placed: Vec<Option<(Placed, InTheWay)>> = placed.collect();
         let flank = milled.axes.map.u.first().copied().unwrap_or(0.0);
-        let on_flank = milled.axes.stations.iter().zip(&placed).filter(|(station, _)| station.u >= flank);
+        let on_flank = stations.iter().zip(&placed).filter(|(station, _)| station.u >= flank);
         let behind_nose = on_flank.filter_map(|(_, p)| *p).map(|(p, _)| p.place.x).next();
         Self {
             wall: milled.wall,

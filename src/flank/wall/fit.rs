@@ -2,15 +2,17 @@
 //!
 //! The axis runs through A beside the foot of the wall and B beside its tip. Three numbers are free: A along the wall's
 //! normal at the foot, B along its normal at the tip, and B along the feed. With more freedom neighbouring positions
-//! jump and the swept surface suffers.
+//! jump and the swept surface suffers. Where the cutter forms the wall it shall leave as little as it cuts too much; where
+//! the wall above is formed by others, it must only not cut it.
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::places::evenly;
 use crate::geometry::{Point, Vector};
 use crate::part::BladeSide;
 
 /// A wall with the side on which the cutter is.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Face<'a> {
     pub(super) side: &'a BladeSide,
     /// +1 where ∂S/∂u × ∂S/∂v points to the cutter.
@@ -39,6 +41,14 @@ pub(super) struct Seen {
     share: f64,
 }
 
+/// Heights of the wall that a fit looks at, from the lowest up.
+#[derive(Clone, Debug)]
+pub(super) struct Heights {
+    v: Vec<f64>,
+    /// So many of them, the lowest, are formed by the cutter; those above it must only not cut.
+    formed: usize,
+}
+
 /// An axis fitted to the wall, before it is decided how deep it may cut.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitted {
@@ -46,19 +56,26 @@ pub(super) struct Fitted {
     freedoms: [Vector; 3],
     /// The free numbers, mm.
     x: Vector3<f64>,
-    /// How it sees the wall at the heights of the fit.
-    seen: [Seen; MAX_LINES],
+    /// Least greatest deviation that a straight edge can have over the heights it was fitted at, above those that it forms
+    /// only below the wall, mm.
+    pub(super) level: f64,
 }
 
 /// Steps of the fit, and steps of the search for the nearest place of a line of the wall.
-const FIT_STEPS: usize = 12;
+const FIT_STEPS: usize = 24;
 const NEAREST_STEPS: usize = 8;
+/// How far an axis goes from the one it is found from, at the foot of the wall and at its tip, mm: on a strongly bowed wall the
+/// best for a strip would lean into the passage and turn far from layer to layer.
+const MOST_OFF: f64 = 0.5;
 /// Most exchanges per step towards the min-max solution.
 const EXCHANGES: usize = 40;
 /// A change of the free numbers below this ends the fit, mm.
 const SETTLED: f64 = 2e-5;
-/// Keeps the feed shift where it has nothing to say: on walls without twist.
+/// Keeps the free numbers where they have nothing to say, as the feed shift on walls without twist: deviation, mm, that one
+/// is worth which moves an axis by 1 mm.
 const RIDGE: f64 = 1e-4;
+/// Places at which the rise of a wall is told.
+const RISES: usize = 9;
 /// Most lines of the wall looked at by one fit.
 pub(super) const MAX_LINES: usize = 33;
 
@@ -90,9 +107,9 @@ impl Fitted {
         self.at(&self.x)
     }
 
-    /// Greatest deviation over the first `count` heights it was fitted at, mm: the least that a straight edge can have.
-    pub(super) fn level(&self, count: usize) -> f64 {
-        self.seen.iter().take(count).map(|s| s.excess.abs()).fold(0.0, f64::max)
+    /// This axis where `other` was asked for: what is forced is what that one has.
+    pub(super) fn instead_of(&self, other: &Self) -> Self {
+        Self { level: other.level, ..*self }
     }
 
     /// The axis with other free numbers.
@@ -155,6 +172,12 @@ impl Face<'_> {
         }
     }
 
+    /// How far the wall has risen along `line` from its low point at evenly spaced v, mm.
+    pub(super) fn rise(&self, line: &Line, u: f64) -> [f64; RISES] {
+        let (axis, length) = (line.axis(), (line.high - line.low).norm());
+        std::array::from_fn(|k| self.seen(line, &axis, k as f64 / (RISES - 1) as f64, u).share * length)
+    }
+
     /// Least deviation of `line` along evenly spaced `heights`, the nearest place followed from `u` on. Between three
     /// heights the lowest place is that of a parabola.
     pub(super) fn least(&self, line: &Line, heights: &[f64], u: f64) -> f64 {
@@ -176,59 +199,63 @@ impl Face<'_> {
         least
     }
 
-    /// How `line` sees the wall at `heights`, each followed from where it was `seen` before.
-    fn look(&self, line: &Line, heights: &[f64], seen: &mut [Seen; MAX_LINES]) {
+    /// How `line` sees the wall at the heights `v`, each followed from where it was `seen` before.
+    fn look(&self, line: &Line, v: &[f64], seen: &mut [Seen; MAX_LINES]) {
         let axis = line.axis();
-        for (seen, &v) in seen.iter_mut().zip(heights) {
+        for (seen, &v) in seen.iter_mut().zip(v) {
             *seen = self.seen(line, &axis, v, seen.u);
         }
     }
 
-    /// The axis at `u` whose greatest deviation over the heights `v` is least. It tilts along the feed by no more than
-    /// `most_tilt` (rad) from the plain offset. At most [`MAX_LINES`] heights count.
-    pub(super) fn fit(&self, u: f64, heights: &[f64], most_tilt: f64) -> Fitted {
-        let heights = &heights[..heights.len().min(MAX_LINES)];
-        let count = heights.len();
+    /// The axis at `u` whose greatest deviation over the `heights` is least, found from that `beside` it on, or from the plain
+    /// offset. It tilts along the feed by no more than `most_tilt` (rad) from the plain offset, and goes no further than
+    /// [`MOST_OFF`] from that beside it.
+    pub(super) fn fit(&self, u: f64, heights: &Heights, beside: Option<&Fitted>, most_tilt: f64) -> Fitted {
         let (start, freedoms) = self.start(u);
-        let blank = Seen { u, excess: 0.0, away: Vector::zeros(), share: 0.0 };
-        let mut fitted = Fitted { start, freedoms, x: Vector3::zeros(), seen: [blank; MAX_LINES] };
+        let rest = beside.map_or(Vector3::zeros(), |beside| beside.x);
+        let mut fitted = Fitted { start, freedoms, x: rest, level: 0.0 };
         let most_shift = most_tilt.tan() * (start.high - start.low).norm();
-        let most = |seen: &[Seen]| seen.iter().map(|s| s.excess.abs()).fold(0.0, f64::max);
-        self.look(&fitted.line(), heights, &mut fitted.seen);
-        let mut worst = most(&fitted.seen[..count]);
+        let mut seen = [Seen::at(u); MAX_LINES];
+        // Twice: the first look at a tilted axis begins far from where the wall is nearest, and does not quite get there.
+        self.look(&fitted.line(), &heights.v, &mut seen);
+        self.look(&fitted.line(), &heights.v, &mut seen);
+        fitted.level = heights.worst(&seen);
         let mut shorter = 1.0;
         for _ in 0..FIT_STEPS {
-            let Some(step) = min_max_step(&fitted.seen[..count], &freedoms, fitted.x[2], most_shift) else {
-                break;
-            };
+            let Some(step) = min_max_step(heights, &seen, &fitted, &rest, most_shift) else { break };
             let limit = 0.5 * self.reach * shorter;
             let step = step * (limit / step.amax().max(limit));
-            let mut there = fitted.seen;
-            self.look(&fitted.at(&(fitted.x + step)), heights, &mut there);
-            let then = most(&there[..count]);
-            if then >= worst {
+            let mut there = seen;
+            self.look(&fitted.at(&(fitted.x + step)), &heights.v, &mut there);
+            let then = heights.worst(&there);
+            if then >= fitted.level {
                 // Too far for slopes to tell the truth.
                 shorter = (0.3 * step.amax() / self.reach).min(0.5 * shorter);
             } else {
-                (fitted.x, fitted.seen, worst) = (fitted.x + step, there, then);
+                (fitted.x, seen, fitted.level) = (fitted.x + step, there, then);
+                shorter = f64::min(1.0, 3.0 * shorter);
             }
             if step.amax() < SETTLED {
                 break;
             }
         }
+        if beside.is_some() {
+            let way = fitted.x - rest;
+            fitted.x = rest + way * (MOST_OFF / way.xy().amax().max(MOST_OFF));
+        }
         fitted
     }
 
-    /// A fitted axis moved along the normals until the least deviation over the heights it was fitted at is −`tolerance`
-    /// or the deviations are as far above as below.
-    pub(super) fn moved_off(&self, fitted: &Fitted, heights: &[f64], tolerance: f64) -> Line {
-        let heights = &heights[..heights.len().min(MAX_LINES)];
-        let (mut x, mut seen) = (fitted.x, fitted.seen);
+    /// An axis fitted at `u`, moved along the normals until the least deviation over the `heights` is −`tolerance` or the
+    /// deviations are as far above as below.
+    pub(super) fn moved_off(&self, u: f64, fitted: &Fitted, heights: &Heights, tolerance: f64) -> Line {
+        let mut x = fitted.x;
+        let mut seen = [Seen::at(u); MAX_LINES];
         for _ in 0..3 {
-            self.look(&fitted.at(&x), heights, &mut seen);
-            let excess = || seen[..heights.len()].iter().map(|s| s.excess);
-            let (low, high) =
-                (excess().fold(f64::INFINITY, f64::min), excess().fold(f64::NEG_INFINITY, f64::max));
+            self.look(&fitted.at(&x), &heights.v, &mut seen);
+            let excess = |count: usize| seen[..count].iter().map(|s| s.excess);
+            let low = excess(heights.v.len()).fold(f64::INFINITY, f64::min);
+            let high = excess(heights.formed).fold(f64::NEG_INFINITY, f64::max);
             let out = -tolerance.min(0.5 * (high - low)) - low;
             x[0] += out;
             x[1] += out;
@@ -237,38 +264,68 @@ impl Face<'_> {
     }
 }
 
-/// Newton step of the three free numbers towards the least greatest deviation, the third of them, which is `feed_shift`
-/// now, within ±`most_shift`. `None` where they decide nothing.
+impl Seen {
+    /// Not looked at yet; to be looked for near `u`.
+    fn at(u: f64) -> Self {
+        Self { u, excess: 0.0, away: Vector::zeros(), share: 0.0 }
+    }
+}
+
+impl Heights {
+    /// `formed` heights from `low` to `top`, and `above` of them from there to the tip of the wall; at most
+    /// [`MAX_LINES`] together.
+    pub(super) fn new([low, top]: [f64; 2], formed: usize, above: usize) -> Self {
+        let mut v = evenly(low, top, formed);
+        v.extend((1..=above).map(|k| top + (1.0 - top) * k as f64 / above as f64));
+        v.truncate(MAX_LINES);
+        Self { v, formed: formed.min(MAX_LINES) }
+    }
+
+    /// Greatest deviation that counts.
+    fn worst(&self, seen: &[Seen]) -> f64 {
+        let off = |(k, seen): (usize, &Seen)| if k < self.formed { seen.excess.abs() } else { -seen.excess };
+        seen.iter().take(self.v.len()).enumerate().map(off).fold(0.0, f64::max)
+    }
+}
+
+/// Newton step of the three free numbers of an axis that has `seen` the wall at `heights` towards the least greatest
+/// deviation, the third number within ±`most_shift`; what decides nothing goes back to `rest`. `None` where they decide
+/// nothing at all.
 fn min_max_step(
+    heights: &Heights,
     seen: &[Seen],
-    freedoms: &[Vector; 3],
-    feed_shift: f64,
+    Fitted { freedoms, x, .. }: &Fitted,
+    rest: &Vector3<f64>,
     most_shift: f64,
 ) -> Option<Vector3<f64>> {
-    let mut rows = [Row::default(); MAX_LINES + 1];
-    for (row, s) in rows.iter_mut().zip(seen) {
+    let count = heights.v.len();
+    let mut rows = [Row::default(); MAX_LINES + 3];
+    for (k, (row, s)) in rows.iter_mut().zip(&seen[..count]).enumerate() {
         let slope = Vector3::new(
             (1.0 - s.share) * s.away.dot(&freedoms[0]),
             s.share * s.away.dot(&freedoms[1]),
             s.share * s.away.dot(&freedoms[2]),
         );
-        *row = Row { slope, at_rest: s.excess };
+        *row = Row { slope, at_rest: s.excess, only_below: k >= heights.formed };
     }
-    let count = seen.len();
-    rows[count] = Row { slope: Vector3::new(0.0, 0.0, RIDGE), at_rest: RIDGE * feed_shift };
-    let first = [0, count / 2, count - 1, count];
-    let step = least_greatest(&rows[..=count], first)?;
-    let shift = (feed_shift + step[2]).clamp(-most_shift, most_shift) - feed_shift;
+    for k in 0..3 {
+        let slope = Vector3::ith(k, RIDGE);
+        rows[count + k] = Row { slope, at_rest: RIDGE * (x[k] - rest[k]), only_below: false };
+    }
+    let rows = &mut rows[..count + 3];
+    let first = [0, heights.formed / 2, heights.formed - 1, count + 2];
+    let step = least_greatest(rows, first)?;
+    let shift = (x[2] + step[2]).clamp(-most_shift, most_shift) - x[2];
     if shift == step[2] {
         return Some(step);
     }
     // Two numbers are left.
-    for row in &mut rows[..count] {
+    for row in rows.iter_mut() {
         row.at_rest += row.slope[2] * shift;
         row.slope[2] = 0.0;
     }
-    rows[count] = Row { slope: Vector3::z(), at_rest: 0.0 };
-    let step = least_greatest(&rows[..=count], first)?;
+    rows[count + 2] = Row { slope: Vector3::z(), ..Row::default() };
+    let step = least_greatest(rows, first)?;
     Some(Vector3::new(step[0], step[1], shift))
 }
 
@@ -278,18 +335,28 @@ struct Row {
     slope: Vector3<f64>,
     /// Deviation where the numbers are zero.
     at_rest: f64,
+    /// Whether it counts only where it is negative.
+    only_below: bool,
 }
 
-/// The numbers at which the greatest absolute deviation of `rows` is least, by exchange: four rows decide, and the one
-/// that is furthest off takes the place of that which lets the level rise most. `first` are four different rows.
+impl Row {
+    /// The deviation that counts, with the numbers `x`.
+    fn off(&self, x: &Vector3<f64>) -> f64 {
+        let deviation = self.at_rest + self.slope.dot(x);
+        if self.only_below { -deviation } else { deviation.abs() }
+    }
+}
+
+/// The numbers at which the greatest deviation of `rows` that counts is least, by exchange: four rows decide, and the one
+/// that is furthest off takes the place of that which lets the level rise most. `first` are four different rows that count
+/// above and below.
 fn least_greatest(rows: &[Row], first: [usize; 4]) -> Option<Vector3<f64>> {
     let mut deciding = first;
     let mut best = level(rows, &deciding)?;
     for _ in 0..EXCHANGES {
         let (level_now, x) = best;
-        let off = |row: &Row| (row.at_rest + row.slope.dot(&x)).abs();
-        let worst = (0..rows.len()).max_by(|&i, &j| off(&rows[i]).total_cmp(&off(&rows[j])))?;
-        if off(&rows[worst]) <= level_now * (1.0 + 1e-9) + 1e-12 || deciding.contains(&worst) {
+        let worst = (0..rows.len()).max_by(|&i, &j| rows[i].off(&x).total_cmp(&rows[j].off(&x)))?;
+        if rows[worst].off(&x) <= level_now * (1.0 + 1e-9) + 1e-12 || deciding.contains(&worst) {
             break;
         }
         let exchanged = (0..4).filter_map(|k| {
@@ -303,7 +370,8 @@ fn least_greatest(rows: &[Row], first: [usize; 4]) -> Option<Vector3<f64>> {
     Some(best.1)
 }
 
-/// The least greatest deviation of four rows alone, and the numbers at which it is met.
+/// The least greatest deviation of four rows alone, and the numbers at which it is met; `None` where one of them would be
+/// as far above zero and counts only below.
 fn level(rows: &[Row], four: &[usize; 4]) -> Option<(f64, Vector3<f64>)> {
     let row = |k: usize| &rows[four[k]];
     let others = |k: usize| [(k + 1) % 4, (k + 2) % 4, (k + 3) % 4];
@@ -315,6 +383,10 @@ fn level(rows: &[Row], four: &[usize; 4]) -> Option<(f64, Vector3<f64>)> {
     });
     let total: f64 = weights.iter().map(|w| w.abs()).sum();
     let level = weights.iter().enumerate().map(|(k, w)| w * row(k).at_rest).sum::<f64>() / total;
+    let above = |k: usize| row(k).only_below && level * weights[k] > 0.0;
+    if (0..4).any(above) {
+        return None;
+    }
     let heaviest = (0..4).max_by(|&i, &j| weights[i].abs().total_cmp(&weights[j].abs()))?;
     let [a, b, c] = others(heaviest);
     let matrix = Matrix3::from_rows(&[row(a), row(b), row(c)].map(|r| r.slope.transpose()));
@@ -333,7 +405,7 @@ mod tests {
         let rows: Vec<Row> = (0..=400)
             .map(|k| {
                 let x = f64::from(k) / 200.0 - 1.0;
-                Row { slope: -Vector3::new(1.0, x, x * x), at_rest: x.powi(4) }
+                Row { slope: -Vector3::new(1.0, x, x * x), at_rest: x.powi(4), ..Row::default() }
             })
             .collect();
         let found = least_greatest(&rows, [0, 100, 200, 300]).expect("a parabola");
@@ -349,17 +421,19 @@ mod tests {
         };
         for case in 0..50 {
             let mut rows: Vec<Row> = (0..12)
-                .map(|_| Row { slope: Vector3::new(random(), random(), random()), at_rest: random() })
+                .map(|k| Row {
+                    slope: Vector3::new(random(), random(), random()),
+                    at_rest: random(),
+                    only_below: k > 7 && case % 3 == 0,
+                })
                 .collect();
             if case % 2 == 0 {
                 // The third number means nothing but to the last row.
                 rows.iter_mut().for_each(|row| row.slope.z = 0.0);
             }
-            rows.push(Row { slope: Vector3::new(0.0, 0.0, 1e-4), at_rest: 0.0 });
-            let most = |x: &Vector3<f64>| {
-                rows.iter().map(|r| (r.at_rest + r.slope.dot(x)).abs()).fold(0.0, f64::max)
-            };
-            let found = least_greatest(&rows, [0, 6, 11, 12]).expect("numbers");
+            rows.push(Row { slope: Vector3::new(0.0, 0.0, 1e-4), ..Row::default() });
+            let most = |x: &Vector3<f64>| rows.iter().map(|r| r.off(x)).fold(0.0, f64::max);
+            let found = least_greatest(&rows, [0, 4, 7, 12]).expect("numbers");
             let least = most(&found);
             for _ in 0..2000 {
                 let step = Vector3::new(random(), random(), random()) * 0.01;

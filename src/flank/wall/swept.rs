@@ -39,18 +39,19 @@ pub(super) fn settle(
     face: &Face,
     places: &[f64],
     lines: &mut [Line],
-    spare: impl Fn(&Line, f64) -> f64 + Sync,
+    spare: impl Fn(&Line, &Column) -> f64 + Sync,
 ) {
     for _ in 0..CORRECTIONS {
         // At the stations and half way between them.
         let spares: Vec<f64> = (0..2 * lines.len() - 1)
             .into_par_iter()
             .map(|k| {
-                let i = k / 2;
+                let column = Column::half(places, k);
+                let i = column.station;
                 if k % 2 == 0 {
-                    spare(&lines[i], places[i])
+                    spare(&lines[i], &column)
                 } else {
-                    spare(&lines[i].towards(&lines[i + 1], 0.5), 0.5 * (places[i] + places[i + 1]))
+                    spare(&lines[i].towards(&lines[i + 1], 0.5), &column)
                 }
             })
             .collect();
@@ -86,30 +87,82 @@ fn lowest_of_parabola(start: f64, middle: f64, end: f64) -> f64 {
     if bend > 0.0 && at > 0.0 && at < 1.0 { least.min(start + 0.5 * slope * at) } else { least }
 }
 
-/// Deviation over the places `u` × `v` of the wall, and for each the segment between two of the stations' `lines` that comes
-/// nearest to it.
-pub(super) fn deviation_map(face: &Face, lines: &[Line], u: &[f64], v: &[f64]) -> (DeviationMap, Vec<usize>) {
-    let axes: Vec<Vector> = lines.iter().map(Line::axis).collect();
-    let (deviation, segments) = u
-        .par_iter()
-        .flat_map_iter(|&u| {
-            let axes = &axes;
-            v.iter().map(move |&v| {
-                let (distance, segment) = nearest(lines, axes, &face.side.point(u, v));
-                (distance - face.reach, segment)
-            })
-        })
-        .unzip();
-    (DeviationMap { u: u.to_vec(), v: v.to_vec(), deviation }, segments)
+/// A column of a map.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Column {
+    pub(super) u: f64,
+    /// The station before it or at it.
+    pub(super) station: usize,
+    /// Share of the way to the next.
+    pub(super) share: f64,
 }
 
-/// Distance of `point` from the nearest axis, and the segment that this is in.
-fn nearest(lines: &[Line], axes: &[Vector], point: &Point) -> (f64, usize) {
+impl Column {
+    /// The `k`th of those at the stations and half way between them.
+    pub(super) fn half(places: &[f64], k: usize) -> Self {
+        let (station, share) = (k / 2, 0.5 * (k % 2) as f64);
+        let next = places.get(station + 1).copied().unwrap_or(places[station]);
+        Self { u: places[station] + (next - places[station]) * share, station, share }
+    }
+
+    /// What is told for the stations, here.
+    pub(super) fn between(&self, at_stations: &[f64]) -> f64 {
+        let here = at_stations[self.station];
+        let next = at_stations.get(self.station + 1).copied().unwrap_or(here);
+        // Not the difference: infinite at both is infinite between them.
+        if self.share == 0.0 { here } else { here * (1.0 - self.share) + next * self.share }
+    }
+}
+
+/// Deviation at `rows` (v) of every column, where `counts` tells of column and row that it counts; and the segment between two of
+/// the stations' `lines` that comes nearest.
+pub(super) fn deviations(
+    face: &Face,
+    lines: &[Line],
+    columns: &[Column],
+    rows: &[f64],
+    counts: impl Fn(&Column, usize) -> bool + Sync,
+) -> Vec<Option<(f64, usize)>> {
+    let axes: Vec<Vector> = lines.iter().map(Line::axis).collect();
+    let (axes, counts) = (&axes, &counts);
+    let is_bowed = !face.side.is_ruled();
+    columns
+        .par_iter()
+        .flat_map_iter(|column| {
+            rows.iter().enumerate().map(move |(row, &v)| {
+                counts(column, row).then(|| {
+                    let (distance, segment) =
+                        nearest(lines, axes, column.station, &face.side.point(column.u, v), is_bowed);
+                    (distance - face.reach, segment)
+                })
+            })
+        })
+        .collect()
+}
+
+/// Of the axes beside a wall that bows every so many are looked at for one that is nearer.
+const SEED_STEP: usize = 8;
+
+/// Distance of `point` from the nearest axis, and the segment that this is in. It is looked for from the one at index `from`
+/// on; on a wall that bows from another one that is nearer.
+fn nearest(lines: &[Line], axes: &[Vector], from: usize, point: &Point, is_bowed: bool) -> (f64, usize) {
     let last = lines.len() - 1;
-    let mut here = (0, f64::INFINITY);
-    for (i, (line, axis)) in lines.iter().zip(axes).enumerate() {
-        let distance = line.distance(point, axis);
-        if distance < here.1 {
+    let at = |i: usize| lines[i].distance(point, &axes[i]);
+    let mut here = (from, at(from));
+    if is_bowed {
+        for i in (0..=last).step_by(SEED_STEP) {
+            let distance = at(i);
+            if distance < here.1 {
+                here = (i, distance);
+            }
+        }
+    }
+    for step in [-1isize, 1] {
+        while let Some(i) = here.0.checked_add_signed(step).filter(|&i| i <= last) {
+            let distance = at(i);
+            if distance >= here.1 {
+                break;
+            }
             here = (i, distance);
         }
     }

@@ -1,0 +1,155 @@
+//! The strip of a wall that the cutter forms on one layer: from where its flank begins up to where that of the layer above
+//! does.
+
+use rayon::prelude::*;
+
+use super::fit::{Face, Fitted, Heights, Line};
+use super::places::evenly;
+use super::swept::{Column, settle};
+use super::{MARGIN, MOST_UNFORMED, WallMilling};
+use crate::plunge::slotting::DepthSurface;
+
+/// Heights that a fit looks at, of a ruled wall and another one; judged are twice as many.
+const RULED_HEIGHTS: usize = 11;
+const BOWED_HEIGHTS: usize = 25;
+/// The same in a strip of a layer.
+const STRIP_HEIGHTS: usize = 7;
+/// Heights that are judged at least.
+const LEAST_JUDGED: f64 = 5.0;
+/// Of the rows of a map above a strip of a ruled wall every so many are looked at; a bow lets a lower layer take much of what
+/// is left there.
+const ROWS_ABOVE: usize = 4;
+
+/// By stations of a wall.
+#[derive(Clone, Debug)]
+pub(super) struct Strip {
+    /// v at which the flank begins; infinite where the cutter does not come.
+    pub(super) low: Vec<f64>,
+    /// v at which the next strip begins, 1 at most.
+    top: Vec<f64>,
+    /// The axes.
+    pub(super) fitted: Vec<Fitted>,
+    /// Heights that a fit looks at in the strip, and above it if it were the whole height.
+    heights: [usize; 2],
+    /// Heights that would be judged of the whole height.
+    judged: usize,
+    /// Of the rows of a map above it every so many are looked at.
+    rows_above: usize,
+}
+
+impl Strip {
+    /// The whole height: what the flank forms of a cutter on the hub's allowance. Not fitted yet.
+    pub(super) fn whole(face: &Face, places: &[f64], milling: &WallMilling) -> Self {
+        let uncut = milling.hub_allowance + milling.tool.corner_radius;
+        let height = |&u: &f64| (face.side.point(u, 1.0) - face.side.point(u, 0.0)).norm();
+        let heights = if face.side.is_ruled() { RULED_HEIGHTS } else { BOWED_HEIGHTS };
+        Self {
+            low: places.iter().map(|u| (uncut / height(u).max(1e-9)).min(MOST_UNFORMED)).collect(),
+            top: vec![1.0; places.len()],
+            fitted: Vec::new(),
+            heights: [heights, 0],
+            judged: 2 * heights - 1,
+            rows_above: if face.side.is_ruled() { ROWS_ABOVE } else { 1 },
+        }
+    }
+
+    /// The strips of all layers, on whose surfaces a cutter stands on the axes of this one. Not fitted yet.
+    pub(super) fn by_layer(
+        &self,
+        face: &Face,
+        places: &[f64],
+        milling: &WallMilling,
+        layers: &[DepthSurface],
+    ) -> Vec<Self> {
+        // By stations, then layers.
+        let lows = |(&u, fitted): (&f64, &Fitted)| -> Vec<f64> {
+            let line = fitted.line();
+            let axis = line.axis();
+            let rise = face.rise(&line, u);
+            let low = |surface: &DepthSurface| {
+                surface.tip(milling.tool, &line.low, &axis).map_or(f64::INFINITY, |tip| {
+                    v_at(&rise, (tip - line.low).dot(&axis) + milling.tool.corner_radius)
+                })
+            };
+            layers.iter().map(low).collect()
+        };
+        let lows: Vec<Vec<f64>> = places.par_iter().zip(&self.fitted).map(lows).collect();
+        let of_layer = |k: usize| {
+            let top = |lows: &Vec<f64>| {
+                let next = lows[k + 1..].iter().copied().fold(f64::INFINITY, f64::min);
+                if next < MOST_UNFORMED { next } else { 1.0 }
+            };
+            Self {
+                low: lows.iter().map(|lows| lows[k].max(0.0)).collect(),
+                top: lows.iter().map(top).collect(),
+                fitted: Vec::new(),
+                heights: [STRIP_HEIGHTS, self.heights[0]],
+                judged: self.judged,
+                rows_above: self.rows_above,
+            }
+        };
+        (0..layers.len()).map(of_layer).collect()
+    }
+
+    /// Heights that would be judged of the whole height.
+    pub(super) fn judged(&self) -> usize {
+        self.judged
+    }
+
+    /// Where the strip lies, at a station.
+    fn ends(&self, station: usize) -> [f64; 2] {
+        let low = self.low[station].min(MOST_UNFORMED);
+        [low, self.top[station].max(low)]
+    }
+
+    fn heights(&self, station: usize) -> Heights {
+        let [low, top] = self.ends(station);
+        let [formed, above] = self.heights;
+        Heights::new([low, top], formed, (above as f64 * (1.0 - top)).ceil() as usize)
+    }
+
+    /// Axes fitted to the strip, from those `beside` it on.
+    pub(super) fn fitted_to(
+        &self,
+        face: &Face,
+        places: &[f64],
+        beside: Option<&[Fitted]>,
+        most_tilt: f64,
+    ) -> Vec<Fitted> {
+        let fitted = |(k, &u): (usize, &f64)| {
+            face.fit(u, &self.heights(k), beside.map(|beside| &beside[k]), most_tilt)
+        };
+        places.par_iter().enumerate().map(fitted).collect()
+    }
+
+    /// The axes moved along the wall's normals, so that neither they nor those half way between them cut more than `tolerance`
+    /// mm below the allowance, as far as `settle` gets.
+    pub(super) fn moved_off(&self, face: &Face, places: &[f64], tolerance: f64) -> Vec<Line> {
+        let moved = |(k, &u): (usize, &f64)| face.moved_off(u, &self.fitted[k], &self.heights(k), tolerance);
+        let mut lines: Vec<Line> = places.par_iter().enumerate().map(moved).collect();
+        let spare = |line: &Line, column: &Column| {
+            let low = column.between(&self.low).min(MOST_UNFORMED);
+            let judged = (self.judged as f64 * (1.0 - low)).ceil().max(LEAST_JUDGED) as usize;
+            face.least(line, &evenly(low, 1.0, judged), column.u) + tolerance - MARGIN
+        };
+        settle(face, places, &mut lines, spare);
+        lines
+    }
+
+    /// Whether a map looks at `row` of a column: at all of the strip, and at some above it.
+    pub(super) fn is_judged(&self, column: &Column, row: usize, rows: &[f64]) -> bool {
+        let (low, top) = (column.between(&self.low), column.between(&self.top));
+        rows[row] >= low - 1e-9
+            && (rows[row] <= top || row.is_multiple_of(self.rows_above) || row + 1 == rows.len())
+    }
+}
+
+/// v at which a wall that rises along an axis by `rise`, at evenly spaced v, has risen by `height`; infinite above its tip.
+fn v_at(rise: &[f64], height: f64) -> f64 {
+    let pieces = rise.len() - 1;
+    let piece = rise.windows(2).position(|ends| height <= ends[1]);
+    piece.map_or(f64::INFINITY, |k| {
+        let share = (height - rise[k]) / (rise[k + 1] - rise[k]).max(1e-9);
+        (k as f64 + share) / pieces as f64
+    })
+}
