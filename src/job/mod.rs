@@ -134,8 +134,8 @@ impl PlanJob {
         self.run_telling(request, monitor, Listener::default())
     }
 
-    /// As [`Self::run`]; `listener` is told of every stage. The conventional plan, which takes least, is placed before
-    /// others begin, and judged beside them.
+    /// As [`Self::run`]; `listener` is told of every stage. The conventional plan, which takes least, is judged before
+    /// others begin.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -170,15 +170,12 @@ fn plan(
     let planner = Planner::new(part, &channel, &setup);
     // What every plan is judged beside and by is made even after a stop.
     let closing = &monitor.closing();
-    let placed = |policy, known: &mut KnownSections, monitor: &Monitor| {
+    let judged = |policy, known: &mut KnownSections, monitor: &Monitor| -> Result<PlungePlan, PlanError> {
         let placed = planner.place(policy, known, monitor)?;
         listener.tell(|| Stage::Placed(placed.plan().clone()));
-        Ok::<_, PlanError>(placed)
-    };
-    let judged = |placed, monitor: &Monitor| {
         let plan = planner.judge(placed, monitor)?;
         listener.tell(|| Stage::Judged(plan.clone()));
-        Ok::<_, PlanError>(plan)
+        Ok(plan)
     };
     let measured = |plan: PlungePlan, grid: &Arc<FloorGrid>| -> Result<PolicyResult, PlanError> {
         closing.check()?;
@@ -188,12 +185,11 @@ fn plan(
     };
     // First of all, and on all processors, what is ready soonest.
     let known_conventional = known.entry(AxisPolicy::Conventional).or_default();
-    let before = placed(AxisPolicy::Conventional, known_conventional, closing)?;
+    let before = judged(AxisPolicy::Conventional, known_conventional, closing)?;
     // The way to the others is the long one.
     monitor.report(0.1);
     let ready = OnceLock::new();
     let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>), PlanError> {
-        let before = judged(before, closing)?;
         let cutters = stretches_of_setup(&setup);
         let (blank, stock) = (planner.blank(), &setup.stock);
         let source = FloorSource { part, channel: &channel, blank, stock, cutters: &cutters };
@@ -214,7 +210,7 @@ fn plan(
     // A plan that is there before the grid is measured at the end.
     let asked = || -> Result<Vec<Result<PolicyResult, PlungePlan>>, PlanError> {
         let asked = policies.par_iter_mut().map(|(policy, known)| {
-            let plan = placed(*policy, known, monitor).and_then(|placed| judged(placed, monitor));
+            let plan = judged(*policy, known, monitor);
             let cancelled = matches!(plan, Err(PlanError::Cancelled(_)));
             if *policy == request.policy {
                 if cancelled {

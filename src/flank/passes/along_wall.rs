@@ -11,6 +11,9 @@ use crate::geometry::{Point, Vector};
 const IN_THE_WAY: &str = "another blade stands in the way of the cutter along the wall";
 const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
 
+/// Between stretches of a wall nothing is left out that the layer holds.
+const APART: &str = "the layer does not reach along the whole wall";
+
 /// What stands in the way of a cutter, for people.
 pub(super) type InTheWay = Option<&'static str>;
 
@@ -142,7 +145,9 @@ impl OnLayer<'_> {
         let ours = |m: &&Milled| m.wall == wall && (wall != WallName::Splitter || m.region == region);
         let Some(milled) = self.milled.iter().find(ours) else { return Vec::new() };
         let mut result = Vec::new();
-        for pair in milled.placed.windows(2) {
+        // Where the last way ended; from any other station on the cutter comes down anew.
+        let mut reached = None;
+        for (k, pair) in milled.placed.windows(2).enumerate() {
             let [Some((a, a_blocked)), Some((b, b_blocked))] = pair else { continue };
             let (low, high) = (a.place.x.max(from), b.place.x.min(to));
             if low >= high {
@@ -153,10 +158,14 @@ impl OnLayer<'_> {
                 continue;
             }
             let at = |x: f64| a.between(b, (x - a.place.x) / (b.place.x - a.place.x));
+            if reached.is_some_and(|reached| reached != k) {
+                result.push(Err((0.0, APART)));
+            }
             if !matches!(result.last(), Some(Ok(_))) {
                 result.push(Ok(at(low)));
             }
             result.push(Ok(at(high)));
+            reached = Some(k + 1);
         }
         result
     }
