@@ -52,40 +52,36 @@ pub fn describe(
     for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
         mesh.points.iter_mut().for_each(|p| *p *= scale);
     }
-    let mut hub = Surface::of(&hub);
+    let hub = Surface::of(&hub);
     let frame = match options.axis {
         Some(axis) => Frame::Along(axis),
         None => found(&hub).ok_or_else(|| {
             PartError::new(0, "the hub turns about no axis", "give the axis with --rotation-axis x, y or z")
         })?,
     };
-    let turn = |points: &mut [Point]| points.iter_mut().for_each(|p| *p = frame.apply(p));
-    if frame != Frame::Along(Axis::Z) {
-        turn(&mut hub.points);
-        hub.normals =
-            Surface::of(&TriangleMesh { points: hub.points.clone(), triangles: hub.triangles.clone() })
-                .normals;
-        shroud.iter_mut().for_each(|m| turn(&mut m.points));
-        blade_meshes.iter_mut().for_each(|(_, m)| turn(&mut m.points));
-    }
+    let upright = |surface: Surface| match frame {
+        Frame::Along(Axis::Z) => surface,
+        _ => surface.moved(|p| frame.apply(p)),
+    };
+    let mut hub = upright(hub);
+    let mut shroud = shroud.map(|mesh| upright(Surface::of(&mesh)));
+    let mut blade_surfaces: Vec<(Role, Surface)> =
+        blade_meshes.into_iter().map(|(role, mesh)| (role, upright(Surface::of(&mesh)))).collect();
     let size = hub.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     if let Some(name) = one {
         let segments = segmented(&hub, &name)?;
         hub = segments.hub;
         shroud = shroud.or(segments.shroud);
-        blade_meshes = segments.blades.into_iter().map(|mesh| (Role::Blade, mesh)).collect();
+        blade_surfaces = segments.blades.into_iter().map(|blade| (Role::Blade, blade)).collect();
     }
     let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
 
-    let rows = Rows::of(blades(&blade_meshes), options.blades)?;
-    drop(blade_meshes);
-    let main = Surface::of(&rows.main);
-    let splitters: Vec<Surface> = rows.splitters.iter().map(Surface::of).collect();
+    let Rows { count, main, splitters } = Rows::of(blades(blade_surfaces), options.blades)?;
     let corners: Vec<Meridional> = main.points.iter().map(Meridional::of).collect();
     let course = Course::of(&corners);
     let hub_curve = turned(&hub, &course, &corners, "hub", tolerance)?;
     let shroud_curve = match shroud {
-        Some(mesh) => turned(&Surface::of(&mesh), &course, &corners, "shroud", tolerance)?,
+        Some(shroud) => turned(&shroud, &course, &corners, "shroud", tolerance)?,
         None => {
             let hub = MeridionalCurve::through(&hub_curve.points);
             let tips = tip_curve(std::slice::from_ref(&main), &hub, &course);
@@ -113,7 +109,7 @@ pub fn describe(
         name: name.to_owned(),
         hub: CurveDescription::Points(hub_curve.points),
         shroud: CurveDescription::Points(shroud_curve.points),
-        blade_count: rows.count,
+        blade_count: count,
         main: blade(&main, leading_first),
         splitters: splitters.iter().map(|s| blade(s, leading_first)).collect(),
         notes: note.into_iter().collect(),

@@ -19,6 +19,7 @@ pub mod solid;
 mod surface;
 pub mod tessellate;
 mod tips;
+mod weld;
 
 pub use describe::describe;
 pub use options::{MeshOptions, Unit};
