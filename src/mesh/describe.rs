@@ -3,6 +3,7 @@
 use super::TriangleMesh;
 use super::axis::{Axis, Frame, found};
 use super::fillets::between_fillets;
+use super::holes::{filled, largest};
 use super::options::{MeshOptions, Unit, check_size};
 use super::profile::{Course, Profile, flow_side, middle};
 use super::roles::{NamedMesh, Role, assign, listed};
@@ -26,6 +27,8 @@ const INSET: f64 = 0.01;
 const STRAIGHT: f64 = 0.012;
 /// Share of the channel's height that a blade has to reach over, free of fillets.
 const LEAST_HEIGHT: f64 = 0.2;
+/// A hole that is smaller is bridged wherever it is, mm.
+const LEAST_HOLE: f64 = 0.05;
 /// Wrap of a blade from which on it tells the sense of rotation, rad.
 const CLEAR_WRAP: f64 = 0.1;
 /// Share of the area of hub or shroud that has to lie on its curve where fillets do not.
@@ -77,6 +80,8 @@ pub fn describe(
     let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
 
     let Rows { count, main, splitters } = Rows::of(blades(blade_surfaces), options.blades)?;
+    let main = filled(main);
+    let splitters: Vec<Surface> = splitters.into_iter().map(filled).collect();
     let corners: Vec<Meridional> = main.points.iter().map(Meridional::of).collect();
     let course = Course::of(&corners);
     let hub_curve = turned(&hub, &course, &corners, "hub", tolerance)?;
@@ -209,6 +214,17 @@ fn judged(profile: Profile, name: &str, tolerance: f64) -> Result<Profile, PartE
 /// Sections of a blade between hub and shroud.
 fn sections(surface: &Surface, band: &Band, name: &str) -> Result<Vec<Section>, PartError> {
     let cutter = Cutter::new(surface, band);
+    if let Some(hole) = largest(surface, cutter.places()).filter(|hole| hole.size > LEAST_HOLE) {
+        let at = Meridional::of(&hole.middle);
+        return Err(PartError::new(
+            0,
+            format!(
+                "the {name} has a hole of {:.1} mm across at z = {:.1}, r = {:.1} mm",
+                hole.size, at.z, at.r
+            ),
+            "close the mesh, or export the surface again with all of its faces",
+        ));
+    }
     let (low, high) = cutter.reach(40);
     let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
     if !(LEAST_HEIGHT..=1.0).contains(&(high - low)) {

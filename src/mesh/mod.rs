@@ -4,6 +4,7 @@ pub mod axis;
 pub mod describe;
 mod fillets;
 mod fit;
+mod holes;
 mod nearest;
 pub mod nodes;
 mod normals;

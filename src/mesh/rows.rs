@@ -79,7 +79,7 @@ fn joined(pieces: Vec<Surface>) -> Vec<Surface> {
     let cell = (TOUCHING * size).max(1e-9);
     let key = |p: &Point| [p.x, p.y, p.z].map(|x| (x / cell).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    let border = |piece: &Surface| piece.border_edges().map(|(a, _)| piece.points[a as usize]).collect();
+    let border = |piece: &Surface| piece.border_edges().map(|((a, _), _)| piece.points[a as usize]).collect();
     let borders: Vec<Vec<Point>> = pieces.iter().map(border).collect();
     for (k, border) in borders.iter().enumerate() {
         for p in border {

@@ -28,7 +28,7 @@ impl Surface {
         let surface = Self::over(points, mesh.triangles.iter().map(|t| t.map(|i| to[i as usize])));
         // Only corners at borders can have been parted.
         let mut loose = vec![false; surface.points.len()];
-        surface.border_edges().for_each(|(a, b)| (loose[a as usize], loose[b as usize]) = (true, true));
+        surface.border_edges().for_each(|((a, b), _)| (loose[a as usize], loose[b as usize]) = (true, true));
         match weld::near(&surface.points, &surface.triangles, &loose) {
             Some((to, points)) => {
                 Self::over(points, surface.triangles.iter().map(|t| t.map(|i| to[i as usize])))
@@ -55,11 +55,17 @@ impl Surface {
         Self { points, triangles, normals, neighbours }
     }
 
-    /// Corners of the edges without a neighbour, in the order in which their triangle has them.
-    pub fn border_edges(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
-        self.neighbours.iter().zip(&self.triangles).flat_map(|(neighbours, t)| {
-            (0..3).filter(|&k| neighbours[k] == NONE).map(move |k| (t[k], t[(k + 1) % 3]))
+    /// The edges without a neighbour: their corners, in the order in which their triangle has them, and that triangle.
+    pub fn border_edges(&self) -> impl Iterator<Item = ((u32, u32), usize)> + '_ {
+        self.neighbours.iter().zip(&self.triangles).enumerate().flat_map(|(i, (neighbours, t))| {
+            (0..3).filter(|&k| neighbours[k] == NONE).map(move |k| ((t[k], t[(k + 1) % 3]), i))
         })
+    }
+
+    /// With more triangles over its corners.
+    pub fn with(self, triangles: Vec<[u32; 3]>) -> Self {
+        let all: Vec<[u32; 3]> = self.triangles.into_iter().chain(triangles).collect();
+        Self::over(self.points, all.into_iter())
     }
 
     /// The same triangles with all corners moved, rigidly.
