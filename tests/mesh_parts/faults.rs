@@ -43,7 +43,9 @@ fn soups_of_triangles_with_rounded_corners_give_the_part_back() {
 
 /// Every `step`-th triangle, scattered, and as many of its neighbours in the list as make `width` of them, taken out.
 fn holed(mesh: &TriangleMesh, step: usize, width: usize) -> TriangleMesh {
-    let gone = |k: usize| (0..width).any(|w| k >= w && ((k - w) * 2_654_435_761) % 4_294_967_296 % step == 0);
+    let gone = |k: usize| {
+        (0..width).any(|w| k >= w && (((k - w) * 2_654_435_761) % 4_294_967_296).is_multiple_of(step))
+    };
     let triangles = mesh.triangles.iter().enumerate().filter(|(k, _)| !gone(*k)).map(|(_, t)| *t).collect();
     TriangleMesh { points: mesh.points.clone(), triangles }
 }
