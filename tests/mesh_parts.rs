@@ -2,6 +2,8 @@
 
 #[path = "mesh_parts/body.rs"]
 mod body;
+#[path = "mesh_parts/faults.rs"]
+mod faults;
 #[path = "mesh_parts/nodes.rs"]
 mod nodes;
 

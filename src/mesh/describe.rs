@@ -3,6 +3,7 @@
 use super::TriangleMesh;
 use super::axis::{Axis, Frame, found};
 use super::fillets::between_fillets;
+use super::holes::{filled, largest};
 use super::options::{MeshOptions, Unit, check_size};
 use super::profile::{Course, Profile, flow_side, middle};
 use super::roles::{NamedMesh, Role, assign, listed};
@@ -26,6 +27,8 @@ const INSET: f64 = 0.01;
 const STRAIGHT: f64 = 0.012;
 /// Share of the channel's height that a blade has to reach over, free of fillets.
 const LEAST_HEIGHT: f64 = 0.2;
+/// A hole that is smaller is bridged wherever it is, mm.
+const LEAST_HOLE: f64 = 0.05;
 /// Wrap of a blade from which on it tells the sense of rotation, rad.
 const CLEAR_WRAP: f64 = 0.1;
 /// Share of the area of hub or shroud that has to lie on its curve where fillets do not.
@@ -52,40 +55,38 @@ pub fn describe(
     for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
         mesh.points.iter_mut().for_each(|p| *p *= scale);
     }
-    let mut hub = Surface::of(&hub);
+    let hub = Surface::of(&hub);
     let frame = match options.axis {
         Some(axis) => Frame::Along(axis),
         None => found(&hub).ok_or_else(|| {
             PartError::new(0, "the hub turns about no axis", "give the axis with --rotation-axis x, y or z")
         })?,
     };
-    let turn = |points: &mut [Point]| points.iter_mut().for_each(|p| *p = frame.apply(p));
-    if frame != Frame::Along(Axis::Z) {
-        turn(&mut hub.points);
-        hub.normals =
-            Surface::of(&TriangleMesh { points: hub.points.clone(), triangles: hub.triangles.clone() })
-                .normals;
-        shroud.iter_mut().for_each(|m| turn(&mut m.points));
-        blade_meshes.iter_mut().for_each(|(_, m)| turn(&mut m.points));
-    }
+    let upright = |surface: Surface| match frame {
+        Frame::Along(Axis::Z) => surface,
+        _ => surface.moved(|p| frame.apply(p)),
+    };
+    let mut hub = upright(hub);
+    let mut shroud = shroud.map(|mesh| upright(Surface::of(&mesh)));
+    let mut blade_surfaces: Vec<(Role, Surface)> =
+        blade_meshes.into_iter().map(|(role, mesh)| (role, upright(Surface::of(&mesh)))).collect();
     let size = hub.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     if let Some(name) = one {
         let segments = segmented(&hub, &name)?;
         hub = segments.hub;
         shroud = shroud.or(segments.shroud);
-        blade_meshes = segments.blades.into_iter().map(|mesh| (Role::Blade, mesh)).collect();
+        blade_surfaces = segments.blades.into_iter().map(|blade| (Role::Blade, blade)).collect();
     }
     let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
 
-    let rows = Rows::of(blades(&blade_meshes), options.blades)?;
-    drop(blade_meshes);
-    let main = Surface::of(&rows.main);
-    let splitters: Vec<Surface> = rows.splitters.iter().map(Surface::of).collect();
+    let Rows { count, main, splitters } = Rows::of(blades(blade_surfaces), options.blades)?;
+    let main = filled(main);
+    let splitters: Vec<Surface> = splitters.into_iter().map(filled).collect();
     let corners: Vec<Meridional> = main.points.iter().map(Meridional::of).collect();
     let course = Course::of(&corners);
     let hub_curve = turned(&hub, &course, &corners, "hub", tolerance)?;
     let shroud_curve = match shroud {
-        Some(mesh) => turned(&Surface::of(&mesh), &course, &corners, "shroud", tolerance)?,
+        Some(shroud) => turned(&shroud, &course, &corners, "shroud", tolerance)?,
         None => {
             let hub = MeridionalCurve::through(&hub_curve.points);
             let tips = tip_curve(std::slice::from_ref(&main), &hub, &course);
@@ -113,7 +114,7 @@ pub fn describe(
         name: name.to_owned(),
         hub: CurveDescription::Points(hub_curve.points),
         shroud: CurveDescription::Points(shroud_curve.points),
-        blade_count: rows.count,
+        blade_count: count,
         main: blade(&main, leading_first),
         splitters: splitters.iter().map(|s| blade(s, leading_first)).collect(),
         notes: note.into_iter().collect(),
@@ -213,6 +214,17 @@ fn judged(profile: Profile, name: &str, tolerance: f64) -> Result<Profile, PartE
 /// Sections of a blade between hub and shroud.
 fn sections(surface: &Surface, band: &Band, name: &str) -> Result<Vec<Section>, PartError> {
     let cutter = Cutter::new(surface, band);
+    if let Some(hole) = largest(surface, cutter.places()).filter(|hole| hole.size > LEAST_HOLE) {
+        let at = Meridional::of(&hole.middle);
+        return Err(PartError::new(
+            0,
+            format!(
+                "the {name} has a hole of {:.1} mm across at z = {:.1}, r = {:.1} mm",
+                hole.size, at.z, at.r
+            ),
+            "close the mesh, or export the surface again with all of its faces",
+        ));
+    }
     let (low, high) = cutter.reach(40);
     let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
     if !(LEAST_HEIGHT..=1.0).contains(&(high - low)) {

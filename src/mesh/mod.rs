@@ -4,6 +4,7 @@ pub mod axis;
 pub mod describe;
 mod fillets;
 mod fit;
+mod holes;
 mod nearest;
 pub mod nodes;
 mod normals;
@@ -19,6 +20,7 @@ pub mod solid;
 mod surface;
 pub mod tessellate;
 mod tips;
+mod weld;
 
 pub use describe::describe;
 pub use options::{MeshOptions, Unit};

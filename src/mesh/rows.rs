@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use super::surface::{NONE, Surface, pieces};
+use super::surface::Surface;
 use super::{Role, TriangleMesh};
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::PartError;
@@ -21,7 +21,7 @@ const OFF_PATTERN: f64 = 0.05;
 #[derive(Clone, Debug)]
 pub struct BladeMesh {
     /// Its triangles.
-    pub mesh: TriangleMesh,
+    surface: Surface,
     /// What its name says.
     role: Role,
     /// Angle of the middle of its corners.
@@ -36,18 +36,19 @@ pub struct Rows {
     /// Number of main blades.
     pub count: usize,
     /// The first main blade.
-    pub main: TriangleMesh,
+    pub main: Surface,
     /// A splitter for each place in a pitch, in the order of the file.
-    pub splitters: Vec<TriangleMesh>,
+    pub splitters: Vec<Surface>,
 }
 
-/// Takes blade meshes (each one or more blades, with its role) apart.
-pub fn blades(meshes: &[(Role, TriangleMesh)]) -> Vec<BladeMesh> {
+/// Takes surfaces of blades (each one or more blades, with its role) apart.
+pub fn blades(surfaces: Vec<(Role, Surface)>) -> Vec<BladeMesh> {
+    let (splitters, mains): (Vec<_>, Vec<_>) = surfaces.into_iter().partition(|(r, _)| *r == Role::Splitter);
     let mut found: Vec<BladeMesh> = Vec::new();
     // The sides of a blade may be meshes of their own.
-    for role in [Role::Blade, Role::Splitter] {
-        let all = meshes.iter().filter(|(r, _)| *r == role).flat_map(|(_, mesh)| pieces(mesh)).collect();
-        found.extend(joined(all).into_iter().map(|mesh| BladeMesh::new(mesh, role)));
+    for (role, surfaces) in [(Role::Blade, mains), (Role::Splitter, splitters)] {
+        let all = surfaces.into_iter().flat_map(|(_, surface)| surface.pieces()).collect();
+        found.extend(joined(all).into_iter().map(|surface| BladeMesh::new(surface, role)));
     }
     let longest = found.iter().map(|b| b.length).fold(0.0, f64::max);
     found.retain(|b| b.length > SCRAP * longest);
@@ -55,22 +56,22 @@ pub fn blades(meshes: &[(Role, TriangleMesh)]) -> Vec<BladeMesh> {
 }
 
 impl BladeMesh {
-    fn new(mesh: TriangleMesh, role: Role) -> Self {
+    fn new(surface: Surface, role: Role) -> Self {
         let (mut sum, mut low, mut high) =
             (Point::origin(), (f64::INFINITY, f64::INFINITY), (0.0_f64, f64::NEG_INFINITY));
-        for p in &mesh.points {
+        for p in &surface.points {
             let m = Meridional::of(p);
             sum += p.coords / m.r.max(1e-9);
             low = (low.0.min(m.r), low.1.min(m.z));
             high = (high.0.max(m.r), high.1.max(m.z));
         }
         let length = (high.0 - low.0).max(0.0) + (high.1 - low.1).max(0.0);
-        Self { mesh, role, angle: sum.y.atan2(sum.x), length }
+        Self { surface, role, angle: sum.y.atan2(sum.x), length }
     }
 }
 
 /// Pieces whose borders touch are sides of one blade.
-fn joined(pieces: Vec<TriangleMesh>) -> Vec<TriangleMesh> {
+fn joined(pieces: Vec<Surface>) -> Vec<Surface> {
     if pieces.len() < 2 {
         return pieces;
     }
@@ -78,6 +79,7 @@ fn joined(pieces: Vec<TriangleMesh>) -> Vec<TriangleMesh> {
     let cell = (TOUCHING * size).max(1e-9);
     let key = |p: &Point| [p.x, p.y, p.z].map(|x| (x / cell).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    let border = |piece: &Surface| piece.border_edges().map(|((a, _), _)| piece.points[a as usize]).collect();
     let borders: Vec<Vec<Point>> = pieces.iter().map(border).collect();
     for (k, border) in borders.iter().enumerate() {
         for p in border {
@@ -102,26 +104,26 @@ fn joined(pieces: Vec<TriangleMesh>) -> Vec<TriangleMesh> {
             }
         }
     }
-    let mut whole: Vec<(usize, TriangleMesh)> = Vec::new();
-    for (piece, group) in pieces.iter().zip(group) {
+    let mut whole: Vec<(usize, Vec<Surface>)> = Vec::new();
+    for (piece, group) in pieces.into_iter().zip(group) {
         match whole.iter_mut().find(|(g, _)| *g == group) {
-            Some((_, mesh)) => mesh.append(piece),
-            None => whole.push((group, piece.clone())),
+            Some((_, parts)) => parts.push(piece),
+            None => whole.push((group, vec![piece])),
         }
     }
-    whole.into_iter().map(|(_, mesh)| mesh).collect()
+    whole.into_iter().map(|(_, parts)| together(parts)).collect()
 }
 
-/// Corners at open edges.
-fn border(piece: &TriangleMesh) -> Vec<Point> {
-    let surface = Surface::of(piece);
-    let mut corners = Vec::new();
-    for (t, neighbours) in surface.neighbours.iter().enumerate() {
-        for (k, _) in neighbours.iter().enumerate().filter(|(_, n)| **n == NONE) {
-            corners.push(surface.points[surface.triangles[t][k] as usize]);
-        }
+/// One surface out of parts whose borders touch.
+fn together(mut parts: Vec<Surface>) -> Surface {
+    if parts.len() == 1 {
+        return parts.swap_remove(0);
     }
-    corners
+    let mut mesh = TriangleMesh::default();
+    for Surface { points, triangles, .. } in parts {
+        mesh.append(&TriangleMesh { points, triangles });
+    }
+    Surface::of(&mesh)
 }
 
 impl Rows {
@@ -152,10 +154,10 @@ impl Rows {
             let apart = |a: f64| wrap_angle((a - place) * TAU / pitch).abs() * pitch / TAU;
             if places.iter().all(|a| apart(*a) > OFF_PATTERN * pitch) {
                 places.push(place);
-                kept.push(splitter.mesh);
+                kept.push(splitter.surface);
             }
         }
-        Ok(Self { count, main: main.mesh.clone(), splitters: kept })
+        Ok(Self { count, main: main.surface.clone(), splitters: kept })
     }
 }
 

@@ -128,6 +128,11 @@ impl<'a> Cutter<'a> {
         Self { surface, band, places, patch, normals }
     }
 
+    /// (along, height) of the corners.
+    pub fn places(&self) -> &[(f64, f64)] {
+        &self.places
+    }
+
     /// Lowest and highest height that the blade reaches everywhere between its ends, from the lowest and the highest of
     /// its corners in `stretches` stretches.
     pub fn reach(&self, stretches: usize) -> (f64, f64) {

@@ -1,9 +1,8 @@
 //! A wheel in one mesh taken apart: what is turned and meets the blades is the hub, what stands on it the blades.
 
-use super::TriangleMesh;
 use super::describe::MOSTLY;
 use super::profile::{Course, meridional_normal, middle};
-use super::surface::{NONE, Surface, pieces};
+use super::surface::{NONE, Surface};
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
 
@@ -23,9 +22,9 @@ pub struct Segments {
     /// The hub, or its flow side.
     pub hub: Surface,
     /// The shroud, where it is a piece of its own, or the cover.
-    pub shroud: Option<TriangleMesh>,
+    pub shroud: Option<Surface>,
     /// Single blades.
-    pub blades: Vec<TriangleMesh>,
+    pub blades: Vec<Surface>,
 }
 
 /// Of pieces that do not hang together, those that are turned are hub and shroud, the others blades. `None`: they do
@@ -34,16 +33,14 @@ pub struct Segments {
 /// # Errors
 /// The number of turned pieces, if they are more than two.
 fn loose(wheel: &Surface) -> Result<Option<Segments>, usize> {
-    let mesh = TriangleMesh { points: wheel.points.clone(), triangles: wheel.triangles.clone() };
     let (mut round, mut blades) = (Vec::new(), Vec::new());
-    for piece in pieces(&mesh) {
-        let surface = Surface::of(&piece);
+    for surface in wheel.clone().pieces() {
         let (mut across, mut area) = (0.0, 0.0);
         for t in 0..surface.triangles.len() {
             across += surface.area(t) * meridional_normal(&surface, t).1.abs();
             area += surface.area(t);
         }
-        if across < TURNED * area { round.push(surface) } else { blades.push(piece) }
+        if across < TURNED * area { round.push(surface) } else { blades.push(surface) }
     }
     if blades.len() < 2 {
         return Ok(None);
@@ -56,8 +53,7 @@ fn loose(wheel: &Surface) -> Result<Option<Segments>, usize> {
     round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));
     let mut round = round.into_iter();
     let Some(hub) = round.next() else { return Ok(None) };
-    let shroud = round.next().map(|s| TriangleMesh { points: s.points, triangles: s.triangles });
-    Ok(Some(Segments { hub, shroud, blades }))
+    Ok(Some(Segments { hub, shroud: round.next(), blades }))
 }
 
 /// A turned face of a wheel: hub or cover.
@@ -155,23 +151,15 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
     let lies = |face: &Face, t: usize| !below(face, t) && !any(face, t, &|h| h > tolerance);
     let blade = |t: usize| stands(&hub, t) && cover.as_ref().is_none_or(|cover| stands(cover, t));
 
-    let blades = pieces(&mesh_of(wheel, &blade));
-    let area = |mesh: &TriangleMesh| {
-        let surface = Surface::of(mesh);
-        (0..surface.triangles.len()).map(|t| surface.area(t)).sum::<f64>()
-    };
-    let measured: Vec<(f64, TriangleMesh)> = blades.into_iter().map(|m| (area(&m), m)).collect();
+    let blades = wheel.part(blade).pieces();
+    let area = |blade: &Surface| (0..blade.triangles.len()).map(|t| blade.area(t)).sum::<f64>();
+    let measured: Vec<(f64, Surface)> = blades.into_iter().map(|b| (area(&b), b)).collect();
     let largest = measured.iter().map(|(a, _)| *a).fold(0.0, f64::max);
-    let blades: Vec<TriangleMesh> =
-        measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, m)| m).collect();
+    let blades: Vec<Surface> =
+        measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, b)| b).collect();
     if blades.len() < 2 {
         return Err(unclear("what stands on its hub hangs together"));
     }
-    let shroud = cover.map(|cover| mesh_of(wheel, &|t| lies(&cover, t)));
+    let shroud = cover.map(|cover| wheel.part(|t| lies(&cover, t)));
     Ok(Segments { hub: wheel.part(|t| lies(&hub, t)), shroud, blades })
-}
-
-fn mesh_of(wheel: &Surface, keep: &dyn Fn(usize) -> bool) -> TriangleMesh {
-    let triangles = (0..wheel.triangles.len()).filter(|&t| keep(t)).map(|t| wheel.triangles[t]).collect();
-    TriangleMesh { points: wheel.points.clone(), triangles }.compact()
 }

@@ -11,6 +11,10 @@ const AT_TRAILING: f64 = 0.15;
 const CROWDED: f64 = 0.35;
 /// Share of the samples of a side that its nose (and a round trailing edge) gets.
 const NOSE_SHARE: f64 = 0.35;
+/// Share of the length within which both ends of a gap are at an open leading or trailing edge.
+const AT_GAP: f64 = 0.05;
+/// Widest gap anywhere else, as share of the length.
+const BRIDGED: f64 = 0.01;
 /// Where along a side its thickness at the nose is taken.
 const NOSE_END: f64 = 0.04;
 
@@ -148,7 +152,7 @@ fn thinned(points: &[CutPoint]) -> Vec<CutPoint> {
     kept
 }
 
-/// A closed line, or one that is open at the trailing edge.
+/// A closed line, or one that is open at the trailing edge. `None`: it has gaps between its ends.
 fn joined(cuts: &[Cut]) -> Option<Cut> {
     let longest = cuts.first()?;
     if longest.closed {
@@ -158,6 +162,15 @@ fn joined(cuts: &[Cut]) -> Option<Cut> {
     let whole = length(longest);
     let mut rest: Vec<Cut> =
         cuts[1..].iter().filter(|c| !c.closed && length(c) > 0.01 * whole).take(16).cloned().collect();
+    let (low, high) = cuts
+        .iter()
+        .map(|c| extent(&c.points))
+        .fold(extent(&longest.points), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    // A blade may be open at its ends; a gap between them is a hole.
+    let sound = |a: &CutPoint, b: &CutPoint| {
+        let near = |end: f64| (a.along - end).abs().max((b.along - end).abs()) < AT_GAP * (high - low);
+        near(low) || near(high) || (a.point - b.point).norm() < BRIDGED * whole
+    };
     let mut line = longest.points.clone();
     while !rest.is_empty() {
         let (first, last) = (line[0].point, line[line.len() - 1].point);
@@ -177,15 +190,18 @@ fn joined(cuts: &[Cut]) -> Option<Cut> {
         if reversed == at_end {
             piece.reverse();
         }
-        if at_end {
-            line.extend(piece);
-        } else {
-            piece.extend(line);
-            line = piece;
+        if !at_end {
+            std::mem::swap(&mut line, &mut piece);
         }
+        if !sound(&line[line.len() - 1], &piece[0]) {
+            return None;
+        }
+        line.extend(piece);
     }
     let (first, last) = (line[0], line[line.len() - 1]);
-    let (low, high) = extent(&line);
+    if !sound(&first, &last) {
+        return None;
+    }
     let gap_at_leading = 0.5 * (first.along + last.along) < 0.5 * (low + high);
     let met = (first.point - last.point).norm() < 1e-3 * whole;
     Some(Cut { points: line, closed: met || gap_at_leading })

@@ -1,9 +1,7 @@
 //! A mesh as a surface: coincident corners made one, neighbours across edges, connected pieces.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
-
 use super::TriangleMesh;
+use super::weld::{self, Table};
 use crate::geometry::{Point, Vector};
 
 /// Stands for no neighbour.
@@ -23,56 +21,26 @@ pub struct Surface {
     pub neighbours: Vec<[u32; 3]>,
 }
 
-/// Mixes the bits of coordinates: quick, and good enough for a table of corners.
-#[derive(Default)]
-struct Mixer(u64);
-
-impl Hasher for Mixer {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 29)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.write_u64(u64::from(*byte));
-        }
-    }
-
-    fn write_u64(&mut self, word: u64) {
-        self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        self.0 ^= self.0 >> 32;
-    }
-}
-
-type Table<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
-
-/// For every corner of `points` the number of the first one at the same place, and the corners kept.
-fn weld(points: &[Point]) -> (Vec<u32>, Vec<Point>) {
-    let mut table: Table<(u64, u64, u64), u32> = Table::default();
-    table.reserve(points.len() / 2);
-    let mut kept = Vec::with_capacity(points.len() / 2);
-    let to = points
-        .iter()
-        .map(|p| {
-            // −0 and 0 are one place.
-            let bits = |x: f64| (x + 0.0).to_bits();
-            *table.entry((bits(p.x), bits(p.y), bits(p.z))).or_insert_with(|| {
-                kept.push(*p);
-                kept.len() as u32 - 1
-            })
-        })
-        .collect();
-    (to, kept)
-}
-
 impl Surface {
     /// The surface of a mesh.
     pub fn of(mesh: &TriangleMesh) -> Self {
-        let (to, points) = weld(&mesh.points);
-        let mut triangles = Vec::with_capacity(mesh.triangles.len());
-        let mut normals = Vec::with_capacity(mesh.triangles.len());
-        for t in &mesh.triangles {
-            let t = t.map(|i| to[i as usize]);
+        let (to, points) = weld::equal(&mesh.points);
+        let surface = Self::over(points, mesh.triangles.iter().map(|t| t.map(|i| to[i as usize])));
+        // Only corners at borders can have been parted.
+        let mut loose = vec![false; surface.points.len()];
+        surface.border_edges().for_each(|((a, b), _)| (loose[a as usize], loose[b as usize]) = (true, true));
+        match weld::near(&surface.points, &surface.triangles, &loose) {
+            Some((to, points)) => {
+                Self::over(points, surface.triangles.iter().map(|t| t.map(|i| to[i as usize])))
+            }
+            None => surface,
+        }
+    }
+
+    fn over(points: Vec<Point>, corners: impl ExactSizeIterator<Item = [u32; 3]>) -> Self {
+        let mut triangles = Vec::with_capacity(corners.len());
+        let mut normals = Vec::with_capacity(corners.len());
+        for t in corners {
             let [a, b, c] = t.map(|i| points[i as usize]);
             let normal = (b - a).cross(&(c - a));
             let size = normal.norm();
@@ -85,6 +53,26 @@ impl Surface {
         }
         let neighbours = neighbours(&triangles);
         Self { points, triangles, normals, neighbours }
+    }
+
+    /// The edges without a neighbour: their corners, in the order in which their triangle has them, and that triangle.
+    pub fn border_edges(&self) -> impl Iterator<Item = ((u32, u32), usize)> + '_ {
+        self.neighbours.iter().zip(&self.triangles).enumerate().flat_map(|(i, (neighbours, t))| {
+            (0..3).filter(|&k| neighbours[k] == NONE).map(move |k| ((t[k], t[(k + 1) % 3]), i))
+        })
+    }
+
+    /// With more triangles over its corners.
+    pub fn with(self, triangles: Vec<[u32; 3]>) -> Self {
+        let all: Vec<[u32; 3]> = self.triangles.into_iter().chain(triangles).collect();
+        Self::over(self.points, all.into_iter())
+    }
+
+    /// The same triangles with all corners moved, rigidly.
+    pub fn moved(self, to: impl Fn(&Point) -> Point) -> Self {
+        let turned = |n: &Vector| to(&Point::from(*n)) - to(&Point::origin());
+        let normals = self.normals.iter().map(turned).collect();
+        Self { points: self.points.iter().map(&to).collect(), normals, ..self }
     }
 
     /// Middle of a triangle.
@@ -126,11 +114,55 @@ impl Surface {
 
     /// The triangles for which `keep` holds, over the corners that they need.
     pub fn part(&self, keep: impl Fn(usize) -> bool) -> Self {
-        let mesh = TriangleMesh {
-            points: self.points.clone(),
-            triangles: (0..self.triangles.len()).filter(|&t| keep(t)).map(|t| self.triangles[t]).collect(),
-        };
-        Self::of(&mesh.compact())
+        let triangles = (0..self.triangles.len()).filter(|&t| keep(t)).map(|t| self.triangles[t]).collect();
+        let mesh = TriangleMesh { points: self.points.clone(), triangles }.compact();
+        Self::over(mesh.points, mesh.triangles.into_iter())
+    }
+
+    /// The connected pieces, each with its triangles in their order; pieces in the order of their first triangle.
+    pub fn pieces(self) -> Vec<Self> {
+        fn root(parent: &mut [u32], mut i: u32) -> u32 {
+            while parent[i as usize] != i {
+                parent[i as usize] = parent[parent[i as usize] as usize];
+                i = parent[i as usize];
+            }
+            i
+        }
+        let mut parent: Vec<u32> = (0..self.points.len() as u32).collect();
+        for t in &self.triangles {
+            let [a, b, c] = t.map(|i| root(&mut parent, i));
+            parent[b as usize] = a;
+            let c = root(&mut parent, c);
+            parent[c as usize] = a;
+        }
+        let mut piece_of: Table<u64, usize> = Table::default();
+        let mut pieces: Vec<Self> = Vec::new();
+        // Number of a triangle or corner within its piece; a corner belongs to one only.
+        let mut triangle_to = Vec::with_capacity(self.triangles.len());
+        let mut corner_to = vec![NONE; self.points.len()];
+        for (t, normal) in self.triangles.iter().zip(&self.normals) {
+            let number = *piece_of.entry(u64::from(root(&mut parent, t[0]))).or_insert_with(|| {
+                pieces.push(Self::default());
+                pieces.len() - 1
+            });
+            let piece = &mut pieces[number];
+            triangle_to.push(piece.triangles.len() as u32);
+            piece.normals.push(*normal);
+            piece.triangles.push(t.map(|i| {
+                let new = &mut corner_to[i as usize];
+                if *new == NONE {
+                    *new = piece.points.len() as u32;
+                    piece.points.push(self.points[i as usize]);
+                }
+                *new
+            }));
+        }
+        let own = |n: u32| if n == NONE { NONE } else { triangle_to[n as usize] };
+        for (t, neighbours) in self.triangles.iter().zip(&self.neighbours) {
+            let number = piece_of[&u64::from(root(&mut parent, t[0]))];
+            pieces[number].neighbours.push(neighbours.map(own));
+        }
+        pieces
     }
 }
 
@@ -151,54 +183,4 @@ fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
         }
     }
     neighbours
-}
-
-/// The connected pieces of a mesh, each with the triangles in their order; pieces in the order of their first triangle.
-pub fn pieces(mesh: &TriangleMesh) -> Vec<TriangleMesh> {
-    let (to, points) = weld(&mesh.points);
-    let mut parent: Vec<u32> = (0..points.len() as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
-    for t in &mesh.triangles {
-        let [a, b, c] = t.map(|i| root(&mut parent, to[i as usize]));
-        parent[b as usize] = a;
-        let c = root(&mut parent, c);
-        parent[c as usize] = a;
-    }
-    let mut piece_of: Table<u64, usize> = Table::default();
-    let mut lists: Vec<Vec<[u32; 3]>> = Vec::new();
-    for t in &mesh.triangles {
-        let t = t.map(|i| to[i as usize]);
-        let root = root(&mut parent, t[0]);
-        let piece = *piece_of.entry(u64::from(root)).or_insert_with(|| {
-            lists.push(Vec::new());
-            lists.len() - 1
-        });
-        lists[piece].push(t);
-    }
-    if lists.len() == 1 {
-        return vec![TriangleMesh { points, triangles: lists.remove(0) }];
-    }
-    // One table serves all pieces: a corner belongs to one only.
-    let mut renumbered = vec![NONE; points.len()];
-    lists
-        .into_iter()
-        .map(|mut triangles| {
-            let mut own = Vec::new();
-            for i in triangles.iter_mut().flatten() {
-                let new = &mut renumbered[*i as usize];
-                if *new == NONE {
-                    *new = own.len() as u32;
-                    own.push(points[*i as usize]);
-                }
-                *i = *new;
-            }
-            TriangleMesh { points: own, triangles }
-        })
-        .collect()
 }

@@ -76,12 +76,10 @@ impl Patches {
 
 /// Adds a grid of (rows + 1) × (columns + 1) points.
 fn patch(mesh: &mut TriangleMesh, rows: usize, columns: usize, at: impl Fn(usize, usize) -> Point) {
-    // Coincident corners are made one by the reader: each patch has its own.
+    // Each patch has its own corners and comes to them in its own way: the reader makes them one.
     let first = mesh.points.len() as u32;
     for i in 0..=rows {
-        // Patches come to the same corners in different ways.
-        let rounded = |p: Point| Point::from(p.coords.map(|x| (x * 1e5).round() / 1e5));
-        mesh.points.extend((0..=columns).map(|j| rounded(at(i, j))));
+        mesh.points.extend((0..=columns).map(|j| at(i, j)));
     }
     let index = |i: usize, j: usize| first + (i * (columns + 1) + j) as u32;
     for i in 0..rows {

@@ -1,0 +1,208 @@
+//! Holes of a blade's surface. Borders of missing triangles are not borders of the blade: small holes and notches are
+//! filled before it is cut, larger ones named.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+
+use super::surface::Surface;
+use crate::geometry::{Point, Vector};
+
+/// Longest edge that is laid across a hole, as share of the blade's extent. A hole of one triangle has its own edges.
+const ACROSS: f64 = 0.03;
+/// Turn from the triangles about a hole to those that fill it, as cosine, at most: edges of a blade stay.
+const SMOOTH: f64 = 0.82;
+/// Depth of a notch in a border, at least, as share of its width: less is how the border is curved.
+const DEPTH: f64 = 0.02;
+/// Share of a blade, along and high, that a hole's border takes at most; a blade that is open at an end has longer ones.
+const HOLE: f64 = 0.5;
+
+/// A border that is none of the blade's.
+#[derive(Clone, Copy, Debug)]
+pub struct Hole {
+    /// Its middle.
+    pub middle: Point,
+    /// Its extent, mm.
+    pub size: f64,
+}
+
+/// Two border edges, from and to `at`, that a triangle may be laid over; in the order in which that is tried.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Corner {
+    /// Square of the third edge's length, as bits: those of positive numbers sort as the numbers do.
+    across: u64,
+    from: u32,
+    at: u32,
+    to: u32,
+}
+
+/// Borders that shrink while they are filled.
+struct Borders<'a> {
+    points: &'a [Point],
+    /// Edges as their triangles have them, by start and by end, with the triangle's normal.
+    onwards: BTreeMap<u32, Vec<(u32, Vector)>>,
+    backwards: BTreeMap<u32, Vec<u32>>,
+    /// Edges between corners of borders that two triangles share.
+    inner: BTreeSet<(u32, u32)>,
+    corners: BinaryHeap<Reverse<Corner>>,
+}
+
+fn undirected(a: u32, b: u32) -> (u32, u32) {
+    (a.min(b), a.max(b))
+}
+
+impl<'a> Borders<'a> {
+    fn of(surface: &'a Surface) -> Self {
+        let edges = single_borders(surface);
+        let mut at_border = vec![false; surface.points.len()];
+        edges.keys().for_each(|&(a, b)| (at_border[a as usize], at_border[b as usize]) = (true, true));
+        let mut inner = BTreeSet::new();
+        for t in &surface.triangles {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                if at_border[a as usize] && at_border[b as usize] && !edges.contains_key(&(a, b)) {
+                    inner.insert(undirected(a, b));
+                }
+            }
+        }
+        let mut borders = Self {
+            points: &surface.points,
+            onwards: BTreeMap::new(),
+            backwards: BTreeMap::new(),
+            inner,
+            corners: BinaryHeap::new(),
+        };
+        for (&(a, b), &t) in &edges {
+            borders.add(a, b, surface.normals[t]);
+        }
+        borders
+    }
+
+    fn add(&mut self, a: u32, b: u32, normal: Vector) {
+        let corner = |from: u32, at: u32, to: u32| {
+            let across = (self.points[to as usize] - self.points[from as usize]).norm_squared().to_bits();
+            Reverse(Corner { across, from, at, to })
+        };
+        let before = self.backwards.get(&a).into_iter().flatten().map(|&from| corner(from, a, b));
+        let behind = self.onwards.get(&b).into_iter().flatten().map(|&(to, _)| corner(a, b, to));
+        let found: Vec<_> = before.chain(behind).collect();
+        self.corners.extend(found);
+        self.onwards.entry(a).or_default().push((b, normal));
+        self.backwards.entry(b).or_default().push(a);
+    }
+
+    fn normal(&self, a: u32, b: u32) -> Option<Vector> {
+        self.onwards.get(&a)?.iter().find(|(to, _)| *to == b).map(|(_, normal)| *normal)
+    }
+
+    fn remove(&mut self, a: u32, b: u32) {
+        self.onwards.entry(a).or_default().retain(|(to, _)| *to != b);
+        self.backwards.entry(b).or_default().retain(|from| *from != a);
+        self.inner.insert(undirected(a, b));
+    }
+
+    /// Triangles over holes and notches no wider than `limit`.
+    fn fill(&mut self, limit: f64) -> Vec<[u32; 3]> {
+        let mut filled = Vec::new();
+        while let Some(Reverse(Corner { from, at, to, .. })) = self.corners.pop() {
+            let (Some(before), Some(behind)) = (self.normal(from, at), self.normal(at, to)) else { continue };
+            let [a, b, c] = [from, at, to].map(|i| self.points[i as usize]);
+            let area = (b - c).cross(&(a - c));
+            let Some(normal) = area.try_normalize(1e-300) else { continue };
+            let last = self.normal(to, from);
+            let fits = match last {
+                // A whole hole; but a triangle by itself has such a border too.
+                Some(last) => [before, behind, last].iter().any(|n| (n + normal).norm() > 1e-9),
+                None => {
+                    let width = (a - c).norm();
+                    width <= limit
+                        && area.norm() > DEPTH * width * width
+                        && before.dot(&normal) > SMOOTH
+                        && behind.dot(&normal) > SMOOTH
+                        && !self.inner.contains(&undirected(from, to))
+                }
+            };
+            if fits {
+                filled.push([to, at, from]);
+                self.remove(from, at);
+                self.remove(at, to);
+                match last {
+                    Some(_) => self.remove(to, from),
+                    None => self.add(from, to, normal),
+                }
+            }
+        }
+        filled
+    }
+}
+
+/// Edges that one triangle alone has, as it has them, and that triangle.
+fn single_borders(surface: &Surface) -> BTreeMap<(u32, u32), usize> {
+    let mut edges = BTreeMap::new();
+    let mut counts: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+    for (edge, t) in surface.border_edges() {
+        *counts.entry(undirected(edge.0, edge.1)).or_default() += 1;
+        edges.insert(edge, t);
+    }
+    edges.retain(|(a, b), _| counts[&undirected(*a, *b)] == 1);
+    edges
+}
+
+/// A blade's surface without its small holes and notches.
+pub fn filled(surface: Surface) -> Surface {
+    let far = |p: &Point| (p - surface.points[0]).norm();
+    let extent = surface.points.iter().map(far).fold(0.0, f64::max);
+    let filling = Borders::of(&surface).fill(ACROSS * extent);
+    if filling.is_empty() { surface } else { surface.with(filling) }
+}
+
+/// The largest hole that is left in a blade whose corners have `places` (along, high).
+pub fn largest(surface: &Surface, places: &[(f64, f64)]) -> Option<Hole> {
+    let spans = |corners: &mut dyn Iterator<Item = usize>| {
+        let start = [(f64::INFINITY, f64::NEG_INFINITY); 2];
+        let spans = corners.fold(start, |[s, h], i| {
+            let (x, y) = places[i];
+            [(s.0.min(x), s.1.max(x)), (h.0.min(y), h.1.max(y))]
+        });
+        spans.map(|(low, high)| high - low)
+    };
+    let whole = spans(&mut (0..places.len()));
+    let holes = loops(surface).into_iter().filter(|corners| {
+        let own = spans(&mut corners.iter().map(|i| *i as usize));
+        own[0] < HOLE * whole[0] && own[1] < HOLE * whole[1]
+    });
+    let measured = holes.map(|corners| {
+        let sum: Vector = corners.iter().map(|i| surface.points[*i as usize].coords).sum();
+        let middle = Point::from(sum / corners.len() as f64);
+        let far = |i: &u32| (surface.points[*i as usize] - middle).norm();
+        Hole { middle, size: 2.0 * corners.iter().map(far).fold(0.0, f64::max) }
+    });
+    measured.max_by(|a, b| a.size.total_cmp(&b.size))
+}
+
+/// Borders as loops; where one meets itself at a corner, it is two.
+fn loops(surface: &Surface) -> Vec<Vec<u32>> {
+    let mut onwards: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (a, b) in single_borders(surface).into_keys() {
+        onwards.entry(a).or_default().push(b);
+    }
+    let mut loops = Vec::new();
+    while let Some((&start, _)) = onwards.first_key_value() {
+        let mut path = vec![start];
+        let mut place = BTreeMap::from([(start, 0)]);
+        while let Some(&at) = path.last() {
+            let Some(to) = onwards.get_mut(&at).and_then(Vec::pop) else { break };
+            if let Some(&from) = place.get(&to) {
+                let found = path.split_off(from);
+                place.retain(|i, _| !found.contains(i));
+                // The corner where it closes goes on.
+                place.insert(to, path.len());
+                path.push(to);
+                loops.push(found);
+            } else {
+                place.insert(to, path.len());
+                path.push(to);
+            }
+        }
+        onwards.retain(|_, to| !to.is_empty());
+    }
+    loops
+}

@@ -1,0 +1,159 @@
+//! Corners at one place made one: those that are equal, and at borders those that rounding has parted.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use super::surface::NONE;
+use crate::geometry::Point;
+
+/// Share of a mesh's extent within which corners at its borders are one …
+const NEAR: f64 = 1e-6;
+/// … and share of the largest coordinate, if that is more: single precision is good to 1.2e-7 of it.
+const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+/// Width of the cells in which corners are looked for, as multiple of the distance: most are away from a cell's walls,
+/// and few share one.
+const CELL: f64 = 8.0;
+
+/// Mixes the bits of coordinates: quick, and good enough for a table of corners.
+#[derive(Default)]
+pub struct Mixer(u64);
+
+impl Hasher for Mixer {
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 29)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u64(u64::from(*byte));
+        }
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        self.0 ^= self.0 >> 32;
+    }
+}
+
+/// A table whose keys are numbers, hashed by [`Mixer`].
+pub type Table<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
+
+/// For every corner of `points` the number of the first one with equal coordinates, and the corners kept.
+pub fn equal(points: &[Point]) -> (Vec<u32>, Vec<Point>) {
+    let mut table: Table<(u64, u64, u64), u32> = Table::default();
+    table.reserve(points.len() / 2);
+    let mut kept = Vec::with_capacity(points.len() / 2);
+    let to = points
+        .iter()
+        .map(|p| {
+            // −0 and 0 are one place.
+            let bits = |x: f64| (x + 0.0).to_bits();
+            *table.entry((bits(p.x), bits(p.y), bits(p.z))).or_insert_with(|| {
+                kept.push(*p);
+                kept.len() as u32 - 1
+            })
+        })
+        .collect();
+    (to, kept)
+}
+
+/// As [`equal`], for corners that are `loose` and as near to each other as rounding leaves them. `None`: there are none.
+/// A corner is moved by the distance at most, however many lie in a row, and the ends of an edge that is longer than
+/// rounding stay two.
+pub fn near(points: &[Point], triangles: &[[u32; 3]], loose: &[bool]) -> Option<(Vec<u32>, Vec<Point>)> {
+    let (mut low, mut high) = (Point::from([f64::INFINITY; 3]), Point::from([f64::NEG_INFINITY; 3]));
+    for p in points {
+        (low, high) = (low.inf(p), high.sup(p));
+    }
+    let rounding = ROUNDING * low.coords.amax().max(high.coords.amax());
+    let distance = rounding.max(NEAR * (high - low).amax());
+    if !(distance > 0.0 && distance.is_finite()) {
+        return None;
+    }
+    let short = short_edges(points, triangles, rounding, distance);
+    let cell = |x: f64| (x / (CELL * distance)).floor() as i64;
+    // The first kept corner of a cell, and for each kept corner the one before it in its cell.
+    let mut cells: Table<(i64, i64, i64), u32> = Table::default();
+    let mut before: Vec<u32> = Vec::new();
+    let mut kept: Vec<Point> = Vec::with_capacity(points.len());
+    let mut to: Vec<u32> = Vec::with_capacity(points.len());
+    for (i, p) in points.iter().enumerate() {
+        let mut nearest: Option<(f64, u32)> = None;
+        if loose[i] {
+            let apart: &[u32] = short.get(&(i as u32)).map_or(&[], Vec::as_slice);
+            let reach = |x: f64| cell(x - distance)..=cell(x + distance);
+            for (x, y) in reach(p.x).flat_map(|x| reach(p.y).map(move |y| (x, y))) {
+                for z in reach(p.z) {
+                    let mut at = cells.get(&(x, y, z)).copied().unwrap_or(NONE);
+                    while at != NONE {
+                        let d = (kept[at as usize] - p).norm();
+                        let parted = || apart.iter().any(|&end| to.get(end as usize) == Some(&at));
+                        if d <= distance && nearest.is_none_or(|n| (d, at) < n) && !parted() {
+                            nearest = Some((d, at));
+                        }
+                        at = before[at as usize];
+                    }
+                }
+            }
+        }
+        to.push(nearest.map_or(kept.len() as u32, |(_, at)| at));
+        if nearest.is_none() {
+            let own = kept.len() as u32;
+            kept.push(*p);
+            before.push(if loose[i] {
+                cells.insert((cell(p.x), cell(p.y), cell(p.z)), own).unwrap_or(NONE)
+            } else {
+                NONE
+            });
+        }
+    }
+    (kept.len() < points.len()).then_some((to, kept))
+}
+
+/// By each corner the other ends of its edges whose length is in `above`..`up_to`.
+fn short_edges(points: &[Point], triangles: &[[u32; 3]], above: f64, up_to: f64) -> Table<u32, Vec<u32>> {
+    let mut ends: Table<u32, Vec<u32>> = Table::default();
+    for t in triangles {
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            let length = (points[a as usize] - points[b as usize]).norm();
+            if length > above && length <= up_to {
+                ends.entry(a).or_default().push(b);
+                ends.entry(b).or_default().push(a);
+            }
+        }
+    }
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(x: &[f64]) -> Vec<Point> {
+        x.iter().map(|x| Point::new(*x, 0.0, 0.0)).collect()
+    }
+
+    #[test]
+    fn corners_that_rounding_parts_are_one_and_a_row_of_them_is_not() {
+        // An extent of 100: corners within 1e-4 are one.
+        let parted = points(&[0.0, 100.0, 1e-5, 100.0 - 1e-5]);
+        let (to, kept) = near(&parted, &[], &[true; 4]).expect("two are one with others");
+        assert_eq!((to, kept.len()), (vec![0, 1, 0, 1], 2));
+        assert!(near(&parted, &[], &[false; 4]).is_none(), "they are not at a border");
+        // Each is near to the next, and none moves further than that.
+        let row: Vec<f64> = (0..50).map(|i| 0.8e-4 * f64::from(i)).chain([100.0]).collect();
+        let (to, kept) = near(&points(&row), &[], &[true; 51]).expect("some are one");
+        assert!(row.iter().zip(&to).all(|(x, k)| (x - kept[*k as usize].x).abs() <= 1e-4), "{to:?}");
+        assert!(kept.len() >= 25, "{}", kept.len());
+    }
+
+    #[test]
+    fn ends_of_a_short_edge_stay_two_and_those_of_a_rounded_one_do_not() {
+        let corners = points(&[0.0, 0.9e-4, 100.0, 1e-7]);
+        let (to, kept) = near(&corners, &[[0, 1, 2]], &[true; 4]).expect("one is another");
+        assert_eq!((to, kept.len()), (vec![0, 1, 2, 0], 3));
+        let (to, _) = near(&corners, &[[0, 3, 2]], &[true; 4]).expect("one is another");
+        assert_eq!(to, vec![0, 0, 2 - 1, 0], "nothing stands between them");
+    }
+}
