@@ -9,7 +9,7 @@ use super::choice::ChosenTool;
 use super::curves::{CurveSource, FlankCurves, FlankError};
 use super::passes::{LayerAxes, LeftOut, PassMaker};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
-use super::wall::{WallAxes, WallFit, WallMilling};
+use super::wall::{SweptWall, WallAxes, WallFit, WallMilling};
 use crate::geometry::{MeridionalCurve, Vector};
 use crate::monitor::Monitor;
 use crate::part::{Blank, Channel, FlankFeeds, FlankScheme, Impeller, Setup, Tool};
@@ -18,9 +18,9 @@ use crate::plunge::slotting::DepthSurface;
 
 use super::chart::WallName;
 
-/// Overcuts that the axes along a wall may make, mm: the first with which the undercut stays below the last of them.
+/// Overcuts that the axes along a wall may make, mm: the first with which the undercut stays small, or else the least.
 const WALL_TOLERANCES: [f64; 3] = [5e-4, 0.0025, 0.0045];
-/// Undercut that asks for the next of them, mm.
+/// Undercut that counts as small, mm.
 const MOST_UNDERCUT: f64 = 0.005;
 /// Greatest distance between positions along a wall, mm, and how far the way between them may be off the wall's bend.
 const WALL_STEP: f64 = 4.0;
@@ -275,13 +275,13 @@ fn milled_walls(
         .filter(|_| !monitor.is_cancelled())
         .filter_map(|(wall, region, passage, number)| {
             let fit = WallFit::new(finished, passage, number, &milling, layers)?;
-            let mut swept = fit.swept(WALL_TOLERANCES[0]);
-            for &tolerance in &WALL_TOLERANCES[1..] {
-                if swept.map.max_undercut() <= MOST_UNDERCUT || monitor.is_cancelled() {
-                    break;
-                }
-                swept = fit.swept(tolerance);
-            }
+            let least = fit.swept(WALL_TOLERANCES[0]);
+            let is_small = |swept: &SweptWall| swept.map.max_undercut() <= MOST_UNDERCUT;
+            let others = || {
+                let mut more = WALL_TOLERANCES[1..].iter().take_while(|_| !monitor.is_cancelled());
+                more.find_map(|&tolerance| Some(fit.swept(tolerance)).filter(is_small))
+            };
+            let swept = if is_small(&least) { least } else { others().unwrap_or(least) };
             Some(MilledWall { wall, region, axes: fit.axes(swept) })
         })
         .collect()
