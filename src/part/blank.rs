@@ -167,7 +167,7 @@ impl Blank {
         high: f64,
         warm: &mut Option<f64>,
     ) -> Option<f64> {
-        let (low, high) = self.clip(origin, direction, low, high)?;
+        let (low, high) = self.clip(origin, direction, 0.0, (low, high))?;
         let stride = ((high - low) / 6.0).min(1.0).max((high - low) / 300.0);
         let mut room = |h: f64| self.room(Meridional::of(&(origin + direction * h)), warm);
         let mut above = None;
@@ -198,20 +198,32 @@ impl Blank {
         Some(solid)
     }
 
-    /// The part of a line that can be in the blank at all: within its height and outer cylinder.
-    fn clip(&self, origin: &Point, direction: &Vector, low: f64, high: f64) -> Option<(f64, f64)> {
-        let (mut low, mut high) = (low, high);
+    /// The height above which a rod of `radius` mm about `origin + h · direction` (unit) has surely left the blank; 0 where
+    /// it does not come into it.
+    pub fn left_at(&self, origin: &Point, direction: &Vector, radius: f64) -> f64 {
+        self.clip(origin, direction, radius, (0.0, f64::INFINITY)).map_or(0.0, |(_, high)| high)
+    }
+
+    /// The part of a line that can be in the blank, or no further than `aside` mm from it, at all: within its height and
+    /// outer cylinder.
+    fn clip(
+        &self,
+        origin: &Point,
+        direction: &Vector,
+        aside: f64,
+        (mut low, mut high): (f64, f64),
+    ) -> Option<(f64, f64)> {
+        let (z_range, r_max) = ((self.z_range.0 - aside, self.z_range.1 + aside), self.r_max + aside);
         if direction.z.abs() > 1e-12 {
-            let (a, b) =
-                ((self.z_range.0 - origin.z) / direction.z, (self.z_range.1 - origin.z) / direction.z);
+            let (a, b) = ((z_range.0 - origin.z) / direction.z, (z_range.1 - origin.z) / direction.z);
             low = low.max(a.min(b));
             high = high.min(a.max(b));
-        } else if origin.z < self.z_range.0 || origin.z > self.z_range.1 {
+        } else if origin.z < z_range.0 || origin.z > z_range.1 {
             return None;
         }
         let a = direction.x * direction.x + direction.y * direction.y;
         let b = origin.x * direction.x + origin.y * direction.y;
-        let c = origin.x * origin.x + origin.y * origin.y - self.r_max * self.r_max;
+        let c = origin.x * origin.x + origin.y * origin.y - r_max * r_max;
         if a > 1e-18 {
             let discriminant = b * b - a * c;
             if discriminant <= 0.0 {

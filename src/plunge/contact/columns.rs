@@ -1,7 +1,7 @@
 //! Plunges in cutting order, and which of them are near.
 
 use super::index::{Around, Index};
-use crate::geometry::{CutterSolid, Point, Vector};
+use crate::geometry::CutterSolid;
 use crate::part::Blank;
 use crate::plunge::slotting::DepthSurface;
 
@@ -33,6 +33,7 @@ impl Column {
 /// Finds how far up core columns can meet stock.
 #[derive(Debug)]
 pub struct BlankTop<'a> {
+    blank: &'a Blank,
     surface: DepthSurface<'a>,
 }
 
@@ -40,18 +41,15 @@ impl<'a> BlankTop<'a> {
     /// For columns in `blank`.
     pub fn new(blank: &'a Blank) -> Self {
         // A hair's breadth keeps the circles of the outline from being infinitely thin.
-        Self { surface: DepthSurface::new(&blank.shroud, 0.01).with_edges(blank.end_circles()) }
+        let surface = DepthSurface::new(&blank.shroud, 0.01).with_edges(blank.end_circles());
+        Self { blank, surface }
     }
 
     fn above(&self, cutter: &CutterSolid, core_radius: f64) -> f64 {
-        self.surface
-            .touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6))
-            .map_or(f64::INFINITY, |t| t.height)
+        let touch = self.surface.touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6));
+        touch.map_or_else(|| self.blank.left_at(&cutter.tip, &cutter.axis, core_radius), |t| t.height)
     }
 }
-
-/// How far up an axis is looked at at most, mm.
-const FURTHEST: f64 = 1e4;
 
 /// Plunges in cutting order.
 #[derive(Clone, Debug, Default)]
@@ -123,9 +121,8 @@ pub struct Earlier<'a> {
 impl<'a> Earlier<'a> {
     /// Those that may have removed some of the core of `column`, in cutting order.
     pub fn near(self, column: &Column) -> impl DoubleEndedIterator<Item = &'a Column> + use<'a> {
-        let Column { cutter: CutterSolid { tip, axis, .. }, core_radius, top } = *column;
         let all = &self.columns.all;
-        let mut found = self.columns.index.near(&Around { tip, axis, reach: core_radius, top }, self.count);
+        let mut found = self.columns.index.near(&column.around(), self.count);
         found.retain(|&number| column.may_meet(&all[number as usize].cutter));
         found.sort_unstable();
         found.into_iter().map(|number| &all[number as usize])
@@ -135,27 +132,20 @@ impl<'a> Earlier<'a> {
 impl Column {
     /// Whether the core of this column comes near enough to `other` for that to have removed some of it.
     pub fn may_meet(&self, other: &CutterSolid) -> bool {
-        let reach = other.radius + self.core_radius;
-        within(&self.cutter, &other.tip, &other.axis, reach, self.top)
+        self.around().meets(&other.tip, &other.axis, other.radius + self.core_radius)
     }
-}
 
-/// Whether the axis of `cutter`, up to `top` mm above its tip, comes within `reach` mm of the line through `tip` along `axis`.
-fn within(cutter: &CutterSolid, tip: &Point, axis: &Vector, reach: f64, top: f64) -> bool {
-    // The square of the distance at height h: a h² + 2 b h + c.
-    let from_tip = cutter.tip - tip;
-    let (along, up) = (cutter.axis.dot(axis), from_tip.dot(axis));
-    let a = 1.0 - along * along;
-    let b = from_tip.dot(&cutter.axis) - up * along;
-    let c = from_tip.norm_squared() - up * up;
-    // Above the blank nothing matters.
-    let h = if a > 1e-12 { (-b / a).min(top.min(FURTHEST)).max(0.0) } else { 0.0 };
-    (a * h + 2.0 * b) * h + c < reach * reach
+    /// Its core.
+    fn around(&self) -> Around {
+        let CutterSolid { tip, axis, .. } = self.cutter;
+        Around { tip, axis, reach: self.core_radius, top: self.top.max(0.0) }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{Point, Vector};
 
     /// Numbers from 0 to 1, the same every time.
     fn dice(seed: &mut u64) -> f64 {

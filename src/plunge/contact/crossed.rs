@@ -96,7 +96,7 @@ pub struct Neighbours {
 }
 
 impl Neighbours {
-    /// Of `column`, among `earlier` ones in cutting order.
+    /// Those of `column`: the `earlier` ones that may meet it, in cutting order.
     pub fn of<'c>(column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) -> Self {
         let mut near = Self::default();
         near.gather(column, earlier);
@@ -110,17 +110,13 @@ impl Neighbours {
         CoreLine { origin: self.tip + self.across[0] * x + self.across[1] * y, x, y, axis: self.axis }
     }
 
-    /// Those of `column`, among `earlier` ones in cutting order.
+    /// As [`Self::of`], in the room that there is.
     pub fn gather<'c>(&mut self, column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) {
         let (e1, e2) = frame_about(&column.cutter.axis);
         (self.tip, self.axis, self.across) = (column.cutter.tip, column.cutter.axis, [e1, e2]);
         self.columns.clear();
-        self.columns.extend(
-            earlier
-                .rev()
-                .filter(|other| column.may_meet(&other.cutter))
-                .map(|c| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across)),
-        );
+        let crossed = |c: &Column| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across);
+        self.columns.extend(earlier.rev().map(crossed));
     }
 
     /// The plunges, latest first.

@@ -1,5 +1,5 @@
-//! Where plunges are: a tree of places over their tips, so that a search looks at those around it alone, however many
-//! there are.
+//! Where plunges are: a tree of places over their tips and a second point far up their axes, so that a search looks at
+//! those around it alone, however many there are.
 
 use std::collections::HashMap;
 
@@ -8,15 +8,15 @@ use crate::geometry::{CutterSolid, Point, Vector};
 /// Edge of the smallest places, in cutter radii, and by how much those of the next size are wider.
 const EDGE_RADII: f64 = 3.0;
 /// See [`EDGE_RADII`].
-const WIDER: i32 = 4;
+const WIDER: i32 = 3;
+/// Height of the second point above the tip, in cutter radii.
+const SECOND_RADII: f64 = 32.0;
+/// Thinner cutters are taken as this thick, mm.
+const LEAST_RADIUS: f64 = 1e-3;
 /// Sizes of places.
-const LEVELS: usize = 4;
-/// Width of the cells that axes are sorted into at the smallest places, by component.
-const AXIS_CELL: f64 = 0.125;
-/// Stretches of an axis over which distances to other axes are bounded, and the furthest they go, mm.
+const LEVELS: usize = 5;
+/// Stretches of an axis over which distances to other axes are bounded.
 const STRETCHES: usize = 4;
-/// See [`STRETCHES`].
-const FURTHEST: f64 = 1e4;
 
 /// What is asked about: all that lies within `reach` mm of an axis, from its tip to `top` mm above.
 #[derive(Clone, Copy, Debug)]
@@ -27,40 +27,82 @@ pub struct Around {
     pub top: f64,
 }
 
+impl Around {
+    /// The point of the axis at a height, mm.
+    fn at(&self, height: f64) -> Point {
+        self.tip + self.axis * height
+    }
+
+    /// Whether the axis, up to `top`, comes within `distance` mm of the line through `tip` along `axis`.
+    pub fn meets(&self, tip: &Point, axis: &Vector, distance: f64) -> bool {
+        // The square of the distance at height h: a h² + 2 b h + c.
+        let from_tip = self.tip - tip;
+        let (along, up) = (self.axis.dot(axis), from_tip.dot(axis));
+        let a = 1.0 - along * along;
+        let b = from_tip.dot(&self.axis) - up * along;
+        let c = from_tip.norm_squared() - up * up;
+        let h = if a > 1e-12 { (-b / a).min(self.top).max(0.0) } else { 0.0 };
+        (a * h + 2.0 * b) * h + c < distance * distance
+    }
+}
+
 /// What holds all plunges of a place.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
     /// First tip and first axis.
     tip: Point,
     axis: Vector,
-    /// Largest distance of a tip from the first one, of an axis from the first one, and largest radius.
+    /// Height of the second points, mm.
+    second: f64,
+    /// Largest distances from the first one: of a tip, of a second point, of an axis; and largest radius.
     aside: f64,
+    aside_second: f64,
     turned: f64,
     radius: f64,
 }
 
 impl Bounds {
     fn of(cutter: &CutterSolid) -> Self {
-        Self { tip: cutter.tip, axis: cutter.axis, aside: 0.0, turned: 0.0, radius: cutter.radius }
+        let CutterSolid { tip, axis, radius, .. } = *cutter;
+        let second = SECOND_RADII * radius.max(LEAST_RADIUS);
+        Self { tip, axis, second, aside: 0.0, aside_second: 0.0, turned: 0.0, radius }
     }
 
     fn add(&mut self, cutter: &CutterSolid) {
-        self.aside = self.aside.max((cutter.tip - self.tip).norm());
-        self.turned = self.turned.max((cutter.axis - self.axis).norm());
+        let (tip, axis) = (cutter.tip - self.tip, cutter.axis - self.axis);
+        self.aside = self.aside.max(tip.norm());
+        self.aside_second = self.aside_second.max((tip + axis * self.second).norm());
+        self.turned = self.turned.max(axis.norm());
         self.radius = self.radius.max(cutter.radius);
+    }
+
+    /// How far apart points of axes at the same height, mm, are at most.
+    fn parted(&self, height: f64) -> f64 {
+        let share = height / self.second;
+        (1.0 - share).abs() * self.aside + share.abs() * self.aside_second
     }
 
     /// Whether a plunge of the place may come into what is asked about.
     fn is_near(&self, around: &Around) -> bool {
-        // Distances between straight axes change evenly.
+        let reach = around.reach + self.radius;
+        let (low, high) = (around.tip - self.tip, around.at(around.top) - self.tip);
+        let (height_low, height_high) = (low.dot(&self.axis), high.dot(&self.axis));
+        // The heights at which the other axes are nearest are not quite the same.
+        let elsewhere = self.aside + self.turned * low.norm().max(high.norm());
+        let parted = |height: f64, elsewhere: f64| self.parted(height) + self.turned * elsewhere;
+        // What parts them grows towards one of the ends.
+        let most = parted(height_low, elsewhere).max(parted(height_high, elsewhere));
+        if !around.meets(&self.tip, &self.axis, reach + most) {
+            return false;
+        }
+        // By pieces, as distances between straight axes change evenly.
         let slope = around.axis.cross(&self.axis).norm();
-        let half = 0.5 * around.top.min(FURTHEST) / STRETCHES as f64;
+        let half = 0.5 * around.top / STRETCHES as f64;
         (0..STRETCHES).any(|i| {
-            let d = around.tip + around.axis * (half * (2 * i + 1) as f64) - self.tip;
-            let flat = (d - self.axis * d.dot(&self.axis)).norm();
-            // How far off the first tip this is bounds how far the axes of the place have parted there.
-            let parted = self.aside + self.turned * (d.norm() + half + self.aside);
-            flat - slope * half < around.reach + self.radius + parted
+            let d = around.at(half * (2 * i + 1) as f64) - self.tip;
+            let height = d.dot(&self.axis);
+            let flat = (d - self.axis * height).norm();
+            flat - slope * half < reach + parted(height, elsewhere + half)
         })
     }
 }
@@ -74,8 +116,8 @@ struct Place {
     members: Vec<u32>,
 }
 
-/// Radius of the cutters of a place, its cell, and the cell of their axes.
-type Key = (u64, [i32; 3], [i32; 3]);
+/// Radius of the cutters of a place, and the cells of their tips and second points.
+type Key = (u64, [[i32; 3]; 2]);
 
 /// Plunges by where they are.
 #[derive(Clone, Debug, Default)]
@@ -90,9 +132,11 @@ pub struct Index {
 impl Index {
     /// Adds the next plunge.
     pub fn push(&mut self, cutter: &CutterSolid) {
-        let edge = EDGE_RADII * cutter.radius.max(1e-3);
-        let cells = |v: Vector, edge: f64| [v.x, v.y, v.z].map(|x| (x / edge).floor() as i32);
-        let key = (cutter.radius.to_bits(), cells(cutter.tip.coords, edge), cells(cutter.axis, AXIS_CELL));
+        let radius = cutter.radius.max(LEAST_RADIUS);
+        let edge = EDGE_RADII * radius;
+        let cell = |p: Point| [p.x, p.y, p.z].map(|x| (x / edge).floor() as i32);
+        let second = cutter.tip + cutter.axis * (SECOND_RADII * radius);
+        let key = (cutter.radius.to_bits(), [cell(cutter.tip), cell(second)]);
         let number = self.of_plunge.len() as u32;
         let leaf = self.place(0, key, cutter);
         let place = &mut self.places[0][leaf as usize];
@@ -117,8 +161,9 @@ impl Index {
         let number = self.places[level].len() as u32;
         let mut parent = 0;
         if level + 1 < LEVELS {
-            let (radius, cell, _) = key;
-            parent = self.place(level + 1, (radius, cell.map(|x| x.div_euclid(WIDER)), [0; 3]), cutter);
+            let (radius, cells) = key;
+            let wider = cells.map(|cell| cell.map(|x| x.div_euclid(WIDER)));
+            parent = self.place(level + 1, (radius, wider), cutter);
             self.places[level + 1][parent as usize].members.push(number);
         }
         self.places[level].push(Place { bounds: Bounds::of(cutter), parent, members: Vec::new() });

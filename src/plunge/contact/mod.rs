@@ -35,8 +35,8 @@ pub fn core_contact(column: &Column, earlier: Earlier, blank: &Blank) -> CoreCon
     contact_up_to(column, &Neighbours::of(column, earlier.near(column)), blank, &RINGS, f64::INFINITY)
 }
 
-/// Whether the contact is deeper than a planner may leave it: as [`core_contact`], but done at the first line
-/// that says so.
+/// Whether the contact with what the `earlier` plunges that may meet it left is deeper than a planner may leave it: as
+/// [`core_contact`], but done at the first line that says so.
 pub fn core_interferes<'c>(
     column: &Column,
     earlier: impl DoubleEndedIterator<Item = &'c Column>,
@@ -61,7 +61,7 @@ pub struct ContactSearch {
 }
 
 impl ContactSearch {
-    /// The lines of the core of `column` among `earlier` plunges.
+    /// The lines of the core of `column` among the `earlier` plunges that may meet it.
     pub fn among<'c, 's>(
         &'s mut self,
         column: &Column,

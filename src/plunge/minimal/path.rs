@@ -219,7 +219,8 @@ impl PathSearch<'_> {
                 count += 1;
                 at = state.before;
             }
-            let earlier = near.iter().copied().chain(passed[..count].iter().rev());
+            let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
+            let earlier = near.iter().copied().chain(passed);
             let depth = search.among(&column, earlier).depth(self.blank, affordable);
             let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
             let cost = cost_before + self.own(&candidate, lift, here);
