@@ -11,9 +11,6 @@ use crate::geometry::{Point, Vector};
 const IN_THE_WAY: &str = "another blade stands in the way of the cutter along the wall";
 const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
 
-/// Between stretches of a wall nothing is left out that the layer holds.
-const APART: &str = "the layer does not reach along the whole wall";
-
 /// What stands in the way of a cutter, for people.
 pub(super) type InTheWay = Option<&'static str>;
 
@@ -35,6 +32,25 @@ impl Placed {
             place: self.place.lerp(other.place, share),
         }
     }
+}
+
+/// What comes next along a wall.
+pub(super) enum WallStep {
+    /// The cutter goes on to here.
+    To(Placed),
+    /// Something stands in the way for `length` mm, which are not cut.
+    LeftOut { length: f64, why: &'static str },
+    /// The layer ends here and begins again further on: nothing that it holds is left out between.
+    Apart,
+}
+
+/// The stretches that are cut without a break, in order.
+pub(super) fn unbroken(steps: &[WallStep]) -> Vec<Vec<Placed>> {
+    let runs = steps.split(|step| !matches!(step, WallStep::To(_)));
+    let placed = |step: &WallStep| if let WallStep::To(placed) = step { Some(*placed) } else { None };
+    runs.map(|run| run.iter().filter_map(placed).collect())
+        .filter(|run: &Vec<Placed>| !run.is_empty())
+        .collect()
 }
 
 /// The cutter at the stations along a wall, on a layer.
@@ -106,27 +122,29 @@ impl OnLayer<'_> {
         }
         let from = points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
         let to = points.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
-        let mut positions = Vec::new();
-        for position in self.wall_positions(wall, region, (from, to)) {
-            match position {
-                Ok(position) => positions.push(position),
-                Err((length, why)) => {
-                    self.leave_out(made, region, length, why);
-                    self.push_wall(wall, region, &mut positions, made);
-                }
+        let steps = self.wall_steps(wall, region, (from, to));
+        self.leave_out_of(&steps, region, made);
+        for positions in unbroken(&steps) {
+            self.push_wall(wall, region, &positions, made);
+        }
+    }
+
+    /// Notes what of a way along a wall is not cut.
+    pub(super) fn leave_out_of(&self, steps: &[WallStep], region: Region, made: &mut LayerAxes) {
+        for step in steps {
+            if let WallStep::LeftOut { length, why } = step {
+                self.leave_out(made, region, *length, why);
             }
         }
-        self.push_wall(wall, region, &mut positions, made);
     }
 
     pub(super) fn push_wall(
         &self,
         wall: WallName,
         region: Region,
-        positions: &mut Vec<Placed>,
+        positions: &[Placed],
         made: &mut LayerAxes,
     ) {
-        let positions = std::mem::take(positions);
         if let (Some(first), Some(last)) = (positions.first(), positions.last()) {
             let ends = [first.place, last.place];
             let positions = positions.iter().map(|p| (p.tip, p.axis)).collect();
@@ -134,14 +152,8 @@ impl OnLayer<'_> {
         }
     }
 
-    /// The cutter at the stations along a wall whose contacts lie between two x, and at both ends; where something stands in its way a
-    /// length instead, and what.
-    pub(super) fn wall_positions(
-        &self,
-        wall: WallName,
-        region: Region,
-        (from, to): (f64, f64),
-    ) -> Vec<Result<Placed, (f64, &'static str)>> {
+    /// The way along a wall between two x: the cutter at both ends and at the stations whose contacts lie between them.
+    pub(super) fn wall_steps(&self, wall: WallName, region: Region, (from, to): (f64, f64)) -> Vec<WallStep> {
         let ours = |m: &&Milled| m.wall == wall && (wall != WallName::Splitter || m.region == region);
         let Some(milled) = self.milled.iter().find(ours) else { return Vec::new() };
         let mut result = Vec::new();
@@ -154,17 +166,17 @@ impl OnLayer<'_> {
                 continue;
             }
             if let Some(why) = a_blocked.or(*b_blocked) {
-                result.push(Err((self.layer.step(a.place, b.place), why)));
+                result.push(WallStep::LeftOut { length: self.layer.step(a.place, b.place), why });
                 continue;
             }
             let at = |x: f64| a.between(b, (x - a.place.x) / (b.place.x - a.place.x));
             if reached.is_some_and(|reached| reached != k) {
-                result.push(Err((0.0, APART)));
+                result.push(WallStep::Apart);
             }
-            if !matches!(result.last(), Some(Ok(_))) {
-                result.push(Ok(at(low)));
+            if !matches!(result.last(), Some(WallStep::To(_))) {
+                result.push(WallStep::To(at(low)));
             }
-            result.push(Ok(at(high)));
+            result.push(WallStep::To(at(high)));
             reached = Some(k + 1);
         }
         result

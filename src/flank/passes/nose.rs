@@ -1,6 +1,6 @@
 //! The way along one side of a splitter, round its nose, and back along the other.
 
-use super::along_wall::{Milled, Placed};
+use super::along_wall::{Milled, Placed, unbroken};
 use super::inner::MOST_TURN;
 use super::{CHORD, LayerAxes, OnLayer, PassMaker};
 use crate::flank::chart::{Region, WallName};
@@ -27,30 +27,29 @@ impl OnLayer<'_> {
         };
         let side = |region: Region, line: &[LayerPoint]| {
             let to = line.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
-            self.wall_positions(WallName::Splitter, region, (begins(region), to))
+            self.wall_steps(WallName::Splitter, region, (begins(region), to))
         };
         let (down, up) = (&points[..=foremost], &points[foremost..]);
-        let mut low = side(Region::LowSide, down);
-        low.reverse();
-        let high = side(Region::HighSide, up);
-        let free = |placed: &[Result<Placed, (f64, &'static str)>]| {
-            placed.iter().filter_map(|p| p.as_ref().ok()).copied().collect::<Vec<Placed>>()
-        };
-        let (mut before, after) = (free(&low), free(&high));
-        for (region, side) in [(Region::LowSide, &low), (Region::HighSide, &high)] {
-            for (length, why) in side.iter().filter_map(|p| p.as_ref().err()) {
-                self.leave_out(made, region, *length, why);
-            }
+        let (low, high) = (side(Region::LowSide, down), side(Region::HighSide, up));
+        self.leave_out_of(&low, Region::LowSide, made);
+        self.leave_out_of(&high, Region::HighSide, made);
+        let (mut low, mut high) = (unbroken(&low).into_iter(), unbroken(&high).into_iter());
+        // The stretch of each side that is next to the nose belongs to the way round it, the others stand alone.
+        let mut way = low.next().unwrap_or_default();
+        way.reverse();
+        let after = high.next().unwrap_or_default();
+        for positions in low.chain(high) {
+            self.push_wall(WallName::Splitter, Region::Inlet, &positions, made);
         }
-        if let (Some(a), Some(b)) = (before.last().copied(), after.first().copied()) {
+        if let (Some(a), Some(b)) = (way.last().copied(), after.first().copied()) {
             let mut round = vec![a];
             round.extend(self.arc([down, &up[1..]], a, b));
             round.push(b);
             let mended = self.mended(round);
-            before.extend(&mended[1..mended.len() - 1]);
+            way.extend(&mended[1..mended.len() - 1]);
         }
-        before.extend(after);
-        self.push_wall(WallName::Splitter, Region::Inlet, &mut before, made);
+        way.extend(after);
+        self.push_wall(WallName::Splitter, Region::Inlet, &way, made);
     }
 
     /// The positions with others between them where the straight way would come too near to a blade.
