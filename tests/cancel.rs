@@ -147,3 +147,55 @@ fn the_planner_obeys_cancel_within_50_ms() {
         assert!(slowest < Duration::from_millis(50), "the planner took {slowest:?} to stop");
     }
 }
+
+/// Runs `vanecut plan` and presses Ctrl+C after a while: exit code, standard error, and whether a plan was written.
+#[cfg(unix)]
+fn interrupted_after(wait: Duration, folder: &std::path::Path) -> (Option<i32>, String, bool) {
+    use std::process::{Command, Stdio};
+    let child = Command::new(env!("CARGO_BIN_EXE_vanecut"))
+        .args([
+            "plan",
+            concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/pump6.toml"),
+            "--axis",
+            "minimal",
+            "-o",
+        ])
+        .arg(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    std::thread::sleep(wait);
+    let pressed = Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status();
+    assert!(pressed.is_ok(), "there is a shell");
+    let output = child.wait_with_output().expect("the program ends");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), errors, folder.join("plan.json").exists())
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_plan_with_what_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // How fast the machine is nobody knows: sooner or later the plan is under way when it is stopped.
+    for (n, tenths) in [3, 5, 7, 9, 12, 16, 25, 40, 60].into_iter().enumerate() {
+        let folder = folder.path().join(n.to_string());
+        let (code, errors, written) = interrupted_after(Duration::from_millis(100 * tenths), &folder);
+        match code {
+            // Before the handler was set.
+            None => assert!(!written),
+            Some(0) => break,
+            Some(1) if errors.contains("unfinished") => {
+                assert!(errors.contains("stopping with what is found"), "{errors}");
+                let bytes = std::fs::read(folder.join("plan.json")).expect("a plan");
+                let stored = read_plan_bytes("plan.json", &bytes).expect("readable");
+                assert!(stored.plan.is_unfinished(), "the file says so");
+                return;
+            }
+            // Nothing was found yet.
+            Some(1) => assert!(errors.contains("cancelled") && !written, "{errors}"),
+            other => panic!("ended with {other:?}: {errors}"),
+        }
+    }
+    panic!("no plan was stopped on its way");
+}

@@ -97,7 +97,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
 
     line("minimal plan of one channel", median(|| minimal(&outcome)))?;
     sliders(&outcome)?;
-    bench_growth::run(&wheel, &outcome.setup, args.positions)?;
+    bench_growth::run(&part, &outcome.setup, args.positions)?;
 
     bench_flank::lines()?;
     mesh(&part)?;

@@ -1,16 +1,17 @@
-//! How the work grows with the positions of a plan: the same wheel larger and larger, planned with the same cutters and
-//! steps, so that positions grow with its area while those around each of them stay as many.
+//! How the work grows with the positions of a plan: a wheel with more and more hub under channels that stay as deep, planned
+//! with the same cutters and steps, so that positions grow with its area while those around each of them stay as many.
 
 use std::time::Instant;
 
 use super::bench::build;
 use super::bench_flank::slope;
+use super::bench_wheel::spread;
 use super::{Failure, say};
 use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use crate::formats::plan_file::write_plan;
 use crate::job::Summary;
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Channel, PartDescription, Setup};
+use crate::part::{AxisPolicy, Channel, Impeller, PartDescription, Setup};
 use crate::plunge::Planner;
 use crate::plunge::sections::MAX_POSITIONS;
 use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
@@ -34,17 +35,17 @@ pub fn check(positions: usize) -> Result<(), Failure> {
 /// What is measured of a plan.
 const WHAT: [&str; 4] = ["planned", "judged", "written", "verified"];
 
-/// Plans `wheel`, larger and larger, by the sections of `setup`, until a plan has about `most` positions. Prints the
-/// times of each, and the power of the positions that they grow with.
-pub fn run(wheel: &PartDescription, setup: &Setup, most: usize) -> Result<(), Failure> {
-    say("minimal plan of one channel of larger and larger wheels, seconds:\n")?;
-    let first = measure(wheel, setup)?;
+/// Plans wheels like `part` with more and more hub by the sections of `setup`, until a plan has about `most` positions.
+/// Prints the times of each, and the power of the positions that they grow with.
+pub fn run(part: &Impeller, setup: &Setup, most: usize) -> Result<(), Failure> {
+    say("minimal plan of one channel of wheels with more and more hub, seconds:\n")?;
+    let first = measure(&spread(part, 1.0), setup)?;
     let ratio = most as f64 / first.0 as f64;
     let steps = (ratio.ln() / RATIO.ln()).ceil().max(2.0);
     let mut all = vec![first];
     for step in 1..=steps as u32 {
         let size = ratio.powf(0.5 * f64::from(step) / steps);
-        all.push(measure(&wheel.scaled(size), setup)?);
+        all.push(measure(&spread(part, size), setup)?);
     }
     say("  time grows with positions to the power of")?;
     for (i, what) in WHAT.iter().enumerate() {

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use serde_json::{Map, Value, json};
 
 use super::args::FlankArgs;
-use super::plan::{check_folder, make_folder, watched};
+use super::plan::{check_folder, make_folder};
 use super::report::{head, number};
+use super::watch::watched;
 use super::{Failure, open, say};
 use crate::flank::FlankPlan;
 use crate::formats::apt::{ClProgram, write_apt};

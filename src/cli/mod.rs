@@ -8,6 +8,7 @@ mod bench;
 mod bench_flank;
 mod bench_frames;
 mod bench_growth;
+mod bench_wheel;
 mod convert;
 mod flank;
 mod open;
@@ -17,6 +18,7 @@ mod render;
 mod render_flank;
 mod report;
 mod verify;
+mod watch;
 
 use std::io::Write;
 use std::process::ExitCode;

@@ -1,15 +1,13 @@
 //! `vanecut plan`.
 
-use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use serde_json::{Value, json};
 
 use super::args::PlanArgs;
 use super::open::OpenSetup;
+use super::watch::watched;
 use super::{Failure, open, render, report, say};
 use crate::formats::apt::{ClProgram, write_apt};
 use crate::formats::plan_file::write_plan;
@@ -17,7 +15,6 @@ use crate::formats::setup_file::axis_policy;
 use crate::formats::write::write_together;
 use crate::geometry::{rotate_vector_z, rotate_z};
 use crate::job::{self, JobError, PlanOutcome, PlanRequest};
-use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Impeller};
 
 /// Cells of the residual field along s and λ.
@@ -72,26 +69,6 @@ pub fn outcome(
     watched(|monitor| job::run(&request, monitor)).map_err(|error| match error {
         JobError::Cancelled => Failure::Work("cancelled".to_owned()),
         JobError::Setup(fault) => setup.failure(&fault),
-    })
-}
-
-/// Runs a job, with its progress on a terminal.
-pub fn watched<T>(job: impl FnOnce(&Monitor) -> T) -> T {
-    let monitor = Monitor::default();
-    let done = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        if std::io::stderr().is_terminal() {
-            scope.spawn(|| {
-                while !done.load(Ordering::Relaxed) {
-                    std::thread::sleep(Duration::from_millis(100));
-                    eprint!("\rplanning… {:3.0} %", 100.0 * monitor.progress());
-                }
-                eprint!("\r                 \r");
-            });
-        }
-        let result = job(&monitor);
-        done.store(true, Ordering::Relaxed);
-        result
     })
 }
 
@@ -184,8 +161,12 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
     text
 }
 
-/// The work has failed when the plan breaks an allowance or did not come to rest.
+/// The work has failed when the plan breaks an allowance, did not come to rest, or was stopped.
 fn judge(outcome: &PlanOutcome) -> Result<(), Failure> {
+    if outcome.after.plan.is_unfinished() {
+        let what = "stopped: the plan is unfinished, and what was written says so; plan again for all of it";
+        return Err(Failure::Work(what.to_owned()));
+    }
     let (stock, s) = (&outcome.setup.stock, &outcome.after.summary);
     let mut broken = Vec::new();
     if s.min_hub_clearance < stock.hub_allowance - 1e-3 {

@@ -1,0 +1,106 @@
+//! The wheel that grows for the growth benchmark.
+
+use crate::geometry::{Meridional, Point, wrap_angle};
+use crate::part::description::{BladeDescription, CurveDescription};
+use crate::part::{Blade, BladeSide, Impeller, PartDescription};
+
+/// Points of a meridional curve, and sections of a blade.
+const CURVE_POINTS: usize = 160;
+const SECTIONS: usize = 5;
+
+/// A wheel like `part` with a hub `factor` times as long and as wide, while channels stay as deep and blades as thick and
+/// leaning as they are: more of the same for the cutters that suit `part`.
+pub fn spread(part: &Impeller, factor: f64) -> PartDescription {
+    let (hub, shroud) = (part.hub.s_range(), part.shroud.s_range());
+    let (from, to) = (hub.0.max(shroud.0), hub.1.min(shroud.1));
+    let s = |i: usize| from + (to - from) * i as f64 / (CURVE_POINTS - 1) as f64;
+    let spread = |p: Meridional, foot: Meridional| Meridional {
+        r: factor * foot.r + (p.r - foot.r),
+        z: factor * foot.z + (p.z - foot.z),
+    };
+    let curve = |point: &dyn Fn(f64) -> Meridional| {
+        CurveDescription::Points(
+            (0..CURVE_POINTS).map(|i| spread(point(s(i)), part.hub.point(s(i)))).collect(),
+        )
+    };
+    let blade = |blade: &Blade| {
+        let feet = [&blade.suction, &blade.pressure].map(|side| {
+            side.u_knots()
+                .iter()
+                .map(|&u| (u, camber_foot(blade, u)))
+                .collect::<Vec<(f64, (Meridional, f64))>>()
+        });
+        let side = |side: &BladeSide, feet: &[(f64, (Meridional, f64))]| -> Vec<Vec<Point>> {
+            let section = |j: usize| {
+                let v = j as f64 / (SECTIONS - 1) as f64;
+                let moved = |&(u, (foot, theta)): &(f64, (Meridional, f64))| {
+                    let p = side.point(u, v);
+                    let (here, aside) = (Meridional::of(&p), wrap_angle(p.y.atan2(p.x) - theta));
+                    let there = spread(here, foot);
+                    there.at_angle(theta + aside * here.r / there.r)
+                };
+                feet.iter().map(moved).collect()
+            };
+            (0..SECTIONS).map(section).collect()
+        };
+        let [suction, pressure] = [side(&blade.suction, &feet[0]), side(&blade.pressure, &feet[1])];
+        BladeDescription::Sections { suction, pressure, line: 0 }
+    };
+    PartDescription {
+        name: part.name.clone(),
+        hub: curve(&|s| part.hub.point(s)),
+        shroud: curve(&|s| part.shroud.point(s)),
+        blade_count: part.blade_count,
+        main: blade(&part.main),
+        splitters: part.splitters.iter().map(blade).collect(),
+        hub_line: 0,
+        shroud_line: 0,
+        count_line: 0,
+        notes: Vec::new(),
+    }
+}
+
+/// The place midway between both sides of a blade at its foot, and its angle about Z.
+fn camber_foot(blade: &Blade, u: f64) -> (Meridional, f64) {
+    let [a, b] = [&blade.suction, &blade.pressure].map(|side| side.point(u, 0.0));
+    let (low, high) = (a.y.atan2(a.x), b.y.atan2(b.x));
+    (Meridional::of(&a).lerp(Meridional::of(&b), 0.5), low + 0.5 * wrap_angle(high - low))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::part_file::read_part_bytes;
+    use crate::part::Channel;
+
+    fn wheel() -> Impeller {
+        let text = include_bytes!("../../assets/parts/impeller532.toml");
+        Impeller::build(&read_part_bytes("impeller532.toml", text, "toml").expect("readable"))
+            .expect("an impeller")
+    }
+
+    #[test]
+    fn a_spread_wheel_is_larger_and_its_channels_are_as_deep() {
+        let part = wheel();
+        for factor in [1.0, 2.5, 8.0] {
+            let grown = Impeller::build(&spread(&part, factor)).expect("an impeller");
+            assert!(
+                (grown.rim_radius() / part.rim_radius() / factor - 1.0).abs() < 0.02,
+                "{}",
+                grown.rim_radius()
+            );
+            Channel::of(&grown);
+            for s in [0.1, 0.5, 0.9] {
+                let depth = |part: &Impeller| part.hub.point(s).distance(part.shroud.point(s));
+                assert!((depth(&grown) / depth(&part) - 1.0).abs() < 0.05, "{factor}: {}", depth(&grown));
+                // Thick and leaning as before.
+                let side =
+                    |part: &Impeller, v: f64| part.main.suction.point(s, v) - part.main.pressure.point(s, v);
+                for v in [0.0, 1.0] {
+                    let thick = side(&grown, v).norm() / side(&part, v).norm();
+                    assert!((thick - 1.0).abs() < 0.1, "{factor}, {s}, {v}: {thick}");
+                }
+            }
+        }
+    }
+}
