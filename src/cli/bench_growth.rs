@@ -39,13 +39,17 @@ const WHAT: [&str; 4] = ["planned", "judged", "written", "verified"];
 /// Prints the times of each, and the power of the positions that they grow with.
 pub fn run(part: &Impeller, setup: &Setup, most: usize) -> Result<(), Failure> {
     say("minimal plan of one channel of wheels with more and more hub, seconds:\n")?;
-    let first = measure(&spread(part, 1.0), setup)?;
-    let ratio = most as f64 / first.0 as f64;
-    let steps = (ratio.ln() / RATIO.ln()).ceil().max(2.0);
-    let mut all = vec![first];
-    for step in 1..=steps as u32 {
-        let size = ratio.powf(0.5 * f64::from(step) / steps);
-        all.push(measure(&spread(part, size), setup)?);
+    let mut all = vec![measure(&spread(part, 1.0), setup)?];
+    let steps = ((most as f64 / all[0].0 as f64).ln() / RATIO.ln()).ceil().max(2.0) as u32;
+    // A larger wheel has more positions by about its area; by how much more the last two tell.
+    let (mut size, mut power) = (1.0, 2.0);
+    for left in (1..=steps).rev() {
+        let before = all[all.len() - 1].0 as f64;
+        let wider = (most as f64 / before).powf(1.0 / power / f64::from(left));
+        size *= wider;
+        let next = measure(&spread(part, size), setup)?;
+        power = ((next.0 as f64 / before).ln() / wider.ln()).clamp(1.0, 3.0);
+        all.push(next);
     }
     say("  time grows with positions to the power of")?;
     for (i, what) in WHAT.iter().enumerate() {
