@@ -15,6 +15,8 @@ const NOSE_SHARE: f64 = 0.35;
 const AT_GAP: f64 = 0.05;
 /// Widest gap anywhere else, as share of the length.
 const BRIDGED: f64 = 0.01;
+/// A nose ends where its direction has turned from that at its foremost place by this, as cosine.
+const NOSE_TURN: f64 = 0.5;
 /// Where along a side its thickness at the nose is taken.
 const NOSE_END: f64 = 0.04;
 
@@ -250,6 +252,7 @@ fn split(cut: &Cut) -> Option<Split> {
         }
         None
     };
+    let mut start = lowest;
     let leading = match (edge_from(true), edge_from(false)) {
         (Some(a), Some(b)) if a == b => points[a],
         (Some(a), Some(b)) => {
@@ -258,19 +261,26 @@ fn split(cut: &Cut) -> Option<Split> {
                 point: middle,
                 along: 0.5 * (points[a].along + points[b].along),
                 edge: true,
+                seam: false,
                 moved: 0.0,
             }
         }
-        _ => extreme(points, lowest, &step, 1.0),
+        _ => match nose_seam(points, &step, lowest) {
+            Some(seam) => {
+                start = seam;
+                points[seam]
+            }
+            None => extreme(points, lowest, &step, 1.0),
+        },
     };
     let side = |forward: bool| {
         let mut line = vec![leading];
-        let mut at = lowest;
+        let mut at = start;
         let mut round = true;
         for k in 0..n {
             let p = points[at];
             // On the way out of the nose, points behind the leading edge belong to the other side.
-            if k > 2 || ahead(points, &step, lowest, forward, &leading.point, &p.point) {
+            if k > 2 || ahead(points, &step, start, forward, &leading.point, &p.point) {
                 line.push(p);
             }
             if p.edge && p.along > high - AT_TRAILING * range && k > 0 {
@@ -301,6 +311,34 @@ fn split(cut: &Cut) -> Option<Split> {
         }
     }
     (first.len() > 3 && second.len() > 3).then_some(Split { first, second, round_tail })
+}
+
+/// The place on a round nose where the mesh's faces of both sides meet, if it has one such. Where sides part on a nose is
+/// arbitrary, but what is measured from there follows it.
+fn nose_seam(
+    points: &[CutPoint],
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    lowest: usize,
+) -> Option<usize> {
+    let way = |i: usize| {
+        let (next, previous) = (step(i, true).unwrap_or(i), step(i, false).unwrap_or(i));
+        (points[next].point - points[previous].point).try_normalize(1e-12)
+    };
+    let foremost = way(lowest)?;
+    let mut found = points[lowest].seam.then_some(lowest);
+    for forward in [true, false] {
+        let mut at = lowest;
+        for _ in 0..points.len() / 2 {
+            at = step(at, forward)?;
+            if way(at)?.dot(&foremost) < NOSE_TURN {
+                break;
+            }
+            if points[at].seam && found.replace(at).is_some() {
+                return None;
+            }
+        }
+    }
+    found
 }
 
 /// Whether `p`, near the leading edge, lies on the way `forward` of it.
@@ -351,7 +389,9 @@ fn extreme(
         .map(|k| curve.point(from + (to - from) * f64::from(k) / 400.0))
         .min_by(|a, b| (sign * a[3]).total_cmp(&(sign * b[3])));
     match best {
-        Some([x, y, z, along]) => CutPoint { point: Point::new(x, y, z), along, edge: false, moved: 0.0 },
+        Some([x, y, z, along]) => {
+            CutPoint { point: Point::new(x, y, z), along, edge: false, seam: false, moved: 0.0 }
+        }
         None => points[at],
     }
 }
