@@ -34,6 +34,8 @@ pub struct SideCurve {
 pub struct Section {
     /// The sides.
     pub sides: [SideCurve; 2],
+    /// How far apart the ends of the cut are at leading and at trailing edge, mm; 0 where the blade is closed.
+    pub gaps: [f64; 2],
 }
 
 impl SideCurve {
@@ -110,7 +112,7 @@ impl SideCurve {
 impl Section {
     /// Splits the pieces of a cut, longest first. `None` when they are no closed blade section.
     pub fn of(cuts: &[Cut]) -> Option<Self> {
-        let line = joined(cuts)?;
+        let (line, gaps) = joined(cuts)?;
         let Split { mut first, mut second, round_tail } = split(&line)?;
         let mut sides = [SideCurve::new(&first)?, SideCurve::new(&second)?];
         let at = |side: &SideCurve, share: f64| side.raw(share * side.length());
@@ -130,7 +132,7 @@ impl Section {
         let nose = (0.5 * thickness(NOSE_END)).max(least);
         let tail = round_tail.then(|| (0.5 * thickness(1.0 - NOSE_END)).max(least));
         sides.iter_mut().for_each(|s| s.parametrise(nose, tail));
-        Some(Self { sides })
+        Some(Self { sides, gaps })
     }
 }
 
@@ -154,11 +156,12 @@ fn thinned(points: &[CutPoint]) -> Vec<CutPoint> {
     kept
 }
 
-/// A closed line, or one that is open at the trailing edge. `None`: it has gaps between its ends.
-fn joined(cuts: &[Cut]) -> Option<Cut> {
+/// A closed line, or one that is open at the trailing edge, and how far apart its ends were at leading and trailing edge,
+/// mm. `None`: it has gaps between its ends.
+fn joined(cuts: &[Cut]) -> Option<(Cut, [f64; 2])> {
     let longest = cuts.first()?;
     if longest.closed {
-        return Some(longest.clone());
+        return Some((longest.clone(), [0.0; 2]));
     }
     let length = |cut: &Cut| cut.points.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum::<f64>();
     let whole = length(longest);
@@ -172,6 +175,11 @@ fn joined(cuts: &[Cut]) -> Option<Cut> {
     let sound = |a: &CutPoint, b: &CutPoint| {
         let near = |end: f64| (a.along - end).abs().max((b.along - end).abs()) < AT_GAP * (high - low);
         near(low) || near(high) || (a.point - b.point).norm() < BRIDGED * whole
+    };
+    let mut gaps: [f64; 2] = [0.0; 2];
+    let mut bridge = |a: &CutPoint, b: &CutPoint| {
+        let gap = &mut gaps[usize::from(a.along + b.along > low + high)];
+        *gap = gap.max((a.point - b.point).norm());
     };
     let mut line = longest.points.clone();
     while !rest.is_empty() {
@@ -198,15 +206,17 @@ fn joined(cuts: &[Cut]) -> Option<Cut> {
         if !sound(&line[line.len() - 1], &piece[0]) {
             return None;
         }
+        bridge(&line[line.len() - 1], &piece[0]);
         line.extend(piece);
     }
     let (first, last) = (line[0], line[line.len() - 1]);
     if !sound(&first, &last) {
         return None;
     }
+    bridge(&first, &last);
     let gap_at_leading = 0.5 * (first.along + last.along) < 0.5 * (low + high);
     let met = (first.point - last.point).norm() < 1e-3 * whole;
-    Some(Cut { points: line, closed: met || gap_at_leading })
+    Some((Cut { points: line, closed: met || gap_at_leading }, gaps))
 }
 
 fn extent(points: &[CutPoint]) -> (f64, f64) {
