@@ -2,6 +2,7 @@
 
 use super::TriangleMesh;
 use super::axis::{Axis, Frame, found};
+use super::edges::jump;
 use super::fillets::between_fillets;
 use super::holes::{filled, largest};
 use super::options::{MeshOptions, Unit, check_size};
@@ -29,6 +30,8 @@ const STRAIGHT: f64 = 0.012;
 const LEAST_HEIGHT: f64 = 0.2;
 /// A hole that is smaller is bridged wherever it is, mm.
 const LEAST_HOLE: f64 = 0.05;
+/// What to do about missing triangles.
+const CLOSE: &str = "close the mesh, or export the surface again with all of its faces";
 /// Wrap of a blade from which on it tells the sense of rotation, rad.
 const CLEAR_WRAP: f64 = 0.1;
 /// Share of the area of hub or shroud that has to lie on its curve where fillets do not.
@@ -102,13 +105,17 @@ pub fn describe(
     };
     let curve = |profile: &Profile| MeridionalCurve::through(&profile.points);
     let band = Band::new(&curve(&hub_curve), &curve(&shroud_curve), &corners);
-    let main = sections(&main, &band, "main blade")?;
-    let splitters =
-        splitters.iter().map(|s| sections(s, &band, "splitter")).collect::<Result<Vec<_>, PartError>>()?;
+    let mut notes = Vec::new();
+    let main = sections(&main, &band, "main blade", &mut notes)?;
+    let splitters = splitters
+        .iter()
+        .map(|s| sections(s, &band, "splitter", &mut notes))
+        .collect::<Result<Vec<_>, PartError>>()?;
     let (rotation, note) = match options.rotation {
         Some(rotation) => (rotation, None),
         None => sense(&main, course.inlet_up()),
     };
+    notes.extend(note);
     let leading_first = rotation.sign_about_z(course.inlet_up()) < 0.0;
     Ok(PartDescription {
         name: name.to_owned(),
@@ -117,7 +124,7 @@ pub fn describe(
         blade_count: count,
         main: blade(&main, leading_first),
         splitters: splitters.iter().map(|s| blade(s, leading_first)).collect(),
-        notes: note.into_iter().collect(),
+        notes,
         hub_line: 0,
         shroud_line: 0,
         count_line: 0,
@@ -211,8 +218,13 @@ fn judged(profile: Profile, name: &str, tolerance: f64) -> Result<Profile, PartE
     Ok(profile)
 }
 
-/// Sections of a blade between hub and shroud.
-fn sections(surface: &Surface, band: &Band, name: &str) -> Result<Vec<Section>, PartError> {
+/// Sections of a blade between hub and shroud; adds to `notes` what may be its shape or missing triangles.
+fn sections(
+    surface: &Surface,
+    band: &Band,
+    name: &str,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Section>, PartError> {
     let cutter = Cutter::new(surface, band);
     if let Some(hole) = largest(surface, cutter.places()).filter(|hole| hole.size > LEAST_HOLE) {
         let at = Meridional::of(&hole.middle);
@@ -222,7 +234,7 @@ fn sections(surface: &Surface, band: &Band, name: &str) -> Result<Vec<Section>, 
                 "the {name} has a hole of {:.1} mm across at z = {:.1}, r = {:.1} mm",
                 hole.size, at.z, at.r
             ),
-            "close the mesh, or export the surface again with all of its faces",
+            CLOSE,
         ));
     }
     let (low, high) = cutter.reach(40);
@@ -255,7 +267,23 @@ fn sections(surface: &Surface, band: &Band, name: &str) -> Result<Vec<Section>, 
             )
         })
     };
-    (0..SECTIONS).map(|k| section(at(k))).collect()
+    let sections: Vec<Section> = (0..SECTIONS).map(|k| section(at(k))).collect::<Result<_, _>>()?;
+    if let Some(jump) = jump(&sections) {
+        let at = Meridional::of(&jump.at);
+        let place = format!("at z = {:.1}, r = {:.1} mm", at.z, at.r);
+        if jump.torn {
+            return Err(PartError::new(
+                0,
+                format!("the {} of the {name} has a gap of {:.1} mm {place}", jump.edge, jump.by),
+                CLOSE,
+            ));
+        }
+        notes.push(format!(
+            "the {} of the {name} jumps by {:.1} mm {place}: if that is not its shape, triangles are missing there",
+            jump.edge, jump.by
+        ));
+    }
+    Ok(sections)
 }
 
 /// The sense of rotation that a blade's wrap tells, and a word about it where the wrap is small.

@@ -1,16 +1,23 @@
-//! Smooth functions through scattered points: cubic splines on even knots, by least squares, with just enough
-//! stiffness to bridge stretches without points.
+//! Smooth functions through scattered points: cubic splines by least squares, with pieces as short as the points are
+//! dense, and just enough stiffness to bridge stretches without points.
 
 use nalgebra::{DMatrix, DVector};
 
-/// A function y(x) on an interval.
+/// A function y(x) on an interval: a cubic spline.
 #[derive(Clone, Debug)]
 pub struct SmoothFunction {
-    start: f64,
-    step: f64,
+    /// Ends of the cubic pieces, and [`DEGREE`] more beyond either end of the interval.
+    knots: Vec<f64>,
     coefficients: Vec<f64>,
 }
 
+const DEGREE: usize = 3;
+/// Fewest cubic pieces.
+const FEWEST_SPANS: usize = 4;
+/// Cubic pieces for each place that has points.
+const SPANS_PER_PLACE: f64 = 2.0 / 3.0;
+/// Places nearer to each other than this share of a piece, were all of them even, are one.
+const ONE_PLACE: f64 = 0.125;
 /// Weight of the third differences of the coefficients against a point's: what they are bent by evenly costs nothing,
 /// so that curves keep their direction and curvature where points are few.
 const STIFFNESS: f64 = 1e-4;
@@ -18,21 +25,15 @@ const STIFFNESS: f64 = 1e-4;
 const STRAIGHTNESS: f64 = 1e-9;
 
 impl SmoothFunction {
-    /// Fits (x, y) pairs with `spans` cubic pieces; `None` when the pairs have no extent or are not finite.
-    pub fn fit(pairs: &[(f64, f64)], spans: usize) -> Option<Self> {
-        let (low, high) = pairs
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
-        if pairs.iter().any(|p| !(p.0.is_finite() && p.1.is_finite()))
-            || high - low < 1e-9
-            || pairs.is_empty()
-        {
+    /// Fits (x, y) pairs with as many cubic pieces as there are different x, or a few less, and `most_spans` at most;
+    /// `None` when the pairs have no extent or are not finite.
+    pub fn fit(pairs: &[(f64, f64)], most_spans: usize) -> Option<Self> {
+        if pairs.iter().any(|p| !(p.0.is_finite() && p.1.is_finite())) {
             return None;
         }
-        let spans = spans.max(1);
-        let mut function =
-            Self { start: low, step: (high - low) / spans as f64, coefficients: vec![0.0; spans + 3] };
-        let n = spans + 3;
+        let knots = knots(pairs, most_spans)?;
+        let n = knots.len() - DEGREE - 1;
+        let mut function = Self { knots, coefficients: vec![0.0; n] };
         let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
         for &(x, y) in pairs {
             let (first, basis) = function.basis(x);
@@ -43,30 +44,66 @@ impl SmoothFunction {
                 }
             }
         }
-        let per_span = pairs.len() as f64 / spans as f64;
-        add_differences(&mut matrix, &[1.0, -3.0, 3.0, -1.0], STIFFNESS * per_span);
-        add_differences(&mut matrix, &[1.0, -2.0, 1.0], STRAIGHTNESS * per_span);
+        let per_span = pairs.len() as f64 / function.spans() as f64;
+        function.add_differences(&mut matrix, 3, STIFFNESS * per_span);
+        function.add_differences(&mut matrix, 2, STRAIGHTNESS * per_span);
         let solved = matrix.cholesky()?.solve(&right);
         function.coefficients = solved.iter().copied().collect();
         function.coefficients.iter().all(|c| c.is_finite()).then_some(function)
     }
 
-    /// First knot span of `x` and the four basis functions there.
-    fn basis(&self, x: f64) -> (usize, [f64; 4]) {
-        let last = self.coefficients.len() - 4;
-        let at = (x - self.start) / self.step;
-        let i = (at.max(0.0) as usize).min(last);
-        let t = at - i as f64;
-        let s = 1.0 - t;
-        (
-            i,
-            [
-                s * s * s / 6.0,
-                (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0,
-                (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0,
-                t * t * t / 6.0,
-            ],
-        )
+    /// Adds the squares of differences of neighbouring coefficients to the normal equations: of the derivatives of an
+    /// order, in units of the pieces about them, so that their weight is the same for long and short pieces.
+    fn add_differences(&self, matrix: &mut DMatrix<f64>, order: usize, weight: f64) {
+        for first in 0..self.coefficients.len() - order {
+            let t = &self.knots[first..first + DEGREE + order + 1];
+            // Column k: how the derivative answers to coefficient first + k.
+            let mut row = vec![vec![0.0; order + 1]; order + 1];
+            for (k, own) in row.iter_mut().enumerate() {
+                own[k] = 1.0;
+            }
+            for done in 0..order {
+                for i in 0..order - done {
+                    let width = t[i + DEGREE + 1] - t[i + done + 1];
+                    let next: Vec<f64> = row[i]
+                        .iter()
+                        .zip(&row[i + 1])
+                        .map(|(a, b)| (DEGREE - done) as f64 * (b - a) / width)
+                        .collect();
+                    row[i] = next;
+                }
+            }
+            let unit = (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64;
+            let row: Vec<f64> = row[0].iter().map(|x| x * unit.powi(order as i32)).collect();
+            for (i, x) in row.iter().enumerate() {
+                for (j, y) in row.iter().enumerate() {
+                    matrix[(first + i, first + j)] += weight * x * y;
+                }
+            }
+        }
+    }
+
+    /// Piece of `x`, or the nearest one.
+    fn span(&self, x: f64) -> usize {
+        self.ends()[1..self.spans()].partition_point(|end| *end <= x)
+    }
+
+    /// First of the four basis functions that are not zero at `x`, and their values.
+    fn basis(&self, x: f64) -> (usize, [f64; DEGREE + 1]) {
+        let span = self.span(x);
+        let at = span + DEGREE;
+        let mut basis = [1.0, 0.0, 0.0, 0.0];
+        for degree in 1..=DEGREE {
+            let mut carried = 0.0;
+            for r in 0..degree {
+                let (below, above) = (self.knots[at + 1 + r - degree], self.knots[at + 1 + r]);
+                let share = basis[r] / (above - below);
+                basis[r] = carried + (above - x) * share;
+                carried = (x - below) * share;
+            }
+            basis[degree] = carried;
+        }
+        (span, basis)
     }
 
     /// y at `x`.
@@ -77,30 +114,62 @@ impl SmoothFunction {
 
     /// Slope at `x`.
     pub fn slope(&self, x: f64) -> f64 {
-        let h = 1e-4 * self.step;
+        let span = self.span(x);
+        let h = 1e-4 * (self.ends()[span + 1] - self.ends()[span]);
         (self.at(x + h) - self.at(x - h)) / (2.0 * h)
     }
 
-    /// Ends of the interval.
-    pub fn domain(&self) -> (f64, f64) {
-        (self.start, self.start + self.step * (self.coefficients.len() - 3) as f64)
+    /// Ends of the cubic pieces.
+    pub fn ends(&self) -> &[f64] {
+        &self.knots[DEGREE..self.knots.len() - DEGREE]
     }
 
-    /// Number of cubic pieces.
-    pub fn spans(&self) -> usize {
-        self.coefficients.len() - 3
+    fn spans(&self) -> usize {
+        self.coefficients.len() - DEGREE
     }
 }
 
-/// Adds the squares of differences of neighbouring coefficients to the normal equations.
-fn add_differences(matrix: &mut DMatrix<f64>, row: &[f64], weight: f64) {
-    for first in 0..=matrix.nrows().saturating_sub(row.len()) {
-        for (i, x) in row.iter().enumerate() {
-            for (j, y) in row.iter().enumerate() {
-                matrix[(first + i, first + j)] += weight * x * y;
-            }
+/// Knots that are as dense as the places of the points; `None` where these have no extent.
+fn knots(pairs: &[(f64, f64)], most_spans: usize) -> Option<Vec<f64>> {
+    let mut x: Vec<f64> = pairs.iter().map(|p| p.0).collect();
+    x.sort_by(f64::total_cmp);
+    let (low, high) = (*x.first()?, *x.last()?);
+    if high - low < 1e-9 {
+        return None;
+    }
+    let most = most_spans.max(1);
+    let wanted = |places: &[f64]| (SPANS_PER_PLACE * places.len() as f64) as usize;
+    // Where that makes too many pieces, points closer together are one place: few points in a row keep theirs.
+    let mut apart = ONE_PLACE * (high - low) / most as f64;
+    let mut places = spread(&x, apart);
+    while wanted(&places) > most {
+        apart *= 1.25;
+        places = spread(&x, apart);
+    }
+    let spans = wanted(&places).clamp(FEWEST_SPANS.min(most), most);
+    let end = |k: usize| {
+        let at = k as f64 / spans as f64 * (places.len() - 1) as f64;
+        let i = (at as usize).min(places.len() - 2);
+        places[i] + (places[i + 1] - places[i]) * (at - i as f64)
+    };
+    let ends: Vec<f64> = (0..=spans).map(end).collect();
+    let (first, last) = (ends[1] - ends[0], ends[spans] - ends[spans - 1]);
+    let before = (1..=DEGREE).rev().map(|k| low - first * k as f64);
+    let after = (1..=DEGREE).map(|k| high + last * k as f64);
+    Some(before.chain(ends.iter().copied()).chain(after).collect())
+}
+
+/// Of increasing numbers those further than `apart` from the one before; the first and the last stay.
+fn spread(x: &[f64], apart: f64) -> Vec<f64> {
+    let (Some(&low), Some(&high)) = (x.first(), x.last()) else { return Vec::new() };
+    let mut kept = vec![low];
+    for &x in x {
+        if x - kept[kept.len() - 1] > apart && high - x > apart {
+            kept.push(x);
         }
     }
+    kept.push(high);
+    kept
 }
 
 #[cfg(test)]
@@ -133,6 +202,21 @@ mod tests {
             let x = 0.01 * f64::from(i);
             let off = fitted.slope(x) + x / arc(x);
             assert!(off.abs() < 2e-3, "slope {off} off at {x}");
+        }
+    }
+
+    #[test]
+    fn a_bend_is_followed_where_points_are_dense_about_it() {
+        // Straight, then a parabola: the second derivative jumps at 20.
+        let bend = |x: f64| if x < 20.0 { 0.0 } else { 0.01 * (x - 20.0) * (x - 20.0) };
+        let sparse = (0..=20).map(|i| 3.0 * f64::from(i));
+        let dense = (0..=40).map(|i| 19.0 + 0.05 * f64::from(i));
+        let pairs: Vec<(f64, f64)> = sparse.chain(dense).map(|x| (x, bend(x))).collect();
+        let fitted = SmoothFunction::fit(&pairs, 160).unwrap();
+        for i in 0..=600 {
+            let x = 0.1 * f64::from(i);
+            let off = fitted.slope(x) - if x < 20.0 { 0.0 } else { 0.02 * (x - 20.0) };
+            assert!(off.abs() < 5e-4, "slope {off} off at {x}");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod axis;
 pub mod describe;
+mod edges;
 mod fillets;
 mod fit;
 mod holes;

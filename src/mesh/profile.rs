@@ -13,7 +13,7 @@ const VOTES: f64 = 0.2;
 /// Blade corners that vote.
 const VOTERS: usize = 1000;
 /// Most cubic pieces of a curve.
-const MOST_SPANS: usize = 160;
+const MOST_SPANS: usize = 240;
 /// Rounds in which what stands over a curve is taken away.
 const MOST_ROUNDS: usize = 40;
 /// Share of the circumference in a normal from which on a triangle is none of revolution.
@@ -85,7 +85,7 @@ impl Course {
             if profile.residual < tolerance {
                 return Some(profile);
             }
-            let curve = SmoothFunction::fit(&self.pairs(&profile.points), (profile.points.len() / 2).max(1))?;
+            let curve = SmoothFunction::fit(&self.pairs(&profile.points), MOST_SPANS)?;
             let over: Vec<f64> = kept
                 .iter()
                 .map(|p| {
@@ -112,17 +112,7 @@ impl Course {
     /// The curve through `points`, of which all count.
     pub fn curve(&self, points: &[Meridional]) -> Option<Profile> {
         let pairs = self.pairs(points);
-        let (low, high) = pairs
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
-        // As many pieces as there are different places along the course, or a few less.
-        let mut places = [false; 8 * MOST_SPANS];
-        for (x, _) in &pairs {
-            let share = (x - low) / (high - low).max(1e-12);
-            places[((share * places.len() as f64) as usize).min(places.len() - 1)] = true;
-        }
-        let distinct = places.iter().filter(|p| **p).count();
-        let function = SmoothFunction::fit(&pairs, (distinct * 2 / 3).clamp(4, MOST_SPANS))?;
+        let function = SmoothFunction::fit(&pairs, MOST_SPANS)?;
         let mut profile = Profile { points: Vec::new(), residual: 0.0, at: Meridional::default() };
         for (&(x, y), p) in pairs.iter().zip(points) {
             let slope = function.slope(x);
@@ -131,11 +121,11 @@ impl Course {
                 (profile.residual, profile.at) = (off, *p);
             }
         }
-        let (start, end) = function.domain();
-        let count = 2 * function.spans() + 1;
-        profile.points = (0..count)
-            .map(|i| {
-                let x = start + (end - start) * i as f64 / (count - 1) as f64;
+        let ends = function.ends();
+        let middles = ends.windows(2).flat_map(|span| [span[0], 0.5 * (span[0] + span[1])]);
+        profile.points = middles
+            .chain(ends.last().copied())
+            .map(|x| {
                 let p = self.point(x, function.at(x));
                 Meridional { r: p.r.max(0.0), z: p.z }
             })

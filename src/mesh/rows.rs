@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use super::surface::Surface;
+use super::surface::{NONE, Surface};
+use super::weld::Table;
 use super::{Role, TriangleMesh};
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::PartError;
@@ -120,10 +121,16 @@ fn together(mut parts: Vec<Surface>) -> Surface {
         return parts.swap_remove(0);
     }
     let mut mesh = TriangleMesh::default();
-    for Surface { points, triangles, .. } in parts {
-        mesh.append(&TriangleMesh { points, triangles });
+    let mut faces = Vec::new();
+    let mut numbers: Table<(u64, u64), u32> = Table::default();
+    for (k, part) in parts.into_iter().enumerate() {
+        faces.extend(part.faces.into_iter().map(|face| {
+            let next = numbers.len() as u32;
+            if face == NONE { NONE } else { *numbers.entry((k as u64, u64::from(face))).or_insert(next) }
+        }));
+        mesh.append(&TriangleMesh { points: part.points, triangles: part.triangles });
     }
-    Surface::of(&mesh)
+    Surface::of_faces(&mesh, faces)
 }
 
 impl Rows {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::normals::CornerNormals;
-use super::surface::Surface;
+use super::surface::{NONE, Surface};
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
 /// Turn across an edge, as cosine, from which on a blade has an edge there.
@@ -71,6 +71,8 @@ pub struct CutPoint {
     pub along: f64,
     /// Whether the blade has an edge here.
     pub edge: bool,
+    /// Whether two faces of the mesh meet here without an edge.
+    pub seam: bool,
     /// How far the point was moved off its chord, mm: the less, the better it is known.
     pub moved: f64,
 }
@@ -195,12 +197,12 @@ impl<'a> Cutter<'a> {
         let (a, b) = (self.surface.points[i], self.surface.points[j]);
         let (ha, hb) = (self.places[i].1, self.places[j].1);
         let across = self.surface.neighbours[t][k];
-        let edge = across == super::surface::NONE || self.patch[across as usize] != self.patch[t];
+        let edge = across == NONE || self.patch[across as usize] != self.patch[t];
         let chord = b - a;
         let tangent = |n: &Vector| chord - n * n.dot(&chord);
         let (ta, tb) = match across {
             // An edge of the blade runs along both of its sides.
-            other if edge && other != super::surface::NONE => {
+            other if edge && other != NONE => {
                 let there = |corner: u32| {
                     let o = other as usize;
                     let c = (0..3).find(|&c| self.surface.triangles[o][c] == corner).unwrap_or(0);
@@ -246,7 +248,17 @@ impl<'a> Cutter<'a> {
             }
         }
         let point = at(x);
-        CutPoint { point, along: self.band.place(&point).0, edge, moved: (point - (a + chord * x)).norm() }
+        let seam = !edge && {
+            let faces = [t, across as usize].map(|t| self.surface.faces[t]);
+            faces[0] != faces[1] && !faces.contains(&NONE)
+        };
+        CutPoint {
+            point,
+            along: self.band.place(&point).0,
+            edge,
+            seam,
+            moved: (point - (a + chord * x)).norm(),
+        }
     }
 }
 

@@ -15,6 +15,8 @@ const NOSE_SHARE: f64 = 0.35;
 const AT_GAP: f64 = 0.05;
 /// Widest gap anywhere else, as share of the length.
 const BRIDGED: f64 = 0.01;
+/// A nose ends where its direction has turned from that at its foremost place by this, as cosine.
+const NOSE_TURN: f64 = 0.5;
 /// Where along a side its thickness at the nose is taken.
 const NOSE_END: f64 = 0.04;
 
@@ -32,6 +34,8 @@ pub struct SideCurve {
 pub struct Section {
     /// The sides.
     pub sides: [SideCurve; 2],
+    /// How far apart the ends of the cut are at leading and at trailing edge, mm; 0 where the blade is closed.
+    pub gaps: [f64; 2],
 }
 
 impl SideCurve {
@@ -108,7 +112,7 @@ impl SideCurve {
 impl Section {
     /// Splits the pieces of a cut, longest first. `None` when they are no closed blade section.
     pub fn of(cuts: &[Cut]) -> Option<Self> {
-        let line = joined(cuts)?;
+        let (line, gaps) = joined(cuts)?;
         let Split { mut first, mut second, round_tail } = split(&line)?;
         let mut sides = [SideCurve::new(&first)?, SideCurve::new(&second)?];
         let at = |side: &SideCurve, share: f64| side.raw(share * side.length());
@@ -128,7 +132,7 @@ impl Section {
         let nose = (0.5 * thickness(NOSE_END)).max(least);
         let tail = round_tail.then(|| (0.5 * thickness(1.0 - NOSE_END)).max(least));
         sides.iter_mut().for_each(|s| s.parametrise(nose, tail));
-        Some(Self { sides })
+        Some(Self { sides, gaps })
     }
 }
 
@@ -152,11 +156,12 @@ fn thinned(points: &[CutPoint]) -> Vec<CutPoint> {
     kept
 }
 
-/// A closed line, or one that is open at the trailing edge. `None`: it has gaps between its ends.
-fn joined(cuts: &[Cut]) -> Option<Cut> {
+/// A closed line, or one that is open at the trailing edge, and how far apart its ends were at leading and trailing edge,
+/// mm. `None`: it has gaps between its ends.
+fn joined(cuts: &[Cut]) -> Option<(Cut, [f64; 2])> {
     let longest = cuts.first()?;
     if longest.closed {
-        return Some(longest.clone());
+        return Some((longest.clone(), [0.0; 2]));
     }
     let length = |cut: &Cut| cut.points.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum::<f64>();
     let whole = length(longest);
@@ -170,6 +175,11 @@ fn joined(cuts: &[Cut]) -> Option<Cut> {
     let sound = |a: &CutPoint, b: &CutPoint| {
         let near = |end: f64| (a.along - end).abs().max((b.along - end).abs()) < AT_GAP * (high - low);
         near(low) || near(high) || (a.point - b.point).norm() < BRIDGED * whole
+    };
+    let mut gaps: [f64; 2] = [0.0; 2];
+    let mut bridge = |a: &CutPoint, b: &CutPoint| {
+        let gap = &mut gaps[usize::from(a.along + b.along > low + high)];
+        *gap = gap.max((a.point - b.point).norm());
     };
     let mut line = longest.points.clone();
     while !rest.is_empty() {
@@ -196,15 +206,17 @@ fn joined(cuts: &[Cut]) -> Option<Cut> {
         if !sound(&line[line.len() - 1], &piece[0]) {
             return None;
         }
+        bridge(&line[line.len() - 1], &piece[0]);
         line.extend(piece);
     }
     let (first, last) = (line[0], line[line.len() - 1]);
     if !sound(&first, &last) {
         return None;
     }
+    bridge(&first, &last);
     let gap_at_leading = 0.5 * (first.along + last.along) < 0.5 * (low + high);
     let met = (first.point - last.point).norm() < 1e-3 * whole;
-    Some(Cut { points: line, closed: met || gap_at_leading })
+    Some((Cut { points: line, closed: met || gap_at_leading }, gaps))
 }
 
 fn extent(points: &[CutPoint]) -> (f64, f64) {
@@ -250,6 +262,7 @@ fn split(cut: &Cut) -> Option<Split> {
         }
         None
     };
+    let mut start = lowest;
     let leading = match (edge_from(true), edge_from(false)) {
         (Some(a), Some(b)) if a == b => points[a],
         (Some(a), Some(b)) => {
@@ -258,19 +271,26 @@ fn split(cut: &Cut) -> Option<Split> {
                 point: middle,
                 along: 0.5 * (points[a].along + points[b].along),
                 edge: true,
+                seam: false,
                 moved: 0.0,
             }
         }
-        _ => extreme(points, lowest, &step, 1.0),
+        _ => match nose_seam(points, &step, lowest) {
+            Some(seam) => {
+                start = seam;
+                points[seam]
+            }
+            None => extreme(points, lowest, &step, 1.0),
+        },
     };
     let side = |forward: bool| {
         let mut line = vec![leading];
-        let mut at = lowest;
+        let mut at = start;
         let mut round = true;
         for k in 0..n {
             let p = points[at];
             // On the way out of the nose, points behind the leading edge belong to the other side.
-            if k > 2 || ahead(points, &step, lowest, forward, &leading.point, &p.point) {
+            if k > 2 || ahead(points, &step, start, forward, &leading.point, &p.point) {
                 line.push(p);
             }
             if p.edge && p.along > high - AT_TRAILING * range && k > 0 {
@@ -301,6 +321,34 @@ fn split(cut: &Cut) -> Option<Split> {
         }
     }
     (first.len() > 3 && second.len() > 3).then_some(Split { first, second, round_tail })
+}
+
+/// The place on a round nose where the mesh's faces of both sides meet, if it has one such. Where sides part on a nose is
+/// arbitrary, but what is measured from there follows it.
+fn nose_seam(
+    points: &[CutPoint],
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    lowest: usize,
+) -> Option<usize> {
+    let way = |i: usize| {
+        let (next, previous) = (step(i, true).unwrap_or(i), step(i, false).unwrap_or(i));
+        (points[next].point - points[previous].point).try_normalize(1e-12)
+    };
+    let foremost = way(lowest)?;
+    let mut found = points[lowest].seam.then_some(lowest);
+    for forward in [true, false] {
+        let mut at = lowest;
+        for _ in 0..points.len() / 2 {
+            at = step(at, forward)?;
+            if way(at)?.dot(&foremost) < NOSE_TURN {
+                break;
+            }
+            if points[at].seam && found.replace(at).is_some() {
+                return None;
+            }
+        }
+    }
+    found
 }
 
 /// Whether `p`, near the leading edge, lies on the way `forward` of it.
@@ -351,7 +399,9 @@ fn extreme(
         .map(|k| curve.point(from + (to - from) * f64::from(k) / 400.0))
         .min_by(|a, b| (sign * a[3]).total_cmp(&(sign * b[3])));
     match best {
-        Some([x, y, z, along]) => CutPoint { point: Point::new(x, y, z), along, edge: false, moved: 0.0 },
+        Some([x, y, z, along]) => {
+            CutPoint { point: Point::new(x, y, z), along, edge: false, seam: false, moved: 0.0 }
+        }
         None => points[at],
     }
 }

@@ -19,28 +19,37 @@ pub struct Surface {
     /// Per triangle, what lies across the edge from corner k to corner k + 1 ([`NONE`]: a border, or an edge that
     /// more than two triangles share).
     pub neighbours: Vec<[u32; 3]>,
+    /// Per triangle, its face: those that share corners in the mesh as it is given are of one. [`NONE`]: of none.
+    pub faces: Vec<u32>,
 }
 
 impl Surface {
     /// The surface of a mesh.
     pub fn of(mesh: &TriangleMesh) -> Self {
+        Self::of_faces(mesh, connected(&mesh.triangles, mesh.points.len()))
+    }
+
+    /// As [`Self::of`], with the faces of its triangles.
+    pub fn of_faces(mesh: &TriangleMesh, faces: Vec<u32>) -> Self {
         let (to, points) = weld::equal(&mesh.points);
-        let surface = Self::over(points, mesh.triangles.iter().map(|t| t.map(|i| to[i as usize])));
+        let renumbered = |triangles: &[[u32; 3]], to: &[u32]| {
+            triangles.iter().map(|t| t.map(|i| to[i as usize])).collect()
+        };
+        let surface = Self::over(points, renumbered(&mesh.triangles, &to), faces);
         // Only corners at borders can have been parted.
         let mut loose = vec![false; surface.points.len()];
         surface.border_edges().for_each(|((a, b), _)| (loose[a as usize], loose[b as usize]) = (true, true));
         match weld::near(&surface.points, &surface.triangles, &loose) {
-            Some((to, points)) => {
-                Self::over(points, surface.triangles.iter().map(|t| t.map(|i| to[i as usize])))
-            }
+            Some((to, points)) => Self::over(points, renumbered(&surface.triangles, &to), surface.faces),
             None => surface,
         }
     }
 
-    fn over(points: Vec<Point>, corners: impl ExactSizeIterator<Item = [u32; 3]>) -> Self {
+    fn over(points: Vec<Point>, corners: Vec<[u32; 3]>, faces_of: Vec<u32>) -> Self {
         let mut triangles = Vec::with_capacity(corners.len());
         let mut normals = Vec::with_capacity(corners.len());
-        for t in corners {
+        let mut faces = Vec::with_capacity(corners.len());
+        for (t, face) in corners.into_iter().zip(faces_of) {
             let [a, b, c] = t.map(|i| points[i as usize]);
             let normal = (b - a).cross(&(c - a));
             let size = normal.norm();
@@ -49,10 +58,11 @@ impl Surface {
             if size > 1e-9 * longest && size.is_finite() {
                 triangles.push(t);
                 normals.push(normal / size);
+                faces.push(face);
             }
         }
         let neighbours = neighbours(&triangles);
-        Self { points, triangles, normals, neighbours }
+        Self { points, triangles, normals, neighbours, faces }
     }
 
     /// The edges without a neighbour: their corners, in the order in which their triangle has them, and that triangle.
@@ -64,8 +74,9 @@ impl Surface {
 
     /// With more triangles over its corners.
     pub fn with(self, triangles: Vec<[u32; 3]>) -> Self {
-        let all: Vec<[u32; 3]> = self.triangles.into_iter().chain(triangles).collect();
-        Self::over(self.points, all.into_iter())
+        let mut faces = self.faces;
+        faces.resize(self.triangles.len() + triangles.len(), NONE);
+        Self::over(self.points, self.triangles.into_iter().chain(triangles).collect(), faces)
     }
 
     /// The same triangles with all corners moved, rigidly.
@@ -114,41 +125,30 @@ impl Surface {
 
     /// The triangles for which `keep` holds, over the corners that they need.
     pub fn part(&self, keep: impl Fn(usize) -> bool) -> Self {
-        let triangles = (0..self.triangles.len()).filter(|&t| keep(t)).map(|t| self.triangles[t]).collect();
+        let kept: Vec<usize> = (0..self.triangles.len()).filter(|&t| keep(t)).collect();
+        let triangles = kept.iter().map(|&t| self.triangles[t]).collect();
         let mesh = TriangleMesh { points: self.points.clone(), triangles }.compact();
-        Self::over(mesh.points, mesh.triangles.into_iter())
+        Self::over(mesh.points, mesh.triangles, kept.iter().map(|&t| self.faces[t]).collect())
     }
 
     /// The connected pieces, each with its triangles in their order; pieces in the order of their first triangle.
     pub fn pieces(self) -> Vec<Self> {
-        fn root(parent: &mut [u32], mut i: u32) -> u32 {
-            while parent[i as usize] != i {
-                parent[i as usize] = parent[parent[i as usize] as usize];
-                i = parent[i as usize];
-            }
-            i
-        }
-        let mut parent: Vec<u32> = (0..self.points.len() as u32).collect();
-        for t in &self.triangles {
-            let [a, b, c] = t.map(|i| root(&mut parent, i));
-            parent[b as usize] = a;
-            let c = root(&mut parent, c);
-            parent[c as usize] = a;
-        }
+        let piece = connected(&self.triangles, self.points.len());
         let mut piece_of: Table<u64, usize> = Table::default();
         let mut pieces: Vec<Self> = Vec::new();
         // Number of a triangle or corner within its piece; a corner belongs to one only.
         let mut triangle_to = Vec::with_capacity(self.triangles.len());
         let mut corner_to = vec![NONE; self.points.len()];
-        for (t, normal) in self.triangles.iter().zip(&self.normals) {
-            let number = *piece_of.entry(u64::from(root(&mut parent, t[0]))).or_insert_with(|| {
+        for (t, corners) in self.triangles.iter().enumerate() {
+            let number = *piece_of.entry(u64::from(piece[t])).or_insert_with(|| {
                 pieces.push(Self::default());
                 pieces.len() - 1
             });
             let piece = &mut pieces[number];
             triangle_to.push(piece.triangles.len() as u32);
-            piece.normals.push(*normal);
-            piece.triangles.push(t.map(|i| {
+            piece.normals.push(self.normals[t]);
+            piece.faces.push(self.faces[t]);
+            piece.triangles.push(corners.map(|i| {
                 let new = &mut corner_to[i as usize];
                 if *new == NONE {
                     *new = piece.points.len() as u32;
@@ -158,12 +158,30 @@ impl Surface {
             }));
         }
         let own = |n: u32| if n == NONE { NONE } else { triangle_to[n as usize] };
-        for (t, neighbours) in self.triangles.iter().zip(&self.neighbours) {
-            let number = piece_of[&u64::from(root(&mut parent, t[0]))];
-            pieces[number].neighbours.push(neighbours.map(own));
+        for (piece, neighbours) in piece.iter().zip(&self.neighbours) {
+            pieces[piece_of[&u64::from(*piece)]].neighbours.push(neighbours.map(own));
         }
         pieces
     }
+}
+
+/// Numbers the triangles by what they are connected to over shared corners, of which there are `count`.
+fn connected(triangles: &[[u32; 3]], count: usize) -> Vec<u32> {
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    let mut parent: Vec<u32> = (0..count as u32).collect();
+    for t in triangles {
+        let [a, b, c] = t.map(|i| root(&mut parent, i));
+        parent[b as usize] = a;
+        let c = root(&mut parent, c);
+        parent[c as usize] = a;
+    }
+    triangles.iter().map(|t| root(&mut parent, t[0])).collect()
 }
 
 fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {

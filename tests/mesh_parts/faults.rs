@@ -2,7 +2,9 @@
 
 use nalgebra::Rotation3;
 use vanecut::geometry::{Point, Vector};
-use vanecut::mesh::{NamedMesh, TriangleMesh, Unit, describe};
+use vanecut::mesh::solid::FaceKind;
+use vanecut::mesh::tessellate::{Fineness, Tessellation};
+use vanecut::mesh::{MeshOptions, NamedMesh, TriangleMesh, Unit, describe};
 use vanecut::part::Impeller;
 
 use crate::body::Body;
@@ -94,4 +96,43 @@ fn holes_are_filled_or_refused_with_their_place() {
     meshes.iter_mut().filter(|m| m.name.starts_with("Blade")).for_each(|m| m.mesh = window(&m.mesh));
     let error = describe("back", meshes, Unit::Millimetre, &turning(&part)).unwrap_err().to_string();
     assert!(error.contains("hole of") && error.contains("z ="), "{error}");
+}
+
+/// Blades of their two sides alone, open at foot, tip and blunt edges, without the triangles whose corners are all `gone`.
+fn bitten(part: &Impeller, gone: impl Fn(FaceKind, &Point) -> bool) -> Vec<NamedMesh> {
+    let main = Tessellation::new(part, &Fineness::default()).main;
+    let mut mesh = TriangleMesh { points: main.points.clone(), triangles: Vec::new() };
+    for face in main.faces.iter().filter(|f| matches!(f.kind, FaceKind::Suction | FaceKind::Pressure)) {
+        let corners = face.triangles.iter().map(|t| t.map(|c| face.corners[c as usize].point));
+        mesh.triangles
+            .extend(corners.filter(|t| !t.iter().all(|i| gone(face.kind, &mesh.points[*i as usize]))));
+    }
+    let mut meshes: Vec<NamedMesh> =
+        separate(part).into_iter().filter(|m| !m.name.starts_with("Blade")).collect();
+    meshes.push(named("Blade".into(), meshes.len(), mesh));
+    meshes
+}
+
+#[test]
+fn bites_out_of_a_border_are_refused_or_named() {
+    let part = sample("impeller532.toml");
+    let options = MeshOptions { blades: Some(part.blade_count), ..turning(&part) };
+    let opened = |meshes| describe("back", meshes, Unit::Millimetre, &options);
+    let whole = opened(bitten(&part, |_, _| false)).expect("a part");
+    same(&part, &Impeller::build(&whole).expect("an impeller"), 0.02);
+    let (hub, rim) = (part.hub.point(0.0), part.rim_radius());
+    let at_nose = |p: &Point| p.xy().coords.norm() < hub.r + 12.0 && (p.z - hub.z).abs() < 10.0;
+    let at_rim = |p: &Point| p.xy().coords.norm() > rim - 15.0 && (p.z - part.hub.point(1.0).z).abs() < 8.0;
+    // One side ends before the other, or the sides meet at some heights only.
+    for (what, edge, meshes) in [
+        ("a nose", "leading edge", bitten(&part, |_, p| at_nose(p))),
+        ("one side", "trailing edge", bitten(&part, |kind, p| kind == FaceKind::Suction && at_rim(p))),
+    ] {
+        let error = opened(meshes).expect_err(what).to_string();
+        assert!(error.contains(edge) && error.contains("gap of") && error.contains("z ="), "{error}");
+    }
+    // Both sides end early: it may be the shape of the blade.
+    let cut = opened(bitten(&part, |_, p| at_rim(p))).expect("a part");
+    let note = cut.notes.first().expect("a word about it");
+    assert!(note.contains("trailing edge") && note.contains("jumps by") && note.contains("z ="), "{note}");
 }

@@ -8,6 +8,10 @@ use crate::part::{Flowpath, Impeller};
 
 /// Fewest angular steps of a full turn.
 const FEWEST_STEPS: usize = 24;
+/// Most that the direction of hub or shroud may change between rings beyond what an even bend tells of it, rad per share
+/// of the chord error in the length of the curve: plans ask for directions, and chords follow a bend only where it is, not
+/// where it begins.
+const TURN: f64 = 3.0;
 /// Rings nearer to each other than this are one, mm.
 const SAME: f64 = 1e-9;
 
@@ -122,15 +126,17 @@ fn stations(path: &Flowpath, error: f64) -> Vec<f64> {
     let (start, end) = (path.arc_at(nose(path)), path.arc_at(1.0));
     let mut stations = vec![start];
     let pieces = 4;
+    let turn = TURN * error / (end - start);
     for k in 0..pieces {
         let at = |k: usize| start + (end - start) * k as f64 / pieces as f64;
-        halve(path.curve(), at(k), at(k + 1), error, &mut stations);
+        halve(path.curve(), at(k), at(k + 1), (error, turn), &mut stations);
     }
     stations
 }
 
-/// Adds the ends of chords between `a` (already in the list) and `b`.
-fn halve(curve: &MeridionalCurve, a: f64, b: f64, error: f64, into: &mut Vec<f64>) {
+/// Adds the ends of chords between `a` (already in the list) and `b` that are at most `error` mm off the curve, and
+/// along which the uneven part of the bend turns it by `turn` rad at most.
+fn halve(curve: &MeridionalCurve, a: f64, b: f64, (error, turn): (f64, f64), into: &mut Vec<f64>) {
     let (p, q) = (curve.point(a), curve.point(b));
     let length = p.distance(q).max(1e-12);
     let off = |share: f64| {
@@ -138,10 +144,14 @@ fn halve(curve: &MeridionalCurve, a: f64, b: f64, error: f64, into: &mut Vec<f64
         ((m.r - p.r) * (q.z - p.z) - (m.z - p.z) * (q.r - p.r)).abs() / length
     };
     let worst = [0.25, 0.5, 0.75].map(off).into_iter().fold(0.0, f64::max);
-    if worst > error && b - a > 1e-6 {
+    let bends = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| curve.at(a + (b - a) * share).curvature);
+    let (least, most) =
+        bends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), k| (l.min(*k), m.max(*k)));
+    let uneven = (most - least) * (b - a) / 8.0;
+    if (worst > error || uneven > turn) && b - a > 1e-6 {
         let middle = 0.5 * (a + b);
-        halve(curve, a, middle, error, into);
-        halve(curve, middle, b, error, into);
+        halve(curve, a, middle, (error, turn), into);
+        halve(curve, middle, b, (error, turn), into);
     } else {
         into.push(b);
     }
