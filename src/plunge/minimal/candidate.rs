@@ -8,13 +8,16 @@ use crate::plunge::contact::{BlankTop, Column};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 
-/// Feed tilts looked at: from, to and apart, degrees. Positive leans towards the uncut side.
-pub const TILT_FROM_DEG: f64 = -12.0;
+/// Feed tilts looked at: from, and steps to the last one, degrees. Positive leans towards the uncut side.
+const TILT_FROM_DEG: f64 = -12.0;
 /// See [`TILT_FROM_DEG`].
-pub const TILT_STEP_DEG: f64 = 2.0;
-/// How many tilts there are.
-pub const TILTS: usize = 20;
+const TILT_STEP_DEG: f64 = 2.0;
+/// See [`TILT_FROM_DEG`].
+const TILT_STEPS: usize = 19;
 
+/// Tilts are too coarse when from one to the next the axis moves on the shroud by more than this share of the ring that
+/// the edges sweep: the next core then meets what the last plunge left high above the hub.
+const COARSE_SHARE: f64 = 0.4;
 /// Drafts beside a wall are a few µm off it; the exact axis is met once a path is chosen.
 const DRAFT_SLACK: f64 = 5e-3;
 /// The search looks at a core so much wider, that between its few lines nothing of the real one is missed.
@@ -60,10 +63,10 @@ const LEANS: usize = 3;
 const UPRIGHT_SHARES: [f64; LEANS] = [1.0, 0.5, 0.0];
 
 /// What one place offers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Place {
     /// For each tilt candidates, the best first. Those that limits forbid outright are missing.
-    pub tilts: [[Option<Candidate>; LEANS]; TILTS],
+    pub tilts: Vec<[Option<Candidate>; LEANS]>,
     floor: FloorPoints,
 }
 
@@ -76,7 +79,7 @@ impl Place {
     /// The least angle between axes of the same tilt here and at `next`, rad; 0 when there are none.
     pub fn least_turn(&self, next: &Place) -> f64 {
         let turn = |j: usize| Some(self.tilts[j][0]?.station.axis.angle(&next.tilts[j][0]?.station.axis));
-        (0..TILTS).filter_map(turn).reduce(f64::min).unwrap_or(0.0)
+        (0..self.tilts.len().min(next.tilts.len())).filter_map(turn).reduce(f64::min).unwrap_or(0.0)
     }
 }
 
@@ -97,6 +100,8 @@ pub struct CandidateMaker<'a> {
     pub floor: &'a (dyn Fn(f64) -> Option<[f64; 2]> + Sync),
     /// How far W may leave the row's place on the shroud sideways, mm: further, and a ridge would stay.
     pub sideways: f64,
+    /// Into how many parts the steps from tilt to tilt are divided.
+    pub fineness: usize,
 }
 
 /// The directions that count at a place of a row.
@@ -148,20 +153,31 @@ impl CandidateMaker<'_> {
     /// What there is at `s_hub`; `None` where the cutter does not fit at all.
     pub fn at(&self, s_hub: f64) -> Option<Place> {
         let Stand { conventional, frame, upright, reference } = self.stand(s_hub)?;
-        let mut place =
-            Place { tilts: [[None; LEANS]; TILTS], floor: self.floor_points(&conventional, &frame)? };
-        for (j, candidates) in place.tilts.iter_mut().enumerate() {
-            let tilt = (TILT_FROM_DEG + TILT_STEP_DEG * j as f64).to_radians();
+        let floor = self.floor_points(&conventional, &frame)?;
+        let candidates = |j: usize| {
+            let tilt = (TILT_FROM_DEG + TILT_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
             let axes = self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), UPRIGHT_SHARES);
-            *candidates = axes.map(|ends| {
-                let candidate = self.lowered(ends?, &place.floor, &reference)?;
+            let mut candidates = axes.map(|ends| {
+                let candidate = self.lowered(ends?, &floor, &reference)?;
                 let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
                 Some(Candidate { station, ..candidate })
             });
             let cost = |c: &Option<Candidate>| c.map_or(f64::INFINITY, |c| c.cost(0.0, self.scale));
             candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        }
-        Some(place)
+            candidates
+        };
+        let tilts = (0..=TILT_STEPS * self.fineness).map(candidates).collect();
+        Some(Place { tilts, floor })
+    }
+
+    /// Whether the steps from tilt to tilt are too coarse for the cutter somewhere on a row along the places `s`.
+    pub fn is_coarse(&self, s: &[f64]) -> bool {
+        let tool = self.maker.tool;
+        let step = (TILT_STEP_DEG / self.fineness as f64).to_radians();
+        let most = COARSE_SHARE * (tool.radius() - tool.core_radius());
+        let depth =
+            |ends: &AxisEnds| (self.maker.lane.shroud_point(ends) - self.maker.lane.hub_point(ends)).norm();
+        s.iter().filter_map(|&s| self.isoparametric(s)).any(|ends| step * depth(&ends) > most)
     }
 
     /// Stations at `s_hub` with feed `tilts` (rad), each with all `shares` of the way to upright across the row; blades not

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, CandidateMaker, Place, TILTS};
+use super::candidate::{Candidate, CandidateMaker, Place};
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
@@ -22,6 +22,12 @@ const TURN_SHARE: f64 = 0.7;
 const BEAM: f64 = 3.0;
 /// Cost of ending a row and beginning another, mm.
 const COST_OF_NEW_ROW: f64 = 5.0;
+/// What a place without any axis costs beside one that leaves a thick layer, mm.
+const COST_OF_MISSED: f64 = 30.0;
+/// A path that costs no more than so many times the least is good enough.
+pub const GOOD_ENOUGH: f64 = 1.2;
+/// Share of its cost that a path must gain by finer tilts for still finer ones to be looked at.
+const LEAST_GAINED: f64 = 0.02;
 /// Cost by which another axis must be better for a position to count as held back, mm.
 const WORTH_TELLING: f64 = 0.02;
 /// Lift kept above what the fewer lines of the search saw, mm.
@@ -32,7 +38,7 @@ const LIFT_MARGIN: f64 = 0.01;
 pub struct Path {
     /// Stations with the lift the search gave them, mm.
     pub steps: Vec<(Station, f64)>,
-    /// What it costs: the sum over its positions.
+    /// What it costs: the sum over its positions, and the places at the end that it does not reach.
     pub cost: f64,
     /// What no path could cost less than, by blades and contact or without them.
     pub least: f64,
@@ -54,7 +60,7 @@ struct State {
 /// An s and what there is. A place is large, and they are moved about.
 type PlaceAt = (f64, Option<Box<Place>>);
 /// States of one place, by tilt.
-type States = [Option<State>; TILTS];
+type States = Vec<Option<State>>;
 
 /// Searches one row.
 pub struct PathSearch<'a> {
@@ -70,8 +76,9 @@ pub struct PathSearch<'a> {
 struct Here<'h> {
     /// States of the places before.
     states: &'h [States],
-    /// The last place that has any.
+    /// The last place that has any, and its states by cost, the cheapest first.
     last: Option<usize>,
+    order: Vec<usize>,
     /// Whether a row may begin here.
     may_begin: bool,
     /// Whether the layer left here counts.
@@ -80,14 +87,40 @@ struct Here<'h> {
     earlier: &'h Columns,
 }
 
+/// Numbers of states, the cheapest first.
+fn by_cost(states: &States) -> Vec<usize> {
+    let cost = |i: usize| states[i].map_or(f64::INFINITY, |s| s.cost);
+    let mut order: Vec<usize> = (0..states.len()).collect();
+    order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+    order
+}
+
 impl PathSearch<'_> {
     /// The cheapest path along the places `s` (in cutting order) after `earlier` plunges. The path may begin anywhere
     /// up to s = `start`; a layer left before it costs nothing. Places are added where the axes turn too much from
-    /// one to the next.
+    /// one to the next. Where it leaves much more than the least, tilts are looked at more finely, as slender cutters need.
     ///
     /// # Errors
     /// When the work is cancelled.
     pub fn path(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<Path, Cancelled> {
+        let mut best = self.path_by(s, start, earlier)?;
+        let mut finer = PathSearch { candidates: self.candidates.clone(), ..*self };
+        while finer.candidates.is_coarse(s) && best.cost > GOOD_ENOUGH * best.least {
+            finer.candidates.fineness *= 2;
+            let path = finer.path_by(s, start, earlier)?;
+            let gained = best.cost - path.cost;
+            if gained > 0.0 {
+                best = path;
+            }
+            if gained < LEAST_GAINED * best.cost {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// [`Self::path`] by the tilts as they are.
+    fn path_by(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<Path, Cancelled> {
         let monitor = self.candidates.maker.monitor;
         let inward = self.candidates.maker.inward;
         let places = self.places(s);
@@ -98,12 +131,13 @@ impl PathSearch<'_> {
             // Ahead of the start is where the cut has not come yet.
             let ahead = (start - s) * inward;
             let Some(place) = place else {
-                states.push([None; TILTS]);
+                states.push(States::new());
                 continue;
             };
             let here = Here {
                 states: &states,
                 last,
+                order: last.map_or_else(Vec::new, |last| by_cost(&states[last])),
                 may_begin: ahead <= 1e-9 || last.is_none(),
                 counts: ahead >= -1e-9,
                 earlier,
@@ -120,7 +154,11 @@ impl PathSearch<'_> {
             .filter_map(|(_, place)| place.as_ref()?.cheapest(self.candidates.scale))
             .map(|cost| cost + COST_PER_POSITION)
             .sum();
-        Ok(Path { least, ..self.traced(&places, &states, last) })
+        let path = self.traced(&places, &states, last);
+        let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(Path { least, ..path }) };
+        let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
+        let missed = ((end - reached) / (second - first)).abs();
+        Ok(Path { least, cost: path.cost + COST_OF_MISSED * missed, ..path })
     }
 
     /// What there is at every s, and between two of them where the axes turn too much on the way.
@@ -154,13 +192,15 @@ impl PathSearch<'_> {
     /// States of a place. Tilts that cannot come near the best are left out, unless the best has to stop
     /// short or is blocked.
     fn reached(&self, place: &Place, here: &Here) -> States {
-        let bounds: [f64; TILTS] = std::array::from_fn(|j| self.bound(&place.tilts[j], here));
+        let bounds: Vec<f64> = place.tilts.iter().map(|tilt| self.bound(tilt, here)).collect();
         let promising = bounds.iter().copied().fold(f64::INFINITY, f64::min) + BEAM;
         let reach = |j: usize| self.reach(j, place, here);
-        let mut states: States = [None; TILTS];
+        let mut states: States = vec![None; bounds.len()];
         let mut fill = |wanted: &(dyn Fn(f64) -> bool + Sync)| {
-            let reached: Vec<Option<State>> =
-                (0..TILTS).into_par_iter().map(|j| if wanted(bounds[j]) { reach(j) } else { None }).collect();
+            let reached: States = (0..bounds.len())
+                .into_par_iter()
+                .map(|j| if wanted(bounds[j]) { reach(j) } else { None })
+                .collect();
             for (state, reached) in states.iter_mut().zip(reached) {
                 *state = state.or(reached);
             }
@@ -232,11 +272,8 @@ impl PathSearch<'_> {
             }
         };
         if let Some(last) = here.last {
-            let mut order: [usize; TILTS] = std::array::from_fn(|i| i);
-            let cost = |i: usize| here.states[last][i].map_or(f64::INFINITY, |s| s.cost);
-            order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
             let mut within_reach = false;
-            for i in order {
+            for &i in &here.order {
                 let Some(passed) = &here.states[last][i] else { break };
                 if passed.candidate.station.axis.angle(&candidate.station.axis) <= self.max_axis_change {
                     within_reach = true;
@@ -244,8 +281,12 @@ impl PathSearch<'_> {
                 }
             }
             // Where no axis can be had from the last ones, another row begins.
-            if !within_reach && here.counts && here.states[last][order[0]].is_some() {
-                consider(cost(order[0]) + COST_OF_NEW_ROW, Some((last, order[0])));
+            if !within_reach
+                && here.counts
+                && let Some(&first) = here.order.first()
+                && let Some(cheapest) = &here.states[last][first]
+            {
+                consider(cheapest.cost + COST_OF_NEW_ROW, Some((last, first)));
             }
         }
         if here.may_begin {
@@ -257,7 +298,8 @@ impl PathSearch<'_> {
     /// The path that ends in the cheapest state of place `last`.
     fn traced(&self, places: &[PlaceAt], states: &[States], last: Option<usize>) -> Path {
         let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
-        let end = last.and_then(|k| (0..TILTS).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
+        let end = last
+            .and_then(|k| (0..states[k].len()).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
         let mut path = Path { cost: end.as_ref().map_or(0.0, cost), ..Path::default() };
         let mut at = end;
         while let Some((k, j)) = at

@@ -1,6 +1,7 @@
 //! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
 //! direction that leaves less.
 
+use super::path::GOOD_ENOUGH;
 use super::{CandidateMaker, Crossing, PathSearch};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
@@ -13,10 +14,6 @@ use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::sections::{ridge_spacing, tool_of};
 
-/// A section fed inwards that costs no more than so many times the least is not tried outwards.
-const GOOD_ENOUGH: f64 = 1.2;
-/// What a place without any axis costs beside one that leaves a thick layer, mm.
-const COST_OF_MISSED: f64 = 30.0;
 /// Layer whose square weighs as much as itself, in cutter radii.
 pub const SCALE_RADII: f64 = 0.5;
 /// How far before its start a row may begin, in cutter diameters.
@@ -120,7 +117,7 @@ impl Planner<'_> {
                     max_axis_change: self.setup.plunge.max_axis_change,
                 };
                 let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
-                let (places, step) = places(&maker, start + run_up, start, end);
+                let places = places(&maker, start + run_up, start, end);
                 let lambda = stretch.lambda_in_channel(lambda);
                 let mut path = search.path(&places, start, &cut.columns)?;
                 if let Some((first, lift)) = path.steps.first()
@@ -131,9 +128,8 @@ impl Planner<'_> {
                     self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
                     path = search.path(&places, start, &cut.columns)?;
                 }
-                let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
                 *least += path.least;
-                *cost += path.cost + COST_OF_MISSED * ((end - reached) / step).abs();
+                *cost += path.cost;
                 if *cost >= limit {
                     return Ok(false);
                 }
@@ -164,6 +160,7 @@ impl Planner<'_> {
             scale: SCALE_RADII * maker.tool.radius(),
             floor: &|_| None,
             sideways: f64::INFINITY,
+            fineness: 1,
         }
     }
 
@@ -256,8 +253,8 @@ impl Planner<'_> {
 }
 
 /// Places s of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub and shroud for
-/// conventional axes, and their distance.
-fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> (Vec<f64>, f64) {
+/// conventional axes.
+fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> Vec<f64> {
     let length = maker.part.hub.length().max(maker.part.shroud.length());
     let coarse = (((end - start).abs() * length / maker.step_limit / 3.0).ceil() as usize).clamp(1, 4000);
     let at = |i: usize| start + (end - start) * i as f64 / coarse as f64;
@@ -274,7 +271,7 @@ fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> (Vec<f64>, f64
     let count = coarse * per_gap;
     let step = (end - start) / count as f64;
     let first = ((run_up - start).abs() / step.abs()).ceil() as usize;
-    ((0..=first + count).map(|i| start + step * (i as f64 - first as f64)).collect(), step)
+    (0..=first + count).map(|i| start + step * (i as f64 - first as f64)).collect()
 }
 
 /// Stage 2: puts positions between those that stand further apart than the step limit.
