@@ -7,7 +7,8 @@ use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use vanecut::formats::part_file::{read_part, read_part_bytes};
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, Channel, Impeller, Setup};
+use vanecut::part::setup::SectionSetup;
+use vanecut::part::{AxisPolicy, Channel, Impeller, Setup, Tool};
 use vanecut::verify::verify;
 
 fn sample(name: &str) -> Impeller {
@@ -176,4 +177,71 @@ fn made_wheels_with_made_setups_are_freed() {
         check(&format!("wheel {wheel}"), &part, &outcome);
     }
     assert!(planned >= 5, "only {planned} wheels could be planned");
+}
+
+/// A wheel with channels ten cutters deep.
+const DEEP: &str = r#"
+name = "deep"
+blades = 12
+[hub]
+control = [[74.1, 0], [74.1, 100.2], [138.7, 161.7], [235.6, 161.7]]
+[shroud]
+control = [[135.9, 0], [135.9, 80.2], [170.8, 129.4], [235.6, 129.4]]
+[[main.span]]
+span = 0.0
+leading_edge = 0.06
+theta_leading_edge = 0.0
+angle = [[0.0, 27.5], [1.0, 38.8]]
+thickness = [[0.0, 4.5], [1.0, 3.4]]
+[[main.span]]
+span = 1.0
+leading_edge = 0.06
+theta_leading_edge = 0.0
+angle = [[0.0, 40.8], [1.0, 38.8]]
+thickness = [[0.0, 1.7], [1.0, 2.3]]
+[[splitter.span]]
+span = 0.0
+leading_edge = 0.42
+theta_leading_edge = 15.0
+angle = [[0.0, 27.5], [1.0, 38.8]]
+thickness = [[0.0, 4.5], [1.0, 3.4]]
+[[splitter.span]]
+span = 1.0
+leading_edge = 0.42
+theta_leading_edge = 15.0
+angle = [[0.0, 40.8], [1.0, 38.8]]
+thickness = [[0.0, 1.7], [1.0, 2.3]]
+"#;
+
+/// The tilts of a slender cutter's row must be fine enough for each core to follow the one before through the whole depth.
+#[test]
+fn a_slender_cutter_gets_down_to_a_deep_hub() {
+    let part = Impeller::build(&read_part_bytes("deep.toml", DEEP.as_bytes(), "toml").expect("readable"));
+    let part = part.expect("an impeller");
+    let cutter = Tool {
+        number: 1,
+        diameter: 6.0,
+        corner_radius: 0.0,
+        insert_width: 2.7,
+        overhang: 70.0,
+        plunge_feed: 300.0,
+        spindle: 3000.0,
+    };
+    let radius = cutter.radius();
+    let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
+    setup.plunge.rest = false;
+    setup.plunge.max_axis_change = 8.67f64.to_radians();
+    setup.plunge.sections = vec![SectionSetup { tool: 1, from: 1.0, to: 0.8, feed: None, rest: false }];
+    let outcome = compared(&part, &setup);
+    check("deep", &part, &outcome);
+    let minimal = result(&outcome, AxisPolicy::Minimal);
+    let highest = minimal.plan.positions.iter().map(|p| p.lift).fold(0.0, f64::max);
+    assert!(highest < radius, "a plunge stops {highest} mm short");
+    let excess = |policy: AxisPolicy| {
+        let result = result(&outcome, policy);
+        let section = Summary::of_section(&result.plan, &outcome.grid, &result.field, 0);
+        section.residual_mean - outcome.setup.stock.hub_allowance
+    };
+    let share = excess(AxisPolicy::Minimal) / excess(AxisPolicy::Monotone);
+    assert!(share < 0.57, "{share} of what monotone leaves");
 }
