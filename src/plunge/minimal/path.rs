@@ -26,6 +26,8 @@ const COST_OF_NEW_ROW: f64 = 5.0;
 const COST_OF_MISSED: f64 = 30.0;
 /// A path that costs no more than so many times the least is good enough.
 pub const GOOD_ENOUGH: f64 = 1.2;
+/// Into how many parts the steps from tilt to tilt are divided at most.
+const MOST_FINENESS: usize = 4;
 /// Share of its cost that a path must gain by finer tilts for still finer ones to be looked at.
 const LEAST_GAINED: f64 = 0.02;
 /// Cost by which another axis must be better for a position to count as held back, mm.
@@ -105,9 +107,16 @@ impl PathSearch<'_> {
     pub fn path(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<Path, Cancelled> {
         let mut best = self.path_by(s, start, earlier)?;
         let mut finer = PathSearch { candidates: self.candidates.clone(), ..*self };
-        while finer.candidates.is_coarse(s) && best.cost > GOOD_ENOUGH * best.least {
+        while finer.candidates.fineness < MOST_FINENESS
+            && finer.candidates.is_coarse(s)
+            && best.cost > GOOD_ENOUGH * best.least
+        {
             finer.candidates.fineness *= 2;
-            let path = finer.path_by(s, start, earlier)?;
+            let path = match finer.path_by(s, start, earlier) {
+                // What was found until now stands for itself.
+                Err(_) if self.candidates.maker.monitor.is_stopped() => break,
+                path => path?,
+            };
             let gained = best.cost - path.cost;
             if gained > 0.0 {
                 best = path;
