@@ -26,6 +26,8 @@ const COST_OF_NEW_ROW: f64 = 5.0;
 const COST_OF_MISSED: f64 = 30.0;
 /// A path that costs no more than so many times the least is good enough.
 pub const GOOD_ENOUGH: f64 = 1.2;
+/// Lift of a position from which on finer tilts may free it, in cutter radii.
+const COARSE_LIFT_RADII: f64 = 0.3;
 /// Into how many parts the steps from tilt to tilt are divided at most.
 const MOST_FINENESS: usize = 4;
 /// Share of its cost that a path must gain by finer tilts for still finer ones to be looked at.
@@ -44,6 +46,13 @@ pub struct Path {
     pub cost: f64,
     /// What no path could cost less than, by blades and contact or without them.
     pub least: f64,
+}
+
+impl Path {
+    /// By how much one of its plunges stops short at most, mm.
+    fn highest_lift(&self) -> f64 {
+        self.steps.iter().map(|(_, lift)| *lift).fold(0.0, f64::max)
+    }
 }
 
 /// A candidate reached, on the cheapest way to it.
@@ -100,16 +109,17 @@ fn by_cost(states: &States) -> Vec<usize> {
 impl PathSearch<'_> {
     /// The cheapest path along the places `s` (in cutting order) after `earlier` plunges. The path may begin anywhere
     /// up to s = `start`; a layer left before it costs nothing. Places are added where the axes turn too much from
-    /// one to the next. Where it leaves much more than the least, tilts are looked at more finely, as slender cutters need.
+    /// one to the next. Where one has to stop short, tilts are looked at more finely if the cutter is slender.
     ///
     /// # Errors
     /// When the work is cancelled.
     pub fn path(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<Path, Cancelled> {
+        let radius = self.candidates.maker.tool.radius();
         let mut best = self.path_by(s, start, earlier)?;
         let mut finer = PathSearch { candidates: self.candidates.clone(), ..*self };
         while finer.candidates.fineness < MOST_FINENESS
             && finer.candidates.is_coarse(s)
-            && best.cost > GOOD_ENOUGH * best.least
+            && best.highest_lift() > COARSE_LIFT_RADII * radius
         {
             finer.candidates.fineness *= 2;
             let path = match finer.path_by(s, start, earlier) {
