@@ -24,8 +24,6 @@ const BEAM: f64 = 3.0;
 const COST_OF_NEW_ROW: f64 = 5.0;
 /// What a place without any axis costs beside one that leaves a thick layer, mm.
 const COST_OF_MISSED: f64 = 30.0;
-/// A path that costs no more than so many times the least is good enough.
-pub const GOOD_ENOUGH: f64 = 1.2;
 /// Lift of a position from which on finer tilts may free it, in cutter radii.
 const COARSE_LIFT_RADII: f64 = 0.3;
 /// Into how many parts the steps from tilt to tilt are divided at most.

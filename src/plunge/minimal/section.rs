@@ -1,7 +1,6 @@
 //! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
 //! direction that leaves less.
 
-use super::path::GOOD_ENOUGH;
 use super::{CandidateMaker, Crossing, PathSearch};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
@@ -16,6 +15,8 @@ use crate::plunge::sections::{ridge_spacing, tool_of};
 
 /// Layer whose square weighs as much as itself, in cutter radii.
 pub const SCALE_RADII: f64 = 0.5;
+/// A section fed inwards that costs no more than so many times the least is not tried outwards.
+const GOOD_ENOUGH: f64 = 1.2;
 /// How far before its start a row may begin, in cutter diameters.
 const RUN_UP_DIAMETERS: f64 = 1.5;
 /// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
