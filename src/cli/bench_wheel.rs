@@ -23,27 +23,19 @@ pub fn spread(part: &Impeller, factor: f64) -> PartDescription {
             (0..CURVE_POINTS).map(|i| spread(point(s(i)), part.hub.point(s(i)))).collect(),
         )
     };
+    let moved = |p: &Point, (foot, theta): (Meridional, f64)| {
+        let (here, aside) = (Meridional::of(p), wrap_angle(p.y.atan2(p.x) - theta));
+        let there = spread(here, foot);
+        there.at_angle(theta + aside * here.r / there.r)
+    };
     let blade = |blade: &Blade| {
-        let feet = [&blade.suction, &blade.pressure].map(|side| {
-            side.u_knots()
-                .iter()
-                .map(|&u| (u, camber_foot(blade, u)))
-                .collect::<Vec<(f64, (Meridional, f64))>>()
-        });
-        let side = |side: &BladeSide, feet: &[(f64, (Meridional, f64))]| -> Vec<Vec<Point>> {
-            let section = |j: usize| {
-                let v = j as f64 / (SECTIONS - 1) as f64;
-                let moved = |&(u, (foot, theta)): &(f64, (Meridional, f64))| {
-                    let p = side.point(u, v);
-                    let (here, aside) = (Meridional::of(&p), wrap_angle(p.y.atan2(p.x) - theta));
-                    let there = spread(here, foot);
-                    there.at_angle(theta + aside * here.r / there.r)
-                };
-                feet.iter().map(moved).collect()
-            };
-            (0..SECTIONS).map(section).collect()
+        let section = |side: &BladeSide, v: f64| -> Vec<Point> {
+            side.u_knots().iter().map(|&u| moved(&side.point(u, v), camber_foot(blade, u))).collect()
         };
-        let [suction, pressure] = [side(&blade.suction, &feet[0]), side(&blade.pressure, &feet[1])];
+        let sections = |side: &BladeSide| -> Vec<Vec<Point>> {
+            (0..SECTIONS).map(|j| section(side, j as f64 / (SECTIONS - 1) as f64)).collect()
+        };
+        let [suction, pressure] = [&blade.suction, &blade.pressure].map(sections);
         BladeDescription::Sections { suction, pressure, line: 0 }
     };
     PartDescription {

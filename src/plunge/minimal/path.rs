@@ -116,8 +116,8 @@ impl PathSearch<'_> {
         let mut best = self.path_by(s, start, earlier)?;
         let mut finer = PathSearch { candidates: self.candidates.clone(), ..*self };
         while finer.candidates.fineness < MOST_FINENESS
-            && finer.candidates.is_coarse(s)
             && best.highest_lift() > COARSE_LIFT_RADII * radius
+            && finer.candidates.is_coarse(s)
         {
             finer.candidates.fineness *= 2;
             let path = match finer.path_by(s, start, earlier) {
