@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
 use crate::part::{Feed, Impeller};
-use crate::plunge::{Held, PlungePlan, Position, SectionPlan, Stopped};
+use crate::plunge::{Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped};
 use crate::residual::FloorGrid;
 
 /// A number, or null where there is none.
@@ -232,7 +232,7 @@ pub fn clearances(plan: &PlungePlan, s: &Summary) -> String {
     )
 }
 
-/// Names every blocked position of a plan, section by section.
+/// Names every blocked position of a plan, section by section, and counts those that were left out.
 pub fn blocked(plan: &PlungePlan) -> String {
     let mut text = String::new();
     for (index, section) in plan.sections.iter().enumerate() {
@@ -247,15 +247,17 @@ pub fn blocked(plan: &PlungePlan) -> String {
                 Some(format!("{} ({why})", k + 1))
             })
             .collect();
-        let left_out = plan.dropped.iter().filter(|d| d.section == index).count();
         if !names.is_empty() {
             text += &format!("blocked with tool {}: position {}\n", section.tool.number, names.join(", "));
         }
-        if left_out > 0 {
-            text += &format!(
-                "left out with tool {}: {left_out} positions that clear no blade\n",
-                section.tool.number
-            );
+        for (why, what) in [
+            (NoPlace::Blades, "that clear no blade"),
+            (NoPlace::Contact, "whose core would be free only far above the hub"),
+        ] {
+            let left_out = plan.dropped.iter().filter(|d| (d.section, d.why) == (index, why)).count();
+            if left_out > 0 {
+                text += &format!("left out with tool {}: {left_out} positions {what}\n", section.tool.number);
+            }
         }
     }
     text

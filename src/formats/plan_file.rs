@@ -8,7 +8,9 @@ use super::setup_file::write_setup;
 use super::stored::{self, Origin, are_sane, damaged};
 use crate::part::{AxisPolicy, Impeller, PartDescription, Setup};
 use crate::plunge::sections::tool_of;
-use crate::plunge::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan, Stopped};
+use crate::plunge::{
+    Blocked, CoreContact, Dropped, Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped,
+};
 
 /// Version of the file; readers refuse newer ones.
 const VERSION: u32 = 1;
@@ -30,6 +32,9 @@ struct PlanFile {
     added: Vec<Option<(usize, Stopped)>>,
     positions: Vec<PositionFile>,
     dropped: Vec<(usize, usize, f64)>,
+    /// Why each of `dropped` was left out. Files of earlier versions have none.
+    #[serde(default)]
+    dropped_why: Vec<NoPlace>,
 }
 
 /// Angles in degrees, lengths in mm.
@@ -111,6 +116,7 @@ pub fn write_plan(
             })
             .collect(),
         dropped: plan.dropped.iter().map(|d| (d.section, d.row, d.s)).collect(),
+        dropped_why: plan.dropped.iter().map(|d| d.why).collect(),
     };
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
     text.push('\n');
@@ -169,11 +175,13 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
             retract_clearance: p.retract_clearance,
         });
     }
+    let why = file.dropped_why.into_iter().chain(std::iter::repeat(NoPlace::Blades));
+    let dropped = file.dropped.into_iter().zip(why);
     let plan = PlungePlan {
         policy: file.policy,
         sections,
         positions,
-        dropped: file.dropped.iter().map(|&(section, row, s)| Dropped { section, row, s }).collect(),
+        dropped: dropped.map(|((section, row, s), why)| Dropped { section, row, s, why }).collect(),
         rounds: file.rounds,
         settled: file.settled,
     };

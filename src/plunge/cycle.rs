@@ -10,7 +10,7 @@ use super::contact::{BlankTop, Column, Columns, Earlier, core_contact, planned_c
 use super::ground::Ground;
 use super::known::KnownSections;
 use super::links::raise_links;
-use super::plan::{Dropped, PlungePlan, Position, SectionPlan, Stopped};
+use super::plan::{Dropped, NoPlace, PlungePlan, Position, SectionPlan, Stopped};
 use super::retract::RetractSurface;
 use super::row::Station;
 use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many, tool_of};
@@ -92,8 +92,8 @@ impl Row {
 #[derive(Debug)]
 pub(super) struct CutRow {
     row: Row,
-    /// One for each station; `None` where blades or stock leave no place for it.
-    placed: Vec<Option<Placed>>,
+    /// One for each station, or why blades or stock leave no place for it.
+    placed: Vec<Result<Placed, NoPlace>>,
 }
 
 impl CutRow {
@@ -106,7 +106,7 @@ impl CutRow {
     pub fn without_dropped(mut self) -> Self {
         let placed = std::mem::take(&mut self.placed);
         let stations = std::mem::take(&mut self.row.stations);
-        for (station, placed) in stations.into_iter().zip(placed).filter(|(_, placed)| placed.is_some()) {
+        for (station, placed) in stations.into_iter().zip(placed).filter(|(_, placed)| placed.is_ok()) {
             self.row.stations.push(station);
             self.placed.push(placed);
         }
@@ -121,7 +121,7 @@ impl CutRow {
         let mut rows = vec![empty()];
         let mut last: Option<Vector> = None;
         for (station, placed) in self.row.stations.into_iter().zip(self.placed) {
-            if let Some(placed) = &placed {
+            if let Ok(placed) = &placed {
                 let axis = placed.cutter.axis;
                 if last.is_some_and(|last| last.angle(&axis) > limit) {
                     rows.push(empty());
@@ -276,9 +276,13 @@ impl<'a> Planner<'a> {
                 plan.rounds = plan.rounds.max(row.rounds);
                 plan.settled &= row.settled;
                 for (station, placed) in row.stations.iter().zip(placed) {
-                    let Some(placed) = placed else {
-                        plan.dropped.push(Dropped { section: index, row: row_index, s: station.ends.s_hub });
-                        continue;
+                    let placed = match placed {
+                        Ok(placed) => placed,
+                        Err(why) => {
+                            let s = station.ends.s_hub;
+                            plan.dropped.push(Dropped { section: index, row: row_index, s, why: *why });
+                            continue;
+                        }
                     };
                     plan.positions.push(Position {
                         tip: placed.cutter.tip,
@@ -315,8 +319,8 @@ impl<'a> Planner<'a> {
     }
 
     /// The cutter of a station with its clearances to the finished part, measured. Where the bottom is a hair
-    /// too deep it is lifted. `None` when a blade is in the way.
-    fn placed(&self, station: &Station, tool: &Tool) -> Option<Placed> {
+    /// too deep it is lifted.
+    fn placed(&self, station: &Station, tool: &Tool) -> Result<Placed, NoPlace> {
         let stock = &self.setup.stock;
         let mut cutter = tool.placed(station.tip, station.axis);
         let mut hub_clearance = self.finished.hub_clearance(&cutter);
@@ -330,12 +334,10 @@ impl<'a> Planner<'a> {
             hub_clearance = self.finished.hub_clearance(&cutter);
         }
         let blade_clearance = self.finished.blade_clearance(&cutter);
-        (blade_clearance >= stock.blade_allowance - 1e-6).then_some(Placed {
-            cutter,
-            hub_clearance,
-            blade_clearance,
-            lift: 0.0,
-        })
+        if blade_clearance < stock.blade_allowance - 1e-6 {
+            return Err(NoPlace::Blades);
+        }
+        Ok(Placed { cutter, hub_clearance, blade_clearance, lift: 0.0 })
     }
 
     /// Places the cutters of a row and adds them to `columns`. With `most_lift` each one stops short where its core
@@ -349,10 +351,17 @@ impl<'a> Planner<'a> {
         monitor: &Monitor,
     ) -> Result<CutRow, PlanError> {
         let top = BlankTop::new(&self.blank);
-        let place = |station| if monitor.is_cancelled() { None } else { self.placed(station, tool) };
-        let mut placed: Vec<Option<Placed>> = row.stations.par_iter().map(place).collect();
+        let place = |station| {
+            monitor.check()?;
+            Ok(self.placed(station, tool))
+        };
+        let mut placed = row
+            .stations
+            .par_iter()
+            .map(place)
+            .collect::<Result<Vec<Result<Placed, NoPlace>>, Cancelled>>()?;
         let column = |placed: &Placed| Column::new(placed.cutter, tool.core_radius(), &top);
-        let deep: Vec<Option<Column>> = placed.par_iter().map(|p| p.as_ref().map(column)).collect();
+        let deep: Vec<Option<Column>> = placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
         let Some(share) = most_lift else {
             columns.extend(deep.into_iter().flatten());
             return Ok(CutRow { row, placed });
@@ -378,17 +387,18 @@ impl<'a> Planner<'a> {
                 columns.push(*deep);
                 continue;
             }
-            *place = place.take().and_then(|p| self.freed(p, tool, share, columns.all(), &top));
-            if place.as_ref().is_none_or(|placed| placed.lift > 0.0) {
+            let unlifted = std::mem::replace(place, Err(NoPlace::Contact));
+            *place = unlifted.and_then(|p| self.freed(p, tool, share, columns.all(), &top));
+            if !place.as_ref().is_ok_and(|placed| placed.lift == 0.0) {
                 changed.push(*deep);
             }
-            columns.extend(place.as_ref().map(column));
+            columns.extend(place.as_ref().ok().map(column));
         }
         Ok(CutRow { row, placed })
     }
 
-    /// The cutter, lifted until its core is free of what `earlier` plunges left. `None` when that takes more
-    /// than the share `most_lift` of its way through the blank.
+    /// The cutter, lifted until its core is free of what `earlier` plunges left, where that takes no more than the share
+    /// `most_lift` of its way through the blank.
     fn freed(
         &self,
         mut placed: Placed,
@@ -396,7 +406,7 @@ impl<'a> Planner<'a> {
         most_lift: f64,
         earlier: Earlier,
         top: &BlankTop,
-    ) -> Option<Placed> {
+    ) -> Result<Placed, NoPlace> {
         let unlifted = placed.cutter.tip;
         let way = Column::new(placed.cutter, tool.core_radius(), top).top;
         for _ in 0..MAX_LIFTS {
@@ -407,7 +417,7 @@ impl<'a> Planner<'a> {
             }
             let lift = (placed.cutter.tip - unlifted).norm() + contact;
             if lift >= most_lift * way - LIFT_MARGIN {
-                return None;
+                return Err(NoPlace::Contact);
             }
             placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
         }
@@ -416,7 +426,7 @@ impl<'a> Planner<'a> {
             placed.hub_clearance = self.finished.hub_clearance(&placed.cutter);
             placed.blade_clearance = self.finished.blade_clearance(&placed.cutter);
         }
-        Some(placed)
+        Ok(placed)
     }
 
     /// Plans section `index` after the plunges of `columns`.

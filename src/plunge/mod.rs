@@ -35,4 +35,4 @@ pub mod survey;
 
 pub use cycle::{PlacedPlan, PlanError, Planner};
 pub use known::KnownSections;
-pub use plan::{Blocked, CoreContact, Dropped, Held, PlungePlan, Position, SectionPlan, Stopped};
+pub use plan::{Blocked, CoreContact, Dropped, Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped};

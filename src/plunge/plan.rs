@@ -195,7 +195,17 @@ impl Position {
     }
 }
 
-/// A position that was left out because no place for it clears the blades.
+/// Why there is no place for a cutter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoPlace {
+    /// It does not clear the blades.
+    Blades,
+    /// It would have to stop so short for its core to be free that it would cut next to nothing.
+    Contact,
+}
+
+/// A position that was left out because there is no place for its cutter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dropped {
     /// Index of the section.
@@ -204,6 +214,8 @@ pub struct Dropped {
     pub row: usize,
     /// s of the tip it would have had.
     pub s: f64,
+    /// Why.
+    pub why: NoPlace,
 }
 
 /// A stretch of s cut with one tool.

@@ -4,7 +4,7 @@
 use egui::{RichText, Ui};
 
 use crate::job::Summary;
-use crate::plunge::PlungePlan;
+use crate::plunge::{NoPlace, PlungePlan};
 
 use super::super::planned::Side;
 use super::super::state::State;
@@ -41,8 +41,13 @@ pub fn show(ui: &mut Ui, state: &State) {
     }
     let dropped = plan.dropped.len();
     if dropped > 0 {
+        let left_out = |why: NoPlace| plan.dropped.iter().filter(|d| d.why == why).count();
         let text = RichText::new(format!("{dropped} left out")).color(Condition::Blocked.text(ui.visuals()));
-        ui.label(text).on_hover_text("Positions for which no place clears the blades");
+        ui.label(text).on_hover_text(format!(
+            "Positions without a place: {} clear no blade, {} have a core that would be free only far above the hub",
+            left_out(NoPlace::Blades),
+            left_out(NoPlace::Contact),
+        ));
     }
     ui.separator();
     figure(

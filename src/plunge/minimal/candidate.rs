@@ -8,12 +8,15 @@ use crate::plunge::contact::{BlankTop, Column};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 
-/// Feed tilts looked at: from, and steps to the last one, degrees. Positive leans towards the uncut side.
+/// Feed tilts looked at: from, and steps to the last one, degrees. Positive leans towards the uncut side. Where the largest
+/// tilt from the conventional axis leaves less than half of them, they are moved.
 const TILT_FROM_DEG: f64 = -12.0;
 /// See [`TILT_FROM_DEG`].
 const TILT_STEP_DEG: f64 = 2.0;
 /// See [`TILT_FROM_DEG`].
 const TILT_STEPS: usize = 19;
+/// Half of the way between the first and the last, degrees.
+const HALF_OF_TILTS_DEG: f64 = 0.5 * TILT_STEP_DEG * TILT_STEPS as f64;
 
 /// Tilts are too coarse when from one to the next the axis moves on the shroud by more than this share of the ring that
 /// the edges sweep: the next core then meets what the last plunge left high above the hub.
@@ -78,8 +81,12 @@ impl Place {
 
     /// The least angle between axes of the same tilt here and at `next`, rad; 0 when there are none.
     pub fn least_turn(&self, next: &Place) -> f64 {
-        let turn = |j: usize| Some(self.tilts[j][0]?.station.axis.angle(&next.tilts[j][0]?.station.axis));
-        (0..self.tilts.len().min(next.tilts.len())).filter_map(turn).reduce(f64::min).unwrap_or(0.0)
+        let axes = |tilt: &[Option<Candidate>; LEANS]| tilt.map(|c| c.map(|c| c.station.axis));
+        let turns = self.tilts.iter().zip(&next.tilts).flat_map(|(here, next)| {
+            let (here, next) = (axes(here).into_iter().flatten(), axes(next));
+            here.flat_map(move |a| next.into_iter().flatten().map(move |b| a.angle(&b)))
+        });
+        turns.reduce(f64::min).unwrap_or(0.0)
     }
 }
 
@@ -120,10 +127,12 @@ struct Frame {
 /// Points of the finished hub, strip by strip, with the normal there.
 type FloorPoints = [[(Point, Vector); ALONG]; STRIPS];
 
-/// How W answers at a place: where the axis stands upright, and what moving W does.
+/// How W answers at a place: where the axis stands upright, or nearly, and what moving W does.
 #[derive(Clone, Copy, Debug)]
 struct Upright {
     s_shroud: f64,
+    /// Tangent of the feed tilt there.
+    tilt: f64,
     /// Tangent of the feed tilt gained per unit of s of W.
     tilt_by_s: f64,
     /// Height of W above M along the normal, mm.
@@ -133,7 +142,7 @@ struct Upright {
 impl Upright {
     /// s of W for a feed tilt, rad.
     fn tilted(&self, tilt: f64) -> f64 {
-        self.s_shroud + tilt.tan() / self.tilt_by_s
+        self.s_shroud + (tilt.tan() - self.tilt) / self.tilt_by_s
     }
 }
 
@@ -144,6 +153,8 @@ struct Stand {
     upright: Upright,
     /// The conventional axis.
     reference: Vector,
+    /// By how much the feed tilts are moved, rad.
+    moved: f64,
 }
 
 /// Step of s for slopes.
@@ -152,11 +163,11 @@ const SLOPE_STEP: f64 = 2e-3;
 impl CandidateMaker<'_> {
     /// What there is at `s_hub`; `None` where the cutter does not fit at all.
     pub fn at(&self, s_hub: f64) -> Option<Place> {
-        let Stand { conventional, frame, upright, reference } = self.stand(s_hub)?;
+        let Stand { conventional, frame, upright, reference, moved } = self.stand(s_hub)?;
         let floor = self.floor_points(&conventional, &frame)?;
         let candidates = |j: usize| {
             let tilt = (TILT_FROM_DEG + TILT_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
-            let axes = self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), UPRIGHT_SHARES);
+            let axes = self.axes(upright.tilted(tilt + moved), (s_hub, &frame, &upright), UPRIGHT_SHARES);
             let mut candidates = axes.map(|ends| {
                 let candidate = self.lowered(ends?, &floor, &reference)?;
                 let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
@@ -180,7 +191,7 @@ impl CandidateMaker<'_> {
         s.iter().filter_map(|&s| self.isoparametric(s)).any(|ends| step * depth(&ends) > most)
     }
 
-    /// Stations at `s_hub` with feed `tilts` (rad), each with all `shares` of the way to upright across the row; blades not
+    /// Stations at `s_hub` with feed `tilts` (rad; moved as those of [`Self::at`]), each with all `shares` of the way to upright across the row; blades not
     /// looked at.
     pub fn fan<const N: usize>(
         &self,
@@ -188,11 +199,11 @@ impl CandidateMaker<'_> {
         tilts: impl Iterator<Item = f64>,
         shares: &[f64; N],
     ) -> Vec<Station> {
-        let Some(Stand { conventional, frame, upright, reference }) = self.stand(s_hub) else {
+        let Some(Stand { conventional, frame, upright, reference, moved }) = self.stand(s_hub) else {
             return Vec::new();
         };
         tilts
-            .flat_map(|tilt| self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), *shares))
+            .flat_map(|tilt| self.axes(upright.tilted(tilt + moved), (s_hub, &frame, &upright), *shares))
             .flatten()
             .filter_map(|ends| self.within_tilt(ends, &reference))
             .map(|station| Station { s_shroud_conventional: conventional.s_shroud, ..station })
@@ -203,9 +214,12 @@ impl CandidateMaker<'_> {
     fn stand(&self, s_hub: f64) -> Option<Stand> {
         let conventional = self.isoparametric(s_hub)?;
         let frame = self.frame(&conventional)?;
-        let upright = self.upright(&conventional, &frame)?;
         let (_, reference) = self.maker.lane.line(&conventional);
-        Some(Stand { conventional, frame, upright, reference })
+        let tilt = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
+        let middle = (TILT_FROM_DEG + HALF_OF_TILTS_DEG).to_radians();
+        let moved = middle.clamp(tilt - self.max_tilt, tilt + self.max_tilt) - middle;
+        let upright = self.upright(&conventional, &frame, moved)?;
+        Some(Stand { conventional, frame, upright, reference, moved })
     }
 
     /// Ends of the conventional axis at `s_hub`.
@@ -230,8 +244,8 @@ impl CandidateMaker<'_> {
         Some(Frame { normal, feed, across: normal.cross(&feed), path_by_s })
     }
 
-    /// Where the axis stands upright in the plane of feed and hub normal.
-    fn upright(&self, from: &AxisEnds, frame: &Frame) -> Option<Upright> {
+    /// Where the axis stands upright in the plane of feed and hub normal, or `moved` (rad) from there.
+    fn upright(&self, from: &AxisEnds, frame: &Frame, moved: f64) -> Option<Upright> {
         let lane = self.maker.lane;
         let m = lane.hub_point(from);
         // The row's shroud curve in the neighbourhood, its sides left as they are at the start.
@@ -241,7 +255,7 @@ impl CandidateMaker<'_> {
                 .unwrap_or(AxisEnds { s_shroud, ..*from });
             lane.shroud_point(&ends) - m
         };
-        let tilt = |w: &Vector| w.dot(&frame.feed) / w.dot(&frame.normal);
+        let tilt = |w: &Vector| w.dot(&frame.feed) / w.dot(&frame.normal) - moved.tan();
         let mut s_shroud = from.s_shroud;
         let mut slope = 0.0;
         for _ in 0..4 {
@@ -259,6 +273,7 @@ impl CandidateMaker<'_> {
         let height = to_shroud(s_shroud).dot(&frame.normal);
         (slope * self.maker.inward < 0.0 && height > 0.0).then_some(Upright {
             s_shroud,
+            tilt: moved.tan(),
             tilt_by_s: slope,
             height,
         })

@@ -28,7 +28,7 @@ const TILT_FROM_DEG: f64 = -9.0;
 const TILT_STEP_DEG: f64 = 3.0;
 const TILTS: usize = 10;
 /// Least gain of a plunge, as the thickness of a layer under the whole of its bottom, in cutter radii.
-const LEAST_GAIN_RADII: f64 = 0.0005;
+const LEAST_GAIN_RADII: f64 = 0.0004;
 /// Most a plunge may stop short, as a share of what it would lower the stock by, and in cutter radii.
 const MOST_LIFT_SHARE: f64 = 0.7;
 /// See [`MOST_LIFT_SHARE`].

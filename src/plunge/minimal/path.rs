@@ -96,6 +96,15 @@ struct Here<'h> {
     earlier: &'h Columns,
 }
 
+/// A candidate that the blades allow, and how contact sees it.
+struct Leg<'h> {
+    candidate: Candidate,
+    column: Column,
+    /// Plunges of earlier rows that it may meet.
+    near: Vec<&'h Column>,
+    search: ContactSearch,
+}
+
 /// Numbers of states, the cheapest first.
 fn by_cost(states: &States) -> Vec<usize> {
     let cost = |i: usize| states[i].map_or(f64::INFINITY, |s| s.cost);
@@ -235,81 +244,116 @@ impl PathSearch<'_> {
         layer + COST_PER_POSITION
     }
 
+    /// What the cheapest way before a place costs.
+    fn least_before(here: &Here) -> f64 {
+        let before = here.states.get(here.last.unwrap_or(0)).into_iter().flatten().flatten();
+        let begin = if here.may_begin { 0.0 } else { f64::INFINITY };
+        before.map(|s| s.cost).fold(begin, f64::min)
+    }
+
     /// Less than this no way through a tilt costs.
     fn bound(&self, candidates: &[Option<Candidate>], here: &Here) -> f64 {
         let Some(Some(cheapest)) = candidates.first() else { return f64::INFINITY };
-        let before = here.states.get(here.last.unwrap_or(0)).into_iter().flatten().flatten();
-        let begin = if here.may_begin { 0.0 } else { f64::INFINITY };
-        before.map(|s| s.cost).fold(begin, f64::min) + self.own(cheapest, 0.0, here)
+        Self::least_before(here) + self.own(cheapest, 0.0, here)
     }
 
-    /// The cheapest way to the first candidate of a tilt that the blades allow.
+    /// The cheapest way to a tilt: to its cheapest candidate that the blades allow, or another where no axis before it is
+    /// near enough to that one, or contact holds it back.
     fn reach(&self, tilt: usize, place: &Place, here: &Here) -> Option<State> {
-        let mut candidates = place.tilts[tilt].iter().flatten();
-        let candidate = candidates.find_map(|c| self.candidates.cleared(c, place))?;
-        let column = self.candidates.column(&candidate.station);
-        let near: Vec<&Column> = here.earlier.all().near(&column).collect();
-        let mut search = ContactSearch::default();
+        let before = Self::least_before(here);
+        let mut first: Option<Leg> = None;
         let mut best: Option<State> = None;
-        let mut consider = |cost_before: f64, before: Option<(usize, usize)>| {
-            let affordable = match &best {
-                None => f64::INFINITY,
-                // Where the layer does not count a free start does, and of free starts the latest.
-                Some(b) if !here.counts && b.lift > 0.0 => b.lift,
-                Some(b) if !here.counts && cost_before + COST_PER_POSITION >= b.cost => return,
-                Some(_) if !here.counts => 0.0,
-                Some(b) => {
-                    candidate.affordable_lift(b.cost - cost_before - COST_PER_POSITION, self.candidates.scale)
-                }
+        for candidate in place.tilts[tilt].iter().flatten() {
+            // The others leave more; of free starts any will do.
+            let is_done = |best: &State| match here.counts {
+                true => best.cost <= before + self.own(candidate, 0.0, here),
+                false => best.lift == 0.0,
             };
-            if affordable < 0.0 {
-                return;
+            if best.as_ref().is_some_and(is_done) {
+                break;
             }
-            let mut passed = [column; LOOK_BACK];
-            let mut count = 0;
-            let mut at = before;
-            while let Some((k, j)) = at
-                && let Some(state) = &here.states[k][j]
-                && count < LOOK_BACK
-            {
-                passed[count] = state.column.lifted(state.lift);
-                count += 1;
-                at = state.before;
-            }
-            let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
-            let earlier = near.iter().copied().chain(passed);
-            let depth = search.among(&column, earlier).depth(self.blank, affordable);
-            let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-            let cost = cost_before + self.own(&candidate, lift, here);
-            let better = |b: &State| {
-                if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) }
-            };
-            if best.as_ref().is_none_or(better) {
-                best = Some(State { candidate, column, cost, lift, before });
-            }
-        };
+            let Some(candidate) = self.candidates.cleared(candidate, place) else { continue };
+            let mut leg = self.leg(candidate, here);
+            self.follow(&mut leg, here, &mut best);
+            first.get_or_insert(leg);
+        }
+        // Where no axis can be had from the last ones, another row begins.
+        if best.is_none()
+            && here.counts
+            && let Some(mut leg) = first
+            && let (Some(last), Some(&cheapest)) = (here.last, here.order.first())
+            && let Some(state) = &here.states[last][cheapest]
+        {
+            self.consider(&mut leg, here, (state.cost + COST_OF_NEW_ROW, Some((last, cheapest))), &mut best);
+        }
+        best
+    }
+
+    /// A candidate with what was cut near it.
+    fn leg<'h>(&self, candidate: Candidate, here: &Here<'h>) -> Leg<'h> {
+        let column = self.candidates.column(&candidate.station);
+        let near = here.earlier.all().near(&column).collect();
+        Leg { candidate, column, near, search: ContactSearch::default() }
+    }
+
+    /// The cheapest way from the last axes, or from nowhere, if it is cheaper than `best`.
+    fn follow(&self, leg: &mut Leg, here: &Here, best: &mut Option<State>) {
+        let axis = leg.candidate.station.axis;
         if let Some(last) = here.last {
-            let mut within_reach = false;
             for &i in &here.order {
                 let Some(passed) = &here.states[last][i] else { break };
-                if passed.candidate.station.axis.angle(&candidate.station.axis) <= self.max_axis_change {
-                    within_reach = true;
-                    consider(passed.cost, Some((last, i)));
+                if passed.candidate.station.axis.angle(&axis) <= self.max_axis_change {
+                    self.consider(leg, here, (passed.cost, Some((last, i))), best);
                 }
-            }
-            // Where no axis can be had from the last ones, another row begins.
-            if !within_reach
-                && here.counts
-                && let Some(&first) = here.order.first()
-                && let Some(cheapest) = &here.states[last][first]
-            {
-                consider(cheapest.cost + COST_OF_NEW_ROW, Some((last, first)));
             }
         }
         if here.may_begin {
-            consider(0.0, None);
+            self.consider(leg, here, (0.0, None), best);
         }
-        best
+    }
+
+    /// The way over `before`, which costs so much until there, if it is cheaper than `best`.
+    fn consider(
+        &self,
+        leg: &mut Leg,
+        here: &Here,
+        (cost_before, before): (f64, Option<(usize, usize)>),
+        best: &mut Option<State>,
+    ) {
+        let Leg { candidate, column, near, search } = leg;
+        let affordable = match &best {
+            None => f64::INFINITY,
+            // Where the layer does not count a free start does, and of free starts the latest.
+            Some(b) if !here.counts && b.lift > 0.0 => b.lift,
+            Some(b) if !here.counts && cost_before + COST_PER_POSITION >= b.cost => return,
+            Some(_) if !here.counts => 0.0,
+            Some(b) => {
+                candidate.affordable_lift(b.cost - cost_before - COST_PER_POSITION, self.candidates.scale)
+            }
+        };
+        if affordable < 0.0 {
+            return;
+        }
+        let mut passed = [*column; LOOK_BACK];
+        let mut count = 0;
+        let mut at = before;
+        while let Some((k, j)) = at
+            && let Some(state) = &here.states[k][j]
+            && count < LOOK_BACK
+        {
+            passed[count] = state.column.lifted(state.lift);
+            count += 1;
+            at = state.before;
+        }
+        let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
+        let earlier = near.iter().copied().chain(passed);
+        let depth = search.among(column, earlier).depth(self.blank, affordable);
+        let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
+        let cost = cost_before + self.own(candidate, lift, here);
+        let better = |b: &State| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };
+        if best.as_ref().is_none_or(better) {
+            *best = Some(State { candidate: *candidate, column: *column, cost, lift, before });
+        }
     }
 
     /// The path that ends in the cheapest state of place `last`.
