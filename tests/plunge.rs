@@ -248,6 +248,47 @@ fn axes_stay_within_what_the_machine_reaches() {
 }
 
 #[test]
+fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
+    let monitor = Monitor::default();
+    for name in ["impeller532.toml", "impeller9x9.toml"] {
+        let part = sample(name);
+        let channel = Channel::of(&part);
+        let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
+        let mut known = KnownSections::default();
+        let nothing = Planner::new(&part, &channel, &setup).carried(AxisPolicy::Minimal, &known, &monitor);
+        assert_eq!(nothing, Ok(None), "no plan was there before");
+        let found =
+            Planner::new(&part, &channel, &setup).plan_knowing(AxisPolicy::Minimal, &mut known, &monitor);
+        let found = found.expect("a plan");
+        setup.stock.hub_allowance += 0.2;
+        setup.stock.blade_allowance += 0.1;
+        let planner = Planner::new(&part, &channel, &setup);
+        let carried = planner.carried(AxisPolicy::Minimal, &known, &monitor).expect("a plan").expect("known");
+        // Beside walls that a larger allowance brings nearer some have no place.
+        let kept = carried.positions.len() as f64 / found.positions.len() as f64;
+        assert!(
+            kept > 0.8 && carried.positions.len() <= found.positions.len(),
+            "{name}: {kept} of them are there"
+        );
+        for position in &carried.positions {
+            assert!(!position.contact.interferes(), "{name}: {} of contact", position.contact.depth);
+            assert!(position.hub_clearance >= setup.stock.hub_allowance - 1e-6, "{name}: hub");
+            assert!(position.blade_clearance >= setup.stock.blade_allowance - 1e-6, "{name}: blades");
+            assert!(position.retract_clearance >= setup.stock.safety_distance - 1e-6, "{name}: retract");
+        }
+        // Half a plan is nothing to carry on with: what was whole before stays.
+        let stopped = Monitor::default();
+        stopped.cancel();
+        assert!(planner.plan_knowing(AxisPolicy::Minimal, &mut known, &stopped).is_err());
+        assert_eq!(planner.carried(AxisPolicy::Minimal, &known, &monitor), Ok(Some(carried)), "{name}");
+        // Axes of other cutters are not.
+        setup.tools[0].diameter *= 0.9;
+        let planner = Planner::new(&part, &channel, &setup);
+        assert_eq!(planner.carried(AxisPolicy::Minimal, &known, &monitor), Ok(None), "{name}");
+    }
+}
+
+#[test]
 fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     let part = sample("impeller532.toml");
     let channel = Channel::of(&part);

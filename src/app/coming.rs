@@ -16,6 +16,8 @@ pub struct ComingCutters {
     pub plan: Arc<PlungePlan>,
     /// Whether contact is known; nothing must be called sound before that.
     pub judged: bool,
+    /// Whether the axes are still those of the plan before.
+    pub carried: bool,
 }
 
 impl ComingCutters {
@@ -50,8 +52,11 @@ impl Coming {
     pub(super) fn add(&mut self, stage: Stage) {
         match stage {
             Stage::Resolved(setup, reasons) => self.resolved = Some((setup, reasons)),
-            Stage::Placed(plan) => self.take_cutters(plan, false),
-            Stage::Judged(plan) => self.take_cutters(plan, true),
+            Stage::Carried(plan) => self.take_cutters(plan, true, true),
+            // What stands there already is judged.
+            Stage::Placed(plan) if self.has_carried(plan.policy) => {}
+            Stage::Placed(plan) => self.take_cutters(plan, false, false),
+            Stage::Judged(plan) => self.take_cutters(plan, true, false),
             // The one all others are compared with comes first; the one that was asked for is the end itself, or nearly.
             Stage::Measured(_, result)
                 if result.plan.policy == self.setup.plunge.axis && self.planned.is_some() => {}
@@ -59,9 +64,18 @@ impl Coming {
         }
     }
 
-    fn take_cutters(&mut self, plan: PlungePlan, judged: bool) {
+    fn take_cutters(&mut self, plan: PlungePlan, judged: bool, carried: bool) {
         self.cutters.retain(|known| known.plan.policy != plan.policy);
-        self.cutters.push(ComingCutters { plan: Arc::new(plan), judged });
+        self.cutters.push(ComingCutters { plan: Arc::new(plan), judged, carried });
+    }
+
+    fn has_carried(&self, policy: AxisPolicy) -> bool {
+        self.cutters.iter().any(|known| known.carried && known.plan.policy == policy)
+    }
+
+    /// Whether contact is known of something.
+    pub(super) fn is_anything_judged(&self) -> bool {
+        self.cutters.iter().any(|known| known.judged)
     }
 
     fn take_result(&mut self, grid: Arc<FloorGrid>, result: PolicyResult) {
@@ -88,7 +102,8 @@ impl Coming {
 
     /// The cutters to be shown where `policy` is waited for: its own as soon as there are any, else the latest.
     pub fn cutters(&self, policy: AxisPolicy) -> Option<&ComingCutters> {
-        self.cutters.iter().find(|known| known.plan.policy == policy).or(self.cutters.last())
+        let own = self.cutters.iter().find(|known| known.plan.policy == policy);
+        own.or_else(|| self.cutters.iter().rfind(|known| !known.carried))
     }
 }
 

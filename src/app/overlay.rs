@@ -101,7 +101,8 @@ pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Comin
             ui.label(text).on_hover_text("The setup was edited after this plan; plan again (F5)");
         }
         let Some(coming) = coming else { return };
-        let policy = policy_label(coming.plan.policy).to_lowercase();
+        let axes = if coming.carried { ", axes as before" } else { "" };
+        let policy = format!("{}{axes}", policy_label(coming.plan.policy).to_lowercase());
         let count = coming.plan.positions.len();
         let (words, colour) = match coming.interferential() {
             None => (format!("New {policy}: {count} positions, not judged yet"), ui.visuals().text_color()),
@@ -113,8 +114,11 @@ pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Comin
                 Condition::Interferential.text(ui.visuals()),
             ),
         };
-        ui.label(RichText::new(words).color(colour))
-            .on_hover_text("Cutters of the setup as it is now; what they leave on the hub follows");
+        ui.label(RichText::new(words).color(colour)).on_hover_text(if coming.carried {
+            "The axes of the plan before on the setup as it is now, no deeper than their cores are free; better ones follow"
+        } else {
+            "Cutters of the setup as it is now; what they leave on the hub follows"
+        });
     });
 }
 

@@ -12,7 +12,7 @@ use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{End, Worker};
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Setup};
+use crate::part::Setup;
 
 use super::App;
 use super::coming::Slot;
@@ -228,10 +228,12 @@ impl App {
         // A plan that is nearly there is worth more than another beginning; and nothing would ever be seen if each
         // movement of the hand began anew before the first stage was there.
         let worth_waiting = self.work.planner.progress().is_some_and(|fraction| {
-            let told = self.state.results.coming.as_ref().is_some_and(|coming| {
-                coming.task == self.work.tasks
-                    && coming.cutters(AxisPolicy::Conventional).is_some_and(|cutters| cutters.judged)
-            });
+            let told = self
+                .state
+                .results
+                .coming
+                .as_ref()
+                .is_some_and(|coming| coming.task == self.work.tasks && coming.is_anything_judged());
             !told || fraction > 0.5
         });
         if !(held && worth_waiting) {

@@ -1,6 +1,6 @@
 //! `vanecut bench`: throughput of the kernels on this machine, as a table.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use super::{Failure, bench_flank, bench_growth, say};
 use crate::formats::gltf::GltfScene;
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
-use crate::job::{PlanJob, PlanOutcome, PlanRequest, run as run_job};
+use crate::job::{Listener, PlanJob, PlanOutcome, PlanRequest, Stage, run as run_job};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Blank, Channel, Impeller, PartDescription, Setup, Tool};
@@ -47,7 +47,7 @@ fn minimal(outcome: &PlanOutcome) {
 }
 
 /// How long the window waits for a minimal plan and its fields after one slider moved: what it moved decides what is
-/// stale.
+/// stale. And for the first plan that it shows meanwhile.
 fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
     let job = PlanJob::default();
     let mut request = PlanRequest {
@@ -59,12 +59,28 @@ fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
     };
     let mut moved = |what: &str, slider: &dyn Fn(&mut Setup, f64)| {
         let mut turn = 0.0;
+        let firsts = Mutex::new(Vec::new());
         let seconds = median(|| {
             turn += 1.0;
             slider(&mut request.setup, turn);
-            let _ = job.run(&request, &Monitor::default());
+            let started = Instant::now();
+            let listen = |stage: Stage| {
+                if let Stage::Carried(_) = stage {
+                    firsts
+                        .lock()
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .push(started.elapsed().as_secs_f64());
+                }
+            };
+            let _ = job.run_telling(&request, &Monitor::default(), Listener::new(&listen));
         });
-        line(&format!("  again, {what} moved"), seconds)
+        line(&format!("  again, {what} moved"), seconds)?;
+        let mut firsts = firsts.into_inner().unwrap_or_else(PoisonError::into_inner);
+        firsts.sort_by(f64::total_cmp);
+        match firsts.get(firsts.len() / 2) {
+            Some(&first) => line("    before that the axes found last, judged", first),
+            None => Ok(()),
+        }
     };
     moved("safety distance", &|setup, turn| setup.stock.safety_distance = 2.0 + 0.1 * turn)?;
     moved("inlet end of the last section", &|setup, turn| {

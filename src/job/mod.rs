@@ -183,7 +183,16 @@ fn plan(
         listener.tell(|| Stage::Measured(Arc::clone(grid), result.clone()));
         Ok(result)
     };
-    // First of all, and on all processors, what is ready soonest.
+    // Axes that were searched for are near what will be found: a hand on a slider sees what it does to them at once.
+    let searched = known.entry(request.policy).or_default();
+    if listener.is_listening()
+        && request.policy == AxisPolicy::Minimal
+        && searched.holding(&setup)? < setup.plunge.sections.len()
+        && let Some(plan) = planner.carried(request.policy, searched, closing)?
+    {
+        listener.tell(|| Stage::Carried(plan));
+    }
+    // Then, on all processors, what is ready soonest.
     let known_conventional = known.entry(AxisPolicy::Conventional).or_default();
     let before = judged(AxisPolicy::Conventional, known_conventional, closing)?;
     // The way to the others is the long one.

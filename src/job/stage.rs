@@ -14,6 +14,8 @@ pub enum Stage {
     Resolved(Setup, Vec<Option<String>>),
     /// The cutters of a policy's plan stand where they go. Nothing is known yet of contact, and of retracts.
     Placed(PlungePlan),
+    /// A plan by the policy asked for with the axes of the plan before, judged: it is there long before the search.
+    Carried(PlungePlan),
     /// Contact, clearances and retracts of a policy's plan are known.
     Judged(PlungePlan),
     /// What a policy's plan leaves on the hub is known too.
@@ -28,6 +30,11 @@ impl<'a> Listener<'a> {
     /// Tells `listen` of every stage.
     pub fn new(listen: &'a (dyn Fn(Stage) + Sync)) -> Self {
         Self(Some(listen))
+    }
+
+    /// Whether anybody listens.
+    pub fn is_listening(&self) -> bool {
+        self.0.is_some()
     }
 
     /// Tells of a stage, which is made only if somebody listens.

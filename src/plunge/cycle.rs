@@ -102,6 +102,21 @@ impl CutRow {
         self.placed.iter().flatten().count()
     }
 
+    /// λ of the row in the channel.
+    pub fn lambda(&self) -> f64 {
+        self.row.lambda
+    }
+
+    /// The stations that have a place.
+    pub fn stations(&self) -> impl Iterator<Item = &Station> {
+        self.row
+            .stations
+            .iter()
+            .zip(&self.placed)
+            .filter(|(_, placed)| placed.is_ok())
+            .map(|(station, _)| station)
+    }
+
     /// The row without the stations that have no place.
     pub fn without_dropped(mut self) -> Self {
         let placed = std::mem::take(&mut self.placed);
@@ -185,6 +200,14 @@ impl<'a> Planner<'a> {
         planner
     }
 
+    /// What section `index` stands on whatever the policy; nothing where it cuts the rest.
+    ///
+    /// # Errors
+    /// When its cutter does not fit.
+    pub(super) fn shared_grounds(&self, index: usize) -> Result<&[Ground<'a>], PlanError> {
+        self.grounds[index].as_deref().map_err(PlanError::clone)
+    }
+
     /// The blank the plan starts from.
     pub fn blank(&self) -> &Blank {
         &self.blank
@@ -235,15 +258,7 @@ impl<'a> Planner<'a> {
         known: &mut KnownSections,
         monitor: &Monitor,
     ) -> Result<PlacedPlan, PlanError> {
-        let mut plan = PlungePlan {
-            policy,
-            sections: Vec::new(),
-            positions: Vec::new(),
-            dropped: Vec::new(),
-            rounds: 0,
-            settled: true,
-        };
-        let mut last: Option<Arc<SectionCut>> = None;
+        let mut cuts: Vec<Arc<SectionCut>> = Vec::new();
         known.keep_for(self.setup)?;
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
@@ -257,12 +272,36 @@ impl<'a> Planner<'a> {
                     other => other,
                 })
             };
-            let cut = match last.as_ref().filter(|last| last.is_unfinished()) {
+            let cut = match cuts.last().filter(|last| last.is_unfinished()) {
                 Some(last) => Arc::new(SectionCut::unbegun(section, last.columns.clone())),
                 None => known.get_or_make(index, self.setup, make)?,
             };
-            let planned: usize = cut.rows.iter().map(|row| row.placed.len()).sum();
-            self.check_count(plan.positions.len() + planned, tool, place)?;
+            cuts.push(cut);
+            let planned = cuts.iter().flat_map(|cut| &cut.rows).map(|row| row.placed.len()).sum();
+            self.check_count(planned, tool, place)?;
+        }
+        known.remember_whole(self.setup)?;
+        let placed = self.assembled(policy, cuts)?;
+        monitor.report(0.85);
+        Ok(placed)
+    }
+
+    /// The plan that consists of these sections.
+    pub(super) fn assembled(
+        &self,
+        policy: AxisPolicy,
+        cuts: Vec<Arc<SectionCut>>,
+    ) -> Result<PlacedPlan, PlanError> {
+        let mut plan = PlungePlan {
+            policy,
+            sections: Vec::new(),
+            positions: Vec::new(),
+            dropped: Vec::new(),
+            rounds: 0,
+            settled: true,
+        };
+        for (index, (section, cut)) in self.setup.plunge.sections.iter().zip(&cuts).enumerate() {
+            let tool = tool_of(self.setup, section.tool)?;
             plan.sections.push(SectionPlan {
                 tool: tool.clone(),
                 from: section.from,
@@ -293,13 +332,11 @@ impl<'a> Planner<'a> {
                     });
                 }
             }
-            last = Some(cut);
         }
         if plan.positions.is_empty() && plan.is_unfinished() {
             return Err(Cancelled.into());
         }
-        monitor.report(0.85);
-        Ok(PlacedPlan { plan, last })
+        Ok(PlacedPlan { plan, last: cuts.last().cloned() })
     }
 
     /// The second half of [`Self::plan_knowing`]: contact of the cores, retract points and links. What was found is judged
@@ -443,7 +480,7 @@ impl<'a> Planner<'a> {
             (_, true) => return Ok(SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns)),
             (_, false) => {}
         }
-        let grounds = self.grounds[index].as_ref().map_err(PlanError::clone)?;
+        let grounds = self.shared_grounds(index)?;
         if policy == AxisPolicy::Minimal {
             return self.minimal_section(index, grounds, &columns, monitor);
         }

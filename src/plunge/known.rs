@@ -46,6 +46,8 @@ impl Input {
 #[derive(Debug, Default)]
 pub struct KnownSections {
     sections: Vec<(Input, Arc<SectionCut>)>,
+    /// All sections of the last plan that was finished, whether they still hold or not.
+    whole: Vec<(Input, Arc<SectionCut>)>,
 }
 
 impl KnownSections {
@@ -60,6 +62,34 @@ impl KnownSections {
             }
         }
         Ok(self.sections.len())
+    }
+
+    /// Remembers the plan as a whole, if all its sections are known.
+    ///
+    /// # Errors
+    /// As [`Self::holding`].
+    pub(super) fn remember_whole(&mut self, setup: &Setup) -> Result<(), SetupFault> {
+        if self.holding(setup)? == setup.plunge.sections.len() {
+            self.whole.clone_from(&self.sections);
+        }
+        Ok(())
+    }
+
+    /// The sections of the last plan that was finished, if `setup` has as many with the same cutters.
+    ///
+    /// # Errors
+    /// As [`Self::holding`].
+    pub(super) fn last_whole(&self, setup: &Setup) -> Result<Option<Vec<Arc<SectionCut>>>, SetupFault> {
+        if self.whole.is_empty() || self.whole.len() != setup.plunge.sections.len() {
+            return Ok(None);
+        }
+        for (index, (before, _)) in self.whole.iter().enumerate() {
+            let now = Input::of(setup, index)?;
+            if (&before.tool, before.section.rest) != (&now.tool, now.section.rest) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(self.whole.iter().map(|(_, cut)| Arc::clone(cut)).collect()))
     }
 
     /// Section `index` of a plan by `setup`, if it is known; else what `make` makes of the section before, which is remembered

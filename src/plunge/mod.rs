@@ -8,11 +8,12 @@
 //! | 3 axis optimisation | [`monotone`] |
 //! | 4 slotting depth | [`slotting`] |
 //! | 5 safe height | [`retract`], [`flight`], [`links`] |
-//! | 6 the loop | [`cycle`], and what still holds of the plan before: [`KnownSections`] |
+//! | 6 the loop | [`cycle`], and what still holds of the plan before: [`KnownSections`], `carried` |
 //! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
 //! | a look at one position of a plan | [`inspect`] |
 
 mod attempts;
+mod carried;
 pub mod choice;
 pub mod clearance;
 pub mod contact;

@@ -11,6 +11,7 @@ use vanecut::app::planned::Side;
 use vanecut::job::{Listener, PlanJob, PlanRequest, Stage};
 use vanecut::monitor::Monitor;
 use vanecut::part::AxisPolicy;
+use vanecut::plunge::PlungePlan;
 
 use crate::harness::{Window, settle, with_sample};
 
@@ -53,30 +54,51 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     let old = window.state().state().results.planned.clone().expect("planned");
     let count = |window: &Window| window.state().state().position_count();
     let before = count(&window);
-    // Resolved, then the conventional cutters, and there it waits.
+    // Resolved, then the axes of the plan before, and there it waits.
     allowed.store(2, Ordering::SeqCst);
-    window.get_by_role_and_label(Role::Slider, "Step").set_value_accesskit(6.0);
+    window.get_by_role_and_label(Role::Slider, "Hub allowance").set_value_accesskit(0.7);
     window.step();
-    until(&mut window, "the first stage", |window| coming(window).is_some());
-    let (policy, judged, positions) = coming(&window).expect("cutters");
+    until(&mut window, "the axes of the plan before", |window| coming(window).is_some());
+    let (policy, judged, carried) = coming(&window).expect("cutters");
+    assert_eq!((policy, judged), (AxisPolicy::Minimal, true));
+    assert!(carried <= before && carried > before * 9 / 10, "{carried} of {before} axes");
+    window.step();
+    window.get_by_label(&format!("New minimal, axes as before: none of {carried} interferes"));
+    window.get_by_label("Out of date");
+    let on = |window: &Window, side: Side| window.state().state().coming_on(side).map(|c| c.plan.policy);
+    assert_eq!(on(&window, Side::Before), None, "nothing is known of the conventional plan");
+
+    allowed.store(3, Ordering::SeqCst);
+    until(&mut window, "the conventional cutters", |window| on(window, Side::Before).is_some());
+    assert_eq!(on(&window, Side::After), Some(AxisPolicy::Minimal), "what is nearer to the end stays");
+    window.get_by_label("Before").click();
+    window.step();
+    let cutters = |window: &Window| {
+        let cutters = window.state().state().coming_on(Side::Before)?;
+        Some((cutters.plan.policy, cutters.judged, cutters.plan.positions.len()))
+    };
+    let (policy, judged, positions) = cutters(&window).expect("cutters");
     assert_eq!((policy, judged), (AxisPolicy::Conventional, false));
-    assert_ne!(positions, old.outcome.before.plan.positions.len(), "of the new step");
+    let tip = |plan: &PlungePlan| plan.positions[positions / 2].tip;
+    let new =
+        window.state().state().coming_on(Side::Before).map(|cutters| tip(&cutters.plan)).expect("cutters");
+    assert!((new - tip(&old.outcome.before.plan)).norm() > 0.15, "0.2 mm higher above the hub");
     window.step();
     window.get_by_label(&format!("New conventional: {positions} positions, not judged yet"));
     window.get_by_label("Out of date");
-    assert_eq!(count(&window), before, "table and figures are still those of the whole plan");
+    let conventional = old.outcome.before.plan.positions.len();
+    assert_eq!(count(&window), conventional, "table and figures are still those of the whole plan");
 
-    allowed.store(3, Ordering::SeqCst);
-    until(&mut window, "contact", |window| coming(window).is_some_and(|(_, judged, _)| judged));
+    allowed.store(4, Ordering::SeqCst);
+    until(&mut window, "contact", |window| cutters(window).is_some_and(|(_, judged, _)| judged));
     window.step();
-    let faults = window.state().state().coming_on(Side::After).and_then(|c| c.interferential());
+    let faults = window.state().state().coming_on(Side::Before).and_then(|c| c.interferential());
     let faults = faults.expect("judged");
     assert!(faults > 0, "conventional axes interfere here");
     window.get_by_label(&format!("New conventional: {faults} of {positions} interfere"));
-    assert!(coming(&window).is_some_and(|(policy, ..)| policy == AxisPolicy::Conventional));
 
     // What it leaves on the hub: the side that shows it is up to date, while the other waits.
-    allowed.store(4, Ordering::SeqCst);
+    allowed.store(5, Ordering::SeqCst);
     until(&mut window, "the conventional plan", |window| !window.state().state().is_stale(Side::Before));
     let state = window.state().state();
     assert!(state.is_stale(Side::After), "the plan by the policy is not there yet");

@@ -19,3 +19,4 @@ pub use crossing::Crossing;
 pub use extras::ExtraSearch;
 pub use floor::Floor;
 pub use path::PathSearch;
+pub use section::MOST_LIFT;

@@ -22,7 +22,7 @@ const RUN_UP_DIAMETERS: f64 = 1.5;
 /// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
 const WEDGE_RADII: f64 = 0.2;
 /// Share of its way through the blank that a plunge may stop short by: what cuts less is not worth its time.
-const MOST_LIFT: f64 = 0.8;
+pub const MOST_LIFT: f64 = 0.8;
 /// Lift of a row's first position from which on the row is entered from the side, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
 

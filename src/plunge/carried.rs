@@ -1,0 +1,104 @@
+//! A plan while the search for a better one has hardly begun: the axes of the plan before, on the part as the setup
+//! wants it now. Each cutter is lowered onto the hub anew and stops short where its core would meet stock, as by
+//! `staircase`; axes along a wall turn until they clear it again.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::contact::Columns;
+use super::cycle::{PlanError, Planner, Row, SectionCut};
+use super::ground::Ground;
+use super::known::KnownSections;
+use super::minimal::MOST_LIFT;
+use super::plan::PlungePlan;
+use super::row::Station;
+use super::sections::tool_of;
+use crate::monitor::Monitor;
+use crate::part::{AxisPolicy, Tool};
+
+impl Planner<'_> {
+    /// The axes of the last whole plan by `policy` that is `known`, in this setup, judged. `None` when there is none, or
+    /// its sections had other cutters.
+    ///
+    /// # Errors
+    /// As [`Planner::plan`].
+    pub fn carried(
+        &self,
+        policy: AxisPolicy,
+        known: &KnownSections,
+        monitor: &Monitor,
+    ) -> Result<Option<PlungePlan>, PlanError> {
+        let Some(before) = known.last_whole(self.setup)? else { return Ok(None) };
+        let placed = rayon::scope(|_| {
+            let mut cuts: Vec<Arc<SectionCut>> = Vec::with_capacity(before.len());
+            for (index, before) in before.iter().enumerate() {
+                let columns = cuts.last().map(|cut| cut.columns.clone()).unwrap_or_default();
+                cuts.push(Arc::new(self.carried_section(index, before, columns, monitor)?));
+            }
+            self.assembled(policy, cuts)
+        })?;
+        self.judge(placed, monitor).map(Some)
+    }
+
+    /// Section `index` by the axes it had `before`, after the plunges of `columns`.
+    fn carried_section(
+        &self,
+        index: usize,
+        before: &SectionCut,
+        columns: Columns,
+        monitor: &Monitor,
+    ) -> Result<SectionCut, PlanError> {
+        let section = &self.setup.plunge.sections[index];
+        let tool = tool_of(self.setup, section.tool)?;
+        let own;
+        let grounds = match self.shared_grounds(index)? {
+            grounds if grounds.is_empty() => {
+                own = self.ground(section)?;
+                &own
+            }
+            grounds => grounds,
+        };
+        let mut cut = SectionCut { added: before.added, ..SectionCut::empty(before.feed, columns) };
+        for row in &before.rows {
+            let lambda = row.lambda();
+            let stations: Vec<&Station> = row.stations().collect();
+            let stations: Vec<Station> = stations
+                .into_par_iter()
+                .filter_map(|station| self.again(station, lambda, grounds, tool, before, monitor))
+                .filter(|station| self.setup.machine.beyond(self.part, &station.axis) <= 0.0)
+                .collect();
+            let row = Row { stations, rounds: 1, ..Row::empty(lambda) };
+            let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
+            cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
+        }
+        Ok(cut)
+    }
+
+    /// A station of the row at `lambda` of the channel with its axis as it was.
+    fn again(
+        &self,
+        station: &Station,
+        lambda: f64,
+        grounds: &[Ground],
+        tool: &Tool,
+        before: &SectionCut,
+        monitor: &Monitor,
+    ) -> Option<Station> {
+        let s = station.ends.s_hub;
+        let away = |ground: &&Ground| {
+            let Ground { stretch, .. } = ground;
+            let (low, high) = stretch.lambdas;
+            ((s - stretch.from).max(stretch.to - s).max(0.0), (low - lambda).max(lambda - high).max(0.0))
+        };
+        let order = |a: (f64, f64), b: (f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
+        let ground = grounds.iter().min_by(|a, b| order(away(a), away(b)))?;
+        // Only the walls of a stretch matter here: what stands between them stands as it did.
+        let walls = [0.0, 1.0];
+        let at_wall = walls.into_iter().find(|&wall| ground.stretch.lambda_in_channel(wall) == lambda);
+        let maker = self.row_maker(ground, tool, (at_wall.unwrap_or(0.5), 2), before.feed, monitor);
+        let lowered =
+            Station { s_shroud_conventional: station.s_shroud_conventional, ..maker.lowered(station.ends) };
+        maker.exact(&lowered)
+    }
+}
