@@ -53,7 +53,7 @@ impl Planner<'_> {
         let tool = tool_of(self.setup, section.tool)?;
         let own;
         let grounds = match self.shared_grounds(index)? {
-            grounds if grounds.is_empty() => {
+            [] => {
                 own = self.ground(section)?;
                 &own
             }
