@@ -93,7 +93,7 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut State, side: Side) {
 pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&ComingCutters>) {
     let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
-    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(260.0, 46.0)).intersect(rect);
+    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(230.0, 62.0)).intersect(rect);
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         if stale {

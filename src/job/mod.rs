@@ -183,12 +183,13 @@ fn plan(
         listener.tell(|| Stage::Measured(Arc::clone(grid), result.clone()));
         Ok(result)
     };
-    // Axes that were searched for are near what will be found: a hand on a slider sees what it does to them at once.
+    // Axes that were searched for are near what will be found: a hand on a slider sees what it does to them at once. What
+    // keeps them from it the plan itself will tell.
     let searched = known.entry(request.policy).or_default();
     if listener.is_listening()
         && request.policy == AxisPolicy::Minimal
         && searched.holding(&setup)? < setup.plunge.sections.len()
-        && let Some(plan) = planner.carried(request.policy, searched, closing)?
+        && let Ok(Some(plan)) = planner.carried(request.policy, searched, closing)
     {
         listener.tell(|| Stage::Carried(plan));
     }

@@ -234,7 +234,9 @@ impl<'a> Planner<'a> {
         known: &mut KnownSections,
         monitor: &Monitor,
     ) -> Result<PlungePlan, PlanError> {
-        self.judge(self.place(policy, known, monitor)?, monitor)
+        let plan = self.judge(self.place(policy, known, monitor)?, monitor)?;
+        monitor.report(1.0);
+        Ok(plan)
     }
 
     /// The first half of [`Self::plan_knowing`]: positions, axes and depths.
@@ -351,7 +353,6 @@ impl<'a> Planner<'a> {
             self.measure(&mut plan, &cut.columns, monitor)?;
         }
         raise_links(&mut plan, &self.blank, self.setup.stock.safety_distance, monitor)?;
-        monitor.report(1.0);
         Ok(plan)
     }
 

@@ -13,7 +13,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::AxisPolicy;
 use vanecut::plunge::PlungePlan;
 
-use crate::harness::{Window, settle, with_sample};
+use crate::harness::{Window, settle, snapshot_view, with_sample};
 
 /// The real planner, which waits after every stage until it may go on.
 fn held_back() -> (Engine, Arc<AtomicUsize>) {
@@ -65,6 +65,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     window.step();
     window.get_by_label(&format!("New minimal, axes as before: none of {carried} interferes"));
     window.get_by_label("Out of date");
+    snapshot_view(&mut window, "carried");
     let on = |window: &Window, side: Side| window.state().state().coming_on(side).map(|c| c.plan.policy);
     assert_eq!(on(&window, Side::Before), None, "nothing is known of the conventional plan");
 
