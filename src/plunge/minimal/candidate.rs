@@ -8,8 +8,8 @@ use crate::plunge::contact::{BlankTop, Column};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 
-/// Feed tilts looked at: from, and steps to the last one, degrees. Positive leans towards the uncut side. Where the largest
-/// tilt from the conventional axis leaves less than half of them, they are moved.
+/// Feed tilts looked at: from, and steps to the last one, degrees. Positive leans towards the uncut side. They are moved
+/// where the conventional axis leans so far that its largest tilt back leaves less than half of them.
 const TILT_FROM_DEG: f64 = -12.0;
 /// See [`TILT_FROM_DEG`].
 const TILT_STEP_DEG: f64 = 2.0;
@@ -217,7 +217,8 @@ impl CandidateMaker<'_> {
         let (_, reference) = self.maker.lane.line(&conventional);
         let tilt = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
         let middle = (TILT_FROM_DEG + HALF_OF_TILTS_DEG).to_radians();
-        let moved = middle.clamp(tilt - self.max_tilt, tilt + self.max_tilt) - middle;
+        // Axes that lean back without end leave each plunge above the one before: where no other is left a row ends.
+        let moved = (tilt - self.max_tilt - middle).max(0.0);
         let upright = self.upright(&conventional, &frame, moved)?;
         Some(Stand { conventional, frame, upright, reference, moved })
     }
