@@ -53,6 +53,24 @@ fn check(name: &str, part: &Impeller, outcome: &PlanOutcome) {
     assert!(minimal.max_axis_change <= limit + 1e-9, "{name}: axes turn by {}", minimal.max_axis_change);
 }
 
+/// What `minimal` leaves above the allowance as a share of what `monotone` does, where that is free of contact: section, mean
+/// and 95th percentile.
+fn shares_of_monotone(outcome: &PlanOutcome) -> Vec<(usize, f64, f64)> {
+    let allowance = outcome.setup.stock.hub_allowance;
+    let share = |ours: f64, theirs: f64| (ours - allowance) / (theirs - allowance);
+    let of_section = |index: usize| {
+        let [monotone, minimal] = [AxisPolicy::Monotone, AxisPolicy::Minimal].map(|policy| {
+            let result = result(outcome, policy);
+            Summary::of_section(&result.plan, &outcome.grid, &result.field, index)
+        });
+        (monotone.interferential == 0).then(|| {
+            let mean = share(minimal.residual_mean, monotone.residual_mean);
+            (index, mean, share(minimal.residual_p95, monotone.residual_p95))
+        })
+    };
+    (0..outcome.setup.plunge.sections.len()).filter_map(of_section).collect()
+}
+
 #[test]
 fn samples_are_freed_and_less_is_left() {
     for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
@@ -63,24 +81,12 @@ fn samples_are_freed_and_less_is_left() {
             [AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Minimal]
                 .map(|p| &result(&outcome, p).summary);
         assert!(outcome.before.summary.interferential > 100, "{name}: what shops do today interferes");
-        let excess = |layer: f64| layer - outcome.setup.stock.hub_allowance;
-        for index in 0..outcome.setup.plunge.sections.len() {
-            let [monotone, minimal] = [AxisPolicy::Monotone, AxisPolicy::Minimal].map(|policy| {
-                let result = result(&outcome, policy);
-                Summary::of_section(&result.plan, &outcome.grid, &result.field, index)
-            });
-            if monotone.interferential > 0 {
-                continue;
-            }
-            for (what, limit, ours, theirs) in [
-                ("mean", 0.4, minimal.residual_mean, monotone.residual_mean),
-                ("95 %", 0.5, minimal.residual_p95, monotone.residual_p95),
-            ] {
+        for (index, mean, p95) in shares_of_monotone(&outcome) {
+            for (what, limit, share) in [("mean", 0.4, mean), ("95 %", 0.5, p95)] {
                 // The field is good for a hundredth.
-                let share = excess(ours) / excess(theirs);
                 assert!(
                     share < limit + 0.01,
-                    "{name}, section {index}: {what} {ours} where monotone leaves {theirs}"
+                    "{name}, section {index}: {what} {share} of what monotone leaves"
                 );
             }
         }
@@ -243,24 +249,13 @@ fn made_wheels_with_made_setups_are_freed() {
 #[test]
 fn on_wheels_as_they_are_built_less_is_left_than_by_the_published_method() {
     let outcomes = made_plans(5, 6, Stacking::Rim, 256);
-    let mut shares = Vec::new();
-    for outcome in &outcomes {
-        let allowance = outcome.setup.stock.hub_allowance;
-        for (index, section) in outcome.setup.plunge.sections.iter().enumerate() {
-            let [monotone, minimal] = [AxisPolicy::Monotone, AxisPolicy::Minimal].map(|policy| {
-                let result = result(outcome, policy);
-                Summary::of_section(&result.plan, &outcome.grid, &result.field, index)
-            });
-            if section.rest || monotone.interferential > 0 {
-                continue;
-            }
-            let share = |ours: f64, theirs: f64| (ours - allowance) / (theirs - allowance);
-            shares.push((
-                share(minimal.residual_mean, monotone.residual_mean),
-                share(minimal.residual_p95, monotone.residual_p95),
-            ));
-        }
-    }
+    let compared = |outcome: &PlanOutcome| {
+        let shares = shares_of_monotone(outcome).into_iter();
+        let is_main = |index: usize| !outcome.setup.plunge.sections[index].rest;
+        let shares = shares.filter(|share| is_main(share.0)).map(|(_, mean, p95)| (mean, p95));
+        shares.collect::<Vec<(f64, f64)>>()
+    };
+    let shares: Vec<(f64, f64)> = outcomes.iter().flat_map(compared).collect();
     assert!(shares.len() >= 5, "only {} sections can be compared", shares.len());
     let mean = |of: fn(&(f64, f64)) -> f64| shares.iter().map(of).sum::<f64>() / shares.len() as f64;
     let (mean_share, p95_share) = (mean(|s| s.0), mean(|s| s.1));
@@ -336,5 +331,5 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
         section.residual_mean - outcome.setup.stock.hub_allowance
     };
     let share = excess(AxisPolicy::Minimal) / excess(AxisPolicy::Monotone);
-    assert!(share < 0.6, "{share} of what monotone leaves");
+    assert!(share < 0.58, "{share} of what monotone leaves");
 }

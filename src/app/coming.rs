@@ -52,11 +52,17 @@ impl Coming {
     pub(super) fn add(&mut self, stage: Stage) {
         match stage {
             Stage::Resolved(setup, reasons) => self.resolved = Some((setup, reasons)),
-            Stage::Carried(plan) => self.take_cutters(plan, true, true),
+            Stage::Carried(plan) => {
+                self.take_cutters(ComingCutters { plan: plan.into(), judged: true, carried: true });
+            }
             // What stands there already is judged.
             Stage::Placed(plan) if self.has_carried(plan.policy) => {}
-            Stage::Placed(plan) => self.take_cutters(plan, false, false),
-            Stage::Judged(plan) => self.take_cutters(plan, true, false),
+            Stage::Placed(plan) => {
+                self.take_cutters(ComingCutters { plan: plan.into(), judged: false, carried: false });
+            }
+            Stage::Judged(plan) => {
+                self.take_cutters(ComingCutters { plan: plan.into(), judged: true, carried: false });
+            }
             // The one all others are compared with comes first; the one that was asked for is the end itself, or nearly.
             Stage::Measured(_, result)
                 if result.plan.policy == self.setup.plunge.axis && self.planned.is_some() => {}
@@ -64,9 +70,9 @@ impl Coming {
         }
     }
 
-    fn take_cutters(&mut self, plan: PlungePlan, judged: bool, carried: bool) {
-        self.cutters.retain(|known| known.plan.policy != plan.policy);
-        self.cutters.push(ComingCutters { plan: Arc::new(plan), judged, carried });
+    fn take_cutters(&mut self, cutters: ComingCutters) {
+        self.cutters.retain(|known| known.plan.policy != cutters.plan.policy);
+        self.cutters.push(cutters);
     }
 
     fn has_carried(&self, policy: AxisPolicy) -> bool {

@@ -282,7 +282,7 @@ impl<'a> Planner<'a> {
             let planned = cuts.iter().flat_map(|cut| &cut.rows).map(|row| row.placed.len()).sum();
             self.check_count(planned, tool, place)?;
         }
-        known.remember_whole(self.setup)?;
+        known.remember_whole(sections.len());
         let placed = self.assembled(policy, cuts)?;
         monitor.report(0.85);
         Ok(placed)

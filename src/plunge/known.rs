@@ -64,15 +64,11 @@ impl KnownSections {
         Ok(self.sections.len())
     }
 
-    /// Remembers the plan as a whole, if all its sections are known.
-    ///
-    /// # Errors
-    /// As [`Self::holding`].
-    pub(super) fn remember_whole(&mut self, setup: &Setup) -> Result<(), SetupFault> {
-        if self.holding(setup)? == setup.plunge.sections.len() {
+    /// Remembers the plan of so many `sections` as a whole, if all of them are known.
+    pub(super) fn remember_whole(&mut self, sections: usize) {
+        if self.sections.len() == sections {
             self.whole.clone_from(&self.sections);
         }
-        Ok(())
     }
 
     /// The sections of the last plan that was finished, if `setup` has as many with the same cutters.

@@ -15,8 +15,8 @@ const TILT_FROM_DEG: f64 = -12.0;
 const TILT_STEP_DEG: f64 = 2.0;
 /// See [`TILT_FROM_DEG`].
 const TILT_STEPS: usize = 19;
-/// Half of the way between the first and the last, degrees.
-const HALF_OF_TILTS_DEG: f64 = 0.5 * TILT_STEP_DEG * TILT_STEPS as f64;
+/// The middle between the first and the last, degrees.
+const MIDDLE_TILT_DEG: f64 = TILT_FROM_DEG + 0.5 * TILT_STEP_DEG * TILT_STEPS as f64;
 
 /// Tilts are too coarse when from one to the next the axis moves on the shroud by more than this share of the ring that
 /// the edges sweep: the next core then meets what the last plunge left high above the hub.
@@ -131,8 +131,8 @@ type FloorPoints = [[(Point, Vector); ALONG]; STRIPS];
 #[derive(Clone, Copy, Debug)]
 struct Upright {
     s_shroud: f64,
-    /// Tangent of the feed tilt there.
-    tilt: f64,
+    /// Feed tilt there, by which all feed tilts are moved, rad.
+    moved: f64,
     /// Tangent of the feed tilt gained per unit of s of W.
     tilt_by_s: f64,
     /// Height of W above M along the normal, mm.
@@ -140,9 +140,9 @@ struct Upright {
 }
 
 impl Upright {
-    /// s of W for a feed tilt, rad.
+    /// s of W for a feed tilt beside that, rad.
     fn tilted(&self, tilt: f64) -> f64 {
-        self.s_shroud + (tilt.tan() - self.tilt) / self.tilt_by_s
+        self.s_shroud + ((tilt + self.moved).tan() - self.moved.tan()) / self.tilt_by_s
     }
 }
 
@@ -153,8 +153,6 @@ struct Stand {
     upright: Upright,
     /// The conventional axis.
     reference: Vector,
-    /// By how much the feed tilts are moved, rad.
-    moved: f64,
 }
 
 /// Step of s for slopes.
@@ -163,11 +161,11 @@ const SLOPE_STEP: f64 = 2e-3;
 impl CandidateMaker<'_> {
     /// What there is at `s_hub`; `None` where the cutter does not fit at all.
     pub fn at(&self, s_hub: f64) -> Option<Place> {
-        let Stand { conventional, frame, upright, reference, moved } = self.stand(s_hub)?;
+        let Stand { conventional, frame, upright, reference } = self.stand(s_hub)?;
         let floor = self.floor_points(&conventional, &frame)?;
         let candidates = |j: usize| {
             let tilt = (TILT_FROM_DEG + TILT_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
-            let axes = self.axes(upright.tilted(tilt + moved), (s_hub, &frame, &upright), UPRIGHT_SHARES);
+            let axes = self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), UPRIGHT_SHARES);
             let mut candidates = axes.map(|ends| {
                 let candidate = self.lowered(ends?, &floor, &reference)?;
                 let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
@@ -191,19 +189,19 @@ impl CandidateMaker<'_> {
         s.iter().filter_map(|&s| self.isoparametric(s)).any(|ends| step * depth(&ends) > most)
     }
 
-    /// Stations at `s_hub` with feed `tilts` (rad; moved as those of [`Self::at`]), each with all `shares` of the way to upright across the row; blades not
-    /// looked at.
+    /// Stations at `s_hub` with feed `tilts` (rad; moved as those of [`Self::at`]), each with all `shares` of the way to
+    /// upright across the row; blades not looked at.
     pub fn fan<const N: usize>(
         &self,
         s_hub: f64,
         tilts: impl Iterator<Item = f64>,
         shares: &[f64; N],
     ) -> Vec<Station> {
-        let Some(Stand { conventional, frame, upright, reference, moved }) = self.stand(s_hub) else {
+        let Some(Stand { conventional, frame, upright, reference }) = self.stand(s_hub) else {
             return Vec::new();
         };
         tilts
-            .flat_map(|tilt| self.axes(upright.tilted(tilt + moved), (s_hub, &frame, &upright), *shares))
+            .flat_map(|tilt| self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), *shares))
             .flatten()
             .filter_map(|ends| self.within_tilt(ends, &reference))
             .map(|station| Station { s_shroud_conventional: conventional.s_shroud, ..station })
@@ -216,11 +214,10 @@ impl CandidateMaker<'_> {
         let frame = self.frame(&conventional)?;
         let (_, reference) = self.maker.lane.line(&conventional);
         let tilt = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
-        let middle = (TILT_FROM_DEG + HALF_OF_TILTS_DEG).to_radians();
         // Axes that lean back without end leave each plunge above the one before: where no other is left a row ends.
-        let moved = (tilt - self.max_tilt - middle).max(0.0);
+        let moved = (tilt - self.max_tilt - MIDDLE_TILT_DEG.to_radians()).max(0.0);
         let upright = self.upright(&conventional, &frame, moved)?;
-        Some(Stand { conventional, frame, upright, reference, moved })
+        Some(Stand { conventional, frame, upright, reference })
     }
 
     /// Ends of the conventional axis at `s_hub`.
@@ -274,7 +271,7 @@ impl CandidateMaker<'_> {
         let height = to_shroud(s_shroud).dot(&frame.normal);
         (slope * self.maker.inward < 0.0 && height > 0.0).then_some(Upright {
             s_shroud,
-            tilt: moved.tan(),
+            moved,
             tilt_by_s: slope,
             height,
         })

@@ -246,9 +246,9 @@ impl PathSearch<'_> {
 
     /// What the cheapest way before a place costs.
     fn least_before(here: &Here) -> f64 {
-        let before = here.states.get(here.last.unwrap_or(0)).into_iter().flatten().flatten();
         let begin = if here.may_begin { 0.0 } else { f64::INFINITY };
-        before.map(|s| s.cost).fold(begin, f64::min)
+        let cheapest = here.last.zip(here.order.first()).and_then(|(last, &i)| here.states[last][i].as_ref());
+        cheapest.map_or(begin, |state| state.cost.min(begin))
     }
 
     /// Less than this no way through a tilt costs.
