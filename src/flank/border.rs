@@ -157,14 +157,14 @@ impl Borders {
 
 /// The line of a flank within the layer's ends, x growing.
 fn flank(layer: &Layer, side: &BladeSide, raised: f64) -> Option<Vec<LayerPoint>> {
-    let first = side.u_knots()[0];
+    let (first, last) = side.u_range();
     let traced = |from: f64, to: f64| {
         let lines = (0..=FLANK_LINES).map(|i| from + (to - from) * i as f64 / FLANK_LINES as f64);
         growing(layer.trace(side, lines, 0.0, raised))
     };
     let fits = |line: &Vec<LayerPoint>| line.len() >= 3 && line[1].x < layer.to;
     // A layer that ends beside the nose lies where the flank runs on straight before it.
-    let line = Some(traced(first, 1.0))
+    let line = Some(traced(first, last))
         .filter(fits)
         .or_else(|| Some(traced(first - 0.2, first + 0.1)).filter(fits))?;
     Some(until(line, layer.to))

@@ -173,7 +173,8 @@ impl<'a> WallFit<'a> {
     /// The least that the greatest deviation from the wall can be at the positions on it, mm: no straight edge stays within less
     /// of its strip, either way, without cutting the wall above it as much.
     pub fn forced(&self) -> f64 {
-        let on_wall = |(u, _): &(&f64, &Fitted)| (self.flank_from()..=1.0).contains(*u);
+        let (from, to) = self.flank_range();
+        let on_wall = |(u, _): &(&f64, &Fitted)| (from..=to).contains(*u);
         let levels = |strip: &Strip| {
             let here = self.places.iter().zip(&strip.fitted).filter(on_wall);
             here.map(|(_, fitted)| fitted.level).fold(0.0, f64::max)
@@ -181,9 +182,9 @@ impl<'a> WallFit<'a> {
         self.strips.iter().map(levels).fold(0.0, f64::max)
     }
 
-    /// u at which the flank begins, behind the nose.
-    fn flank_from(&self) -> f64 {
-        self.face.side.u_knots()[0].max(0.0)
+    /// u at which the flank begins and ends, its rounded ends left out.
+    fn flank_range(&self) -> (f64, f64) {
+        self.face.side.u_range()
     }
 
     /// The positions moved along the wall's normals, so that the swept cutter cuts no more than `tolerance` mm below the
@@ -226,7 +227,8 @@ impl<'a> WallFit<'a> {
 
     /// Of the map: at the stations on the wall, and half way between them.
     fn columns(&self) -> Vec<Column> {
-        let on_wall = |column: &Column| (self.flank_from()..=1.0).contains(&column.u);
+        let (from, to) = self.flank_range();
+        let on_wall = |column: &Column| (from..=to).contains(&column.u);
         let halves = 0..2 * self.places.len() - 2;
         halves.map(|k| Column::half(&self.places, k)).filter(on_wall).collect()
     }

@@ -88,6 +88,19 @@ impl<const D: usize> Cubic<D> {
         Self::from_segments(knots, segments)
     }
 
+    /// The same curve up to parameter `end`; beyond it, straight along its direction there.
+    pub fn ending_at(&self, end: f64) -> Self {
+        let (start, last) = self.domain();
+        if end >= last || end <= start {
+            return self.clone();
+        }
+        // The segment that holds `end`, or ends there.
+        let count = self.knots.partition_point(|&knot| knot < end);
+        let mut knots = self.knots[..=count].to_vec();
+        knots[count] = end;
+        Self::from_segments(knots, self.segments[..count].to_vec())
+    }
+
     /// First and last parameter.
     pub fn domain(&self) -> (f64, f64) {
         (self.knots[0], self.knots[self.knots.len() - 1])
@@ -283,6 +296,25 @@ mod tests {
         let curve = Cubic::b_spline(&control, 3, &[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
         let p = curve.point(0.5);
         assert!((p[0] - 2.0).abs() < 1e-12 && (p[1] - 1.5).abs() < 1e-12, "{p:?}");
+    }
+
+    #[test]
+    fn a_cut_curve_is_the_same_inside_and_straight_beyond() {
+        let knots = [0.0, 0.4, 1.0, 1.7, 2.0, 3.1];
+        let points: Vec<_> = knots.iter().map(|&t| cubic_at(t)).collect();
+        let spline = Cubic::interpolate(&knots, &points);
+        for (from, to) in [(0.3, 2.5), (0.4, 1.7), (0.45, 0.9)] {
+            let cut = spline.starting_at(from).ending_at(to);
+            assert_eq!(cut.domain(), (from, to));
+            for i in 0..=20 {
+                let t = from + (to - from) * f64::from(i) / 20.0;
+                let (a, b) = (cut.point(t), spline.point(t));
+                assert!((a[0] - b[0]).abs() < 1e-12 && (a[1] - b[1]).abs() < 1e-12, "at {t}");
+            }
+            let (end, direction, _) = spline.derivatives(to);
+            let beyond = cut.point(to + 0.5);
+            assert!((beyond[0] - end[0] - 0.5 * direction[0]).abs() < 1e-12, "straight beyond {to}");
+        }
     }
 
     proptest! {

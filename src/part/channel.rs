@@ -4,12 +4,12 @@ use super::impeller::{Impeller, sides_around_channel};
 use super::side::BladeSide;
 use crate::geometry::{Meridional, Point, Vector, norm2, wrap_angle};
 
-/// One wall of a passage: the flank of a blade side (its nose left out), running on straight beyond
+/// One wall of a passage: the flank of a blade side (its rounded ends left out), running on straight beyond
 /// LE, TE, hub and shroud.
 #[derive(Clone, Debug)]
 pub struct Wall {
     side: BladeSide,
-    /// s of the wall's foot on the hub by even steps of u over [0, 1]: where to start a search.
+    /// s of the wall's foot on the hub by even steps of u over [0, u of its end]: where to start a search.
     starts: Vec<f64>,
 }
 
@@ -46,9 +46,10 @@ pub struct WallAngle {
 impl Wall {
     fn new(part: &Impeller, side: &BladeSide) -> Self {
         let side = side.flank();
+        let (_, end) = side.u_range();
         let starts = (0..=32)
             .map(|i| {
-                let foot = Meridional::of(&side.point(f64::from(i) / 32.0, 0.0));
+                let foot = Meridional::of(&side.point(end * f64::from(i) / 32.0, 0.0));
                 part.hub.s_at(part.hub.curve().project(foot).0)
             })
             .collect();
@@ -65,15 +66,16 @@ impl Wall {
     pub fn at(&self, part: &Impeller, s: f64, eta: f64) -> Option<WallPoint> {
         let wanted = part.meridional(s, eta);
         let n = self.starts.len() - 1;
+        let (begin, end) = self.side.u_range();
         let bracket = self.starts.windows(2).position(|w| w[0] <= s && s <= w[1]);
         let first = self.starts[0];
         let u = match bracket {
             Some(i) => {
-                (i as f64 + (s - self.starts[i]) / (self.starts[i + 1] - self.starts[i]).max(1e-12))
-                    / n as f64
+                let share = (s - self.starts[i]) / (self.starts[i + 1] - self.starts[i]).max(1e-12);
+                end * (i as f64 + share) / n as f64
             }
-            None if s < first => self.side.u_knots()[0] + (s - first),
-            None => 1.0 + (s - self.starts[n]),
+            None if s < first => begin + (s - first),
+            None => end + (s - self.starts[n]),
         };
         let on = self.search(wanted, u, eta)?;
         // Implicit function: (u, v) move so that the meridional image follows (s, η).

@@ -55,6 +55,10 @@ impl SideProbe {
             u.extend([0.003, 0.007, 0.012, 0.018]);
             u.sort_by(f64::total_cmp);
         }
+        if to == 1.0 && side.has_round_tail() {
+            u.extend([0.982, 0.988, 0.993, 0.997]);
+            u.sort_by(f64::total_cmp);
+        }
         let lines = if side.is_ruled() { RULED_V_LINES } else { MAX_V_LINES };
         let v: Vec<f64> = (0..lines).map(|j| j as f64 / (lines - 1) as f64).collect();
         let points: Vec<Point> = v.iter().flat_map(|&v| u.iter().map(move |&u| side.point(u, v))).collect();

@@ -141,25 +141,54 @@ impl BladeSide {
         Self::loft(&u, &self.stations, &sections)
     }
 
-    /// The side without its rounded nose: from where its direction has come within 10° of the
-    /// direction at 8 % of the chord, running on straight upstream of there.
+    /// First and last u of the surface; beyond them it is straight.
+    pub fn u_range(&self) -> (f64, f64) {
+        self.spans[0].domain()
+    }
+
+    /// Whether the side is rounded at its trailing edge.
+    pub fn has_round_tail(&self) -> bool {
+        let direction = |u: f64| self.derivatives(u, 0.5).1;
+        direction(1.0).angle(&direction(1.0 - SETTLED_U)) > ROUND_RAD
+    }
+
+    /// The side without its rounded ends: from where its direction has come within 10° of the direction at
+    /// 8 % of the chord, to where it leaves the direction at 92 % by as much. It runs on straight beyond
+    /// both. An end that is cut off blunt, with a corner, or that runs out sharp stays whole: an end is round
+    /// where its direction turns by more than 30°.
     pub fn flank(&self) -> Self {
-        const SETTLED_U: f64 = 0.08;
         const STEPS: usize = 60;
-        let at = |i: usize| SETTLED_U * i as f64 / STEPS as f64;
-        let settled_from = |v: f64| {
-            let (_, settled, _) = self.derivatives(SETTLED_U, v);
-            let bend = |u: f64| self.derivatives(u, v).1.angle(&settled) - 10f64.to_radians();
+        const SETTLED_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+        // Length of the round at the end of `v` that u = `end` is, as far as it reaches towards the middle.
+        let round = |end: f64, v: f64| {
+            let u = |distance: f64| (end - distance).abs();
+            let (_, settled, _) = self.derivatives(u(SETTLED_U), v);
+            let bend = |distance: f64| self.derivatives(u(distance), v).1.angle(&settled) - SETTLED_RAD;
+            if bend(0.0) < ROUND_RAD - SETTLED_RAD {
+                return None;
+            }
+            let at = |i: usize| SETTLED_U * i as f64 / STEPS as f64;
             let last = (0..STEPS).rev().find(|&i| bend(at(i)) > 0.0)?;
-            // Everything upstream hangs on this place: a grid would move it by jumps.
+            // Everything beside this place depends on it: a grid would move it by jumps.
             Some(search::root(bend, at(last), at(last + 1), 1e-9))
         };
-        let start = [0.0, 0.5, 1.0].into_iter().filter_map(settled_from).reduce(f64::max);
-        let Some(start) = start else { return self.clone() };
-        let cut = |curves: &[Cubic<6>]| curves.iter().map(|c| c.starting_at(start)).collect();
+        let longest = |end: f64| [0.0, 0.5, 1.0].into_iter().filter_map(|v| round(end, v)).reduce(f64::max);
+        let (nose, tail) = (longest(0.0), longest(1.0));
+        let cut = |curves: &[Cubic<6>]| {
+            let curves = curves.iter().map(|curve| {
+                let curve = nose.map_or_else(|| curve.clone(), |length| curve.starting_at(length));
+                tail.map_or_else(|| curve.clone(), |length| curve.ending_at(1.0 - length))
+            });
+            curves.collect()
+        };
         Self { stations: self.stations.clone(), spans: cut(&self.spans), slopes: cut(&self.slopes) }
     }
 }
+
+/// Distance in u from an end at which a rounded end has surely become the flank.
+const SETTLED_U: f64 = 0.08;
+/// By how much the direction of a side turns at an end that is rounded, rad.
+const ROUND_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Common parameters and sections of one side from raw section points (which may differ in number):
 /// normalised chord length, averaged over the sections. Repeated points are dropped.

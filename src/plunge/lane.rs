@@ -105,13 +105,10 @@ impl<'a> Lane<'a> {
             // The flank runs on as far as rows reach beyond its ends; further out its extension would only
             // stand in the way of columns that lean over it.
             let side = passage.walls[i].side();
+            let (from, to) = side.u_range();
             let chord = (side.point(1.0, 0.5) - side.point(0.0, 0.5)).norm();
             let reach = (tool.radius() + blade_allowance) / chord.max(1e-6);
-            SideProbe::new(
-                side,
-                side.u_knots()[0] - (3.0 * reach).min(0.3),
-                1.0 + (4.0 * reach).clamp(0.1, 0.5),
-            )
+            SideProbe::new(side, from - (3.0 * reach).min(0.3), to + (4.0 * reach).clamp(0.1, 0.5))
         };
         let spacing = (1.2 * tool.insert_width / part.hub.length()).clamp(0.004, 0.03);
         Self {

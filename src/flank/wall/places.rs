@@ -17,12 +17,12 @@ pub(super) fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
 /// u of the stations: as far apart as `step` and the bend of the wall let them.
 pub(super) fn station_places(face: &Face, milling: &WallMilling) -> Option<Vec<f64>> {
     let side = face.side;
-    let ends = [side.u_knots()[0], 1.0];
+    let ends = side.u_range();
     let beyond = |u: f64| {
         let speed = [0.0, 1.0].map(|v| side.derivatives(u, v).1.norm());
         milling.extension / speed[0].min(speed[1]).max(1e-9)
     };
-    let (from, to) = (ends[0] - beyond(ends[0]), ends[1] + beyond(ends[1]));
+    let (from, to) = (ends.0 - beyond(ends.0), ends.1 + beyond(ends.1));
     let u = evenly(from, to, SPACING_SAMPLES + 1);
     let du = (to - from) / SPACING_SAMPLES as f64;
     let offsets = |v: f64| -> Vec<(Point, Vector)> {

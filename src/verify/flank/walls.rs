@@ -48,10 +48,10 @@ pub(super) fn wall_deviation(
     let samples: Vec<Point> = walls
         .flat_map(|wall| {
             let flank = wall.side();
-            let from = flank.u_knots()[0].max(0.0);
+            let (from, to) = flank.u_range();
             (0..COLUMNS * LINES).map(move |k| {
                 let (i, j) = (k / LINES, k % LINES);
-                let u = from + (1.0 - from) * i as f64 / (COLUMNS - 1) as f64;
+                let u = from + (to - from) * i as f64 / (COLUMNS - 1) as f64;
                 flank.point(u, j as f64 / (LINES - 1) as f64)
             })
         })
