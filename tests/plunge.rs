@@ -9,6 +9,7 @@ use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::setup::{Feed, SectionSetup};
 use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Machine, Setup};
+use vanecut::plunge::clearance::FinishedPart;
 use vanecut::plunge::contact::{BlankTop, Column, Columns, core_contact};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
@@ -37,7 +38,8 @@ fn monotone_finds_the_place_the_walk_finds() {
     let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     let tool = &setup.tools[0];
     let hub = DepthSurface::new(part.hub.curve(), 0.5 + tool.corner_radius);
-    let lane = Lane::new(&part, &channel.full, tool, 0.5, 0.5);
+    let finished = std::sync::Arc::new(FinishedPart::new(&part, &channel.sides));
+    let lane = Lane::new(&part, &channel.full, finished, tool, &setup.stock);
     for lambda in [0.0, 0.5, 1.0] {
         let maker = RowMaker {
             part: &part,

@@ -9,6 +9,8 @@ use crate::geometry::{Meridional, Point, Vector, norm2, wrap_angle};
 #[derive(Clone, Debug)]
 pub struct Wall {
     side: BladeSide,
+    /// The side as it is, rounded ends included.
+    whole: BladeSide,
     /// s of the wall's foot on the hub by even steps of u over [0, u of its end]: where to start a search.
     starts: Vec<f64>,
 }
@@ -45,7 +47,7 @@ pub struct WallAngle {
 
 impl Wall {
     fn new(part: &Impeller, side: &BladeSide) -> Self {
-        let side = side.flank();
+        let (whole, side) = (side.clone(), side.flank());
         let (_, end) = side.u_range();
         let starts = (0..=32)
             .map(|i| {
@@ -53,12 +55,23 @@ impl Wall {
                 part.hub.s_at(part.hub.curve().project(foot).0)
             })
             .collect();
-        Self { side, starts }
+        Self { side, whole, starts }
     }
 
     /// The flank as a surface.
     pub fn side(&self) -> &BladeSide {
         &self.side
+    }
+
+    /// The side of the finished blade that the flank is of, rounded ends included.
+    pub fn whole_side(&self) -> &BladeSide {
+        &self.whole
+    }
+
+    /// Whether the blade reaches `place`: beyond its ends the wall is nothing but a straight continuation.
+    pub fn is_blade_at(&self, place: &WallPoint) -> bool {
+        const TOLERANCE_U: f64 = 0.02;
+        (-TOLERANCE_U..=1.0 + TOLERANCE_U).contains(&place.u)
     }
 
     /// The wall at (s, η): Newton on its meridional image. `None` where the wall does not reach

@@ -15,13 +15,16 @@ pub struct PassageWidth<'a> {
 impl<'a> PassageWidth<'a> {
     /// For `passage` of `part`.
     pub fn new(part: &'a Impeller, passage: &'a Passage) -> Self {
-        Self { part, passage, far_wall: SideProbe::new(passage.walls[1].side(), 0.0, 1.0) }
+        Self { part, passage, far_wall: SideProbe::new(passage.walls[1].whole_side(), 0.0, 1.0) }
     }
 
     /// Distance from the wall at λ = 0 at (s, η) to the nearest place of the other wall, mm: on a staggered
-    /// blade the point at equal s is further off. `None` where the wall does not reach.
+    /// blade the point at equal s is further off. `None` where the blade at λ = 0 does not reach.
     pub fn at(&self, s: f64, eta: f64) -> Option<f64> {
         let wall = self.passage.walls[0].at(self.part, s, eta)?;
+        if !self.passage.walls[0].is_blade_at(&wall) {
+            return None;
+        }
         let point = self.part.meridional(s, eta).at_angle(wall.theta);
         Some(self.far_wall.nearest_to_point(&point).distance)
     }

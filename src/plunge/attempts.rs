@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use super::contact::{BlankTop, Column, Columns, core_interferes};
 use super::cycle::{PlanError, Planner, Row};
 use super::ground::RowGround;
-use super::row::{RowFault, RowMaker, Station};
+use super::row::{RowMaker, Station};
 use super::sections::SetupPlace;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{AxisPolicy, Blank};
@@ -31,7 +31,7 @@ struct Attempts<'r> {
 
 impl Attempts<'_> {
     /// Conventional stations from `start` on.
-    fn conventional(&self, start: f64) -> Result<Vec<Station>, RowFault> {
+    fn conventional(&self, start: f64) -> Result<Vec<Station>, Cancelled> {
         self.ground.conventional.get_or_make(start, || self.maker.conventional(start, self.end))
     }
 
@@ -115,7 +115,7 @@ impl Planner<'_> {
         if policy == AxisPolicy::Conventional {
             let Some(start) = self.free_start(&attempts, ends.0, None, &mut moved) else {
                 monitor.check()?;
-                return Err(self.misfit(maker.tool, ends.0));
+                return Ok(Row::empty(maker.lambda));
             };
             let row = self.settled_row(&attempts, policy, &start, true, monitor)?;
             return Ok(row.unwrap_or_else(|| Row::empty(maker.lambda)));
@@ -162,10 +162,7 @@ impl Planner<'_> {
         monitor.check()?;
         let max_tilt = self.setup.plunge.max_tilt;
         let maker = attempts.maker;
-        let mut conventional = attempts.conventional(start.s).map_err(|fault| match fault {
-            RowFault::Misfit(s) => self.misfit(maker.tool, s),
-            RowFault::Cancelled => Cancelled.into(),
-        })?;
+        let mut conventional = attempts.conventional(start.s)?;
         let mut row = Row { settled: false, ..Row::empty(maker.lambda) };
         let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
         while row.rounds < MAX_ROUNDS && !row.settled {
@@ -176,7 +173,8 @@ impl Planner<'_> {
             };
             let optimised = match policy {
                 AxisPolicy::Monotone => {
-                    maker.monotone_after(start.first, &conventional[1..], max_tilt, &mut accept)
+                    let rest = conventional.get(1..).unwrap_or_default();
+                    maker.monotone_after(start.first, rest, max_tilt, &mut accept)
                 }
                 _ => Some(conventional.clone()),
             };

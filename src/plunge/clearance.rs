@@ -34,6 +34,12 @@ impl<'a> FinishedPart<'a> {
         })
     }
 
+    /// Where the blades are nearest to the cutter, if that is less than `cutoff` mm.
+    pub fn nearest_within(&self, cutter: &CutterSolid, cutoff: f64) -> Option<Nearest> {
+        let near = self.blades.iter().filter_map(|blade| blade.nearest_below(cutter, cutoff));
+        near.filter(|near| near.distance < cutoff).min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
     /// Where the blades are nearest to a point; `None` without blades.
     pub fn nearest_blade(&self, point: &Point) -> Option<Nearest> {
         let near = self.blades.iter().map(|blade| blade.nearest_to_point(point));

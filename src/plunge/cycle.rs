@@ -44,7 +44,7 @@ pub struct Planner<'a> {
     pub(super) channel: &'a Channel,
     pub(super) setup: &'a Setup,
     pub(super) blank: Blank,
-    pub(super) finished: FinishedPart<'a>,
+    pub(super) finished: Arc<FinishedPart<'a>>,
     /// Per section what does not depend on the policy; nothing of those for the rest, which `minimal` alone cuts.
     grounds: Vec<Result<Vec<Ground<'a>>, PlanError>>,
 }
@@ -80,11 +80,13 @@ pub(super) struct Row {
     pub lambda: f64,
     pub rounds: usize,
     pub settled: bool,
+    /// s of places without an axis that clears the walls.
+    pub missing: Vec<f64>,
 }
 
 impl Row {
     pub fn empty(lambda: f64) -> Self {
-        Self { stations: Vec::new(), lambda, rounds: 0, settled: true }
+        Self { stations: Vec::new(), lambda, rounds: 0, settled: true, missing: Vec::new() }
     }
 }
 
@@ -131,9 +133,10 @@ impl CutRow {
     /// The same positions in the same order, a new row wherever the axis turns by more than `limit` (rad) from one
     /// that stayed to the next.
     pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
-        let Row { lambda, rounds, settled, .. } = self.row;
+        let Row { lambda, rounds, settled, missing, .. } = self.row;
         let empty = || Self { row: Row { rounds, settled, ..Row::empty(lambda) }, placed: Vec::new() };
         let mut rows = vec![empty()];
+        rows[0].row.missing = missing;
         let mut last: Option<Vector> = None;
         for (station, placed) in self.row.stations.into_iter().zip(self.placed) {
             if let Ok(placed) = &placed {
@@ -189,7 +192,7 @@ impl<'a> Planner<'a> {
             channel,
             setup,
             blank: Blank::of(part, setup.stock.inlet_extension),
-            finished: FinishedPart::new(part, &channel.sides),
+            finished: Arc::new(FinishedPart::new(part, &channel.sides)),
             grounds: Vec::new(),
         };
         let shared = |section: &SectionSetup| match section.rest {
@@ -316,6 +319,13 @@ impl<'a> Planner<'a> {
             for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
                 plan.rounds = plan.rounds.max(row.rounds);
                 plan.settled &= row.settled;
+                let missing = row.missing.iter();
+                plan.dropped.extend(missing.map(|&s| Dropped {
+                    section: index,
+                    row: row_index,
+                    s,
+                    why: NoPlace::Blades,
+                }));
                 for (station, placed) in row.stations.iter().zip(placed) {
                     let placed = match placed {
                         Ok(placed) => placed,
@@ -517,20 +527,29 @@ impl<'a> Planner<'a> {
         let feed = section.feed.unwrap_or(Feed::Inward);
         let mut rows = Vec::new();
         for ground in grounds {
-            let made: Vec<Result<Row, PlanError>> = ground
+            let made: Vec<Result<Vec<Row>, PlanError>> = ground
                 .rows
                 .par_iter()
                 .map(|row_ground| {
                     let place = (row_ground.lambda, ground.rows.len());
                     let maker = self.row_maker(ground, tool, place, feed, monitor);
                     let ends = self.row_ends(index, &ground.stretch, feed.inward());
-                    let mut row = self.row(&maker, row_ground, ends, policy, earlier, monitor)?;
-                    row.lambda = ground.stretch.lambda_in_channel(row_ground.lambda);
-                    Ok(row)
+                    let runs = row_ground.runs.get_or_make(ends.0, || maker.runs(ends.0, ends.1))?;
+                    let lambda = ground.stretch.lambda_in_channel(row_ground.lambda);
+                    let mut rows = Vec::with_capacity(runs.stretches.len());
+                    for &stretch in &runs.stretches {
+                        let row = self.row(&maker, row_ground, stretch, policy, earlier, monitor)?;
+                        rows.push(Row { lambda, ..row });
+                    }
+                    if !runs.missing.is_empty() {
+                        let missing = runs.missing;
+                        rows.push(Row { missing, ..Row::empty(lambda) });
+                    }
+                    Ok(rows)
                 })
                 .collect();
-            for row in made {
-                rows.push(row?);
+            for made in made {
+                rows.extend(made?);
             }
         }
         Ok(rows)

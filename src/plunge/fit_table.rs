@@ -7,11 +7,36 @@ use std::sync::OnceLock;
 
 use crate::geometry::wrap_angle;
 
+/// An axis of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct FitNode {
+    /// θ of M and W, rad.
+    pub angles: [f64; 2],
+    /// The same less those of the plain offset of the ruling, rad.
+    pub beside_plain: [f64; 2],
+    /// Whether it is on the smooth branch of fits, so that it may be interpolated.
+    pub is_fitted: bool,
+}
+
+/// What the table says of a place.
+#[derive(Clone, Copy, Debug)]
+pub enum Reading {
+    /// θ of M and W, rad, interpolated on the branch of fits.
+    Fitted([f64; 2]),
+    /// Angles beside those of the plain offset, rad, by the nodes around that have an axis; whether all of these
+    /// are fits.
+    Beside([f64; 2], bool),
+    /// Outside the table.
+    Outside,
+    /// None of the nodes around has an axis.
+    Nothing,
+}
+
 /// Angles (M, W) of fits over s of M (rows) and shift s(M) − s(W) (columns).
 #[derive(Debug)]
 pub struct FitTable {
     spacing: f64,
-    nodes: Vec<OnceLock<Option<[f64; 2]>>>,
+    nodes: Vec<OnceLock<Option<FitNode>>>,
 }
 
 const S_FROM: f64 = -0.6;
@@ -20,8 +45,8 @@ const SHIFT_LIMIT: f64 = 1.0;
 const SHIFT_SPACING: f64 = 0.05;
 const COLUMNS: usize = (2.0 * SHIFT_LIMIT / SHIFT_SPACING) as usize + 1;
 
-/// Makes one fit: (s of M, shift) to angles.
-type Fit<'a> = &'a dyn Fn(f64, f64) -> Option<[f64; 2]>;
+/// Makes one node: (s of M, shift) to its axis.
+type Fit<'a> = &'a dyn Fn(f64, f64) -> Option<FitNode>;
 
 impl FitTable {
     /// An empty table with rows `spacing` apart in s.
@@ -30,9 +55,9 @@ impl FitTable {
         Self { spacing, nodes: (0..rows * COLUMNS).map(|_| OnceLock::new()).collect() }
     }
 
-    /// Angles at (`s`, `shift`) by cubic interpolation in s and quadratic in shift, the nodes it
-    /// needs made by `fit`. `None` outside the table or where a fit does not exist.
-    pub fn at(&self, s: f64, shift: f64, fit: Fit) -> Option<[f64; 2]> {
+    /// The table at (`s`, `shift`), the nodes it needs made by `fit`: by cubic interpolation in s and quadratic in shift
+    /// where all of them are fits, or else beside the plain offset by those next to the place.
+    pub fn at(&self, s: f64, shift: f64, fit: Fit) -> Reading {
         let rows = self.nodes.len() / COLUMNS;
         let x = (s - S_FROM) / self.spacing;
         let y = (shift + SHIFT_LIMIT) / SHIFT_SPACING;
@@ -40,8 +65,16 @@ impl FitTable {
         let column = (y.round() as isize - 1).clamp(0, COLUMNS as isize - 3);
         let (fx, fy) = (x - row as f64, y - column as f64);
         if !(0.0..=3.0).contains(&fx) || !(-0.5..=2.5).contains(&fy) {
-            return None;
+            return Reading::Outside;
         }
+        match self.interpolated((row as usize, column as usize), (fx, fy), fit) {
+            Some(angles) => Reading::Fitted(angles),
+            None => self.beside(x, y, fit),
+        }
+    }
+
+    /// The interpolation; `None` where one of the nodes it needs is not a fit.
+    fn interpolated(&self, (row, column): (usize, usize), (fx, fy): (f64, f64), fit: Fit) -> Option<[f64; 2]> {
         let by_s = [
             -(fx - 1.0) * (fx - 2.0) * (fx - 3.0) / 6.0,
             fx * (fx - 2.0) * (fx - 3.0) / 2.0,
@@ -57,7 +90,7 @@ impl FitTable {
                 if weight.abs() < 1e-12 {
                     continue;
                 }
-                let node = self.node(row as usize + i, column as usize + j, fit)?;
+                let node = self.node(row + i, column + j, fit).filter(|node| node.is_fitted)?.angles;
                 let zero = *base.get_or_insert(node);
                 sum[0] += weight * wrap_angle(node[0] - zero[0]);
                 sum[1] += weight * wrap_angle(node[1] - zero[1]);
@@ -67,7 +100,29 @@ impl FitTable {
         Some([base[0] + sum[0], base[1] + sum[1]])
     }
 
-    fn node(&self, row: usize, column: usize, fit: Fit) -> Option<[f64; 2]> {
+    /// Bilinear in what the four nodes around (`x`, `y`) are beside the plain offset, by those that have an axis.
+    fn beside(&self, x: f64, y: f64, fit: Fit) -> Reading {
+        let rows = self.nodes.len() / COLUMNS;
+        let (row, column) = (x.floor() as usize, (y.max(0.0).floor() as usize).min(COLUMNS - 2));
+        let (fx, fy) = (x - row as f64, y - column as f64);
+        let (mut weights, mut sum, mut all_fitted) = (0.0, [0.0; 2], true);
+        for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let weight = ((1.0 - fx) * (1 - i) as f64 + fx * i as f64)
+                * ((1.0 - fy) * (1 - j) as f64 + fy * j as f64);
+            if weight <= 1e-12 || row + i >= rows {
+                continue;
+            }
+            let Some(node) = self.node(row + i, column + j, fit) else { continue };
+            weights += weight;
+            all_fitted &= node.is_fitted;
+            for k in 0..2 {
+                sum[k] += weight * node.beside_plain[k];
+            }
+        }
+        if weights > 0.0 { Reading::Beside(sum.map(|x| x / weights), all_fitted) } else { Reading::Nothing }
+    }
+
+    fn node(&self, row: usize, column: usize, fit: Fit) -> Option<FitNode> {
         *self.nodes[row * COLUMNS + column].get_or_init(|| {
             let s = S_FROM + self.spacing * row as f64;
             let shift = SHIFT_SPACING * column as f64 - SHIFT_LIMIT;

@@ -1,14 +1,14 @@
 //! What a section stands on: its stretches of the passages, the cutter's lanes through them and the
 //! places of its rows. None of it depends on the policy, so that all policies share it.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use super::cycle::{PlanError, Planner};
 use super::lane::{Lane, is_wall};
-use super::row::{RowMaker, Station};
-use super::sections::{SetupFault, ridge_spacing, row_spacing, step_limit, tool_of};
+use super::row::{RowMaker, Runs, Station};
+use super::sections::{ridge_spacing, row_spacing, step_limit, tool_of};
 use super::slotting::DepthSurface;
 use crate::monitor::Monitor;
 use crate::part::setup::{Feed, SectionSetup};
@@ -34,6 +34,8 @@ pub(super) struct RowGround {
     pub lambda: f64,
     /// First stations that were asked for, by s.
     pub firsts: Memory<Option<Station>>,
+    /// Where the row can be, by s of its start.
+    pub runs: Memory<Runs>,
     /// Whole rows, by s of their start.
     pub conventional: Memory<Vec<Station>>,
 }
@@ -113,10 +115,13 @@ impl<'a> Planner<'a> {
         stretches
     }
 
+    fn lane(&self, passage: &'a Passage, tool: &Tool) -> Lane<'a> {
+        Lane::new(self.part, passage, Arc::clone(&self.finished), tool, &self.setup.stock)
+    }
+
     /// How far inwards of `from` the cutter fits in `passage`, at most to `to`, s.
-    fn open_until(&self, passage: &Passage, tool: &Tool, to: f64, from: f64) -> f64 {
-        let stock = &self.setup.stock;
-        let lane = Lane::new(self.part, passage, tool, stock.hub_allowance, stock.blade_allowance);
+    fn open_until(&self, passage: &'a Passage, tool: &Tool, to: f64, from: f64) -> f64 {
+        let lane = self.lane(passage, tool);
         let steps = 16;
         let mut open = from.max(to);
         for i in 1..=steps {
@@ -150,15 +155,15 @@ impl<'a> Planner<'a> {
 
     /// What there is to know about a section before its policy.
     pub(super) fn ground(&self, section: &SectionSetup) -> Result<Vec<Ground<'a>>, PlanError> {
-        let stock = &self.setup.stock;
         let tool = tool_of(self.setup, section.tool)?;
         let grounds = self.stretches(section, tool).into_iter().map(|stretch| {
-            let lane =
-                Lane::new(self.part, stretch.passage, tool, stock.hub_allowance, stock.blade_allowance);
-            let hub = DepthSurface::new(self.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
-            let rows = self.row_places(&lane, &stretch, tool)?.into_iter().map(|lambda| RowGround {
+            let lane = self.lane(stretch.passage, tool);
+            let floor = self.setup.stock.hub_allowance + tool.corner_radius;
+            let hub = DepthSurface::new(self.part.hub.curve(), floor);
+            let rows = self.row_places(&lane, &stretch, tool).into_iter().map(|lambda| RowGround {
                 lambda,
                 firsts: Memory::new(),
+                runs: Memory::new(),
                 conventional: Memory::new(),
             });
             Ok(Ground { rows: rows.collect(), stretch, lane, hub })
@@ -167,23 +172,25 @@ impl<'a> Planner<'a> {
     }
 
     /// λ of the rows of a stretch: both walls, and between them no further apart than the row
-    /// spacing on the hub, nor so far at the shroud that a ridge is left standing.
-    fn row_places(&self, lane: &Lane, stretch: &Stretch, tool: &Tool) -> Result<Vec<f64>, PlanError> {
+    /// spacing on the hub, nor so far at the shroud that a ridge is left standing. None where the cutter fits nowhere.
+    fn row_places(&self, lane: &Lane, stretch: &Stretch, tool: &Tool) -> Vec<f64> {
         let spacing = row_spacing(&self.setup.plunge, tool);
         let widths: Vec<Option<(f64, f64)>> =
             (0..=8).into_par_iter().map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0))).collect();
         let mut gaps = 0.0f64;
         let mut widest = 0.0f64;
-        for (i, width) in widths.into_iter().enumerate() {
-            let (hub, shroud) = width.ok_or_else(|| self.misfit(tool, stretch.s_at(i as f64 / 8.0)))?;
+        if widths.iter().all(Option::is_none) {
+            return Vec::new();
+        }
+        for (hub, shroud) in widths.into_iter().flatten() {
             gaps = gaps.max(hub / spacing).max(shroud / ridge_spacing(tool));
             widest = widest.max(hub);
         }
         if widest < 0.1 * tool.radius() {
-            return Ok(vec![0.5]);
+            return vec![0.5];
         }
         let count = (gaps - 1e-9).ceil().clamp(1.0, 400.0) as usize;
-        Ok((0..=count).map(|i| i as f64 / count as f64).collect())
+        (0..=count).map(|i| i as f64 / count as f64).collect()
     }
 
     /// First and last s of a stretch's rows in the order of cutting, before the start is moved out of
@@ -235,16 +242,5 @@ impl<'a> Planner<'a> {
             step_limit: step_limit(&self.setup.plunge, tool, wall_row),
             monitor,
         }
-    }
-
-    pub(super) fn misfit(&self, tool: &Tool, s: f64) -> PlanError {
-        SetupFault::new(
-            format!(
-                "tool {} (D {}) does not fit between the walls at s = {s:.2}",
-                tool.number, tool.diameter
-            ),
-            "use a smaller cutter there, or end its section before it",
-        )
-        .into()
     }
 }

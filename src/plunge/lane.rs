@@ -4,17 +4,29 @@
 //! offset gouges where rulings twist. It is corrected against the true surface until the cutter
 //! is equally far from the wall near its root and near its tip and its nearest place anywhere is at the
 //! allowance: a fit that is unique whether the wall bulges towards the cutter or away from it.
+//!
+//! Fits follow the flank, which runs on straight beyond its ends so that rows can run out. Where blades are wrapped
+//! strongly or their edges are swept, that continuation may cross the channel and leave no fit: there the axis is laid
+//! beside the finished blades alone, with the side lean nearest to the ruling's that clears them.
 
-use super::fit_table::FitTable;
-use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
-use crate::part::{Impeller, Passage, SideProbe, Tool};
+use crate::geometry::{CutterSolid, Point, Vector, norm2, wrap_angle};
+use crate::part::setup::Stock;
+use std::sync::Arc;
+
+use super::clearance::FinishedPart;
+use super::fit_table::{FitNode, FitTable, Reading};
+use crate::part::{Impeller, Nearest, Passage, SideProbe, Tool};
 
 /// A passage with the cutter that is to work in it.
 #[derive(Debug)]
 pub struct Lane<'a> {
     part: &'a Impeller,
     passage: &'a Passage,
+    finished: Arc<FinishedPart<'a>>,
+    /// Flanks with the straight continuations that rows run out along.
     probes: [SideProbe; 2],
+    /// The same sides as the finished blades have them, and the sign that turns ∂u × ∂v into the passage.
+    blades: [(SideProbe, f64); 2],
     radius: f64,
     corner_radius: f64,
     hub_allowance: f64,
@@ -87,20 +99,24 @@ pub fn is_wall(lambda: f64) -> bool {
 
 /// How far the side lean of a fitted axis may leave the plain offset of the ruling.
 const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
+/// Side leans beside that of the plain offset that are tried where no fit exists, degrees.
+const SIDE_LEANS_DEG: [f64; 15] =
+    [0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0, 13.0, -13.0, 17.0, -17.0, 22.0, -22.0, 28.0, -28.0];
 /// Clearance is met to this, mm, always on the safe side.
 const FIT_TOLERANCE: f64 = 2e-7;
 /// Two searches for the nearest place of a wall may differ by so much, mm: fits stay clear of it.
 const SEARCH_ERROR: f64 = 4e-6;
 
 impl<'a> Lane<'a> {
-    /// `passage` of `part` for `tool`.
+    /// `passage` of a part, whose `finished` blades are in the way, for `tool`.
     pub fn new(
         part: &'a Impeller,
         passage: &'a Passage,
+        finished: Arc<FinishedPart<'a>>,
         tool: &Tool,
-        hub_allowance: f64,
-        blade_allowance: f64,
+        stock: &Stock,
     ) -> Self {
+        let (hub_allowance, blade_allowance) = (stock.hub_allowance, stock.blade_allowance);
         let probe = |i: usize| {
             // The flank runs on as far as rows reach beyond its ends; further out its extension would only
             // stand in the way of columns that lean over it.
@@ -110,12 +126,21 @@ impl<'a> Lane<'a> {
             let reach = (tool.radius() + blade_allowance) / chord.max(1e-6);
             SideProbe::new(side, from - (3.0 * reach).min(0.3), to + (4.0 * reach).clamp(0.1, 0.5))
         };
+        let inward = |wall: usize| part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 };
+        let blade = |i: usize| {
+            let side = passage.walls[i].whole_side();
+            let (p, pu, pv) = side.derivatives(0.5, 0.5);
+            let into_passage = Vector::new(-p.y, p.x, 0.0) * inward(i);
+            (SideProbe::new(side, 0.0, 1.0), pu.cross(&pv).dot(&into_passage).signum())
+        };
         let spacing = (1.2 * tool.insert_width / part.hub.length()).clamp(0.004, 0.03);
         Self {
             tables: [FitTable::new(spacing), FitTable::new(spacing)],
             part,
             passage,
+            finished,
             probes: [probe(0), probe(1)],
+            blades: [blade(0), blade(1)],
             radius: tool.radius(),
             corner_radius: tool.corner_radius,
             hub_allowance,
@@ -151,9 +176,21 @@ impl<'a> Lane<'a> {
         self.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 }
     }
 
-    /// Axis along `wall` (0 or 1) with M at `s_hub` and W at `s_shroud`; `warm` is a neighbouring
-    /// solution to start from. `None` where the wall does not reach.
+    /// Axis along `wall` (0 or 1) with M at `s_hub` and W at `s_shroud`; `warm` is a neighbouring solution to start
+    /// from. `None` where the wall does not reach, or no axis beside it clears the blades.
     pub fn wall_axis(
+        &self,
+        wall: usize,
+        s_hub: f64,
+        s_shroud: f64,
+        warm: Option<AxisEnds>,
+    ) -> Option<AxisEnds> {
+        let fitted = self.fitted(wall, s_hub, s_shroud, warm);
+        fitted.or_else(|| self.beside_blades(wall, s_hub, s_shroud))
+    }
+
+    /// The axis along `wall` fitted on the branch of the ruling; see [`Self::wall_axis`].
+    fn fitted(
         &self,
         wall: usize,
         s_hub: f64,
@@ -201,7 +238,55 @@ impl<'a> Lane<'a> {
                 break;
             }
         }
-        self.push_clear(wall, ends, 0.0)
+        let (ends, near) = self.turned_off(&self.probes[wall], wall, ends, 0.0)?;
+        // What rests on the continuation of a flank may stand in another blade.
+        let (from, to) = self.passage.walls[wall].side().u_range();
+        let on_flank = (from..=to).contains(&near.u);
+        (on_flank || self.finished.clears(&self.cutter(&ends), self.blade_allowance - SEARCH_ERROR))
+            .then_some(ends)
+    }
+
+    /// The axis beside `wall` that clears the finished blades with the side lean nearest to that of the ruling, turned
+    /// into the passage as far as needed.
+    fn beside_blades(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+        let plain = self.plain_offset(wall, s_hub, s_shroud)?;
+        let (m, w) = (self.hub_point(&plain), self.shroud_point(&plain));
+        let unit = (w - m).norm() / norm2(w.x, w.y).max(1e-6);
+        SIDE_LEANS_DEG.iter().find_map(|lean_deg| {
+            let theta_shroud = plain.theta_shroud + lean_deg.to_radians().tan() * unit;
+            self.clear_of_blades(wall, AxisEnds { theta_shroud, ..plain })
+        })
+    }
+
+    /// Turns both ends of an axis into the passage from `wall` until the cutter clears all finished blades; `None` where
+    /// that takes more than half the pitch.
+    fn clear_of_blades(&self, wall: usize, mut ends: AxisEnds) -> Option<AxisEnds> {
+        let limit = 0.5 * self.part.pitch().abs();
+        let mut turned = 0.0;
+        for _ in 0..12 {
+            let cutter = self.cutter(&ends);
+            let Some(near) = self.finished.nearest_within(&cutter, self.blade_allowance) else {
+                return Some(ends);
+            };
+            let turning = Vector::new(-near.point.y, near.point.x, 0.0);
+            let up = (near.point - cutter.tip).dot(&cutter.axis);
+            let away = (cutter.tip + cutter.axis * up - near.point).try_normalize(1e-9)?;
+            let gain = away.dot(&turning) * self.inward(wall);
+            // Against the turn lies a blade on the far side of the passage, or its own that it has to pass through.
+            let short = if gain > 0.0 {
+                self.blade_allowance - near.distance
+            } else {
+                self.blade_allowance + near.distance + 2.0 * self.radius
+            };
+            let step = (short + FIT_TOLERANCE) / gain.abs().max(0.2 * turning.norm());
+            turned += step;
+            if turned > limit {
+                return None;
+            }
+            ends.theta_hub += step * self.inward(wall);
+            ends.theta_shroud += step * self.inward(wall);
+        }
+        None
     }
 
     /// Clearances of an axis from the thirds of a wall, and how they answer to turning M and W.
@@ -219,7 +304,7 @@ impl<'a> Lane<'a> {
             places[third] = Some(near.u);
             third += 1;
             let along = (near.point - m).dot(&cutter.axis);
-            let (away, clearance) = self.away(wall, &cutter, &near.point, near.distance);
+            let (away, clearance) = self.away(&self.probes[wall], wall, &cutter, &near);
             let share = (along / height).clamp(-0.2, 1.2);
             Answer {
                 by_hub: (1.0 - share) * away.dot(&Vector::new(-m.y, m.x, 0.0)),
@@ -230,36 +315,50 @@ impl<'a> Lane<'a> {
         FitState { answers, height }
     }
 
-    /// Direction in which the cutter leaves `point` of a wall, and its clearance there: negative without end
-    /// when the axis itself is beyond the wall.
-    fn away(&self, wall: usize, cutter: &CutterSolid, point: &Point, distance: f64) -> (Vector, f64) {
-        let d = point - cutter.tip;
+    /// Direction in which the cutter leaves the nearest place of a side of `wall`, and its clearance there: negative
+    /// without end when the axis itself is beyond the wall.
+    fn away(&self, probe: &SideProbe, wall: usize, cutter: &CutterSolid, near: &Nearest) -> (Vector, f64) {
+        let d = near.point - cutter.tip;
         let flat = -(d - cutter.axis * d.dot(&cutter.axis));
         let length = flat.norm();
         if length < 1e-9 {
             return (flat, -self.radius);
         }
         let away = flat / length;
-        let into_passage = Vector::new(-point.y, point.x, 0.0) * self.inward(wall);
-        if away.dot(&into_passage) >= 0.0 { (away, distance) } else { (-away, -length - self.radius) }
+        let (_, pu, pv) = probe.side().derivatives(near.u, near.v);
+        let beyond = away.dot(&pu.cross(&pv)) * self.blades[wall].1 < 0.0;
+        // At the end of a blade the cutter may well stand beyond the plane of the side.
+        let at_end = (near.u <= 1e-6 || near.u >= 1.0 - 1e-6) && near.distance > 0.0;
+        if beyond && !at_end { (-away, -length - self.radius) } else { (away, near.distance) }
     }
 
     /// Turns both ends away from `wall` until the cutter, its bottom `lift` mm above M, keeps the
-    /// allowance everywhere. `None` when turning does not help.
-    fn push_clear(&self, wall: usize, mut ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
+    /// allowance from the finished blade everywhere. `None` when turning does not help.
+    fn push_clear(&self, wall: usize, ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
+        self.turned_off(&self.blades[wall].0, wall, ends, lift).map(|(ends, _)| ends)
+    }
+
+    /// As [`Self::push_clear`] from the side of `probe`, with the place where that is nearest in the end.
+    fn turned_off(
+        &self,
+        probe: &SideProbe,
+        wall: usize,
+        mut ends: AxisEnds,
+        lift: f64,
+    ) -> Option<(AxisEnds, Nearest)> {
         let mut place: Option<f64> = None;
         for _ in 0..20 {
             let mut cutter = self.cutter(&ends);
             cutter.tip += cutter.axis * lift;
             // Turned by micrometres, the cutter stays nearest to the same place.
             let near = match place {
-                Some(u) => self.probes[wall].nearest_from(&cutter, u, 0.0, 1.0),
-                None => self.probes[wall].nearest(&cutter, 0.0, 1.0),
+                Some(u) => probe.nearest_from(&cutter, u, 0.0, 1.0),
+                None => probe.nearest(&cutter, 0.0, 1.0),
             };
-            let (away, clearance) = self.away(wall, &cutter, &near.point, near.distance);
+            let (away, clearance) = self.away(probe, wall, &cutter, &near);
             let short = self.blade_allowance - clearance;
             if short <= 0.0 {
-                return Some(ends);
+                return Some((ends, near));
             }
             let turn = Vector::new(-near.point.y, near.point.x, 0.0);
             let gain = away.dot(&turn).abs().max(0.2 * turn.norm());
@@ -297,8 +396,13 @@ impl<'a> Lane<'a> {
     /// fit between them.
     pub fn wall_pair(&self, s_hub: f64, s_shroud: f64) -> Option<[AxisEnds; 2]> {
         let low = self.wall_axis(0, s_hub, s_shroud, None)?;
-        let mut high = self.wall_axis(1, s_hub, s_shroud, None)?;
-        // Bring the second wall's angles next to the first's.
+        let high = self.wall_axis(1, s_hub, s_shroud, None)?;
+        self.ordered(low, high)
+    }
+
+    /// The axes beside both walls, that at λ = 1 with its angles next to those of the other; `None` where the cutter does
+    /// not fit between them.
+    fn ordered(&self, low: AxisEnds, mut high: AxisEnds) -> Option<[AxisEnds; 2]> {
         let half = 0.5 * self.part.pitch();
         let beside = |a: f64, b: f64| a + wrap_angle(b - a - half) + half;
         high.theta_hub = beside(low.theta_hub, high.theta_hub);
@@ -311,9 +415,10 @@ impl<'a> Lane<'a> {
     /// Distance across the flow between the two wall axes at `s`: on the hub and on the shroud, mm. `None` where the
     /// cutter does not fit.
     pub fn width(&self, s: f64) -> Option<(f64, f64)> {
-        let pair = self.wall_pair(s, s)?;
+        let (low, high) = self.guides(s, s)?;
+        let pair = self.ordered(low, high)?;
         let step = 1e-3;
-        let before = self.wall_axis(0, s - step, s - step, Some(pair[0]));
+        let before = self.guides(s - step, s - step).map(|(low, _)| low);
         let across = |from: Point, to: Point, along: Vector| {
             let d = to - from;
             (d - along * d.dot(&along)).norm()
@@ -341,51 +446,88 @@ impl<'a> Lane<'a> {
         Some(lean.atan2(axis.dot(&normal)))
     }
 
-    /// Axis of `wall` read from its table of fits, a few µm from the exact one.
+    /// Axis of `wall` read from its table of fits, a few µm from the exact one; beside steep or swept edges, where
+    /// there are no smooth fits, one that may still have to be turned off the blades.
     fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
         let fit = |s_hub: f64, shift: f64| {
-            let ends = self.wall_axis(wall, s_hub, s_hub - shift, None)?;
-            Some([ends.theta_hub, ends.theta_shroud])
+            let plain = self.plain_offset(wall, s_hub, s_hub - shift)?;
+            let fitted = self.fitted(wall, s_hub, s_hub - shift, None);
+            let is_fitted = fitted.is_some();
+            let ends = fitted.or_else(|| self.beside_blades(wall, s_hub, s_hub - shift))?;
+            let beside = |a: f64, b: f64| wrap_angle(a - b);
+            Some(FitNode {
+                angles: [ends.theta_hub, ends.theta_shroud],
+                beside_plain: [
+                    beside(ends.theta_hub, plain.theta_hub),
+                    beside(ends.theta_shroud, plain.theta_shroud),
+                ],
+                is_fitted,
+            })
         };
-        let [theta_hub, theta_shroud] = self.tables[wall].at(s_hub, s_hub - s_shroud, &fit)?;
-        Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud })
+        match self.tables[wall].at(s_hub, s_hub - s_shroud, &fit) {
+            Reading::Fitted([theta_hub, theta_shroud]) => {
+                Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud })
+            }
+            Reading::Beside([hub, shroud], all_fitted) => {
+                let fitted = if all_fitted { self.fitted(wall, s_hub, s_shroud, None) } else { None };
+                fitted.or_else(|| {
+                    let plain = self.plain_offset(wall, s_hub, s_shroud)?;
+                    Some(AxisEnds {
+                        theta_hub: plain.theta_hub + hub,
+                        theta_shroud: plain.theta_shroud + shroud,
+                        ..plain
+                    })
+                })
+            }
+            Reading::Outside => self.wall_axis(wall, s_hub, s_shroud, None),
+            Reading::Nothing => None,
+        }
     }
 
     /// Axis of the row at `lambda` between the walls, from the tables of fits: for searches.
-    /// `None` where no axis clears both walls, or one next to it in the tables does not.
+    /// `None` where no axis beside its wall clears the blades, or the cutter does not fit between the walls.
     pub fn row_axis(&self, lambda: f64, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
-        self.between(lambda, |wall| self.table_axis(wall, s_hub, s_shroud))
+        if is_wall(lambda) {
+            return self.table_axis(lambda as usize, s_hub, s_shroud);
+        }
+        let (low, high) = self.guides(s_hub, s_shroud)?;
+        let [low, high] = self.ordered(low, high)?;
+        Some(AxisEnds {
+            theta_hub: low.theta_hub + lambda * (high.theta_hub - low.theta_hub),
+            theta_shroud: low.theta_shroud + lambda * (high.theta_shroud - low.theta_shroud),
+            ..low
+        })
     }
 
-    /// As [`Self::row_axis`], fitted anew: where the tables end.
-    pub fn row_axis_fitted(&self, lambda: f64, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
-        self.between(lambda, |wall| self.wall_axis(wall, s_hub, s_shroud, None))
+    /// The axes beside both walls that rows between them follow: where a wall has none, the plain offset of its ruling.
+    fn guides(&self, s_hub: f64, s_shroud: f64) -> Option<(AxisEnds, AxisEnds)> {
+        let guide = |wall: usize| {
+            let axis = self.table_axis(wall, s_hub, s_shroud);
+            axis.or_else(|| self.plain_offset(wall, s_hub, s_shroud))
+        };
+        Some((guide(0)?, guide(1)?))
     }
 
     /// The conventional axis of the row at `lambda` with M at `s`: M and W at the same fraction of arc length. Outside the
     /// channel both go on by the same distance, so that the axis stays as it is at the rim (or the leading edge).
     pub fn isoparametric(&self, lambda: f64, s: f64) -> Option<AxisEnds> {
-        let inside = s.clamp(0.0, 1.0);
-        let s_shroud = inside + (s - inside) * self.part.hub.length() / self.part.shroud.length();
-        self.row_axis(lambda, s, s_shroud).or_else(|| self.row_axis_fitted(lambda, s, s_shroud))
+        self.row_axis(lambda, s, self.isoparametric_shroud(s))
     }
 
-    /// The axis at `lambda` between the axes of both walls.
-    fn between(&self, lambda: f64, axis: impl Fn(usize) -> Option<AxisEnds>) -> Option<AxisEnds> {
-        if is_wall(lambda) {
-            return axis(lambda as usize);
-        }
-        let (low, high) = (axis(0)?, axis(1)?);
-        let half = 0.5 * self.part.pitch();
-        let across = |a: f64, b: f64| wrap_angle(b - a - half) + half;
-        let (hub, shroud) =
-            (across(low.theta_hub, high.theta_hub), across(low.theta_shroud, high.theta_shroud));
-        let sign = self.part.pitch().signum();
-        (hub * sign >= 0.0 && shroud * sign >= 0.0).then_some(AxisEnds {
-            theta_hub: low.theta_hub + lambda * hub,
-            theta_shroud: low.theta_shroud + lambda * shroud,
-            ..low
-        })
+    /// As [`Self::isoparametric`], the plain offset of the ruling where no axis beside a wall clears the blades: what tilted
+    /// axes at the same place are reckoned from.
+    pub fn guide(&self, lambda: f64, s: f64) -> Option<AxisEnds> {
+        let plain = || {
+            let wall = is_wall(lambda).then_some(lambda as usize)?;
+            self.plain_offset(wall, s, self.isoparametric_shroud(s))
+        };
+        self.isoparametric(lambda, s).or_else(plain)
+    }
+
+    /// s of W of the conventional axis with M at `s`.
+    fn isoparametric_shroud(&self, s: f64) -> f64 {
+        let inside = s.clamp(0.0, 1.0);
+        inside + (s - inside) * self.part.hub.length() / self.part.shroud.length()
     }
 
     /// A row's axis made exact: an axis at a wall, its bottom `lift` mm above M, rests at the

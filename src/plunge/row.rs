@@ -4,7 +4,7 @@ use super::lane::{AxisEnds, Lane};
 use super::plan::{Blocked, Held};
 use super::slotting::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector};
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Tool};
 
 /// One position while it is being planned.
@@ -56,13 +56,13 @@ pub struct RowMaker<'a> {
     pub monitor: &'a Monitor,
 }
 
-/// Why a row cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RowFault {
-    /// The cutter does not fit at this s.
-    Misfit(f64),
-    /// Somebody asked to stop.
-    Cancelled,
+/// Where a row can be, see [`RowMaker::runs`].
+#[derive(Clone, Debug, Default)]
+pub struct Runs {
+    /// First and last s of each stretch.
+    pub stretches: Vec<(f64, f64)>,
+    /// s of the places without an axis.
+    pub missing: Vec<f64>,
 }
 
 impl RowMaker<'_> {
@@ -140,15 +140,39 @@ impl RowMaker<'_> {
         self.tool.placed(station.tip, station.axis)
     }
 
-    /// Stage 1: isoparametric stations from s = `start` to s = `end`, evenly, no further apart than
-    /// the step limit at hub and shroud.
+    /// The stretches of s from `start` to `end` on which the conventional axis clears the walls, in the order of cutting,
+    /// and the places between them where it does not: looked at every step.
     ///
     /// # Errors
-    /// [`RowFault`] where the cutter does not fit, or when the work is cancelled.
-    pub fn conventional(&self, start: f64, end: f64) -> Result<Vec<Station>, RowFault> {
+    /// When the work is cancelled.
+    pub fn runs(&self, start: f64, end: f64) -> Result<Runs, Cancelled> {
+        let length = (end - start).abs() * self.part.hub.length().max(self.part.shroud.length());
+        let count = ((length / self.step_limit).ceil() as usize).clamp(1, 4000);
+        let mut runs = Runs::default();
+        let mut open: Option<(f64, f64)> = None;
+        for i in 0..=count {
+            self.monitor.check()?;
+            let s = start + (end - start) * i as f64 / count as f64;
+            if self.isoparametric(s).is_some() {
+                open = Some((open.map_or(s, |(from, _)| from), s));
+            } else {
+                runs.missing.push(s);
+                runs.stretches.extend(open.take());
+            }
+        }
+        runs.stretches.extend(open);
+        Ok(runs)
+    }
+
+    /// Stage 1: isoparametric stations from s = `start` to s = `end`, evenly, no further apart than
+    /// the step limit at hub and shroud; up to the first place where no axis clears the walls.
+    ///
+    /// # Errors
+    /// When the work is cancelled.
+    pub fn conventional(&self, start: f64, end: f64) -> Result<Vec<Station>, Cancelled> {
         let station = |s: f64| {
-            self.monitor.check().map_err(|_| RowFault::Cancelled)?;
-            self.isoparametric(s).ok_or(RowFault::Misfit(s))
+            self.monitor.check()?;
+            Ok(self.isoparametric(s))
         };
         let run = (end - start).abs();
         let longest = run * self.part.hub.length().max(self.part.shroud.length());
@@ -156,8 +180,10 @@ impl RowMaker<'_> {
         let at = |i: usize, n: usize| start + (end - start) * i as f64 / n as f64;
         let mut sparse = Vec::with_capacity(coarse + 1);
         for i in 0..=coarse {
-            let s = at(i, coarse);
-            sparse.push(station(s)?);
+            match station(at(i, coarse))? {
+                Some(station) => sparse.push(station),
+                None => break,
+            }
         }
         // Rows run oblique to the meridian: measure how long they really are.
         let stretch = sparse.windows(2).map(|w| self.spacing(&w[0], &w[1])).fold(0.0, f64::max);
@@ -166,14 +192,17 @@ impl RowMaker<'_> {
             return Ok(sparse);
         }
         let n = coarse * per_gap;
+        let last = sparse.len().saturating_sub(1) * per_gap;
         let mut stations = Vec::with_capacity(n + 1);
-        for i in 0..=n {
+        for i in 0..=last {
             if i % per_gap == 0 {
                 stations.push(sparse[i / per_gap]);
                 continue;
             }
-            let s = at(i, n);
-            stations.push(station(s)?);
+            match station(at(i, n))? {
+                Some(station) => stations.push(station),
+                None => break,
+            }
         }
         Ok(stations)
     }

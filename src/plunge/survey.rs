@@ -1,8 +1,11 @@
 //! What the channel offers a cutter, measured once along s: how wide and deep the passages are, and how far a row
 //! runs through them. Knows no cutter.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
+use super::clearance::FinishedPart;
 use super::lane::Lane;
 use crate::geometry::{Point, Vector};
 use crate::part::setup::Stock;
@@ -77,6 +80,7 @@ impl Survey {
     /// Tries cylinders of these diameters, mm, largest first, between the walls of every station: the way the planner
     /// will fit its axes. Nearest widths alone do not tell, as walls twist.
     pub fn try_cylinders(&mut self, part: &Impeller, channel: &Channel, stock: &Stock, diameters: &[f64]) {
+        let finished = Arc::new(FinishedPart::new(part, &channel.sides));
         let room = |station: &Station| station.narrowest - 2.0 * stock.blade_allowance;
         let clears = |station: &Station, diameter: f64| {
             station.passages.iter().all(|across| {
@@ -84,8 +88,7 @@ impl Survey {
                     None => &channel.full,
                     Some(beside) => &channel.beside_splitter[beside],
                 };
-                let lane =
-                    Lane::new(part, passage, &cylinder(diameter), stock.hub_allowance, stock.blade_allowance);
+                let lane = Lane::new(part, passage, Arc::clone(&finished), &cylinder(diameter), stock);
                 lane.wall_pair(station.s, station.s).is_some()
             })
         };

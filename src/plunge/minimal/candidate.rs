@@ -220,9 +220,9 @@ impl CandidateMaker<'_> {
         Some(Stand { conventional, frame, upright, reference })
     }
 
-    /// Ends of the conventional axis at `s_hub`.
+    /// Ends of the conventional axis at `s_hub`, whether or not it clears the walls.
     fn isoparametric(&self, s_hub: f64) -> Option<AxisEnds> {
-        self.maker.lane.isoparametric(self.maker.lambda, s_hub)
+        self.maker.lane.guide(self.maker.lambda, s_hub)
     }
 
     /// Directions at the foot of a conventional axis.

@@ -175,7 +175,7 @@ impl Planner<'_> {
         cut: &mut SectionCut,
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
-        let row = Row { stations, lambda, rounds: 1, settled: true };
+        let row = Row { stations, rounds: 1, ..Row::empty(lambda) };
         let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
         cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
         Ok(())
@@ -191,7 +191,7 @@ impl Planner<'_> {
         row: usize,
         s: f64,
     ) -> Option<[f64; 2]> {
-        let at = |lambda: f64| Some(lane.isoparametric(lambda, s)?.theta_hub);
+        let at = |lambda: f64| Some(lane.guide(lambda, s)?.theta_hub);
         let here = at(rows[row])?;
         let walls = stretch.passage.wall_angles(self.part, s.clamp(0.0, 1.0), 0.0);
         let margin = self.setup.stock.blade_allowance / self.part.hub.point(s).r * self.part.pitch().signum();
