@@ -17,6 +17,8 @@ pub struct OpenPart {
     pub source: PartSource,
     /// The part.
     pub impeller: Arc<Impeller>,
+    /// What an empty setup means for it.
+    pub defaults: Setup,
     /// Hash of what it describes; see [`crate::formats::project_file`].
     pub hash: u64,
 }

@@ -240,10 +240,12 @@ impl App {
                 .on_hover_text(Command::FollowEdits.tip());
             let planned = self.state.results.planned.clone();
             let chosen = planned.as_ref().map(|planned| &planned.outcome.setup);
+            let open = self.state.document.part.as_ref();
+            let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
             let setup = &mut self.state.document.edited.setup;
             let open = |title: &str| egui::CollapsingHeader::new(title.to_owned()).default_open(true);
-            open("Plunge").show(ui, |ui| panels::setup::plunge(ui, setup, chosen));
-            open("Stock").show(ui, |ui| panels::setup::stock(ui, setup));
+            open("Plunge").show(ui, |ui| panels::setup::plunge(ui, setup, &defaults, chosen));
+            open("Stock").show(ui, |ui| panels::setup::stock(ui, setup, &defaults));
             let what_if = open("What-if sets").show(ui, |ui| panels::whatif::show(ui, &mut self.state));
             if let Some(command) = what_if.body_returned.flatten() {
                 self.obey(ui.ctx(), command);
@@ -258,7 +260,7 @@ impl App {
             let stale = self.state.flank_is_stale();
             let (setup, look) = (&mut self.state.document.edited.setup, &mut self.state.look.flank);
             let asked = egui::CollapsingHeader::new("Flank")
-                .show(ui, |ui| panels::flank::show(ui, setup, flank.as_deref(), stale, look));
+                .show(ui, |ui| panels::flank::show(ui, setup, &defaults, flank.as_deref(), stale, look));
             if let Some(command) = asked.body_returned.flatten() {
                 self.obey(ui.ctx(), command);
             }

@@ -32,7 +32,12 @@ pub(super) enum OpenTask {
     /// A project; with another source of its part than the one it names, if there is one.
     Project(PathBuf, Option<PartSource>),
     /// A part, a setup, or both.
-    Files { part: Option<PartSource>, setup: Option<PathBuf> },
+    Files {
+        part: Option<PartSource>,
+        setup: Option<PathBuf>,
+        /// What keys absent from the setup mean as long as no part comes with it.
+        defaults: Setup,
+    },
     /// The nodes of a mesh file, to be told apart by hand.
     Nodes(PartSource),
 }
@@ -42,8 +47,10 @@ impl OpenTask {
     pub(super) fn with_part(self, source: PartSource) -> Self {
         match self {
             Self::Project(path, _) => Self::Project(path, Some(source)),
-            Self::Files { setup, .. } => Self::Files { part: Some(source), setup },
-            Self::Nodes(_) => Self::Files { part: Some(source), setup: None },
+            Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
+            Self::Nodes(_) => {
+                Self::Files { part: Some(source), setup: None, defaults: Setup::default() }
+            }
         }
     }
 }
@@ -66,20 +73,25 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
             let source = instead.clone().unwrap_or_else(|| source_of(&project));
             (Some(source), None, Some((path.clone(), project)))
         }
-        OpenTask::Files { part, setup } => {
-            let read = |path: &PathBuf| Ok::<_, InputError>((path.clone(), read_setup(path)?));
-            (part.clone(), setup.as_ref().map(read).transpose()?, None)
-        }
+        OpenTask::Files { part, setup, defaults } => (part.clone(), setup.as_ref().zip(Some(defaults)), None),
         OpenTask::Nodes(source) => {
             let nodes = source.mesh().map(|(path, said)| Untold::read(path, &said, task.clone(), None));
             return Ok(Opened { untold: nodes.transpose()?, ..Opened::default() });
         }
     };
-    let Some(source) = source else { return Ok(Opened { setup, project, ..Opened::default() }) };
+    let read = |defaults: Option<&Setup>| -> Result<Option<(PathBuf, Setup)>, InputError> {
+        let Some((path, known)) = setup else { return Ok(None) };
+        Ok(Some((path.clone(), read_setup(path, defaults.unwrap_or(known))?)))
+    };
+    let Some(source) = source else {
+        return Ok(Opened { setup: read(None)?, project, ..Opened::default() });
+    };
     match (engine.open)(&source, monitor) {
         Ok((impeller, hash)) => {
             let mesh = PartMeshes::new(&impeller);
-            let part = Some((OpenPart { source, impeller, hash }, mesh));
+            let defaults = Setup::for_part(&impeller);
+            let setup = read(Some(&defaults))?;
+            let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
             Ok(Opened { part, setup, project, untold: None })
         }
         Err(error) => {
@@ -167,7 +179,9 @@ impl Work {
 
 impl App {
     pub(super) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
-        self.submit_open(OpenTask::Files { part, setup });
+        let open = self.state.document.part.as_ref();
+        let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
+        self.submit_open(OpenTask::Files { part, setup, defaults });
     }
 
     pub(super) fn submit_open(&mut self, task: OpenTask) {
@@ -376,7 +390,7 @@ impl App {
                 (None, Some((_, setup))) => Edited { setup: setup.clone(), ..Edited::default() },
                 // The same file with other roles: what was set for it still holds.
                 (None, None) if same => self.state.document.edited.clone(),
-                (None, None) => Edited::default(),
+                (None, None) => Edited { setup: part.defaults.clone(), ..Edited::default() },
             };
             let own = self.state.document.path.clone().filter(|_| same);
             let path = project.as_ref().map(|(path, _)| path.clone()).or(own);

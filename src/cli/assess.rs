@@ -24,7 +24,7 @@ struct Found<'a> {
 pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
     let (_, part) = open::part(&args.part, &args.mesh)?;
-    let opened = open::setup(args.setup.as_deref(), &args.part)?;
+    let opened = open::setup(args.setup.as_deref(), &args.part, &part)?;
     if let Some(folder) = &args.output {
         plan::check_folder(folder)?;
     }

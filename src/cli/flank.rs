@@ -21,7 +21,7 @@ use crate::part::{FlankScheme, Impeller};
 /// Plans, writes the files, prints the figures.
 pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
-    let mut setup = open::setup(args.setup.as_deref(), &args.part)?;
+    let mut setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
     if let Some(name) = &args.scheme {
         setup.setup.flank.scheme =
             flank_scheme(name).map_err(|(what, cure)| Failure::Input(format!("--scheme: {what}; {cure}")))?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Failure;
 use super::args::MeshArgs;
 use crate::formats::part_file::read_part_with;
-use crate::formats::setup_file::{line_of, read_setup_bytes};
+use crate::formats::setup_file::{line_of, read_setup_over};
 use crate::formats::source::{MAX_BYTES, name_of, read_bytes};
 use crate::part::{Impeller, PartDescription, Setup};
 use crate::plunge::sections::SetupFault;
@@ -41,17 +41,18 @@ impl OpenSetup {
     }
 }
 
-/// Reads the setup for `part`; none given means the defaults, `-` standard input.
-pub fn setup(path: Option<&Path>, part: &Path) -> Result<OpenSetup, Failure> {
+/// Reads the setup for `part` of the file `part_path`; none given means the defaults of the part, `-` standard input.
+pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<OpenSetup, Failure> {
+    let defaults = Setup::for_part(part);
     let Some(path) = path else {
         return Ok(OpenSetup {
-            setup: Setup::default(),
-            name: part.display().to_string(),
+            setup: defaults,
+            name: part_path.display().to_string(),
             bytes: Vec::new(),
         });
     };
     let (name, bytes) = named_bytes(path)?;
-    let setup = read_setup_bytes(&name, &bytes)?;
+    let setup = read_setup_over(&name, &bytes, &defaults)?;
     Ok(OpenSetup { setup, name, bytes })
 }
 

@@ -23,7 +23,7 @@ pub const FIELD_CELLS: usize = 512;
 /// Plans, writes the files, prints the figures.
 pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
-    let setup = open::setup(args.setup.as_deref(), &args.part)?;
+    let setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
     let policy = match &args.axis {
         None => setup.setup.plunge.axis,
         Some(name) => {

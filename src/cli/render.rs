@@ -74,7 +74,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         if colours == FloorColours::Plain && args.at.is_none() && args.cutters.is_none() {
             (part, None)
         } else {
-            let setup = open::setup(None, &args.source)?;
+            let setup = open::setup(None, &args.source, &part)?;
             let outcome = plan::outcome(part, &setup, setup.setup.plunge.axis, false)?;
             let part = Impeller::clone(&outcome.part);
             (part, Some((outcome.setup, outcome.after.plan)))

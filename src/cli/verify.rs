@@ -28,7 +28,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             "standard input cannot be setup and program; give one as a file".to_owned(),
         ));
     }
-    let opened = open::setup(args.setup.as_deref(), &args.part)?;
+    let opened = open::setup(args.setup.as_deref(), &args.part, &part)?;
     check_part(&opened.setup, &part).map_err(|fault| opened.failure(&fault))?;
     let setup = &opened.setup;
     let (name, bytes) = open::named_bytes(&args.program)?;

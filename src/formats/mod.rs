@@ -25,7 +25,7 @@ pub use apt::{ClProgram, ClTool, ClWarning, Motion, Move, read_apt, read_apt_byt
 pub use gltf::GltfScene;
 pub use native::write_native;
 pub use part_file::{read_part, read_part_bytes, read_part_with};
-pub use setup_file::{axis_policy, flank_scheme, read_setup, read_setup_bytes, write_setup};
+pub use setup_file::{axis_policy, flank_scheme, read_setup, read_setup_bytes, read_setup_over, write_setup};
 pub use write::write_whole;
 
 /// A fault in something a user gave us. Shown as `FILE:LINE: what; cure`.

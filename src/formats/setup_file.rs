@@ -1,6 +1,6 @@
 //! The setup file: TOML, lengths in mm, angles in degrees, feeds in mm/min, spindle in rev/min.
 //!
-//! Every key is optional; [`Setup::default`] says what an absent one means. Unknown keys are faults
+//! Every key is optional; the setup that is read over, [`Setup::for_part`], says what an absent one means. Unknown keys are faults
 //! that name the nearest known one.
 //!
 //! ```toml
@@ -51,22 +51,27 @@ const MAX_TOOLS: usize = 500;
 /// Most sections of a setup.
 const MAX_SECTIONS: usize = 100;
 
-/// Reads a setup file.
-pub fn read_setup(path: &Path) -> Result<Setup, InputError> {
-    read_setup_bytes(&name_of(path), &read_bytes(path)?)
+/// Reads a setup file; absent keys are as in `defaults`.
+pub fn read_setup(path: &Path, defaults: &Setup) -> Result<Setup, InputError> {
+    read_setup_over(&name_of(path), &read_bytes(path)?, defaults)
 }
 
-/// Reads a setup from bytes; `name` is the file name that messages use. An empty file is the default.
+/// Reads a setup that says everything, or over [`Setup::default`]; see [`read_setup_over`].
 pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
+    read_setup_over(name, bytes, &Setup::default())
+}
+
+/// Reads a setup from bytes; `name` is the file name that messages use. Absent keys are as in `defaults`.
+pub fn read_setup_over(name: &str, bytes: &[u8], defaults: &Setup) -> Result<Setup, InputError> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Ok(Setup::default());
+        return Ok(defaults.clone());
     }
     let document = Document::new(name, bytes)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["part", "stock", "tool", "plunge", "flank", "machine"])?;
     let mut setup =
-        Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..Setup::default() };
+        Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..defaults.clone() };
     if let Some(table) = root.table("stock")? {
         stock(&table, &mut setup.stock)?;
     }

@@ -1,6 +1,6 @@
 //! The setup: stock, tools, and what the programmer asks of the planner. Keys as in the TOML file.
 
-use super::Impeller;
+use super::{Channel, Impeller, PassageWidth};
 use super::tool::Tool;
 use crate::geometry::Vector;
 
@@ -202,7 +202,7 @@ impl Machine {
     }
 }
 
-/// A whole setup. [`Setup::default`] is what an empty file means.
+/// A whole setup. [`Setup::for_part`] is what an empty file means.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
     /// Name of the part the setup is meant for, if it says so (`part = "…"`).
@@ -224,6 +224,70 @@ impl Setup {
     pub fn same_but_for_flank(&self, other: &Self) -> bool {
         Self { flank: other.flank.clone(), ..self.clone() } == *other
     }
+}
+
+/// Number of parts of the outlet diameter that the default allowances are on a small wheel.
+const ALLOWANCES_PER_DIAMETER: f64 = 200.0;
+/// Default allowances of wheels of usual size, mm; and the diameter from which on they grow again, mm.
+const USUAL_ALLOWANCE: f64 = 0.5;
+const LARGE_DIAMETER: f64 = 500.0;
+/// Largest default allowance, as shares of the narrowest passage and of the least height of the channel.
+const NARROWEST_SHARE: f64 = 0.1;
+const HEIGHT_SHARE: f64 = 0.1;
+
+impl Setup {
+    /// What an empty file means for `part`: the values of [`Setup::default`], which suit wheels of 100 to 500 mm, scaled to
+    /// the size of the wheel, and allowances that its passages have room for.
+    pub fn for_part(part: &Impeller) -> Self {
+        let diameter = 2.0 * part.rim_radius();
+        let usual = (diameter / ALLOWANCES_PER_DIAMETER).min(USUAL_ALLOWANCE);
+        let unit = round_down(usual.max(USUAL_ALLOWANCE * diameter / LARGE_DIAMETER));
+        let channel = Channel::of(part);
+        let passages = [&channel.full].into_iter().chain(&channel.beside_splitter);
+        let widths: Vec<PassageWidth> = passages.map(|passage| PassageWidth::new(part, passage)).collect();
+        let (mut width, mut height) = (f64::INFINITY, f64::INFINITY);
+        for i in 0..=STATIONS {
+            let s = f64::from(i) / f64::from(STATIONS);
+            width = widths.iter().map(|passage| passage.narrowest(s)).fold(width, f64::min);
+            // Where hub and shroud meet nothing is to be cut anyway.
+            if (0.1..=1.0).contains(&s) {
+                height = height.min(part.hub.point(s).distance(part.shroud.point(s)));
+            }
+        }
+        let blade_allowance = unit.min(round_down(NARROWEST_SHARE * width));
+        let hub_allowance = unit.min(round_down(HEIGHT_SHARE * height)).max(MIN_ALLOWANCE);
+        let mut setup = Self::default();
+        let scaled = |value: f64| round_down(value * unit / USUAL_ALLOWANCE * (1.0 + 1e-9));
+        setup.stock.hub_allowance = hub_allowance;
+        setup.stock.blade_allowance = blade_allowance.max(MIN_ALLOWANCE);
+        setup.stock.safety_distance = scaled(setup.stock.safety_distance);
+        setup.plunge.wall_scallop = scaled(setup.plunge.wall_scallop);
+        setup.flank.layer_depth = scaled(setup.flank.layer_depth);
+        setup.flank.allowed_error = scaled(setup.flank.allowed_error);
+        setup
+    }
+}
+
+/// Stations along the channel at which its narrowest place is looked for.
+const STATIONS: u32 = 40;
+/// Smallest default allowance, mm.
+const MIN_ALLOWANCE: f64 = 0.02;
+
+/// The greatest number with two digits, the second one even or five, that is not above `value`: a number as one would
+/// put into a setup. Infinite values stay.
+fn round_down(value: f64) -> f64 {
+    if !value.is_finite() || value <= 0.0 {
+        return value;
+    }
+    let exponent = value.log10().floor() as i32 - 1;
+    // Division by a power of ten gives the number nearest to the decimal one, multiplication by 0.1 would not.
+    let scaled = |digits: f64| match exponent {
+        0.. => digits * 10f64.powi(exponent),
+        _ => digits / 10f64.powi(-exponent),
+    };
+    let digits = (value / scaled(1.0) * (1.0 + 1e-12)).floor();
+    let is_plain = |digits: &f64| digits % 2.0 == 0.0 || digits % 5.0 == 0.0;
+    scaled([digits, digits - 1.0].into_iter().find(is_plain).unwrap_or(digits))
 }
 
 impl Default for Setup {
@@ -260,5 +324,28 @@ impl Default for Setup {
             },
             machine: Machine { max_axis_tilt: std::f64::consts::PI },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_numbers_one_would_write() {
+        for (value, written) in [
+            (0.5, 0.5),
+            (0.532, 0.5),
+            (0.114, 0.1),
+            (0.0972, 0.096),
+            (0.077, 0.076),
+            (3.0, 3.0),
+            (2.13, 2.0),
+            (17.0, 16.0),
+            (0.999_999_999_999_9, 1.0),
+        ] {
+            assert_eq!(round_down(value), written, "{value}");
+        }
+        assert_eq!(round_down(f64::INFINITY), f64::INFINITY);
     }
 }

@@ -9,12 +9,12 @@
 //! strongly or their edges are swept, that continuation may cross the channel and leave no fit: there the axis is laid
 //! beside the finished blades alone, with the side lean nearest to the ruling's that clears them.
 
-use crate::geometry::{CutterSolid, Point, Vector, norm2, wrap_angle};
-use crate::part::setup::Stock;
 use std::sync::Arc;
 
 use super::clearance::FinishedPart;
 use super::fit_table::{FitNode, FitTable, Reading};
+use crate::geometry::{CutterSolid, Point, Vector, norm2, wrap_angle};
+use crate::part::setup::Stock;
 use crate::part::{Impeller, Nearest, Passage, SideProbe, Tool};
 
 /// A passage with the cutter that is to work in it.
@@ -102,6 +102,8 @@ const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 /// Side leans beside that of the plain offset that are tried where no fit exists, degrees.
 const SIDE_LEANS_DEG: [f64; 15] =
     [0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0, 13.0, -13.0, 17.0, -17.0, 22.0, -22.0, 28.0, -28.0];
+/// Least height of the channel, in hub allowances, in which axes are laid.
+const LEAST_HEIGHTS: f64 = 1.2;
 /// Clearance is met to this, mm, always on the safe side.
 const FIT_TOLERANCE: f64 = 2e-7;
 /// Two searches for the nearest place of a wall may differ by so much, mm: fits stay clear of it.
@@ -377,12 +379,19 @@ impl<'a> Lane<'a> {
     fn plain_offset(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
         let foot = self.passage.walls[wall].at(self.part, s_hub, 0.0)?;
         let top = self.passage.walls[wall].at(self.part, s_shroud, 1.0)?;
+        // Where the channel is hardly higher than the allowance an axis from M to W has no direction.
+        let (hub, shroud) = (self.part.hub.at(s_hub), self.part.shroud.point(s_shroud));
+        let (rise_r, rise_z) = (shroud.r - hub.point.r, shroud.z - hub.point.z);
+        let height = rise_r * hub.normal.r + rise_z * hub.normal.z;
+        if height < LEAST_HEIGHTS * self.hub_allowance {
+            return None;
+        }
         let reach = self.radius + self.blade_allowance;
         let offset = |r: f64, theta_s: f64, length: f64| {
             let slope = r * theta_s / length;
             reach * (1.0 + slope * slope).sqrt().min(4.0) / r.max(1e-6) * self.inward(wall)
         };
-        let (r_hub, r_shroud) = (self.part.hub.point(s_hub).r, self.part.shroud.point(s_shroud).r);
+        let (r_hub, r_shroud) = (hub.point.r, shroud.r);
         let theta_shroud = foot.theta + wrap_angle(top.theta - foot.theta);
         Some(AxisEnds {
             s_hub,
@@ -415,10 +424,10 @@ impl<'a> Lane<'a> {
     /// Distance across the flow between the two wall axes at `s`: on the hub and on the shroud, mm. `None` where the
     /// cutter does not fit.
     pub fn width(&self, s: f64) -> Option<(f64, f64)> {
-        let (low, high) = self.guides(s, s)?;
+        let (low, high) = self.guides(s, s, true)?;
         let pair = self.ordered(low, high)?;
         let step = 1e-3;
-        let before = self.guides(s - step, s - step).map(|(low, _)| low);
+        let before = self.guides(s - step, s - step, true).map(|(low, _)| low);
         let across = |from: Point, to: Point, along: Vector| {
             let d = to - from;
             (d - along * d.dot(&along)).norm()
@@ -436,8 +445,8 @@ impl<'a> Lane<'a> {
     /// By how much the conventional axis along `wall` leans over the channel from the hub normal, across the
     /// wall, rad; negative where the wall leans away. `None` where there is no axis.
     pub fn lean_over(&self, wall: usize, s: f64) -> Option<f64> {
-        let ends = self.table_axis(wall, s, s)?;
-        let along = self.hub_point(&self.table_axis(wall, s - 1e-3, s - 1e-3)?) - self.hub_point(&ends);
+        let ends = self.table_axis(wall, s, s, true)?;
+        let along = self.hub_point(&self.table_axis(wall, s - 1e-3, s - 1e-3, true)?) - self.hub_point(&ends);
         let normal = self.part.hub.normal(s).direction_at_angle(ends.theta_hub);
         let (m, axis) = self.line(&ends);
         let across = normal.cross(&along).normalize();
@@ -447,8 +456,9 @@ impl<'a> Lane<'a> {
     }
 
     /// Axis of `wall` read from its table of fits, a few µm from the exact one; beside steep or swept edges, where
-    /// there are no smooth fits, one that may still have to be turned off the blades.
-    fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+    /// there are no smooth fits, one that may still have to be turned off the blades. With `refit` it is fitted anew
+    /// where only nodes further off are no fits: searches ask too often for that.
+    fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64, refit: bool) -> Option<AxisEnds> {
         let fit = |s_hub: f64, shift: f64| {
             let plain = self.plain_offset(wall, s_hub, s_hub - shift)?;
             let fitted = self.fitted(wall, s_hub, s_hub - shift, None);
@@ -469,7 +479,7 @@ impl<'a> Lane<'a> {
                 Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud })
             }
             Reading::Beside([hub, shroud], all_fitted) => {
-                let fitted = if all_fitted { self.fitted(wall, s_hub, s_shroud, None) } else { None };
+                let fitted = if refit && all_fitted { self.fitted(wall, s_hub, s_shroud, None) } else { None };
                 fitted.or_else(|| {
                     let plain = self.plain_offset(wall, s_hub, s_shroud)?;
                     Some(AxisEnds {
@@ -487,10 +497,14 @@ impl<'a> Lane<'a> {
     /// Axis of the row at `lambda` between the walls, from the tables of fits: for searches.
     /// `None` where no axis beside its wall clears the blades, or the cutter does not fit between the walls.
     pub fn row_axis(&self, lambda: f64, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+        self.axis_between(lambda, s_hub, s_shroud, false)
+    }
+
+    fn axis_between(&self, lambda: f64, s_hub: f64, s_shroud: f64, refit: bool) -> Option<AxisEnds> {
         if is_wall(lambda) {
-            return self.table_axis(lambda as usize, s_hub, s_shroud);
+            return self.table_axis(lambda as usize, s_hub, s_shroud, refit);
         }
-        let (low, high) = self.guides(s_hub, s_shroud)?;
+        let (low, high) = self.guides(s_hub, s_shroud, refit)?;
         let [low, high] = self.ordered(low, high)?;
         Some(AxisEnds {
             theta_hub: low.theta_hub + lambda * (high.theta_hub - low.theta_hub),
@@ -500,9 +514,9 @@ impl<'a> Lane<'a> {
     }
 
     /// The axes beside both walls that rows between them follow: where a wall has none, the plain offset of its ruling.
-    fn guides(&self, s_hub: f64, s_shroud: f64) -> Option<(AxisEnds, AxisEnds)> {
+    fn guides(&self, s_hub: f64, s_shroud: f64, refit: bool) -> Option<(AxisEnds, AxisEnds)> {
         let guide = |wall: usize| {
-            let axis = self.table_axis(wall, s_hub, s_shroud);
+            let axis = self.table_axis(wall, s_hub, s_shroud, refit);
             axis.or_else(|| self.plain_offset(wall, s_hub, s_shroud))
         };
         Some((guide(0)?, guide(1)?))
@@ -511,7 +525,7 @@ impl<'a> Lane<'a> {
     /// The conventional axis of the row at `lambda` with M at `s`: M and W at the same fraction of arc length. Outside the
     /// channel both go on by the same distance, so that the axis stays as it is at the rim (or the leading edge).
     pub fn isoparametric(&self, lambda: f64, s: f64) -> Option<AxisEnds> {
-        self.row_axis(lambda, s, self.isoparametric_shroud(s))
+        self.axis_between(lambda, s, self.isoparametric_shroud(s), true)
     }
 
     /// As [`Self::isoparametric`], the plain offset of the ruling where no axis beside a wall clears the blades: what tilted

@@ -84,7 +84,6 @@ pub fn resolve(
     let given = !setup.tools.is_empty();
     let mut resolved = setup.clone();
     if !given {
-        check_blade_allowance(setup, library, &survey)?;
         resolved.tools = library.to_vec();
     }
     let mut reasons = vec![None; setup.plunge.sections.len()];
@@ -103,9 +102,7 @@ pub fn resolve(
     }
     for (index, section) in resolved.plunge.sections.iter().enumerate() {
         let place = SetupPlace::Section { index, tool: section.tool };
-        let tool = tool_of(&resolved, section.tool).map_err(|fault| fault.at(place))?;
-        let allowance = setup.stock.blade_allowance;
-        check_fit(tool, section, &survey, allowance, library).map_err(|fault| fault.at(place))?;
+        tool_of(&resolved, section.tool).map_err(|fault| fault.at(place))?;
     }
     if !given {
         resolved.tools = used_tools(&resolved);
@@ -150,36 +147,18 @@ pub fn check_part(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
 
 fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
     let height_at = |s: f64| part.hub.point(s).distance(part.shroud.point(s));
-    let height = (0..=50).map(|i| height_at(f64::from(i) / 50.0)).fold(f64::INFINITY, f64::min);
+    let height = (0..=50).map(|i| height_at(f64::from(i) / 50.0)).fold(0.0, f64::max);
     if setup.stock.hub_allowance < 0.9 * height {
         return Ok(());
     }
     Err(SetupFault::new(
         format!(
-            "`hub_allowance` is {}, but hub and shroud come within {height:.2} mm",
+            "`hub_allowance` is {}, but hub and shroud are {height:.2} mm apart at most",
             setup.stock.hub_allowance
         ),
         format!("give less than {:.2} mm", 0.9 * height),
     )
     .at(SetupPlace::Stock("hub_allowance")))
-}
-
-/// Whether there is a cutter to choose at all.
-fn check_blade_allowance(setup: &Setup, library: &[Tool], survey: &Survey) -> Result<(), SetupFault> {
-    let narrowest = survey.narrowest();
-    let smallest = library.iter().map(|tool| tool.diameter).fold(f64::INFINITY, f64::min);
-    let most = 0.5 * (narrowest - 1.25 * smallest);
-    if setup.stock.blade_allowance <= most {
-        return Ok(());
-    }
-    Err(SetupFault::new(
-        format!(
-            "`blade_allowance` is {}, but the blades come within {narrowest:.2} mm of each other",
-            setup.stock.blade_allowance
-        ),
-        format!("give at most {:.2} mm", most.max(0.0)),
-    )
-    .at(SetupPlace::Stock("blade_allowance")))
 }
 
 /// Upper limit of the step along a row, mm: the insert width, what the setup asks for, and at walls the scallop
@@ -215,7 +194,8 @@ fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), Set
         let tool = tool_of(setup, section.tool)?;
         let length = (section.from - section.to) * part.hub.length().max(part.shroud.length());
         let stations = &survey.stations[survey.covered(section.from, section.to)];
-        let width = stations.iter().map(|station| station.narrowest).fold(0.0, f64::max);
+        let widths = stations.iter().map(|station| station.narrowest);
+        let width = widths.filter(|width| width.is_finite()).fold(0.0, f64::max);
         let room = (width - tool.diameter - 2.0 * setup.stock.blade_allowance).max(0.0);
         let inner =
             (room / row_spacing(plunge, tool) - 1.0).max(0.0) * length / step_limit(plunge, tool, false);
@@ -259,35 +239,4 @@ pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
         )
         .at(SetupPlace::Tool(number))
     })
-}
-
-fn check_fit(
-    tool: &Tool,
-    section: &SectionSetup,
-    survey: &Survey,
-    allowance: f64,
-    library: &[Tool],
-) -> Result<(), SetupFault> {
-    let stations = &survey.stations[survey.covered(section.from, section.to)];
-    let narrow = stations.iter().min_by(|a, b| a.narrowest.total_cmp(&b.narrowest));
-    match narrow.map(|station| (station.narrowest, station.s)) {
-        Some((width, s)) if width < tool.diameter + 2.0 * allowance => {
-            let room = width - 2.0 * allowance;
-            let fitting = library.iter().map(|tool| tool.diameter).filter(|&d| d < room);
-            let diameter = fitting.max_by(f64::total_cmp);
-            let cure = match diameter {
-                Some(d) => format!("use a cutter of at most D {d} there, or end the section before it"),
-                None => "lower the blade allowance".to_string(),
-            };
-            Err(SetupFault::new(
-                format!(
-                    "tool {} (D {}) is wider than the channel: {width:.2} mm between the walls at s = {s:.2}, \
-                     {room:.2} mm inside the allowances",
-                    tool.number, tool.diameter
-                ),
-                cure,
-            ))
-        }
-        _ => Ok(()),
-    }
 }

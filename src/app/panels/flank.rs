@@ -71,11 +71,12 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
 pub fn show(
     ui: &mut Ui,
     setup: &mut Setup,
+    defaults: &Setup,
     planned: Option<&FlankOutcome>,
     stale: bool,
     look: &mut FlankLook,
 ) -> Option<Command> {
-    let default = Setup::default().flank;
+    let default = &defaults.flank;
     Grid::new("flank fields").num_columns(2).min_col_width(92.0).spacing([8.0, 4.0]).show(ui, |ui| {
         fields::choice_row(ui, &mut setup.flank.scheme, default.scheme, &SCHEME);
         fields::row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);

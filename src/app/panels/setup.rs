@@ -72,10 +72,10 @@ const INLET: Spec =
     Spec::mm("Inlet extension", "Length of blank before the leading edge, along hub and shroud", 0.0, 200.0)
         .sliding(0.0, 50.0);
 
-/// Draws the plunge fields; `chosen` is the setup of the latest plan, with everything filled in.
-pub fn plunge(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
+/// Draws the plunge fields; `defaults` are those of the part, `chosen` is the setup of the latest plan, with everything filled in.
+pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&Setup>) {
     let first = chosen.and_then(|chosen| chosen.tools.first());
-    let Setup { plunge: default, machine, .. } = Setup::default();
+    let Setup { plunge: default, machine, .. } = defaults;
     form(ui, "plunge fields", |ui| {
         fields::choice_row(ui, &mut setup.plunge.axis, default.axis, &POLICY);
         let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
@@ -88,9 +88,9 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     });
 }
 
-/// Draws the stock fields.
-pub fn stock(ui: &mut Ui, setup: &mut Setup) {
-    let default = Setup::default().stock;
+/// Draws the stock fields; `defaults` are those of the part.
+pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) {
+    let default = &defaults.stock;
     form(ui, "stock fields", |ui| {
         fields::row(ui, &mut setup.stock.hub_allowance, default.hub_allowance, &HUB);
         fields::row(ui, &mut setup.stock.blade_allowance, default.blade_allowance, &BLADE);

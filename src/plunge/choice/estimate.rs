@@ -21,6 +21,8 @@ pub struct Cost {
     pub misfits: u32,
     /// Stations at which a cutter fits, but against the rules.
     pub wanting: u32,
+    /// What cutters that are too short lack in length, summed over the stations, mm.
+    pub lacking: f64,
     /// Time, s.
     pub seconds: f64,
 }
@@ -41,6 +43,7 @@ impl Cost {
         Self {
             misfits: self.misfits + other.misfits,
             wanting: self.wanting + other.wanting,
+            lacking: self.lacking + other.lacking,
             seconds: self.seconds + other.seconds,
         }
     }
@@ -141,7 +144,11 @@ impl Estimator<'_> {
     fn broken(&self, tool: &Tool, station: usize) -> Cost {
         match self.rules.fit(tool, &self.survey.stations[station]) {
             Fit::Good => Cost::default(),
-            Fit::Tight | Fit::Short => Cost { wanting: 1, ..Cost::default() },
+            Fit::Tight => Cost { wanting: 1, ..Cost::default() },
+            Fit::Short => {
+                let lacking = self.rules.overhang(&self.survey.stations[station]) - tool.overhang;
+                Cost { wanting: 1, lacking, ..Cost::default() }
+            }
             Fit::Wide => Cost { misfits: 1, ..Cost::default() },
         }
     }

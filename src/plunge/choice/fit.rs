@@ -53,7 +53,8 @@ impl Rules {
     /// How `tool` fits at a station.
     pub fn fit(&self, tool: &Tool, station: &Station) -> Fit {
         let room = self.room(station.narrowest);
-        if room < tool.diameter {
+        // Where not even the cylinder finds an axis the cutter will not find one either.
+        if room < tool.diameter || station.clear < tool.diameter {
             Fit::Wide
         } else if room < TILT_ROOM * tool.diameter || station.clear < CLEAR_ROOM * tool.diameter {
             Fit::Tight
