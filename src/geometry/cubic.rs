@@ -111,14 +111,21 @@ impl<const D: usize> Cubic<D> {
         &self.knots
     }
 
+    /// Number of the segment that holds `t`, the first or last one beyond the ends.
     #[inline]
-    fn segment(&self, t: f64) -> usize {
+    pub fn segment(&self, t: f64) -> usize {
         let bucket = ((t - self.knots[0]) * self.buckets_per_unit).max(0.0) as usize;
         let mut i = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
         while i + 1 < self.segments.len() && self.knots[i + 1] <= t {
             i += 1;
         }
         i
+    }
+
+    /// Power-basis coefficients of a segment in (t − its first knot), lowest first.
+    #[inline]
+    pub fn coefficients(&self, segment: usize) -> &[[f64; D]; 4] {
+        &self.segments[segment]
     }
 
     /// Point at `t`.

@@ -120,6 +120,7 @@ impl SideProbe {
     /// Nearest place on the line `v`: Newton along u from `guess`, Brent where that does not do.
     fn on_line(&self, query: &impl Query, v: f64, guess: f64, low: f64, high: f64) -> Line {
         let (low, high) = (low.max(self.u[0]), high.min(self.u[self.u.len() - 1]));
+        let mut curve = self.side.line(v);
         let line = |u: f64| {
             let (p, _, pv) = self.side.derivatives(u, v);
             let (distance, gradient) = query.gradient(&p);
@@ -127,7 +128,7 @@ impl SideProbe {
         };
         let mut u = guess.clamp(low, high);
         for _ in 0..8 {
-            let (p, pu, puu) = self.side.along_u(u, v);
+            let (p, pu, puu) = curve.at(u);
             let Some((slope, bend)) = query.slope(&p, &pu, &puu) else { break };
             if bend <= 0.0 {
                 break;
@@ -143,8 +144,8 @@ impl SideProbe {
                 break;
             }
         }
-        let at = |u: f64| query.distance(&self.side.point(u, v));
-        let inner = search::minimum(at, low, high, U_TOLERANCE);
+        let mut at = |u: f64| query.distance(&curve.at(u).0);
+        let inner = search::minimum(&mut at, low, high, U_TOLERANCE);
         let [inner, low, high] = [inner, (low, at(low)), (high, at(high))];
         let end = if low.1 < high.1 { low } else { high };
         line(if end.1 < inner.1 { end.0 } else { inner.0 }).1

@@ -97,37 +97,26 @@ impl BladeSide {
         (Point::from(p), pu, pv)
     }
 
-    /// Point, first and second derivative by u on the line `v`: what a search along that line needs.
-    #[inline]
-    pub fn along_u(&self, u: f64, v: f64) -> (Point, Vector, Vector) {
+    /// The line `v` of the side, for a search along it.
+    pub fn line(&self, v: f64) -> SideLine<'_> {
         let mut j = 0;
         while j + 1 < self.spans.len() && self.stations[j + 1] <= v {
             j += 1;
         }
-        let (v0, v1) = (self.stations[j], self.stations[j + 1]);
-        let h = v1 - v0;
-        let x = (v - v0) / h;
-        let (c, cu, cuu) = self.spans[j].derivatives(u);
-        let blend = |a: &[f64; 6], b0: f64, b1: f64| {
-            Vector::new(a[0] * b0 + a[3] * b1, a[1] * b0 + a[4] * b1, a[2] * b0 + a[5] * b1)
-        };
-        if self.slopes.is_empty() || !(0.0..=1.0).contains(&v) {
-            if self.slopes.is_empty() {
-                let (b0, b1) = (1.0 - x, x);
-                return (Point::from(blend(&c, b0, b1)), blend(&cu, b0, b1), blend(&cuu, b0, b1));
+        let h = self.stations[j + 1] - self.stations[j];
+        let x = (v - self.stations[j]) / h;
+        let (slopes, weights) = match self.slopes.get(j) {
+            None => (None, [1.0 - x, x, 0.0, 0.0]),
+            // Straight beyond the end sections.
+            Some(slopes) if x < 0.0 => (Some(slopes), [1.0, 0.0, h * x, 0.0]),
+            Some(slopes) if x > 1.0 => (Some(slopes), [0.0, 1.0, 0.0, h * (x - 1.0)]),
+            Some(slopes) => {
+                let (x2, x3) = (x * x, x * x * x);
+                let (b0, b1) = (2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2);
+                (Some(slopes), [b0, b1, h * (x3 - 2.0 * x2 + x), h * (x3 - x2)])
             }
-            // Straight beyond the end sections; the bend by u is that of the end section.
-            let end = v.clamp(0.0, 1.0);
-            let (_, _, second) = self.along_u(u, end);
-            let (p, pu, _) = self.derivatives(u, v);
-            return (p, pu, second);
-        }
-        let (m, mu, muu) = self.slopes[j].derivatives(u);
-        let (x2, x3) = (x * x, x * x * x);
-        let (b0, b1) = (2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2);
-        let (s0, s1) = (h * (x3 - 2.0 * x2 + x), h * (x3 - x2));
-        let whole = |a: &[f64; 6], b: &[f64; 6]| blend(a, b0, b1) + blend(b, s0, s1);
-        (Point::from(whole(&c, &m)), whole(&cu, &mu), whole(&cuu, &muu))
+        };
+        SideLine { span: &self.spans[j], slopes, weights, segment: usize::MAX, cubic: [Vector::zeros(); 4] }
     }
 
     /// The side turned about the rotation axis.
@@ -185,6 +174,57 @@ impl BladeSide {
     }
 }
 
+/// A line of constant v of a side. At constant v the loft is one cubic in u per segment: its coefficients are blended
+/// once a segment, not once a point.
+#[derive(Debug)]
+pub struct SideLine<'a> {
+    span: &'a Cubic<6>,
+    slopes: Option<&'a Cubic<6>>,
+    /// Of both sections, and of their slopes by v.
+    weights: [f64; 4],
+    /// Segment of which `cubic` holds the coefficients.
+    segment: usize,
+    cubic: [Vector; 4],
+}
+
+impl SideLine<'_> {
+    /// Point, first and second derivative by u.
+    #[inline]
+    pub fn at(&mut self, u: f64) -> (Point, Vector, Vector) {
+        let (start, end) = self.span.domain();
+        let inside = u.clamp(start, end);
+        let segment = self.span.segment(inside);
+        if segment != self.segment {
+            self.blend(segment);
+        }
+        let x = inside - self.span.knots()[segment];
+        let [c0, c1, c2, c3] = self.cubic;
+        let slope = c1 + (c2 * 2.0 + c3 * (3.0 * x)) * x;
+        let point = c0 + (c1 + (c2 + c3 * x) * x) * x;
+        let beyond = u - inside;
+        if beyond != 0.0 {
+            return (Point::from(point + slope * beyond), slope, Vector::zeros());
+        }
+        (Point::from(point), slope, c2 * 2.0 + c3 * (6.0 * x))
+    }
+
+    fn blend(&mut self, segment: usize) {
+        let [b0, b1, s0, s1] = self.weights;
+        let c = self.span.coefficients(segment);
+        let m = self.slopes.map(|slopes| slopes.coefficients(segment));
+        for order in 0..4 {
+            for k in 0..3 {
+                let mut blended = b0 * c[order][k] + b1 * c[order][k + 3];
+                if let Some(m) = m {
+                    blended += s0 * m[order][k] + s1 * m[order][k + 3];
+                }
+                self.cubic[order][k] = blended;
+            }
+        }
+        self.segment = segment;
+    }
+}
+
 /// Distance in u from an end at which a rounded end has surely become the flank.
 const SETTLED_U: f64 = 0.08;
 /// By how much the direction of a side turns at an end that is rounded, rad.
@@ -230,4 +270,39 @@ pub(super) fn common_parameters(sections: &[Vec<Point>]) -> (Vec<f64>, Vec<Vec<P
         })
         .collect();
     (u, resampled)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A side through `count` sections that bends both ways.
+    fn side(count: usize) -> BladeSide {
+        let u: Vec<f64> = (0..=12).map(|i| f64::from(i) / 12.0).collect();
+        let stations: Vec<f64> = (0..count).map(|j| j as f64 / (count - 1) as f64).collect();
+        let sections: Vec<Vec<Point>> = stations
+            .iter()
+            .map(|v| u.iter().map(|u| Point::new(40.0 * u, 9.0 * (u * u + v * v), 20.0 * v - u)).collect())
+            .collect();
+        BladeSide::loft(&u, &stations, &sections)
+    }
+
+    #[test]
+    fn a_line_is_the_side_at_its_v() {
+        for side in [side(2), side(5), side(4).flank()] {
+            for v in [-0.2, 0.0, 0.13, 0.5, 0.77, 1.0, 1.1] {
+                let mut line = side.line(v);
+                for i in -3..=23 {
+                    let u = f64::from(i) / 20.0;
+                    let (p, pu, _) = side.derivatives(u, v);
+                    let (q, qu, quu) = line.at(u);
+                    assert!((p - q).norm() < 1e-11 && (pu - qu).norm() < 1e-9, "at ({u}, {v})");
+                    let step = 1e-5;
+                    let by_difference = (line.at(u + step).1 - line.at(u - step).1) / (2.0 * step);
+                    let at_knot = side.u_knots().iter().any(|knot| (knot - u).abs() < 2.0 * step);
+                    assert!(at_knot || (by_difference - quu).norm() < 1e-3, "second at ({u}, {v})");
+                }
+            }
+        }
+    }
 }

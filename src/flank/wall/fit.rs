@@ -141,8 +141,9 @@ impl Face<'_> {
     pub(super) fn seen(&self, line: &Line, axis: &Vector, v: f64, u: f64) -> Seen {
         let mut u = u;
         let mut limit = f64::INFINITY;
+        let mut curve = self.side.line(v);
         for _ in 0..NEAREST_STEPS {
-            let (p, pu, puu) = self.side.along_u(u, v);
+            let (p, pu, puu) = curve.at(u);
             let d = p - line.low;
             let flat = d - axis * d.dot(axis);
             let along = pu.dot(axis);
