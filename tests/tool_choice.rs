@@ -4,8 +4,10 @@ use std::path::Path;
 
 use vanecut::formats::part_file::{read_part, read_part_bytes};
 use vanecut::formats::tool_library::plunge_cutters;
-use vanecut::job::resolve;
-use vanecut::part::{Channel, Impeller, PassageWidth, Setup, Tool};
+use vanecut::job::{PlanRequest, resolve, run};
+use vanecut::monitor::Monitor;
+use vanecut::part::setup::SectionSetup;
+use vanecut::part::{AxisPolicy, Channel, Impeller, PassageWidth, Setup, Tool};
 use vanecut::plunge::sections::{self, Resolved, SetupPlace};
 
 fn folder() -> &'static Path {
@@ -125,12 +127,56 @@ fn sections_of_the_setup_stay_and_have_no_reason() {
 fn a_library_of_wide_cutters_only_is_refused_in_one_line() {
     let part = sample("pump6.toml");
     let channel = Channel::of(&part);
-    let fault = sections::resolve(&Setup::default(), &[tool(1, 120.0)], &part, &channel).unwrap_err();
-    assert_eq!(fault.place, SetupPlace::Stock("blade_allowance"));
-    let given = Setup { tools: vec![tool(1, 120.0)], ..Setup::default() };
+    let fault = sections::resolve(&Setup::default(), &[tool(1, 220.0)], &part, &channel).unwrap_err();
+    assert!(matches!(fault.place, SetupPlace::Section { index: 0, tool: 1 }), "{fault}");
+    let given = Setup { tools: vec![tool(1, 220.0)], ..Setup::default() };
     let fault = resolve(&given, &part, &channel).unwrap_err().to_string();
-    assert!(fault.starts_with("tool 1 (D 120) is wider than the channel: 24.73 mm"), "{fault}");
-    assert!(fault.ends_with("use a cutter of at most D 20 there, or end the section before it"), "{fault}");
+    assert!(fault.starts_with("tool 1 (D 220) is wider than the channel: at most"), "{fault}");
+    assert!(fault.contains("; use a cutter of at most D "), "{fault}");
+}
+
+#[test]
+fn a_cutter_that_fits_part_of_its_section_is_planned_there() {
+    let part = sample("impeller532.toml");
+    // Wider than the channel at the leading edge, with room to spare at the rim.
+    let mut setup = Setup { tools: vec![tool(1, 30.0)], ..Setup::default() };
+    let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, feed: None, rest: false };
+    setup.plunge.sections = vec![section];
+    let width = PassageWidth::new(&part, &Channel::of(&part).full).narrowest(0.0);
+    assert!(width < 30.0 + 2.0 * setup.stock.blade_allowance, "too narrow at the leading edge: {width}");
+    let request = PlanRequest {
+        part: part.into(),
+        setup,
+        policy: AxisPolicy::Minimal,
+        compare: false,
+        field_cells: 64,
+    };
+    let outcome = run(&request, &Monitor::default()).expect("planned where it fits");
+    let plan = &outcome.after.plan;
+    assert!(plan.positions.len() > 50, "{} positions", plan.positions.len());
+    assert!(plan.dropped.iter().any(|dropped| dropped.s < 0.3), "what it cannot reach is listed");
+    assert!(outcome.after.summary.uncut_share > 0.01, "and counted");
+}
+
+#[test]
+fn defaults_follow_the_size_of_the_wheel() {
+    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+        assert_eq!(Setup::for_part(&sample(name)), Setup::default(), "{name} is of usual size");
+    }
+    let mut before = 0.0;
+    for scale in [2.0, 10.0, 40.0, 100.0] {
+        let part = wheel(scale);
+        let setup = Setup::for_part(&part);
+        let stock = &setup.stock;
+        assert!(stock.safety_distance > before, "scale {scale}: {stock:?}");
+        before = stock.safety_distance;
+        assert!(stock.blade_allowance > 0.0 && stock.hub_allowance > 0.0, "scale {scale}: {stock:?}");
+        let narrowest = PassageWidth::new(&part, &Channel::of(&part).full);
+        let width = (0..=20).map(|i| narrowest.narrowest(f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
+        assert!(stock.blade_allowance <= 0.11 * width, "scale {scale}: {stock:?} in {width} mm");
+        // The defaults find cutters on wheels of every size.
+        assert!(!diameters(&chosen(&part, &setup)).is_empty(), "scale {scale}");
+    }
 }
 
 /// A wheel of D 8 × `scale`.

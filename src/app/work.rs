@@ -48,9 +48,7 @@ impl OpenTask {
         match self {
             Self::Project(path, _) => Self::Project(path, Some(source)),
             Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
-            Self::Nodes(_) => {
-                Self::Files { part: Some(source), setup: None, defaults: Setup::default() }
-            }
+            Self::Nodes(_) => Self::Files { part: Some(source), setup: None, defaults: Setup::default() },
         }
     }
 }

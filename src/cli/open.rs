@@ -45,11 +45,7 @@ impl OpenSetup {
 pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<OpenSetup, Failure> {
     let defaults = Setup::for_part(part);
     let Some(path) = path else {
-        return Ok(OpenSetup {
-            setup: defaults,
-            name: part_path.display().to_string(),
-            bytes: Vec::new(),
-        });
+        return Ok(OpenSetup { setup: defaults, name: part_path.display().to_string(), bytes: Vec::new() });
     };
     let (name, bytes) = named_bytes(path)?;
     let setup = read_setup_over(&name, &bytes, &defaults)?;

@@ -13,7 +13,29 @@ pub struct SideProbe {
     points: Vec<Point>,
     /// For every one how far from it the side goes on before another is nearer, mm, at most.
     reaches: Vec<f64>,
+    /// Runs of neighbouring points of each line, line by line: [`Self::blocks_per_line`] of them a line.
+    blocks: Vec<Block>,
+    blocks_per_line: usize,
 }
+
+/// A run of points of one line of the grid, with a ball around them: a distance changes by no more than the way between two
+/// points, so that one look at the centre tells whether they matter.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// Index of the first point in the line, and one past the last.
+    first: usize,
+    last: usize,
+    /// Index of the point in the middle.
+    centre: usize,
+    /// Furthest point of the run from the centre, mm.
+    radius: f64,
+    /// As `radius`, with what the points stand for.
+    reach: f64,
+}
+
+/// Points of a block, and most blocks of a line: 41 points, and 4 more at each rounded end.
+const BLOCK: usize = 6;
+const MAX_BLOCKS: usize = 49usize.div_ceil(BLOCK);
 
 /// Where a side is nearest.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +97,20 @@ impl SideProbe {
                 }
             }
         }
-        Self { side: side.clone(), u, v, points, reaches }
+        let blocks_per_line = n.div_ceil(BLOCK);
+        let block = |j: usize, b: usize| {
+            let (first, last) = (b * BLOCK, ((b + 1) * BLOCK).min(n));
+            let centre = (first + last) / 2;
+            let off = |i: usize| (points[j * n + i] - points[j * n + centre]).norm();
+            let radius = (first..last).map(off).fold(0.0, f64::max);
+            let reach = (first..last).map(|i| off(i) + reaches[j * n + i]).fold(0.0, f64::max);
+            Block { first, last, centre, radius, reach }
+        };
+        let blocks = (0..lines)
+            .flat_map(|j| (0..blocks_per_line).map(move |b| (j, b)))
+            .map(|(j, b)| block(j, b))
+            .collect();
+        Self { side: side.clone(), u, v, points, reaches, blocks, blocks_per_line }
     }
 
     /// The side itself.
@@ -173,16 +208,9 @@ impl SideProbe {
         let mut least = f64::INFINITY;
         let mut seeds = [0usize; MAX_V_LINES + 2];
         for (k, &(_, j)) in places[..count].iter().enumerate() {
-            let mut best = (f64::INFINITY, 0);
-            let line = j * n..(j + 1) * n;
-            for (i, (p, reach)) in self.points[line.clone()].iter().zip(&self.reaches[line]).enumerate() {
-                let value = query.distance(p);
-                least = least.min(value - reach);
-                if value < best.0 {
-                    best = (value, i);
-                }
-            }
-            seeds[k] = best.1;
+            let (seed, bound) = self.seed(query, j);
+            seeds[k] = seed;
+            least = least.min(bound);
         }
         if least > cutoff {
             return None;
@@ -198,6 +226,42 @@ impl SideProbe {
             drift = drift.max(high - low);
         }
         Some(self.lowest(query, &lines[..count], drift))
+    }
+
+    /// Index of the nearest grid point of line `j`, and a distance than which nothing that its points stand for is nearer.
+    fn seed(&self, query: &impl Query, j: usize) -> (usize, f64) {
+        let line = &self.points[j * self.u.len()..(j + 1) * self.u.len()];
+        let reaches = &self.reaches[j * self.u.len()..(j + 1) * self.u.len()];
+        let blocks = &self.blocks[j * self.blocks_per_line..(j + 1) * self.blocks_per_line];
+        let mut centres = [0.0; MAX_BLOCKS];
+        let mut nearest = (f64::INFINITY, 0);
+        for (b, block) in blocks.iter().enumerate() {
+            centres[b] = query.distance(&line[block.centre]);
+            if centres[b] < nearest.0 {
+                nearest = (centres[b], b);
+            }
+        }
+        // The block with the nearest centre first: it rules most others out.
+        let mut best = (f64::INFINITY, 0);
+        let mut bound = f64::INFINITY;
+        let mut look = |b: usize| {
+            let block = &blocks[b];
+            if centres[b] - block.radius > best.0 {
+                bound = bound.min(centres[b] - block.reach);
+                return;
+            }
+            for i in block.first..block.last {
+                let value = query.distance(&line[i]);
+                bound = bound.min(value - reaches[i]);
+                // Of equally near ones the first, whichever block came first.
+                if value < best.0 || value == best.0 && i < best.1 {
+                    best = (value, i);
+                }
+            }
+        };
+        look(nearest.1);
+        (0..blocks.len()).filter(|&b| b != nearest.1).for_each(&mut look);
+        (best.1, bound)
     }
 
     /// Nearest place, given the nearest ones on neighbouring `lines`, at which u is followed by no more than `drift`

@@ -1,7 +1,7 @@
 //! The setup: stock, tools, and what the programmer asks of the planner. Keys as in the TOML file.
 
-use super::{Channel, Impeller, PassageWidth};
 use super::tool::Tool;
+use super::{Channel, Impeller, PassageWidth};
 use crate::geometry::Vector;
 
 /// Axis policy of the plunge planner (paper A and ours).

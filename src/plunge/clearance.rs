@@ -1,6 +1,6 @@
 //! How near a cutter comes to the finished part: measured, not derived from how it was placed.
 
-use crate::geometry::{Circle, CutterSolid, Meridional, Point, receding, search};
+use crate::geometry::{Circle, CutterSolid, Meridional, Point, receding, rotate_vector_z, rotate_z, search};
 use crate::part::{Impeller, Nearest, SideProbe};
 
 /// The finished surfaces around a channel, ready for many measurements.
@@ -22,9 +22,18 @@ impl<'a> FinishedPart<'a> {
         &self.blades
     }
 
-    /// Least signed distance of the cutter (bottom and column) to any blade, mm.
+    /// Least signed distance of the cutter (bottom and column) to any blade, mm: to those around the channel, and to the
+    /// next on either side, over which the column may lean where blades are wrapped strongly.
     pub fn blade_clearance(&self, cutter: &CutterSolid) -> f64 {
-        self.blade_clearance_below(cutter, f64::INFINITY)
+        let pitch = self.part.pitch();
+        let turned = |angle: f64| CutterSolid {
+            tip: rotate_z(&cutter.tip, angle),
+            axis: rotate_vector_z(&cutter.axis, angle),
+            ..*cutter
+        };
+        [-pitch, pitch].into_iter().fold(self.blade_clearance_below(cutter, f64::INFINITY), |least, angle| {
+            self.blade_clearance_below(&turned(angle), least)
+        })
     }
 
     /// As [`Self::blade_clearance`], or `cap` mm where no blade is nearer than that.

@@ -74,7 +74,12 @@ impl FitTable {
     }
 
     /// The interpolation; `None` where one of the nodes it needs is not a fit.
-    fn interpolated(&self, (row, column): (usize, usize), (fx, fy): (f64, f64), fit: Fit) -> Option<[f64; 2]> {
+    fn interpolated(
+        &self,
+        (row, column): (usize, usize),
+        (fx, fy): (f64, f64),
+        fit: Fit,
+    ) -> Option<[f64; 2]> {
         let by_s = [
             -(fx - 1.0) * (fx - 2.0) * (fx - 3.0) / 6.0,
             fx * (fx - 2.0) * (fx - 3.0) / 2.0,
@@ -107,8 +112,8 @@ impl FitTable {
         let (fx, fy) = (x - row as f64, y - column as f64);
         let (mut weights, mut sum, mut all_fitted) = (0.0, [0.0; 2], true);
         for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let weight = ((1.0 - fx) * (1 - i) as f64 + fx * i as f64)
-                * ((1.0 - fy) * (1 - j) as f64 + fy * j as f64);
+            let weight =
+                ((1.0 - fx) * (1 - i) as f64 + fx * i as f64) * ((1.0 - fy) * (1 - j) as f64 + fy * j as f64);
             if weight <= 1e-12 || row + i >= rows {
                 continue;
             }

@@ -192,13 +192,7 @@ impl<'a> Lane<'a> {
     }
 
     /// The axis along `wall` fitted on the branch of the ruling; see [`Self::wall_axis`].
-    fn fitted(
-        &self,
-        wall: usize,
-        s_hub: f64,
-        s_shroud: f64,
-        warm: Option<AxisEnds>,
-    ) -> Option<AxisEnds> {
+    fn fitted(&self, wall: usize, s_hub: f64, s_shroud: f64, warm: Option<AxisEnds>) -> Option<AxisEnds> {
         let plain = self.plain_offset(wall, s_hub, s_shroud)?;
         let plain_lean = plain.theta_shroud - plain.theta_hub;
         let mut ends = match warm {
@@ -479,7 +473,8 @@ impl<'a> Lane<'a> {
                 Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud })
             }
             Reading::Beside([hub, shroud], all_fitted) => {
-                let fitted = if refit && all_fitted { self.fitted(wall, s_hub, s_shroud, None) } else { None };
+                let fitted =
+                    if refit && all_fitted { self.fitted(wall, s_hub, s_shroud, None) } else { None };
                 fitted.or_else(|| {
                     let plain = self.plain_offset(wall, s_hub, s_shroud)?;
                     Some(AxisEnds {

@@ -104,6 +104,7 @@ pub fn resolve(
         let place = SetupPlace::Section { index, tool: section.tool };
         tool_of(&resolved, section.tool).map_err(|fault| fault.at(place))?;
     }
+    check_some_fit(&resolved, &survey, library)?;
     if !given {
         resolved.tools = used_tools(&resolved);
     }
@@ -239,4 +240,33 @@ pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
         )
         .at(SetupPlace::Tool(number))
     })
+}
+
+/// Refuses sections of which none has a place that its cutter goes into. Where a cutter fits a part of its section, that
+/// part is planned.
+fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<(), SetupFault> {
+    let allowance = setup.stock.blade_allowance;
+    let mut widest = None;
+    for (index, section) in setup.plunge.sections.iter().enumerate() {
+        let tool = tool_of(setup, section.tool)?;
+        let stations = &survey.stations[survey.covered(section.from, section.to)];
+        let width = stations.iter().map(|station| station.narrowest).fold(0.0, f64::max);
+        if width >= tool.diameter + 2.0 * allowance {
+            return Ok(());
+        }
+        widest.get_or_insert((width, tool, SetupPlace::Section { index, tool: section.tool }));
+    }
+    let Some((width, tool, place)) = widest else { return Ok(()) };
+    let room = width - 2.0 * allowance;
+    let fitting = library.iter().map(|tool| tool.diameter).filter(|&d| d < room);
+    let cure = match fitting.max_by(f64::total_cmp) {
+        Some(d) => format!("use a cutter of at most D {d}"),
+        None => "lower the blade allowance".to_string(),
+    };
+    let what = format!(
+        "tool {} (D {}) is wider than the channel: at most {width:.2} mm between the walls, {room:.2} mm inside the \
+         allowances",
+        tool.number, tool.diameter
+    );
+    Err(SetupFault::new(what, cure).at(place))
 }
