@@ -1,12 +1,14 @@
 //! The largest cylinder between two walls: how thick a cutter may be, with the best axis it can have.
 //!
 //! The axis runs from a point on the hub at given s to a point on the shroud. Free are the angles of both
-//! ends about Z and the s of the upper end, that is both leans and the tilt along the flow.
+//! ends about Z and the s of the upper end, that is both leans and the tilt along the flow. Both ends stay between the
+//! walls: in a wrapped passage a climb would otherwise leave it over their ends, into open space. Beyond the trailing
+//! edge the walls run on straight, so that at the rim the cutter is that of the passage too.
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::geometry::{CutterSolid, Point, Vector};
-use crate::part::{BladeSide, Impeller, SideProbe};
+use crate::geometry::{CutterSolid, Point, Vector, search, wrap_angle};
+use crate::part::{BladeSide, Impeller, Nearest, Passage, SideProbe};
 
 /// The largest cylinder at one station.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +17,9 @@ pub struct LargestCutter {
     pub s: f64,
     /// Diameter, mm.
     pub diameter: f64,
+    /// Width of the passage on the hub at s across its course, mm: the largest ball between the walls with its centre
+    /// there. No cutter is larger.
+    pub section_width: f64,
     /// Foot of the axis on the hub.
     pub foot: Point,
     /// Unit axis, hub → shroud.
@@ -25,9 +30,46 @@ pub struct LargestCutter {
 #[derive(Debug)]
 pub struct WallPair<'a> {
     part: &'a Impeller,
-    walls: [SideProbe; 2],
+    passage: &'a Passage,
+    walls: [FacingWall; 2],
+}
+
+/// A wall with its nose, as it runs on beyond its trailing edge.
+#[derive(Debug)]
+struct FacingWall {
+    /// The blade side; without a round tail it runs on itself.
+    whole: SideProbe,
+    /// The flank of a side with a round tail, from its middle on.
+    flank: Option<SideProbe>,
     /// +1 where ∂S/∂u × ∂S/∂v points into the passage.
-    signs: [f64; 2],
+    sign: f64,
+}
+
+impl FacingWall {
+    /// `ahead` is the sign of the angle about Z in which the passage lies.
+    fn new(side: &BladeSide, flank: &BladeSide, ahead: f64) -> Self {
+        // Against the circumference a blade is never so steep that this sign is in doubt.
+        let (p, pu, pv) = side.derivatives(0.5, 0.5);
+        let around = Vector::new(-p.y, p.x, 0.0) * ahead;
+        let sign = if pu.cross(&pv).dot(&around) < 0.0 { -1.0 } else { 1.0 };
+        let end = flank.u_range().1;
+        if side.has_round_tail() {
+            let flank = SideProbe::new(flank, 0.5, end + RUN_ON);
+            Self { whole: SideProbe::new(side, 0.0, 1.0), flank: Some(flank), sign }
+        } else {
+            Self { whole: SideProbe::new(side, 0.0, 1.0 + RUN_ON), flank: None, sign }
+        }
+    }
+
+    /// The side nearest to what `distance` measures.
+    fn nearest(&self, distance: impl Fn(&SideProbe) -> Nearest) -> (&BladeSide, Nearest) {
+        let whole = (self.whole.side(), distance(&self.whole));
+        let flank = self.flank.as_ref().map(|probe| (probe.side(), distance(probe)));
+        match flank {
+            Some(flank) if flank.1.distance < whole.1.distance => flank,
+            _ => whole,
+        }
+    }
 }
 
 /// An axis by what is free: angle of the foot, angle of the upper end, s of the upper end.
@@ -45,45 +87,79 @@ struct Clearance {
 const THIRDS: [(f64, f64); 3] = [(0.0, 0.34), (0.34, 0.67), (0.67, 1.0)];
 /// Where the upper end starts, as s ahead of the foot: between overhanging walls there is more than one best axis.
 const STARTS: [f64; 3] = [0.0, 0.25, -0.25];
+/// Where it starts between the walls.
+const STARTS_ACROSS: [f64; 3] = [0.5, 0.2, 0.8];
 /// How far from that of the foot the s of the upper end may be.
 const MOST_TILT: f64 = 0.4;
+/// How far walls run on beyond the trailing edge, in u.
+const RUN_ON: f64 = 0.4;
 
 impl<'a> WallPair<'a> {
-    /// The passage between `low` (a suction side) and `high` (a pressure side), both whole, noses included.
-    pub fn new(part: &'a Impeller, low: &BladeSide, high: &BladeSide) -> Self {
-        let middle = |side: &BladeSide| side.point(0.5, 0.5);
-        let across = middle(high) - middle(low);
-        let sign = |side: &BladeSide, into: Vector| {
-            let (_, pu, pv) = side.derivatives(0.5, 0.5);
-            if pu.cross(&pv).dot(&into) < 0.0 { -1.0 } else { 1.0 }
-        };
-        Self {
-            part,
-            walls: [low, high].map(|side| SideProbe::new(side, 0.0, 1.0)),
-            signs: [sign(low, across), sign(high, -across)],
-        }
+    /// The walls of `passage`; `low` (a suction side) and `high` (a pressure side) are their blade sides, noses
+    /// included.
+    pub fn new(part: &'a Impeller, passage: &'a Passage, low: &BladeSide, high: &BladeSide) -> Self {
+        let ahead = part.pitch().signum();
+        let [low_flank, high_flank] = [0, 1].map(|k| passage.walls[k].side());
+        let walls = [FacingWall::new(low, low_flank, ahead), FacingWall::new(high, high_flank, -ahead)];
+        Self { part, passage, walls }
     }
 
-    /// The largest cylinder whose axis stands on the hub at `s`. `walls_at` gives the angles of the walls at (s, η),
-    /// between which the searches begin: upright, and leaning over towards either end of the channel. `None` when not
-    /// even a line fits.
-    pub fn largest(&self, s: f64, walls_at: impl Fn(f64, f64) -> Option<[f64; 2]>) -> Option<LargestCutter> {
-        let middle = |s: f64, eta: f64| walls_at(s, eta).map(|[low, high]| 0.5 * (low + high));
-        let foot = middle(s, 0.0)?;
-        let starts =
-            STARTS.iter().filter_map(|ahead| Some(Axis::new(foot, middle(s + ahead, 1.0)?, s + ahead)));
+    /// The largest cylinder whose axis stands on the hub at `s`, the best of climbs that begin upright or leaning
+    /// over towards either end of the channel or either wall. `None` where a wall does not reach, or when not even a
+    /// line fits.
+    pub fn largest(&self, s: f64) -> Option<LargestCutter> {
+        let walls = self.passage.wall_angles(self.part, s, 0.0)?;
+        let foot = 0.5 * (walls[0] + walls[1]);
+        let starts = STARTS.iter().flat_map(|ahead| {
+            let top = self.passage.wall_angles(self.part, s + ahead, 1.0);
+            let across = STARTS_ACROSS.iter();
+            across.filter_map(move |share| {
+                top.map(|[low, high]| Axis::new(foot, low + share * (high - low), s + ahead))
+            })
+        });
         let (clearance, axis) =
-            starts.map(|start| self.best_from(s, start)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+            starts.map(|start| self.best_from(s, walls, start)).max_by(|a, b| a.0.total_cmp(&b.0))?;
         let (foot, _, direction) = self.line(s, &axis);
-        (clearance > 0.0).then_some(LargestCutter { s, diameter: 2.0 * clearance, foot, axis: direction })
+        // Over the end of a wall an axis may stay clear of it for want of anything to be near to.
+        let clearance = clearance.min(self.room_at(&foot));
+        let section_width = self.section_width(s, walls).max(2.0 * clearance);
+        let diameter = 2.0 * clearance;
+        (clearance > 0.0).then_some(LargestCutter { s, diameter, section_width, foot, axis: direction })
+    }
+
+    /// Distance from `point` to the nearer wall, mm.
+    fn room_at(&self, point: &Point) -> f64 {
+        let distance = |wall: &FacingWall| wall.nearest(|probe| probe.nearest_to_point(point)).1.distance;
+        distance(&self.walls[0]).min(distance(&self.walls[1]))
+    }
+
+    /// Diameter of the largest ball between the walls with its centre on the hub at `s`, mm. Golden section: towards
+    /// either wall there is less and less room.
+    fn section_width(&self, s: f64, [low, high]: [f64; 2]) -> f64 {
+        let hub = self.part.hub.point(s);
+        let room = |share: f64| -self.room_at(&hub.at_angle(low + share * (high - low)));
+        -2.0 * search::minimum(room, 0.0, 1.0, 1e-6).1
+    }
+
+    /// `axis` with its ends between the walls, given the angles of the walls at the foot.
+    fn held_between(&self, s: f64, foot: [f64; 2], axis: Axis) -> Axis {
+        let between = |angle: f64, [a, b]: [f64; 2]| angle.clamp(a.min(b), a.max(b));
+        let upper = axis.z.clamp(s - MOST_TILT, s + MOST_TILT);
+        let top = self.passage.wall_angles(self.part, upper, 1.0);
+        // Angles of the walls may differ from those of the climb by whole turns.
+        let top = top.map(|[low, high]| {
+            let near = axis.y + wrap_angle(0.5 * (low + high) - axis.y) - 0.5 * (low + high);
+            [low + near, high + near]
+        });
+        Axis::new(between(axis.x, foot), top.map_or(axis.y, |walls| between(axis.y, walls)), upper)
     }
 
     /// Climbs from an axis to one whose least clearance is largest; returns that clearance and the axis.
     ///
     /// The least of six clearances has kinks, so a smooth minimum takes its place that is sharpened step by step.
     /// The clearance returned is the true one.
-    fn best_from(&self, s: f64, start: Axis) -> (f64, Axis) {
-        let mut axis = start;
+    fn best_from(&self, s: f64, walls: [f64; 2], start: Axis) -> (f64, Axis) {
+        let mut axis = self.held_between(s, walls, start);
         let mut here = self.clearances(s, &axis);
         let mut best = (least(&here), axis);
         // Millimetres to the units of the freedoms.
@@ -98,8 +174,7 @@ impl<'a> WallPair<'a> {
             for _ in 0..10 {
                 let Some(step) = ascent(&here, sharpness, damping) else { break };
                 let step = step.map(|x| x.clamp(-0.5 * size, 0.5 * size)).component_mul(&unit);
-                let mut next = axis + step;
-                next.z = next.z.clamp(s - MOST_TILT, s + MOST_TILT);
+                let next = self.held_between(s, walls, axis + step);
                 let there = self.clearances(s, &next);
                 if smooth_least(&there, sharpness) > smooth_least(&here, sharpness) {
                     let moved = (next - axis).component_div(&unit).norm();
@@ -140,12 +215,12 @@ impl<'a> WallPair<'a> {
         let line = CutterSolid { tip: foot, axis: direction, radius: 0.0, corner_radius: 0.0 };
         std::array::from_fn(|k| {
             let (wall, (from, to)) = (k / 3, THIRDS[k % 3]);
-            let near = self.walls[wall].nearest(&line, from, to);
+            let (side, near) = self.walls[wall].nearest(|probe| probe.nearest(&line, from, to));
             let up = (near.point - foot).dot(&direction).max(0.0);
             let away = foot + direction * up - near.point;
-            let (_, pu, pv) = self.walls[wall].side().derivatives(near.u, near.v);
+            let (_, pu, pv) = side.derivatives(near.u, near.v);
             // Beyond the wall the clearance counts below zero.
-            let inside = (pu.cross(&pv) * self.signs[wall]).dot(&away) >= 0.0;
+            let inside = (pu.cross(&pv) * self.walls[wall].sign).dot(&away) >= 0.0;
             let sign = if inside { 1.0 } else { -1.0 };
             let unit = away.try_normalize(1e-12).unwrap_or_else(Vector::zeros) * sign;
             let share = up / height;

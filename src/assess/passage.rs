@@ -112,10 +112,10 @@ fn measured(part: &Impeller, bounded: &Bounded<'_>) -> PassageMeasure {
         });
         WidthStation { s, width }
     };
-    let pair = WallPair::new(part, bounded.sides[0], bounded.sides[1]);
+    let pair = WallPair::new(part, passage, bounded.sides[0], bounded.sides[1]);
     let cutter_at = |s: f64| {
         let within = s >= start[0] && s < bounded.end;
-        within.then(|| pair.largest(s, |s, eta| passage.wall_angles(part, s, eta))).flatten()
+        within.then(|| pair.largest(s)).flatten()
     };
     PassageMeasure {
         place: bounded.place,

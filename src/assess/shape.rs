@@ -11,6 +11,9 @@ use crate::part::Blade;
 pub struct BladeShape {
     /// Twist of the camber lines, evenly spaced from hub to tip.
     pub twists: Vec<Twist>,
+    /// Largest turn of the camber surface's normal from hub to tip, rad: 0 for cylindrical blades, whose twisting degree
+    /// is that of any line that runs across the axis.
+    pub turn: f64,
     /// Bend at the place of the greatest offset.
     pub bend: Bend,
     /// Bend at the place of the greatest angle between the chords.
@@ -64,10 +67,11 @@ impl BladeShape {
     pub fn of(blade: &Blade) -> Self {
         let mut line = Vec::with_capacity(STEPS + 1);
         let twists = (0..=LINES).map(|k| twist(blade, k as f64 / LINES as f64, &mut line)).collect();
-        let bends =
-            || (0..=CURVES).map(|i| bend(blade, TRIM + (1.0 - 2.0 * TRIM) * i as f64 / CURVES as f64));
+        let curve_u = |i: usize| TRIM + (1.0 - 2.0 * TRIM) * i as f64 / CURVES as f64;
+        let bends = || (0..=CURVES).map(|i| bend(blade, curve_u(i)));
         let most = |of: fn(&Bend) -> f64| bends().max_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or_default();
-        Self { twists, bend: most(|b| b.offset), sharpest_bend: most(|b| b.angle) }
+        let turn = (0..=CURVES).map(|i| normal_turn(blade, curve_u(i))).fold(0.0, f64::max);
+        Self { twists, turn, bend: most(|b| b.offset), sharpest_bend: most(|b| b.angle) }
     }
 
     /// The most twisted line: its degree is that of the blade.
@@ -155,6 +159,15 @@ fn bend(blade: &Blade, u: f64) -> Bend {
     Bend { u, offset: (lower - straight * lower.dot(&straight)).norm(), angle: lower.angle(&upper) }
 }
 
+/// Angle between the normals of the camber surface at hub and tip, rad.
+fn normal_turn(blade: &Blade, u: f64) -> f64 {
+    let [hub, tip] = [0.0, 1.0].map(|v| {
+        let sides = [&blade.suction, &blade.pressure].map(|side| side.derivatives(u, v));
+        (sides[0].1 + sides[1].1).cross(&(sides[0].2 + sides[1].2))
+    });
+    hub.angle(&tip)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -217,6 +230,24 @@ mod tests {
         assert!((chords[0] - 20.0).abs() < 1.5 && (chords[1] - 70.0).abs() < 1.5, "{chords:?}");
         assert_eq!(most.degree, most.chords[1]);
         assert!((most.largest_tangent - to).abs() < 5e-3, "{}", most.largest_tangent.to_degrees());
+    }
+
+    #[test]
+    fn a_cylindrical_blade_does_not_turn_and_a_warped_one_does() {
+        // An arc across the axis, its rulings along the axis; then turned by 30° from hub to tip.
+        let arc = |u: f64| (60.0 * u.sin(), 60.0 * (1.0 - u.cos()));
+        let flat = BladeShape::of(&blade(3, |u, v| {
+            let (x, y) = arc(u);
+            Point::new(40.0 + x, y, 20.0 * v)
+        }));
+        assert!(flat.turn < 1e-6, "{}", flat.turn);
+        assert!((flat.twists[0].degree - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "across the axis");
+        let warp = 30f64.to_radians();
+        let warped = BladeShape::of(&blade(9, |u, v| {
+            let (sin, cos) = (warp * v).sin_cos();
+            Point::new(100.0 * u * cos, 100.0 * u * sin, 400.0 * v)
+        }));
+        assert!((warped.turn - warp).abs() < 0.1 * warp, "{}", warped.turn.to_degrees());
     }
 
     #[test]

@@ -128,6 +128,7 @@ fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
     json!({
         "blade": name,
         "twisting": blade.twisting().to_degrees(),
+        "normal_turn": blade.shape.turn.to_degrees(),
         "most_twisted": blade.shape.most_twisted().map(twist),
         "hub_mid_tip": blade.shape.hub_mid_tip().iter().map(twist).collect::<Vec<_>>(),
         "bending": blade.shape.bend.offset,
@@ -159,7 +160,9 @@ fn passage_object(passage: &PassageMeasure) -> Value {
         .iter()
         .map(|c| {
             let (foot, axis): ([f64; 3], [f64; 3]) = (c.foot.into(), c.axis.into());
-            json!({"s": c.s, "diameter": c.diameter, "foot": foot, "axis": axis})
+            json!({
+                "s": c.s, "diameter": c.diameter, "section_width": c.section_width, "foot": foot, "axis": axis,
+            })
         })
         .collect();
     json!({"passage": place_key(passage.place), "widths": widths, "cutters": cutters})
@@ -217,20 +220,23 @@ fn tables(found: &Found) -> String {
         if part.splitters.is_empty() { "" } else { " and as many splitters" },
         2.0 * part.rim_radius()
     );
-    text += "blade     twisting °  at span  split at  tangent ° hub / mid / tip  bending mm  bending °  envelope gap mm\n";
+    text += "blade     twisting °  at span  split at  turn °  tangent ° hub / mid / tip  bending mm  bending °  envelope gap mm\n";
     for (blade, name) in a.blades.iter().zip(BLADE_NAMES) {
         let shape = &blade.shape;
         let (v, split) = shape.most_twisted().map_or((f64::NAN, f64::NAN), |t| (t.v, t.split));
         let [hub, mid, tip] = shape.hub_mid_tip().map(|t| t.largest_tangent.to_degrees());
         text += &format!(
-            "{name:<9} {:>10.1}  {v:>7.2}  {split:>8.2}  {:>26}  {:>10.3}  {:>9.2}  {:>15.3}\n",
+            "{name:<9} {:>10.1}  {v:>7.2}  {split:>8.2}  {:>6.1}  {:>26}  {:>10.3}  {:>9.2}  {:>15.3}\n",
             blade.twisting().to_degrees(),
+            shape.turn.to_degrees(),
             format!("{hub:.1} / {mid:.1} / {tip:.1}"),
             shape.bend.offset,
             shape.sharpest_bend.angle.to_degrees(),
             blade.envelope_gap(),
         );
     }
+    text += "twisting: angle of the camber line's chords to the rotation axis (paper C)\n\
+             turn: of the blade's normal from hub to tip; about 0 where blades are cylindrical\n";
     for passage in &a.passages {
         text += &format!("\n{}\n{}", place_words(passage.place), passage_table(passage, &a.depths));
     }
@@ -245,7 +251,9 @@ fn tables(found: &Found) -> String {
 
 /// Depth, widths and largest cutter of a passage at every tenth of s, and at the station of the smallest cutter.
 fn passage_table(passage: &PassageMeasure, depths: &[(f64, f64)]) -> String {
-    let mut text = String::from("   s  depth mm  width mm hub / middle / tip  largest cutter mm\n");
+    let mut text = String::from(
+        "   s  depth mm  width mm hub / middle / tip  across its course mm  largest cutter mm\n",
+    );
     let smallest = passage.cutters.iter().min_by(|a, b| a.diameter.total_cmp(&b.diameter)).map(|c| c.s);
     let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
     let shown = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.2}"));
@@ -255,14 +263,15 @@ fn passage_table(passage: &PassageMeasure, depths: &[(f64, f64)]) -> String {
             continue;
         }
         let depth = depths.iter().find(|d| same(d.0, station.s)).map(|d| d.1);
-        let cutter = passage.cutters.iter().find(|c| same(c.s, station.s)).map(|c| c.diameter);
+        let cutter = passage.cutters.iter().find(|c| same(c.s, station.s));
         let [hub, middle, tip] = station.width.map(shown);
         text += &format!(
-            "{:>4.2}  {:>8}  {:>27}  {:>17}\n",
+            "{:>4.2}  {:>8}  {:>27}  {:>20}  {:>17}\n",
             station.s,
             shown(depth),
             format!("{hub} / {middle} / {tip}"),
-            shown(cutter)
+            shown(cutter.map(|c| c.section_width)),
+            shown(cutter.map(|c| c.diameter))
         );
     }
     text
