@@ -166,9 +166,14 @@ fn trimmed(
     let raw = BladeSide::loft(&u, &stations, &sections);
 
     let miss = |surface: &str, u: f64| {
+        let mut what = format!("the {name} side misses the {surface} at {:.0} % of its chord", 100.0 * u);
+        if u < 0.02 {
+            // As on a disc with vanes between flat faces, which has no inlet.
+            what += ": there is no leading edge between hub and shroud";
+        }
         PartError::new(
             line,
-            format!("the {name} side misses the {surface} at {:.0} % of its chord", 100.0 * u),
+            what,
             format!("give sections that reach the {surface} (or nearly so), in the same units"),
         )
     };

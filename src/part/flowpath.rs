@@ -151,10 +151,15 @@ pub(super) fn face(
     Ok((hub, shroud.facing(beyond)))
 }
 
+/// Up to this s hub and shroud may touch: they meet at the leading edge of blades whose tips rise from the hub.
+const MEETING_S: f64 = 0.02;
+
 /// Whether both curves make the channel of a centrifugal impeller.
 pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescription) -> Result<(), PartError> {
     let (h0, s0) = (hub.point(0.0), shroud.point(0.0));
-    if h0.r >= s0.r {
+    // A leading edge may lie along the axis, where both are at the same radius, or meet in a point. Swapped curves
+    // have it radial, the wrong way round.
+    if h0.r - s0.r > 0.7 * h0.distance(s0) && h0.r > s0.r {
         return Err(PartError::new(
             d.hub_line,
             format!(
@@ -179,7 +184,9 @@ pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescripti
     for i in 0..=200 {
         let s = f64::from(i) / 200.0;
         let (_, gap) = hub.curve().project(shroud.point(s));
-        if gap <= 1e-3 * hub.length() {
+        // Blades may begin with no height, where the shroud leaves the hub.
+        let least = if s < MEETING_S { -1e-3 } else { 1e-3 };
+        if gap <= least * hub.length() {
             return Err(PartError::new(
                 d.shroud_line,
                 format!("hub and shroud cross or touch at {:.0} % of the channel", 100.0 * s),

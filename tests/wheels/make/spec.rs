@@ -302,8 +302,11 @@ impl Spec {
         (self.rake, self.bow, self.compound) = (0.0, 0.0, 0.0);
         (self.leading, self.trailing) = (Edge::straight(0.0), Edge::straight(1.0));
         self.thickness = [dice.between(0.015, 0.05); 2];
-        if self.kind == Kind::Meeting && dice.chance(0.5) {
-            self.leading = Edge::straight(dice.between(0.02, 0.06));
+        if self.kind == Kind::Meeting {
+            // Noses reach ahead of the edge by at most half the thickness: nothing stands where there is no channel.
+            let nose = 0.5 * self.thickness[0] / (1.0 - self.eye);
+            let behind = if dice.chance(0.5) { dice.between(0.02, 0.06) } else { 0.0 };
+            self.leading = Edge::straight(nose + behind);
         }
     }
 }
