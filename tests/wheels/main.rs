@@ -1,9 +1,12 @@
-//! Wheels that nobody has looked at: they open and are measured.
+//! Wheels that nobody has looked at: they open, are measured, planned by every policy and verified.
+//!
+//! The gate takes a dozen; `scripts/nightly` takes as many as it is asked for, by the variables `WHEELS_SEED` and
+//! `WHEELS_COUNT`.
 
+mod judge;
 mod make;
 
 use vanecut::assess::Assessment;
-use vanecut::assess::passage::Place;
 use vanecut::assess::reach::ReachLimits;
 use vanecut::formats::part_file::read_part_bytes;
 use vanecut::formats::write_native;
@@ -49,12 +52,6 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
         let largest = found.largest_cutter();
         assert!(largest > 0.0 && largest.is_finite(), "{name}: largest cutter {largest}");
         for passage in &found.passages {
-            let between = match passage.place {
-                Place::Full => &channel.full,
-                Place::BesideSuction => &channel.beside_splitter[0],
-                Place::BesidePressure => &channel.beside_splitter[1],
-            };
-            let walls = |s: f64| between.wall_angles(&part, s, 0.0);
             for cutter in &passage.cutters {
                 let place = format!("{name}, {:?} at s = {:.2}", passage.place, cutter.s);
                 assert!(
@@ -63,16 +60,48 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
                     cutter.diameter,
                     cutter.section_width
                 );
-                let [low, high] = walls(cutter.s).expect("walls where a cutter stands");
-                let around = (high - low).abs() * part.hub.point(cutter.s).r;
-                assert!(
-                    cutter.section_width <= around + 1e-6,
-                    "{place}: further apart than along the circumference"
-                );
+                let pitch = part.pitch().abs() * part.hub.point(cutter.s).r;
+                assert!(cutter.section_width <= pitch, "{place}: {} of {pitch}", cutter.section_width);
             }
         }
         let flat = name.ends_with("cylindrical");
         let turn = found.blades[0].shape.turn.to_degrees();
         assert!(!flat || turn < 3.0, "{name}: cylindrical blades turn by {turn}°");
     }
+}
+
+/// Wheels of the gate, (seed, index): all kinds, chosen for plans of few positions.
+const GATE: [(u64, usize); 12] =
+    [(1, 2), (1, 6), (1, 9), (1, 10), (1, 14), (1, 21), (1, 23), (1, 26), (1, 33), (1, 38), (1, 46), (1, 53)];
+
+/// A number from an environment variable.
+fn variable(name: &str) -> Option<u64> {
+    let text = std::env::var(name).ok()?;
+    Some(text.parse().unwrap_or_else(|_| panic!("{name} is `{text}`, not a number")))
+}
+
+#[test]
+fn wheels_are_planned_and_verified() {
+    let wheels = match (variable("WHEELS_SEED"), variable("WHEELS_COUNT")) {
+        (None, None) => GATE.to_vec(),
+        (seed, count) => (0..count.unwrap_or(200) as usize).map(|index| (seed.unwrap_or(1), index)).collect(),
+    };
+    let mut faults = Vec::new();
+    for (seed, index) in wheels {
+        let wheel = make::wheel(seed, index);
+        let started = std::time::Instant::now();
+        let found = judge::faults(&open(&wheel));
+        let verdict = if found.is_empty() { "good" } else { "FAULTS" };
+        let name = &wheel.description.name;
+        println!(
+            "seed {seed}, {name}: {verdict}, {:.1} s ({})",
+            started.elapsed().as_secs_f64(),
+            wheel.remarks
+        );
+        for fault in found {
+            println!("    {fault}");
+            faults.push(format!("seed {seed}, {name}: {fault}"));
+        }
+    }
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }

@@ -1,0 +1,158 @@
+//! What must hold of the plans of a wheel, with the setup that a user gets who gives none.
+
+use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
+use vanecut::job::flank::{FlankJob, FlankRequest};
+use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
+use vanecut::monitor::Monitor;
+use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
+use vanecut::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
+use vanecut::verify::{verify, verify_flank};
+
+/// Largest share of the reachable floor that may stay uncut without a reason.
+const MAX_UNCUT: f64 = 0.03;
+/// Largest difference of a figure between a plan and the program written from it.
+const SAME: f64 = 1e-6;
+/// Cells of the floor's grid.
+const CELLS: usize = 128;
+
+/// Everything that is wrong with the plans of `part`, one line each.
+pub fn faults(part: &Impeller) -> Vec<String> {
+    let mut faults = plunge_faults(part);
+    faults.extend(flank_faults(part));
+    faults
+}
+
+fn plunge_faults(part: &Impeller) -> Vec<String> {
+    let setup = Setup::for_part(part);
+    let request = |compare: bool| PlanRequest {
+        part: part.clone().into(),
+        setup: setup.clone(),
+        policy: AxisPolicy::Minimal,
+        compare,
+        field_cells: CELLS,
+    };
+    let outcome = match run(&request(true), &Monitor::default()) {
+        Ok(outcome) => outcome,
+        Err(error) => return vec![format!("no plan: {error}")],
+    };
+    let mut faults = Vec::new();
+    for result in outcome.policies() {
+        judge(part, &outcome, result, &mut faults);
+    }
+    let again = run(&request(false), &Monitor::default()).map(|again| program_text(part, &again.after));
+    if again.ok() != Some(program_text(part, &outcome.after)) {
+        faults.push("minimal: planned twice, the programs differ".to_owned());
+    }
+    faults
+}
+
+fn program_text(part: &Impeller, result: &PolicyResult) -> String {
+    write_apt(&ClProgram::of_plan(&part.name, &result.plan))
+}
+
+/// Judges one plan by itself and by its written program.
+fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: &mut Vec<String>) {
+    let policy = result.plan.policy;
+    let mut wrong = |what: String| faults.push(format!("{policy:?}: {what}"));
+    let (summary, stock) = (&result.summary, &outcome.setup.stock);
+    if summary.positions == 0 {
+        wrong("cuts nothing".to_owned());
+    }
+    // The others show what happens without care for the core.
+    let is_free = matches!(policy, AxisPolicy::Minimal | AxisPolicy::Staircase);
+    if is_free && summary.interferential > 0 {
+        wrong(format!("{} plunges interfere", summary.interferential));
+    }
+    let clearances = [
+        ("hub", summary.min_hub_clearance, stock.hub_allowance),
+        ("blades", summary.min_blade_clearance, stock.blade_allowance),
+        ("retract", summary.min_retract_clearance, stock.safety_distance),
+    ];
+    for (what, clearance, wanted) in clearances {
+        if clearance < wanted - SAME {
+            wrong(format!("{clearance} from the {what}, {wanted} is to be kept"));
+        }
+    }
+    if is_free && summary.uncut_share > MAX_UNCUT && result.plan.dropped.is_empty() {
+        wrong(format!("{:.3} of the reachable floor is uncut, and nothing says why", summary.uncut_share));
+    }
+    let program = match read_apt_bytes("plunge.apt", program_text(part, result).as_bytes()) {
+        Ok(program) => program,
+        Err(error) => return wrong(format!("its program is not readable: {error}")),
+    };
+    let channel = Channel::of(part);
+    let verdict = match verify(part, &channel, &outcome.setup, &program) {
+        Ok(verdict) => verdict,
+        Err(fault) => return wrong(format!("its program cannot be judged: {}", fault.what)),
+    };
+    if let (true, Some(fault)) = (is_free, verdict.faults.first()) {
+        wrong(format!("{} faults, line {}: {}", verdict.faults.len(), fault.line, fault.what));
+    }
+    let blank = Blank::of(part, stock.inlet_extension);
+    let cutters = stretches_of(&verdict.plan);
+    let source = FloorSource { part, channel: &channel, blank: &blank, stock, cutters: &cutters };
+    let grid = FloorGrid::new(&source, CELLS);
+    let field = residual_field(&grid, &cutters_of(&verdict.plan));
+    let found = Summary::of(&verdict.plan, &grid, &field);
+    for ((name, planned), (_, verified)) in figures(summary).into_iter().zip(figures(&found)) {
+        let same = (planned - verified).abs() <= SAME * planned.abs().max(1.0);
+        if !(same || planned.is_nan() && verified.is_nan()) {
+            wrong(format!("{name} is {planned} in the plan, {verified} in its program"));
+        }
+    }
+}
+
+/// The figures that a plan and a program share.
+fn figures(summary: &Summary) -> [(&'static str, f64); 13] {
+    [
+        ("positions", summary.positions as f64),
+        ("interfering", summary.interferential as f64),
+        ("contact depth", summary.max_contact_depth),
+        ("residual mean", summary.residual_mean),
+        ("residual 95 %", summary.residual_p95),
+        ("uncut share", summary.uncut_share),
+        ("hub clearance", summary.min_hub_clearance),
+        ("blade clearance", summary.min_blade_clearance),
+        ("retract clearance", summary.min_retract_clearance),
+        ("axis change", summary.max_axis_change),
+        ("cut length", summary.cut_length),
+        ("rapid length", summary.rapid_length),
+        ("time", summary.time_estimate),
+    ]
+}
+
+fn flank_faults(part: &Impeller) -> Vec<String> {
+    let request = FlankRequest { part: part.clone().into(), setup: Setup::for_part(part) };
+    let planned = || FlankJob::default().run(&request, &Monitor::default());
+    let outcome = match planned() {
+        Ok(outcome) => outcome,
+        Err(error) => return vec![format!("no flank plan: {error}")],
+    };
+    let text = |outcome: &vanecut::job::flank::FlankOutcome| {
+        let plan = &outcome.plan;
+        write_apt(&ClProgram::of_flank(&part.name, &plan.tool, &plan.moves))
+    };
+    let mut faults = Vec::new();
+    if planned().ok().map(|again| text(&again)) != Some(text(&outcome)) {
+        faults.push("flank: planned twice, the programs differ".to_owned());
+    }
+    let verdict = read_apt_bytes("flank.apt", text(&outcome).as_bytes())
+        .map_err(|error| error.to_string())
+        .and_then(|program| {
+            verify_flank(part, &Channel::of(part), &outcome.setup, &program).map_err(|fault| fault.what)
+        });
+    match verdict {
+        Err(error) => faults.push(format!("flank: its program cannot be judged: {error}")),
+        Ok(verdict) => {
+            if let Some(fault) = verdict.faults.first() {
+                faults.push(format!(
+                    "flank: {} faults, line {}: {}",
+                    verdict.faults.len(),
+                    fault.line,
+                    fault.what
+                ));
+            }
+        }
+    }
+    faults
+}
