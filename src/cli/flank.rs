@@ -42,9 +42,18 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         (apt.clone(), write_apt(&program).as_bytes()),
     ])?;
     if args.json {
-        say(&format!("{}\n", Value::Object(object(&outcome))))
+        say(&format!("{}\n", Value::Object(object(&outcome))))?;
     } else {
-        say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))
+        say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))?;
+    }
+    match plan.faults.first() {
+        None => Ok(()),
+        Some(first) => Err(Failure::Work(format!(
+            "{}: {} moves are at fault and could not be left out, the first of them because {}; do not run it, give another cutter or setup",
+            apt.display(),
+            plan.faults.len(),
+            first.why
+        ))),
     }
 }
 
