@@ -31,6 +31,8 @@ pub(super) struct Checked {
 
 /// Rounds in which pieces of passes are left out, and then whole passes.
 const ROUNDS_OF_PIECES: usize = 6;
+/// Rounds after which a layer on which a way from pass to pass is at fault has none any more.
+const ROUNDS_OF_LINKS: usize = 2;
 const ROUNDS: usize = 24;
 
 /// The program of `layers`, given in cutting order, without what `check` finds fault with.
@@ -42,15 +44,16 @@ pub(super) fn checked(
     monitor: &Monitor,
 ) -> Result<Checked, Cancelled> {
     let mut left_out = Vec::new();
-    for round in 0.. {
+    let mut round = 0;
+    loop {
         let program = path.program(layers, monitor)?;
         let faults = check(path.tool, &program.moves, monitor)?;
         if faults.is_empty() || round == ROUNDS {
             return Ok(Checked { moves: program.moves, left_out, faults });
         }
-        leave_out(layers, &program, &faults, round >= ROUNDS_OF_PIECES, extension, &mut left_out);
+        leave_out(layers, &program, &faults, round, extension, &mut left_out);
+        round += 1;
     }
-    unreachable!("the last round returns")
 }
 
 /// What is to be left out of a pass.
@@ -63,12 +66,12 @@ struct Cuts {
     unlinked: bool,
 }
 
-/// Takes the moves with `faults` out of the passes that they come from, or, `in_full`, these passes.
+/// Takes the moves with `faults` out of the passes that they come from, or, after some rounds, these passes.
 fn leave_out(
     layers: &mut [LayerPasses],
     program: &Program,
     faults: &[MoveFault],
-    in_full: bool,
+    round: usize,
     extension: f64,
     left_out: &mut Vec<LeftOut>,
 ) {
@@ -81,27 +84,30 @@ fn leave_out(
         let cut = cuts.entry((origin.layer, origin.pass)).or_default();
         let nearest = origin.to.min(count.saturating_sub(2));
         match step.kind {
-            MoveKind::Link if !cut.unlinked => cut.unlinked = true,
-            _ if in_full => cut.whole = Some(why),
+            MoveKind::Link => cut.unlinked = true,
+            _ if round >= ROUNDS_OF_PIECES => cut.whole = Some(why),
             MoveKind::Rapid => cut.whole = Some(why),
             MoveKind::Cut => {
                 let from = origin.from.map_or(nearest, |from| from.min(origin.to));
                 cut.ways.insert(from, why);
             }
-            MoveKind::Approach | MoveKind::Link => {
+            MoveKind::Approach => {
                 cut.ways.insert(nearest, why);
             }
         }
     }
-    let mut touched: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
-    cuts.keys().for_each(|&(layer, pass)| {
-        touched.entry(layer).or_default().insert(pass);
-    });
-    for (index, touched) in touched {
+    if round >= ROUNDS_OF_LINKS {
+        let unlinked: BTreeSet<usize> =
+            cuts.iter().filter(|(_, cut)| cut.unlinked).map(|(at, _)| at.0).collect();
+        for layer in unlinked {
+            layers[layer].passes.iter_mut().for_each(|pass| pass.linked = false);
+        }
+    }
+    let touched: BTreeSet<usize> = cuts.keys().map(|at| at.0).collect();
+    for index in touched {
         let layer = &mut layers[index];
-        let passes = std::mem::take(&mut layer.passes);
-        for (number, pass) in passes.into_iter().enumerate() {
-            match cuts.get(&(index, number)).filter(|_| touched.contains(&number)) {
+        for (number, pass) in std::mem::take(&mut layer.passes).into_iter().enumerate() {
+            match cuts.get(&(index, number)) {
                 Some(cut) => pieces_without(layer, pass, cut, extension, left_out),
                 None => layer.passes.push(pass),
             }
