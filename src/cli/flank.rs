@@ -34,6 +34,14 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
             JobError::Setup(fault) => setup.failure(&fault),
         })?;
     let plan = &outcome.plan;
+    if plan.moves.is_empty() {
+        let most = plan.left_out.iter().max_by(|a, b| a.length.total_cmp(&b.length));
+        let why = most.map_or("the cutter fits nowhere", |left| left.why);
+        return Err(Failure::Work(format!(
+            "{}: nothing could be cut: {why}; give a thinner or a longer cutter, or smaller allowances",
+            args.part.display()
+        )));
+    }
     let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves);
     make_folder(&args.output)?;
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
@@ -42,9 +50,18 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         (apt.clone(), write_apt(&program).as_bytes()),
     ])?;
     if args.json {
-        say(&format!("{}\n", Value::Object(object(&outcome))))
+        say(&format!("{}\n", Value::Object(object(&outcome))))?;
     } else {
-        say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))
+        say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))?;
+    }
+    match plan.faults.first() {
+        None => Ok(()),
+        Some(first) => Err(Failure::Work(format!(
+            "{}: {} moves are at fault and could not be left out, the first of them because {}; do not run it, give another cutter or setup",
+            apt.display(),
+            plan.faults.len(),
+            first.why
+        ))),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The walls of the channel on a layer, and the fans of geodesics that leave them at right angles: where a fan has gone a
 //! certain way lies the true offset of the wall.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::layer::{Layer, LayerPoint};
 use crate::geometry::wrap_angle;
@@ -13,8 +13,10 @@ pub struct Border {
     /// The wall within the channel and its extension beyond both ends, in order of the rays.
     pub points: Vec<LayerPoint>,
     /// Where rays leave, and under which heading (rad): at right angles to the wall, into the passage; round about a
-    /// nose several from one place.
+    /// nose several from one place. None leaves from an extension ahead of a nose.
     rays: Vec<(LayerPoint, f64)>,
+    /// x of the foremost point that sends out rays round about it, mm; −∞ where the extension ahead of it is a wall too.
+    pub nose: f64,
 }
 
 /// The walls of a channel on a layer.
@@ -45,36 +47,33 @@ const FLANK_LINES: usize = 80;
 const NOSED_LINES: usize = 70;
 /// A wall that turns by more than this between two points sends out more than one ray there, rad.
 const RAY_TURN: f64 = 0.12;
+/// Lines u round the nose of a main blade.
+const NOSE_LINES: usize = 24;
+/// Greatest angle to the meridian of an extension ahead of a leading edge where a geodesic would turn back, rad.
+const MOST_LEAN: f64 = 60.0 * PI / 180.0;
 /// Spacing of the points of an extension, mm.
 const EXTENSION_STEP: f64 = 2.0;
 
 impl Border {
-    /// A wall through `points`, x growing with them or round a nose; rays leave to the left of it as seen from the side of
-    /// the channel: towards growing heading.
+    /// A wall through `points`, round a nose; rays leave to the left of it as seen from the side of the channel: towards
+    /// growing heading.
     fn new(layer: &Layer, points: Vec<LayerPoint>, side: f64) -> Self {
-        let headings: Vec<f64> = points.windows(2).map(|p| layer.heading(p[0], p[1])).collect();
-        let mut rays = Vec::with_capacity(points.len() + 32);
-        for (i, &p) in points.iter().enumerate() {
-            let before = if i > 0 { headings[i - 1] } else { headings[0] };
-            let after = before + wrap_angle(headings.get(i).copied().unwrap_or(before) - before);
-            let turn = after - before;
-            // Away from the passage the wall opens a gap between two rays; towards it they cross, and one does.
-            let count = if -turn * side > RAY_TURN { (turn.abs() / RAY_TURN).ceil() as usize } else { 0 };
-            if count > 0 {
-                for k in 0..=count {
-                    rays.push((p, before + turn * k as f64 / count as f64 + side * FRAC_PI_2));
-                }
-                continue;
-            }
-            // The slope of the parabola through three points.
-            let (a, b) = (
-                if i > 0 { layer.step(points[i - 1], p) } else { 1.0 },
-                points.get(i + 1).map_or(1.0, |&q| layer.step(p, q)),
-            );
-            let heading = before + turn * a / (a + b);
-            rays.push((p, heading + side * FRAC_PI_2));
+        Self { nose: f64::NEG_INFINITY, rays: rays_of(layer, &points, side), points }
+    }
+
+    /// A main blade's wall, extended to `points`, x growing with them. `wall` is what of it sends out rays, from the foremost
+    /// point of its nose on; round about that point they leave in all directions up to straight upstream: ahead of a leading
+    /// edge no wall bounds the channel, and its offsets are arcs round the nose.
+    fn with_nose(layer: &Layer, points: Vec<LayerPoint>, wall: &[LayerPoint], side: f64) -> Self {
+        let mut rays = rays_of(layer, wall, side);
+        if let Some(&(nose, heading)) = rays.first() {
+            let turn = PI - side * heading;
+            let count = (turn / RAY_TURN).ceil().max(0.0) as usize;
+            let round = (0..count).map(|k| (nose, side * (PI - turn * k as f64 / count as f64)));
+            rays.splice(0..0, round.collect::<Vec<_>>());
         }
-        Self { points, rays }
+        let nose = wall.first().map_or(f64::INFINITY, |p| p.x);
+        Self { points, rays, nose }
     }
 
     /// The places all rays have reached after `length` mm.
@@ -100,6 +99,33 @@ impl Border {
     pub fn y_at(&self, x: f64) -> f64 {
         y_at(&self.points, x)
     }
+}
+
+/// Rays at right angles to the line through `points`, to the left of it for a `side` of 1, to the right for −1.
+fn rays_of(layer: &Layer, points: &[LayerPoint], side: f64) -> Vec<(LayerPoint, f64)> {
+    let headings: Vec<f64> = points.windows(2).map(|p| layer.heading(p[0], p[1])).collect();
+    let mut rays = Vec::with_capacity(points.len() + 32);
+    for (i, &p) in points.iter().enumerate() {
+        let before = if i > 0 { headings[i - 1] } else { headings[0] };
+        let after = before + wrap_angle(headings.get(i).copied().unwrap_or(before) - before);
+        let turn = after - before;
+        // Away from the passage the wall opens a gap between two rays; towards it they cross, and one does.
+        let count = if -turn * side > RAY_TURN { (turn.abs() / RAY_TURN).ceil() as usize } else { 0 };
+        if count > 0 {
+            for k in 0..=count {
+                rays.push((p, before + turn * k as f64 / count as f64 + side * FRAC_PI_2));
+            }
+            continue;
+        }
+        // The slope of the parabola through three points.
+        let (a, b) = (
+            if i > 0 { layer.step(points[i - 1], p) } else { 1.0 },
+            points.get(i + 1).map_or(1.0, |&q| layer.step(p, q)),
+        );
+        let heading = before + turn * a / (a + b);
+        rays.push((p, heading + side * FRAC_PI_2));
+    }
+    rays
 }
 
 /// y of a line at `x`, where x grows along it; the nearest end's beyond them.
@@ -142,16 +168,31 @@ impl Borders {
             let width = layer.radius(x).0 * (y_at(&high, x) - y_at(&low, x));
             beyond + slope * width
         };
-        let extend = |line: &[LayerPoint]| {
-            let n = line.len() - 1;
-            extended(layer, line, [reach(line, 0, layer.from), reach(line, n, layer.to)])
+        let ends = |line: &[LayerPoint]| [reach(line, 0, layer.from), reach(line, line.len() - 1, layer.to)];
+        let turning = [&low, &high].into_iter().any(|line| turns_back(layer, line, ends(line)[0]));
+        let most_lean = if turning { MOST_LEAN } else { FRAC_PI_2 };
+        let wall = |line: &[LayerPoint], blade: &BladeSide, flank: &BladeSide, side: f64| {
+            let points = extended(layer, line, ends(line), most_lean);
+            if !turning {
+                return Border::new(layer, points, side);
+            }
+            let own = points.iter().position(|p| p == &line[0]).unwrap_or(0);
+            let mut all = nose(layer, blade, flank, line[0], raised);
+            all.extend_from_slice(&points[own..]);
+            Border::with_nose(layer, points, &all, side)
         };
-        let (low, high) = (extend(&low), extend(&high));
         Some(Self {
-            low: Border::new(layer, low, 1.0),
-            high: Border::new(layer, high, -1.0),
+            low: wall(&low, &part.main.suction, a.side(), 1.0),
+            high: wall(&high, &part.main.rotated(part.pitch()).pressure, b.side(), -1.0),
             splitter: nosed,
         })
+    }
+}
+
+impl Borders {
+    /// Whether rays leave the main blades round their noses.
+    pub fn have_noses(&self) -> bool {
+        self.low.points.first().is_some_and(|p| p.x < self.low.nose)
     }
 }
 
@@ -189,22 +230,69 @@ fn growing(points: Vec<LayerPoint>) -> Vec<LayerPoint> {
     kept
 }
 
-/// The line, running on as a geodesic beyond its ends until `reach` mm beyond the layer's.
-fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2]) -> Vec<LayerPoint> {
+/// The nose of a `blade` ahead of the first point of its `flank` on the layer, from its foremost point on, x growing.
+fn nose(
+    layer: &Layer,
+    blade: &BladeSide,
+    flank: &BladeSide,
+    first: LayerPoint,
+    raised: f64,
+) -> Vec<LayerPoint> {
+    let end = flank.u_range().0;
+    let lines = (0..NOSE_LINES).map(|i| end * (i as f64 / NOSE_LINES as f64).powi(2));
+    let traced = layer.trace(blade, lines, 0.0, raised);
+    let foremost = (0..traced.len()).min_by(|&a, &b| traced[a].x.total_cmp(&traced[b].x)).unwrap_or(0);
+    let near = |p: &LayerPoint| LayerPoint { x: p.x, y: first.y + wrap_angle(p.y - first.y) };
+    let mut points = growing(traced[foremost.min(traced.len())..].iter().map(near).collect());
+    points.retain(|p| p.x < first.x - 1e-6);
+    points
+}
+
+/// How far ahead of a line its extension runs to be `reach` mm beyond the layer's end, mm, and under which heading it begins.
+fn ahead_of(layer: &Layer, line: &[LayerPoint], reach: f64) -> (f64, f64) {
+    let back = end_heading(layer, [line[0], line[1], line[2]]);
+    ((line[0].x - layer.from).max(0.0) / (-back.cos()).max(0.3) + reach, back)
+}
+
+/// Whether a geodesic ahead of a line turns back within `reach` mm of the layer's end: ahead of strongly wrapped walls, on a
+/// layer that narrows, it runs through the channel.
+fn turns_back(layer: &Layer, line: &[LayerPoint], reach: f64) -> bool {
+    let (length, mut heading) = ahead_of(layer, line, reach);
+    let steps = (length / EXTENSION_STEP).ceil().max(1.0);
+    let mut at = line[0];
+    (0..steps as usize).any(|_| {
+        (at, heading) = layer.geodesic(at, heading, length / steps);
+        heading.cos() >= 0.0
+    })
+}
+
+/// The line, running on beyond its ends until `reach` mm beyond the layer's: as a geodesic, which ahead of the leading edge
+/// leans from the meridian by no more than `most_lean` (rad).
+fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2], most_lean: f64) -> Vec<LayerPoint> {
     let n = line.len();
+    let (behind, back) = ahead_of(layer, line, reach[0]);
     let run = |from: LayerPoint, heading: f64, length: f64| {
         let steps = (length / EXTENSION_STEP).ceil().max(1.0) as usize;
         (1..=steps)
             .map(|k| layer.geodesic(from, heading, length * k as f64 / steps as f64).0)
             .collect::<Vec<LayerPoint>>()
     };
-    let back = end_heading(layer, [line[0], line[1], line[2]]);
-    let ahead = end_heading(layer, [line[n - 1], line[n - 2], line[n - 3]]);
-    let behind = (line[0].x - layer.from).max(0.0) / (-back.cos()).max(0.3) + reach[0];
-    let missing = (layer.to - line[n - 1].x).max(0.0) / ahead.cos().max(0.3) + reach[1];
-    let mut points = run(line[0], back, behind);
+    let mut points = if most_lean < FRAC_PI_2 {
+        let steps = (behind / EXTENSION_STEP).ceil().max(1.0);
+        let mut at = (line[0], back);
+        let next = |_| {
+            let lean = wrap_angle(at.1 - PI).clamp(-most_lean, most_lean);
+            at = layer.geodesic(at.0, PI + lean, behind / steps);
+            at.0
+        };
+        (0..steps as usize).map(next).collect()
+    } else {
+        run(line[0], back, behind)
+    };
     points.reverse();
     points.extend_from_slice(line);
+    let ahead = end_heading(layer, [line[n - 1], line[n - 2], line[n - 3]]);
+    let missing = (layer.to - line[n - 1].x).max(0.0) / ahead.cos().max(0.3) + reach[1];
     points.extend(run(line[n - 1], ahead, missing));
     points
 }

@@ -132,8 +132,12 @@ impl<'a> Chart<'a> {
             .collect();
         // The walls themselves: the first rays leave between two nodes.
         for i in 0..chart.rows.len() {
-            chart.distances[0][i * columns] = 0.0;
-            chart.distances[1][(i + 1) * columns - 1] = 0.0;
+            if chart.rows[i].x >= borders.low.nose {
+                chart.distances[0][i * columns] = 0.0;
+            }
+            if chart.rows[i].x >= borders.high.nose {
+                chart.distances[1][(i + 1) * columns - 1] = 0.0;
+            }
         }
         let walls = [Some(&borders.low), Some(&borders.high), borders.splitter.as_ref().map(|s| &s.border)];
         for (index, wall) in walls.into_iter().enumerate() {
@@ -269,14 +273,19 @@ impl<'a> Chart<'a> {
         })
     }
 
+    /// Whether a point lies between the walls of the channel or their extensions.
+    pub fn is_between(&self, p: LayerPoint) -> bool {
+        let (_, column) = self.place(p);
+        (0.0..=(self.columns - 1) as f64).contains(&column)
+    }
+
     /// By how much a point is free of all walls, mm: at 0 the cutter's axis is at the least distance. Negative inside
     /// the splitter and beyond the walls.
     pub fn freedom(&self, p: LayerPoint) -> f64 {
         if self.region(p).is_none() {
             return -self.clear;
         }
-        let (_, column) = self.place(p);
-        if !(0.0..=(self.columns - 1) as f64).contains(&column) {
+        if !self.is_between(p) {
             return -self.clear;
         }
         WallName::ALL.iter().map(|&w| self.distance(w, p)).fold(f64::INFINITY, f64::min) - self.clear

@@ -5,6 +5,8 @@ use crate::plunge::sections::{SetupFault, SetupPlace, tool_of};
 
 /// A cutter is at most this share of the narrowest passage thick, so that it does not cut at both walls at once.
 const THICKEST: f64 = 0.5;
+/// Of the thinnest cutter, or of the narrowest place, that allowances must leave so that a cutter is asked for.
+const LEAST_ROOM: f64 = 0.1;
 /// The overhang exceeds the channel's depth by this factor: axes lean.
 const OVERHANG_MARGIN: f64 = 1.15;
 /// Places along a passage at which its width is measured.
@@ -37,24 +39,20 @@ pub fn choose_tool(
         return Ok(ChosenTool { tool: tool.clone(), reason: None });
     }
     let tools = if setup.tools.is_empty() { library } else { &setup.tools };
-    let width = narrowest(part, channel);
+    let [width, widest] = widths(part, channel);
     let depth = deepest(part);
     let room = |t: &Tool| width - 2.0 * (t.radius() + setup.stock.blade_allowance);
     let easy = |t: &Tool| t.diameter <= THICKEST * width && room(t) >= 0.0;
     let thickest =
         |fits: &dyn Fn(&&Tool) -> bool| tools.iter().filter(fits).map(|t| t.diameter).max_by(f64::total_cmp);
-    let diameter = thickest(&|t| easy(t)).or_else(|| thickest(&|t| room(t) >= 0.0));
+    let least = tools.iter().map(|t| t.diameter).fold(f64::INFINITY, f64::min);
+    // Where not even the thinnest gets through everywhere it cuts what it reaches.
+    let reaches = widest > least + 2.0 * setup.stock.blade_allowance;
+    let diameter = thickest(&|t| easy(t))
+        .or_else(|| thickest(&|t| room(t) >= 0.0))
+        .or(Some(least).filter(|_| reaches && least.is_finite()));
     let Some(diameter) = diameter else {
-        let least = tools.iter().map(|t| t.diameter).fold(f64::INFINITY, f64::min);
-        return Err(SetupFault::new(
-            format!(
-                "no cutter fits between the blades: the narrowest place is {width:.2} mm wide, the thinnest cutter D {least}"
-            ),
-            format!(
-                "give a cutter below D {:.2} or a smaller blade allowance",
-                width - 2.0 * setup.stock.blade_allowance
-            ),
-        ));
+        return Err(no_room([width, widest], least, setup.stock.blade_allowance));
     };
     // Of several lengths the shortest that reaches the hub with the holder outside, else the longest.
     let wanted = OVERHANG_MARGIN * depth;
@@ -66,22 +64,44 @@ pub fn choose_tool(
     let Some(tool) = tool else {
         return Err(SetupFault::new("there is no tool to choose from", "give a [[tool]]"));
     };
+    let which = match tool {
+        tool if easy(tool) => "thickest cutter within half of",
+        tool if room(tool) >= 0.0 => "thickest cutter that fits",
+        _ => "thinnest cutter, too thick for",
+    };
     let reason = format!(
-        "D {} is the thickest cutter {} the narrowest passage, {width:.1} mm; overhang {} for a depth of {depth:.1} mm",
-        tool.diameter,
-        if easy(tool) { "within half of" } else { "that fits" },
-        tool.overhang
+        "D {} is the {which} the narrowest passage, {width:.1} mm; overhang {} for a depth of {depth:.1} mm",
+        tool.diameter, tool.overhang
     );
     Ok(ChosenTool { tool: tool.clone(), reason: Some(reason) })
 }
 
-/// Least distance between the walls of the channel, beside the splitter where there is one, mm.
-fn narrowest(part: &Impeller, channel: &Channel) -> f64 {
+/// Says that no cutter fits into a channel whose narrowest and widest places are so wide, mm.
+fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> SetupFault {
+    let left = widest - 2.0 * allowance;
+    let cure = if left > thinnest.min(narrowest) * LEAST_ROOM {
+        format!("give a cutter below D {left:.2} or a smaller blade allowance")
+    } else {
+        // The allowances alone fill the channel.
+        let share = (0.1 * narrowest).max(1e-3);
+        format!("give a blade allowance of {share:.3} mm and a cutter below D {:.2}", narrowest - 2.0 * share)
+    };
+    SetupFault::new(
+        format!(
+            "no cutter fits between the blades: the narrowest place is {narrowest:.2} mm wide, the widest {widest:.2} mm, the thinnest cutter D {thinnest}, and {allowance} mm stay on either blade"
+        ),
+        cure,
+    )
+}
+
+/// Least and greatest distance between the walls of the channel, beside the splitter where there is one, mm.
+fn widths(part: &Impeller, channel: &Channel) -> [f64; 2] {
     let along = |passage: &Passage, from: f64, to: f64| {
         let width = PassageWidth::new(part, passage);
         (0..=STATIONS)
             .map(|i| width.narrowest(from + (to - from) * i as f64 / STATIONS as f64))
-            .fold(f64::INFINITY, f64::min)
+            .filter(|width| width.is_finite())
+            .fold([f64::INFINITY, 0.0], |[least, most], width| [least.min(width), f64::max(most, width)])
     };
     let [hub, shroud] = channel.splitter_s.unwrap_or([1.0, 1.0]);
     let nose = hub.min(shroud).clamp(0.0, 1.0);
@@ -90,7 +110,7 @@ fn narrowest(part: &Impeller, channel: &Channel) -> f64 {
         .beside_splitter
         .iter()
         .map(|passage| along(passage, beside, 1.0))
-        .fold(along(&channel.full, 0.0, nose), f64::min)
+        .fold(along(&channel.full, 0.0, nose), |a, b| [a[0].min(b[0]), f64::max(a[1], b[1])])
 }
 
 /// Greatest height of the channel above the hub, mm.

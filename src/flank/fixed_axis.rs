@@ -259,6 +259,36 @@ impl<'a> FixedAxisSearch<'a> {
         (self.above_stock(&holder.tip, &axis, top) < HUB_SLACK).then_some(Obstacle::Stock)
     }
 
+    /// What keeps the cutter with the tip at `tip` away: a blade too near to it, or what [`Self::beside_blades`] finds.
+    pub fn meets(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
+        if !self.finished.clears(&self.tool.placed(tip, axis), self.limits.blade_allowance) {
+            return Some(Obstacle::Blade);
+        }
+        self.beside_blades(tip, axis)
+    }
+
+    /// What keeps a cutter that is clear of the blades away from `tip`: the hub too near to it, or what its holder meets.
+    pub fn beside_blades(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
+        let limit = self.limits.hub_allowance - HUB_TOLERANCE;
+        let near_hub = |near: bool| near && self.finished.hub_clearance(&self.tool.placed(tip, axis)) < limit;
+        if near_hub(self.is_near_hub(tip, axis)) {
+            return Some(Obstacle::Hub);
+        }
+        self.holder_meets(tip, axis)
+    }
+
+    /// Whether the hub may be nearer to the cutter than its allowance, by the quick distances along its axis.
+    fn is_near_hub(&self, tip: Point, axis: Vector) -> bool {
+        let (corner, radius) = (self.tool.corner_radius, self.tool.radius());
+        let reach = radius + self.limits.hub_allowance + 2.0 * HUB_SLACK;
+        let step = 2.0 * radius;
+        let heights = (self.tool.overhang / step).ceil().clamp(1.0, 12.0) as usize;
+        (0..=heights).any(|k| {
+            let up = corner + (self.tool.overhang - corner).max(0.0) * k as f64 / heights as f64;
+            self.hub.at(&(tip + axis * up)) < reach
+        })
+    }
+
     /// How far above the hub stock may stand beside a cutter whose corner is centred at `centre`, mm.
     fn top(&self, centre: &Point) -> f64 {
         self.hub.at(centre) - self.tool.corner_radius + self.limits.standing

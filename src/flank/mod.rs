@@ -13,11 +13,13 @@
 //! | [`fixed_axis`] | axes of the inner curves: as few as are free of collision |
 //! | `passes` | from curves to positions of the cutter |
 //! | `engagement` | which passes run through full stock |
+//! | [`checked`] | what a check of the whole program finds fault with, left out |
 //! | [`path`] | order, links and flights: from positions to a program |
 //! | [`plan`] | the whole plan, stage by stage |
 
 pub mod border;
 pub mod chart;
+pub mod checked;
 pub mod choice;
 pub mod curves;
 mod engagement;

@@ -14,7 +14,7 @@ mod stretches;
 
 use super::chart::{Chart, Region};
 use super::curves::LayerCurves;
-use super::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
+use super::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT, Obstacle};
 use super::layer::{Layer, LayerPoint};
 use super::path::Pass;
 use super::plan::{MilledWall, RegionAxis};
@@ -23,11 +23,15 @@ use crate::geometry::{Point, Vector};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
-use along_wall::Milled;
+use along_wall::{Milled, Placed};
 use stretches::{Stretch, stretches};
 
 /// Positions stand so far off the layer that the straight ways between them do not cut into it, mm.
 const CHORD: f64 = 0.005;
+/// Greatest turn of the axis from one position to the next, rad: a little less than 5°.
+const MAX_STEP_TURN: f64 = 4.8 * std::f64::consts::PI / 180.0;
+/// Where the axis turns by more than this from one position to the next a pass ends, rad.
+const JUMP: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Steps along inner curves at least and at most, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
 
@@ -91,6 +95,11 @@ impl<'a> PassMaker<'a> {
         }
     }
 
+    /// What keeps cutter or holder from a place.
+    pub fn in_the_way(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
+        self.search.meets(tip, axis)
+    }
+
     /// Passes of one layer, on whose `surface`, offset by the corner radius, the cutter rests.
     pub fn layer(
         &self,
@@ -120,6 +129,11 @@ impl<'a> PassMaker<'a> {
     }
 }
 
+/// Whether a place lies beyond `layer`, at the inlet, the rim, or above the shroud, by half of an `extension` (mm).
+pub(super) fn is_open(layer: &Layer, p: LayerPoint, extension: f64) -> bool {
+    p.x <= layer.from - 0.5 * extension || p.x >= layer.to + 0.5 * extension
+}
+
 /// One layer in work.
 struct OnLayer<'a> {
     maker: &'a PassMaker<'a>,
@@ -134,8 +148,7 @@ struct OnLayer<'a> {
 impl OnLayer<'_> {
     /// Whether a place lies beyond the part, at the inlet, the rim, or above the shroud.
     fn is_open(&self, p: LayerPoint) -> bool {
-        let reach = 0.5 * self.maker.setup.flank.extension_of(self.maker.tool);
-        p.x <= self.layer.from - reach || p.x >= self.layer.to + reach
+        is_open(self.layer, p, self.maker.setup.flank.extension_of(self.maker.tool))
     }
 
     fn contact(&self, p: LayerPoint) -> Contact {
@@ -154,23 +167,28 @@ impl OnLayer<'_> {
         }
     }
 
-    /// The pass through `positions`; `None` where they are no way.
-    fn pass(
+    /// Adds the passes through `placed`: one, or more where the axis jumps, with positions between those from which to which
+    /// it turns far.
+    fn push_passes(
         &self,
-        role: Role,
-        region: Region,
-        group: usize,
-        ends: [LayerPoint; 2],
-        positions: Vec<(Point, Vector)>,
-    ) -> Option<Pass> {
-        (positions.len() >= 2).then(|| Pass {
-            role,
-            region,
-            group,
-            positions,
-            ends,
-            open: ends.map(|end| self.is_open(end)),
-        })
+        (role, region, group): (Role, Region, usize),
+        placed: &[Placed],
+        made: &mut LayerAxes,
+    ) {
+        let corner = self.maker.tool.corner_radius;
+        for run in placed.chunk_by(|a, b| a.axis.angle(&b.axis) <= JUMP) {
+            let [first, .., last] = run else { continue };
+            let mut positions = vec![(first.tip, first.axis)];
+            for pair in run.windows(2) {
+                let (a, b) = (&pair[0], &pair[1]);
+                let count = (a.axis.angle(&b.axis) / MAX_STEP_TURN).ceil().max(1.0);
+                positions.extend((1..count as usize).map(|k| a.turned_to(b, k as f64 / count, corner)));
+                positions.push((b.tip, b.axis));
+            }
+            let ends = [first.place, last.place];
+            let open = ends.map(|end| self.is_open(end));
+            made.passes.push(Pass { role, region, group, positions, ends, open, linked: true });
+        }
     }
 
     /// The line with so many points that the straight ways between them stay within [`CHORD`] of the layer.

@@ -10,7 +10,7 @@ use super::chart::Region;
 use super::engagement::CutPasses;
 use super::layer::{Layer, LayerPoint};
 use super::schemes::Role;
-use crate::geometry::{CutterSolid, Point, Vector};
+use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, FlankFeeds, Tool};
 use crate::plunge::choice::estimate::RAPID_FEED;
@@ -65,6 +65,30 @@ pub struct Pass {
     pub ends: [LayerPoint; 2],
     /// Whether the ends lie beyond the part.
     pub open: [bool; 2],
+    /// Whether it may be reached from another pass over the layer; else the cutter comes down to it from above.
+    pub linked: bool,
+}
+
+/// Where a move of a program comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// Index of the layer in cutting order.
+    pub layer: usize,
+    /// Index of the pass on it: the one that the move is on, leads to, or in a retract comes from.
+    pub pass: usize,
+    /// Index of the position of the pass that it leads to, and of the one it comes from along the pass, if it does.
+    pub to: usize,
+    /// See `to`.
+    pub from: Option<usize>,
+}
+
+/// Moves, each with where it comes from.
+#[derive(Clone, Debug, Default)]
+pub struct Program {
+    /// The moves.
+    pub moves: Vec<FlankMove>,
+    /// As many origins.
+    pub origins: Vec<Origin>,
 }
 
 /// Angle under which the cutter ramps down along a curve, rad.
@@ -98,8 +122,8 @@ pub struct PathMaker<'a> {
     pub layer_depth: f64,
 }
 
-/// Tells of a place of a layer and a cutter over it whether they are free.
-pub type Fits<'a> = dyn Fn(LayerPoint, &CutterSolid) -> bool + Sync + 'a;
+/// Tells of a place of a layer, and the tip and axis of a cutter over it, whether cutter and holder are free.
+pub type Fits<'a> = dyn Fn(LayerPoint, Point, Vector) -> bool + Sync + 'a;
 
 /// A layer's passes and what they run on.
 pub struct LayerPasses<'a> {
@@ -109,9 +133,11 @@ pub struct LayerPasses<'a> {
     pub layer: &'a Layer,
     /// Distance of neighbouring curves, mm.
     pub interval: f64,
+    /// Of the cutter, mm.
+    pub corner_radius: f64,
     /// In any order.
     pub passes: Vec<Pass>,
-    /// Whether a cutter over a place of the layer keeps clear of the walls.
+    /// Whether a cutter over a place of the layer, and its holder, keep clear of the part.
     pub fits: Box<Fits<'a>>,
 }
 
@@ -120,27 +146,34 @@ impl PathMaker<'_> {
     ///
     /// # Errors
     /// When the work is cancelled.
-    pub fn program(&self, layers: &[LayerPasses], monitor: &Monitor) -> Result<Vec<FlankMove>, Cancelled> {
+    pub fn program(&self, layers: &[LayerPasses], monitor: &Monitor) -> Result<Program, Cancelled> {
         let top = RetractSurface::new(self.blank, self.safety_distance + self.tool.corner_radius);
-        let mut writer = Writer { maker: self, top, moves: Vec::new(), at: None, flights: Vec::new() };
-        for layer in layers {
-            let mut rest: Vec<&Pass> = layer.passes.iter().collect();
+        let mut writer = Writer {
+            maker: self,
+            top,
+            moves: Vec::new(),
+            origins: Vec::new(),
+            at: None,
+            flights: Vec::new(),
+        };
+        for (index, layer) in layers.iter().enumerate() {
+            let mut rest: Vec<(usize, &Pass)> = layer.passes.iter().enumerate().collect();
             // Regions inlet first, in each the inner curves by axis and then the walls, side by side.
-            rest.sort_by(|a, b| {
+            rest.sort_by(|(_, a), (_, b)| {
                 let key = |p: &Pass| (p.region as usize, matches!(p.role, Role::Wall(_)), p.group);
                 let side = |p: &Pass| p.ends[0].y + p.ends[1].y;
                 key(a).cmp(&key(b)).then(side(a).total_cmp(&side(b)))
             });
             let mut cut = CutPasses::new(self.tool, layer.interval);
-            for pass in rest {
+            for (number, pass) in rest {
                 monitor.check()?;
-                writer.cut(layer, pass, self.feed_of(pass, &cut));
+                writer.cut(layer, pass, (index, number), self.feed_of(pass, &cut));
                 cut.add(&pass.positions);
             }
         }
         writer.leave();
         writer.raise_flights(monitor)?;
-        Ok(writer.moves)
+        Ok(Program { moves: writer.moves, origins: writer.origins })
     }
 
     /// Feed along a pass, after others of its layer are cut.
@@ -160,6 +193,8 @@ struct Writer<'a> {
     maker: &'a PathMaker<'a>,
     top: RetractSurface<'a>,
     moves: Vec<FlankMove>,
+    /// As many.
+    origins: Vec<Origin>,
     /// Where the cutter stands on a layer: at the end of which pass.
     at: Option<(usize, LayerPoint)>,
     /// Moves that end above the beginning of a pass and come from above the end of another.
@@ -167,11 +202,18 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn cut(&mut self, layer: &LayerPasses, pass: &Pass, feed: f64) {
+    fn push(&mut self, step: FlankMove, origin: Origin) {
+        self.moves.push(step);
+        self.origins.push(origin);
+    }
+
+    /// Writes `pass`, the `number`th of the layer of an index.
+    fn cut(&mut self, layer: &LayerPasses, pass: &Pass, (index, number): (usize, usize), feed: f64) {
         // Begin where the cutter is, else at an end beyond the part.
         let open_end = usize::from(!pass.open[0] && pass.open[1]);
-        let link = self.link(layer, pass, open_end, feed);
+        let link = if pass.linked { self.link(layer, pass, open_end, feed) } else { None };
         let reversed = link.as_ref().map_or(open_end, |(_, end)| *end) == 1;
+        let count = pass.positions.len();
         let positions: Vec<(Point, Vector)> =
             if reversed { pass.positions.iter().rev().copied().collect() } else { pass.positions.clone() };
         let (first, last) = if reversed { (1, 0) } else { (0, 1) };
@@ -184,28 +226,34 @@ impl Writer<'_> {
             region: pass.region,
             wall: matches!(pass.role, Role::Wall(_)),
         };
+        let in_pass = |k: usize| if reversed { count - 1 - k } else { k };
+        let origin = |k: usize| Origin { layer: index, pass: number, to: in_pass(k), from: None };
         match link {
-            Some((way, _)) => self.moves.extend(way.into_iter().map(|p| about(MoveKind::Link, p))),
+            Some((way, _)) => {
+                way.into_iter().for_each(|p| self.push(about(MoveKind::Link, p), origin(0)));
+            }
             None => {
                 self.leave();
                 let (tip, axis) = positions[0];
                 let open = pass.open[first];
                 let ramp = if open { Vec::new() } else { self.ramp(&positions) };
-                let lowest = ramp.first().copied().unwrap_or((tip, axis));
+                let lowest = ramp.first().map_or((tip, axis), |(p, _)| *p);
                 let above = about(MoveKind::Rapid, (self.above(lowest), axis));
                 if !self.moves.is_empty() {
                     self.flights.push(self.moves.len());
-                    self.moves.push(above);
+                    self.push(above, origin(0));
                 }
-                self.moves.push(above);
+                self.push(above, origin(0));
                 let ramp_feed = self.maker.feeds.ramp;
-                self.moves.extend(
-                    ramp.into_iter().map(|p| FlankMove { feed: ramp_feed, ..about(MoveKind::Approach, p) }),
-                );
-                self.moves.push(about(MoveKind::Approach, positions[0]));
+                for (p, k) in ramp {
+                    self.push(FlankMove { feed: ramp_feed, ..about(MoveKind::Approach, p) }, origin(k));
+                }
+                self.push(about(MoveKind::Approach, positions[0]), origin(0));
             }
         }
-        self.moves.extend(positions.iter().skip(1).map(|&p| about(MoveKind::Cut, p)));
+        for (k, &p) in positions.iter().enumerate().skip(1) {
+            self.push(about(MoveKind::Cut, p), Origin { from: Some(in_pass(k - 1)), ..origin(k) });
+        }
         self.at = Some((layer.number, pass.ends[last]));
     }
 
@@ -262,7 +310,7 @@ impl Writer<'_> {
                 let p = at.lerp(to, share);
                 let axis = (from.axis + (target.1 - from.axis) * share).normalize();
                 let tip = plain(p, &axis) + offset[0] * (1.0 - share) + offset[1] * share;
-                (layer.fits)(p, &tool.placed(tip, axis)).then_some((tip, axis))
+                (layer.fits)(p, tip, axis).then_some((tip, axis))
             })
             .collect()
     }
@@ -275,8 +323,9 @@ impl Writer<'_> {
         flown / RAPID_FEED + (down - to.0).norm() / feed + ramp
     }
 
-    /// Down along the first piece of a curve, to and fro, from the height of the layer above.
-    fn ramp(&self, positions: &[(Point, Vector)]) -> Vec<(Point, Vector)> {
+    /// Down along the first piece of a curve, to and fro, from the height of the layer above: positions, and
+    /// over which of the curve's each is.
+    fn ramp(&self, positions: &[(Point, Vector)]) -> Vec<((Point, Vector), usize)> {
         let mut along = vec![0.0];
         for pair in positions.windows(2) {
             let next = along[along.len() - 1] + (pair[1].0 - pair[0].0).norm();
@@ -288,10 +337,10 @@ impl Writer<'_> {
         let (depth, reach) = (self.maker.layer_depth, along[along.len() - 1]);
         if reach < 1e-6 {
             let (tip, axis) = positions[0];
-            return vec![(tip + axis * depth, axis)];
+            return vec![((tip + axis * depth, axis), 0)];
         }
         let total = depth / RAMP.tan();
-        let mut way = vec![(positions[0].0 + positions[0].1 * depth, positions[0].1)];
+        let mut way = vec![((positions[0].0 + positions[0].1 * depth, positions[0].1), 0)];
         let (mut at, mut gone, mut step) = (0usize, 0.0, 1isize);
         while gone < total {
             if at + 1 == along.len() {
@@ -303,10 +352,10 @@ impl Writer<'_> {
             gone += (along[next] - along[at]).abs();
             at = next;
             let (tip, axis) = positions[at];
-            way.push((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis));
+            way.push(((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis), at));
         }
         // Back to the beginning at full depth.
-        way.extend((1..at).rev().map(|k| positions[k]));
+        way.extend((1..at).rev().map(|k| (positions[k], k)));
         way
     }
 
@@ -315,7 +364,9 @@ impl Writer<'_> {
         let Some(&last) = self.moves.last() else { return };
         if last.kind != MoveKind::Rapid {
             let tip = self.above((last.tip, last.axis));
-            self.moves.push(FlankMove { kind: MoveKind::Rapid, tip, feed: RAPID_FEED, ..last });
+            if let Some(&origin) = self.origins.last() {
+                self.push(FlankMove { kind: MoveKind::Rapid, tip, feed: RAPID_FEED, ..last }, origin);
+            }
         }
         self.at = None;
     }
@@ -349,7 +400,13 @@ impl Writer<'_> {
             }
         }
         // A flight that was not raised ends where the way down begins.
-        self.moves.dedup_by(|b, a| b.kind == MoveKind::Rapid && a.tip == b.tip && a.axis == b.axis);
+        let repeats = |k: usize| {
+            let [a, b] = [&self.moves[k - 1], &self.moves[k]];
+            b.kind == MoveKind::Rapid && a.tip == b.tip && a.axis == b.axis
+        };
+        let kept: Vec<usize> = (0..self.moves.len()).filter(|&k| k == 0 || !repeats(k)).collect();
+        self.moves = kept.iter().map(|&k| self.moves[k]).collect();
+        self.origins = kept.iter().map(|&k| self.origins[k]).collect();
         Ok(())
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::chart::{Chart, Region};
+use super::checked::{Check, Checked, MoveFault, checked};
 use super::choice::ChosenTool;
 use super::curves::{CurveSource, FlankCurves, FlankError};
 use super::passes::{LayerAxes, LeftOut, PassMaker};
@@ -71,6 +72,8 @@ pub struct FlankPlan {
     pub left_out: Vec<LeftOut>,
     /// The program.
     pub moves: Vec<FlankMove>,
+    /// What is wrong with it all the same.
+    pub faults: Vec<MoveFault>,
     /// Feeds by engagement.
     pub feeds: FlankFeeds,
     /// Lengths and times.
@@ -132,7 +135,7 @@ fn wall_inputs(setup: &Setup, curves: &FlankCurves) -> WallInputs {
 }
 
 /// Plans one channel of `part` with the cutter chosen; `stages` of an earlier plan of the same part are used again
-/// where nothing they depend on has changed.
+/// where nothing they depend on has changed. What `check` finds fault with in the program is left out of it.
 ///
 /// # Errors
 /// [`FlankError::Cancelled`] soon after `monitor` is told so, [`FlankError::Setup`] when part and setup do not go
@@ -143,6 +146,7 @@ pub fn plan(
     setup: &Setup,
     chosen: &ChosenTool,
     stages: &mut FlankStages,
+    check: &mut Check,
     monitor: &Monitor,
 ) -> Result<FlankPlan, FlankError> {
     let tool = &chosen.tool;
@@ -198,9 +202,10 @@ pub fn plan(
             number: layers.len(),
             layer: &found.layer,
             interval: found.interval,
+            corner_radius: tool.corner_radius,
             passes: made.passes,
-            fits: Box::new(|p, cutter| {
-                chart.freedom(p) >= -LINK_SLACK && finished.clears(cutter, setup.stock.blade_allowance)
+            fits: Box::new(|p, tip, axis| {
+                chart.freedom(p) >= -LINK_SLACK && maker.in_the_way(tip, axis).is_none()
             }),
         });
     }
@@ -214,7 +219,11 @@ pub fn plan(
         safety_distance: setup.stock.safety_distance,
         layer_depth: setup.flank.layer_depth,
     };
-    let moves = path.program(&layers, monitor)?;
+    monitor.report(0.85);
+    let extension = setup.flank.extension_of(tool);
+    let Checked { moves, left_out: more, faults } = checked(&path, &mut layers, extension, check, monitor)?;
+    left_out.extend(more);
+    left_out.sort_by_key(|left| left.layer);
     monitor.report(1.0);
     let times = Times::of(&moves);
     drop(layers);
@@ -227,6 +236,7 @@ pub fn plan(
         axes,
         left_out,
         moves,
+        faults,
         feeds,
         times,
     })

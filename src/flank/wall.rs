@@ -244,14 +244,35 @@ impl<'a> WallFit<'a> {
 
     /// The positions with what stands in their way.
     pub fn axes(&self, swept: SweptWall) -> WallAxes {
-        let by_layer = (0..self.layers.len()).map(|k| self.stations(k, &swept)).collect();
-        WallAxes {
-            by_layer,
-            forced: self.forced(),
-            max_overcut: swept.map.max_overcut(),
-            max_undercut: swept.map.max_undercut(),
-            map: swept.map,
+        let by_layer: Vec<_> = (0..self.layers.len()).map(|k| self.stations(k, &swept)).collect();
+        let [max_overcut, max_undercut] = self.extremes(&swept.map, &by_layer);
+        WallAxes { by_layer, forced: self.forced(), max_overcut, max_undercut, map: swept.map }
+    }
+
+    /// Greatest overcut and undercut of a map where a cutter comes: on some layer whose strip holds the place nothing stands in
+    /// its way.
+    fn extremes(&self, map: &DeviationMap, by_layer: &[Vec<WallStation>]) -> [f64; 2] {
+        let free = |layer: usize, station: usize| {
+            let station = by_layer[layer].get(station);
+            station.is_none_or(|s| s.tip.is_some() && s.blocked.is_none())
+        };
+        let comes = |column: &Column, v: f64| {
+            (0..by_layer.len()).any(|layer| {
+                let strip = &self.strips[layer.min(self.strips.len() - 1)];
+                strip.holds(column, v)
+                    && free(layer, column.station)
+                    && (column.share == 0.0 || free(layer, column.station + 1))
+            })
+        };
+        let columns = self.columns();
+        let places = columns.iter().flat_map(|column| map.v.iter().map(move |&v| (column, v)));
+        let mut most = [0.0f64; 2];
+        for ((column, v), &deviation) in places.zip(&map.deviation) {
+            if comes(column, v) {
+                most = [most[0].max(-deviation), most[1].max(deviation)];
+            }
         }
+        most
     }
 
     fn stations(&self, layer: usize, swept: &SweptWall) -> Vec<WallStation> {

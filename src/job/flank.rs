@@ -3,12 +3,15 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::JobError;
+use crate::flank::checked::MoveFault;
 use crate::flank::choice::choose_tool;
-use crate::flank::{FlankError, FlankPlan, FlankStages, plan};
+use crate::flank::{FlankError, FlankMove, FlankPlan, FlankStages, plan};
+use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use crate::formats::tool_library::flank_cutters;
-use crate::monitor::Monitor;
-use crate::part::{Channel, Impeller, Setup};
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::{Channel, Impeller, Setup, Tool};
 use crate::plunge::sections::check_part;
+use crate::verify::{FlankFault, FlankFaultKind, FlankVerifier};
 
 /// What to plan.
 #[derive(Clone, Debug)]
@@ -59,10 +62,14 @@ impl FlankJob {
         check_part(&request.setup, part)?;
         let channel = Channel::of(part);
         let chosen = choose_tool(part, &channel, &request.setup, flank_cutters())?;
+        let mut verifier = FlankVerifier::new(part, &channel, &request.setup);
+        let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {
+            faults_as_written(&mut verifier, &part.name, tool, moves, monitor)
+        };
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let known = last.take().filter(|(known, _)| Arc::ptr_eq(known, part)).map(|(_, stages)| stages);
         let mut stages = known.unwrap_or_default();
-        let planned = plan(part, &channel, &request.setup, &chosen, &mut stages, monitor);
+        let planned = plan(part, &channel, &request.setup, &chosen, &mut stages, &mut check, monitor);
         *last = Some((part.clone(), stages));
         let plan = planned?;
         let mut setup = request.setup.clone();
@@ -71,5 +78,41 @@ impl FlankJob {
         }
         setup.flank.tool = Some(chosen.tool.number);
         Ok(FlankOutcome { part: part.clone(), setup, plan, elapsed: started.elapsed().as_secs_f64() })
+    }
+}
+
+/// What `verify` will find wrong with the program of `moves` as it is written.
+fn faults_as_written(
+    verifier: &mut FlankVerifier,
+    name: &str,
+    tool: &Tool,
+    moves: &[FlankMove],
+    monitor: &Monitor,
+) -> Result<Vec<MoveFault>, Cancelled> {
+    let written = write_apt(&ClProgram::of_flank(name, tool, moves));
+    let all = |why: &'static str| (0..moves.len()).map(|index| MoveFault { index, why }).collect();
+    let Ok(program) = read_apt_bytes("flank.apt", written.as_bytes()) else {
+        return Ok(all("its program cannot be read back"));
+    };
+    let Ok(faults) = verifier.faults(&program, monitor) else {
+        return Ok(all("its program cannot be judged"));
+    };
+    let move_fault = |FlankFault { kind, fault }: FlankFault| {
+        let index = program.moves.partition_point(|m| m.line < fault.line);
+        MoveFault { index, why: reason(kind) }
+    };
+    Ok(faults?.into_iter().map(move_fault).collect())
+}
+
+/// Why a move with a fault is left out, for people.
+fn reason(kind: FlankFaultKind) -> &'static str {
+    match kind {
+        FlankFaultKind::Hub => "the cutter would come too near to the hub",
+        FlankFaultKind::Blade => "the cutter would come too near to a blade",
+        FlankFaultKind::Holder => "the holder would meet a blade or the hub",
+        FlankFaultKind::HolderInStock => "the holder would meet stock that still stands",
+        FlankFaultKind::Rapid => "no rapid above the blank leads there",
+        FlankFaultKind::Machine => "the machine does not tilt the axis that far",
+        FlankFaultKind::Turn => "the axis would turn too far in one move",
     }
 }

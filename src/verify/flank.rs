@@ -10,18 +10,21 @@ mod stock;
 mod uncovered;
 mod walls;
 
+use std::collections::HashMap;
+
 use rayon::prelude::*;
 
 use super::fault::{Fault, beyond_machine, near_blade, near_hub, rapid_near_blank};
 use crate::formats::apt::{ClProgram, Motion};
-use crate::part::{Blank, Channel, Impeller, Setup};
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::retract::bottom_clearance;
 use crate::residual::ResidualStatistics;
 use gouge::{Clearance, Surroundings};
 use steps::{Step, steps_of};
-use stock::{Place, Probe, Struck, floor_after};
+use stock::{Floor, Place, Probe, Struck, floor_after};
 pub use uncovered::Uncovered;
 use walls::wall_deviation;
 
@@ -90,6 +93,34 @@ pub fn is_flank(program: &ClProgram) -> bool {
     across > along
 }
 
+/// What kind of fault a move of a flank program has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlankFaultKind {
+    /// The cutter comes too near to the hub.
+    Hub,
+    /// The cutter comes too near to a blade.
+    Blade,
+    /// The holder meets a blade, its allowance, or the hub.
+    Holder,
+    /// The holder meets stock that still stands.
+    HolderInStock,
+    /// A rapid comes too near to the blank, or runs through stock.
+    Rapid,
+    /// The machine does not tilt the axis that far.
+    Machine,
+    /// The axis turns too far in one move.
+    Turn,
+}
+
+/// A fault of a flank program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlankFault {
+    /// Its kind.
+    pub kind: FlankFaultKind,
+    /// Its line, and what is wrong.
+    pub fault: Fault,
+}
+
 /// Checks `program` against `part` with the allowances of `setup`.
 ///
 /// # Errors
@@ -100,87 +131,251 @@ pub fn verify_flank(
     setup: &Setup,
     program: &ClProgram,
 ) -> Result<FlankVerdict, Fault> {
-    let (steps, tools) = steps_of(part, channel, program, setup)?;
-    let blank = Blank::of(part, setup.stock.inlet_extension);
-    let surroundings = Surroundings {
-        finished: FinishedPart::new(part, &channel.sides),
-        tools: &tools,
-        hub_allowance: setup.stock.hub_allowance,
-        blade_allowance: setup.stock.blade_allowance,
-    };
-    let looks: Vec<Look> = steps.par_iter().map(|step| look(step, &surroundings, &blank)).collect();
+    FlankVerifier::new(part, channel, setup).verdict(program)
+}
 
-    let mut verdict = FlankVerdict {
-        channels: 0,
-        positions: steps.iter().filter(|s| s.feed.is_some()).count(),
-        tools: tools.len(),
-        cut_length: 0.0,
-        rapid_length: 0.0,
-        time_estimate: 0.0,
-        min_hub_clearance: f64::NAN,
-        min_blade_clearance: f64::NAN,
-        min_retract_clearance: f64::NAN,
-        max_axis_change: 0.0,
-        max_overcut: 0.0,
-        max_undercut: f64::NAN,
-        uncovered: Uncovered::default(),
-        layer: ResidualStatistics::default(),
-        faults: Vec::new(),
-    };
-    for (step, look) in steps.iter().zip(&looks) {
-        verdict.add(step, look, part, setup);
+/// Checks programs against one part, one after another: what was seen along a step is not looked at again.
+pub struct FlankVerifier<'a> {
+    part: &'a Impeller,
+    channel: &'a Channel,
+    setup: &'a Setup,
+    blank: Blank,
+    finished: FinishedPart<'a>,
+    /// The tools of the last program, and what was seen along steps with them.
+    tools: Vec<Tool>,
+    seen: HashMap<StepKey, Look>,
+}
+
+/// A program, looked at.
+struct Examined {
+    steps: Vec<Step>,
+    looks: Vec<Look>,
+    /// By channels that are worked in.
+    channels: Vec<(i64, Floor)>,
+    faults: Vec<FlankFault>,
+}
+
+/// Where a step leads: index of the tool, whether it is under feed, and the numbers of both ends.
+type StepKey = (usize, bool, [u64; 12]);
+
+fn key(step: &Step) -> StepKey {
+    let ((p, a), (q, b)) = (step.from, step.to);
+    let all = [p.x, p.y, p.z, a.x, a.y, a.z, q.x, q.y, q.z, b.x, b.y, b.z];
+    (step.tool, step.feed.is_some(), all.map(f64::to_bits))
+}
+
+impl<'a> FlankVerifier<'a> {
+    /// For programs that cut `part` with the allowances of `setup`.
+    pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
+        Self {
+            part,
+            channel,
+            setup,
+            blank: Blank::of(part, setup.stock.inlet_extension),
+            finished: FinishedPart::new(part, &channel.sides),
+            tools: Vec::new(),
+            seen: HashMap::new(),
+        }
     }
-    let mut channels: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
-    channels.sort_unstable();
-    channels.dedup();
-    verdict.channels = channels.len();
-    for (index, &number) in channels.iter().enumerate() {
+
+    /// What must not be in `program`, by line; `Ok(Err(…))` when the work is cancelled.
+    ///
+    /// # Errors
+    /// As [`verify_flank`].
+    pub fn faults(
+        &mut self,
+        program: &ClProgram,
+        monitor: &Monitor,
+    ) -> Result<Result<Vec<FlankFault>, Cancelled>, Fault> {
+        Ok(self.examined(program, monitor)?.map(|examined| examined.faults))
+    }
+
+    /// Everything about `program`.
+    ///
+    /// # Errors
+    /// As [`verify_flank`].
+    pub fn verdict(&mut self, program: &ClProgram) -> Result<FlankVerdict, Fault> {
+        // Nobody cancels it.
+        let Ok(Examined { steps, looks, channels, faults }) = self.examined(program, &Monitor::default())?
+        else {
+            return Ok(FlankVerdict::of_nothing());
+        };
+        let Self { part, channel, setup, blank, finished, tools, .. } = self;
+        let mut verdict = FlankVerdict {
+            channels: channels.len(),
+            positions: steps.iter().filter(|s| s.feed.is_some()).count(),
+            tools: tools.len(),
+            faults: faults.into_iter().map(|f| f.fault).collect(),
+            ..FlankVerdict::of_nothing()
+        };
+        for (step, look) in steps.iter().zip(&looks) {
+            verdict.add(step, look);
+        }
+        for (index, (number, floor)) in channels.iter().enumerate() {
+            let (uncovered, layer) = floor.figures(finished, channel, blank, setup);
+            if index == 0 || uncovered.share() > verdict.uncovered.share() {
+                (verdict.uncovered, verdict.layer) = (uncovered, layer);
+            }
+            let cuts: Vec<&Step> =
+                steps.iter().filter(|s| s.channel == *number && s.feed.is_some()).collect();
+            let corner = cuts.iter().map(|s| tools[s.tool].corner_radius).fold(0.0, f64::max);
+            // Beside a leaning axis the flank begins higher than its corner is round.
+            let uncut = setup.stock.hub_allowance + LEANING_CORNER * corner;
+            let walls = wall_deviation(part, channel, tools, &cuts, setup.stock.blade_allowance, uncut);
+            verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
+            verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
+        }
+        verdict.max_overcut =
+            verdict.max_overcut.max(setup.stock.blade_allowance - verdict.min_blade_clearance).max(0.0);
+        Ok(verdict)
+    }
+
+    fn examined(
+        &mut self,
+        program: &ClProgram,
+        monitor: &Monitor,
+    ) -> Result<Result<Examined, Cancelled>, Fault> {
+        let (steps, tools) = steps_of(self.part, self.channel, program, self.setup)?;
+        if tools != self.tools {
+            self.seen.clear();
+            self.tools = tools;
+        }
+        let looks = match self.looks(&steps, monitor) {
+            Ok(looks) => looks,
+            Err(cancelled) => return Ok(Err(cancelled)),
+        };
+        let mut faults: Vec<FlankFault> = Vec::new();
+        for (step, look) in steps.iter().zip(&looks) {
+            faults.extend(self.faults_of(step, look));
+        }
+        let mut numbers: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let mut channels = Vec::with_capacity(numbers.len());
+        for number in numbers {
+            if let Err(cancelled) = monitor.check() {
+                return Ok(Err(cancelled));
+            }
+            let floor = self.floor(&steps, &looks, number);
+            let ours: Vec<&Step> = steps.iter().filter(|s| s.channel == number).collect();
+            faults.extend(floor.struck.iter().map(|struck| struck.fault(ours[struck.step].line)));
+            channels.push((number, floor));
+        }
+        faults.sort_by_key(|found| found.fault.line);
+        Ok(Ok(Examined { steps, looks, channels, faults }))
+    }
+
+    /// Looks along all steps.
+    fn looks(&mut self, steps: &[Step], monitor: &Monitor) -> Result<Vec<Look>, Cancelled> {
+        let around = Surroundings {
+            finished: &self.finished,
+            tools: &self.tools,
+            hub_allowance: self.setup.stock.hub_allowance,
+            blade_allowance: self.setup.stock.blade_allowance,
+        };
+        let (seen, blank) = (&self.seen, &self.blank);
+        let known: Vec<Option<&Look>> = steps.par_iter().map(|step| seen.get(&key(step))).collect();
+        // Where one step ends the next begins.
+        let ends: Vec<Option<Clearance>> = steps
+            .par_iter()
+            .zip(&known)
+            .map(|(step, known)| match known {
+                _ if step.feed.is_none() => Ok(None),
+                Some(known) => Ok(known.end),
+                None => monitor.check().map(|()| Some(around.at(step, 1.0))),
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        let looked = |k: usize| {
+            if let Some(known) = known[k] {
+                return Ok(known.clone());
+            }
+            monitor.check()?;
+            let before =
+                k.checked_sub(1).filter(|&b| steps[b].tool == steps[k].tool && steps[b].to == steps[k].from);
+            Ok(look(&steps[k], [before.and_then(|b| ends[b]), ends[k]], &around, blank))
+        };
+        let looks: Vec<Look> =
+            (0..steps.len()).into_par_iter().map(looked).collect::<Result<_, Cancelled>>()?;
+        self.seen.extend(steps.iter().zip(&looks).map(|(step, look)| (key(step), look.clone())));
+        Ok(looks)
+    }
+
+    /// The floor of the channel of a number after its steps.
+    fn floor(&self, steps: &[Step], looks: &[Look], number: i64) -> Floor {
         let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
         let ours: Vec<&Step> = here.iter().map(|&k| &steps[k]).collect();
         let place = |(index, k): (usize, &usize)| {
             let look = &looks[*k];
-            let rapids =
-                look.inside.iter().map(move |&share| Place { step: index, share, what: Probe::Rapid });
-            let holders = look.holder_inside.iter().map(move |&share| Place {
-                step: index,
-                share,
-                what: Probe::Holder,
-            });
-            rapids.chain(holders).collect::<Vec<_>>()
+            let at = move |what: Probe| move |&share: &f64| Place { step: index, share, what };
+            let rapids = look.inside.iter().map(at(Probe::Rapid));
+            rapids.chain(look.holder_inside.iter().map(at(Probe::Holder))).collect::<Vec<_>>()
         };
         let places: Vec<Place> = here.iter().enumerate().flat_map(place).collect();
-        let floor = floor_after(&surroundings.finished, channel, setup, &blank, &tools, &ours, &places);
-        for Struck { step, what, volume } in floor.struck {
-            let what = match what {
-                Probe::Rapid => format!(
+        floor_after(&self.finished, self.channel, self.setup, &self.blank, &self.tools, &ours, &places)
+    }
+
+    /// What is wrong with a step.
+    fn faults_of(&self, step: &Step, look: &Look) -> impl Iterator<Item = FlankFault> + use<> {
+        use FlankFaultKind as Kind;
+        let stock = &self.setup.stock;
+        let Clearance { hub, blade, holder } = look.clearance;
+        let turns = step.feed.is_some() && step.turn() > MOST_TURN;
+        let found = [
+            (Kind::Hub, near_hub(hub, stock, HUB_TOLERANCE)),
+            (Kind::Blade, near_blade(blade, stock, BLADE_TOLERANCE)),
+            (
+                Kind::Holder,
+                holder.then(|| {
+                    "the holder runs into a blade, the stock that stays on it, or the hub".to_owned()
+                }),
+            ),
+            (Kind::Rapid, rapid_near_blank(look.retract, stock)),
+            (Kind::Machine, beyond_machine(self.part, self.setup, &step.to.1)),
+            (
+                Kind::Turn,
+                turns.then(|| {
+                    format!(
+                        "turns the axis by {:.0}° in one move under feed; give positions between",
+                        step.turn().to_degrees()
+                    )
+                }),
+            ),
+        ];
+        let line = step.line;
+        found
+            .into_iter()
+            .filter_map(move |(kind, what)| Some(FlankFault { kind, fault: Fault { line, what: what? } }))
+    }
+}
+
+impl Struck {
+    /// What is wrong with the step of that line.
+    fn fault(&self, line: usize) -> FlankFault {
+        let volume = self.volume;
+        let (kind, what) = match self.what {
+            Probe::Rapid => (
+                FlankFaultKind::Rapid,
+                format!(
                     "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
                 ),
-                Probe::Holder => format!(
+            ),
+            Probe::Holder => (
+                FlankFaultKind::HolderInStock,
+                format!(
                     "the holder runs into stock that still stands, about {volume:.0} mm³; cut it before, or give the cutter more overhang"
                 ),
-            };
-            verdict.faults.push(Fault { line: ours[step].line, what });
-        }
-        if index == 0 || floor.uncovered.share() > verdict.uncovered.share() {
-            (verdict.uncovered, verdict.layer) = (floor.uncovered, floor.layer);
-        }
-        let cuts: Vec<&Step> = ours.into_iter().filter(|s| s.feed.is_some()).collect();
-        let corner = cuts.iter().map(|s| tools[s.tool].corner_radius).fold(0.0, f64::max);
-        // Beside a leaning axis the flank begins higher than its corner is round.
-        let uncut = setup.stock.hub_allowance + LEANING_CORNER * corner;
-        let walls = wall_deviation(part, channel, &tools, &cuts, setup.stock.blade_allowance, uncut);
-        verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
-        verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
+            ),
+        };
+        FlankFault { kind, fault: Fault { line, what } }
     }
-    verdict.max_overcut =
-        verdict.max_overcut.max(setup.stock.blade_allowance - verdict.min_blade_clearance).max(0.0);
-    verdict.faults.sort_by_key(|fault| fault.line);
-    Ok(verdict)
 }
 
 /// What was seen along a step.
+#[derive(Clone)]
 struct Look {
     clearance: Clearance,
+    /// At the end of a step under feed.
+    end: Option<Clearance>,
     /// Least distance of a rapid that does not stay in its column to the blank, mm; infinite for others and within it.
     retract: f64,
     /// Shares of the way at which a rapid is within the outline of the blank.
@@ -189,16 +384,18 @@ struct Look {
     holder_inside: Vec<f64>,
 }
 
-/// Looks along a step under feed for what it cuts, along a rapid for what it may run into.
-fn look(step: &Step, around: &Surroundings, blank: &Blank) -> Look {
+/// Looks along a step under feed for what it cuts, along a rapid for what it may run into; `ends` are the clearances at
+/// both ends, where they are known.
+fn look(step: &Step, ends: [Option<Clearance>; 2], around: &Surroundings, blank: &Blank) -> Look {
     let mut look = Look {
         clearance: Clearance::FAR,
+        end: ends[1],
         retract: f64::INFINITY,
         inside: Vec::new(),
         holder_inside: Vec::new(),
     };
     if step.feed.is_some() {
-        look.clearance = around.along(step);
+        look.clearance = around.along(step, ends);
         let tool = &around.tools[step.tool];
         let within = |share: &f64| {
             let (tip, axis) = step.at(*share);
@@ -229,7 +426,28 @@ fn look(step: &Step, around: &Surroundings, blank: &Blank) -> Look {
 }
 
 impl FlankVerdict {
-    fn add(&mut self, step: &Step, look: &Look, part: &Impeller, setup: &Setup) {
+    /// Of a program without moves.
+    fn of_nothing() -> Self {
+        Self {
+            channels: 0,
+            positions: 0,
+            tools: 0,
+            cut_length: 0.0,
+            rapid_length: 0.0,
+            time_estimate: 0.0,
+            min_hub_clearance: f64::NAN,
+            min_blade_clearance: f64::NAN,
+            min_retract_clearance: f64::NAN,
+            max_axis_change: 0.0,
+            max_overcut: 0.0,
+            max_undercut: f64::NAN,
+            uncovered: Uncovered::default(),
+            layer: ResidualStatistics::default(),
+            faults: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, step: &Step, look: &Look) {
         let length = step.length();
         match step.feed {
             Some(feed) => {
@@ -245,21 +463,5 @@ impl FlankVerdict {
                 self.min_retract_clearance = self.min_retract_clearance.min(look.retract);
             }
         }
-        let stock = &setup.stock;
-        let Clearance { hub, blade, holder } = look.clearance;
-        let found = [
-            near_hub(hub, stock, HUB_TOLERANCE),
-            near_blade(blade, stock, BLADE_TOLERANCE),
-            holder.then(|| "the holder runs into a blade, the stock that stays on it, or the hub".to_owned()),
-            rapid_near_blank(look.retract, stock),
-            beyond_machine(part, setup, &step.to.1),
-            (step.feed.is_some() && step.turn() > MOST_TURN).then(|| {
-                format!(
-                    "turns the axis by {:.0}° in one move under feed; give positions between",
-                    step.turn().to_degrees()
-                )
-            }),
-        ];
-        self.faults.extend(found.into_iter().flatten().map(|what| Fault { line: step.line, what }));
     }
 }

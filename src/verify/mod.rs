@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 pub use fault::Fault;
 use fault::{beyond_machine, near_blade, near_hub, rapid_near_blank};
-pub use flank::{FlankVerdict, Uncovered, is_flank, verify_flank};
+pub use flank::{FlankFault, FlankFaultKind, FlankVerdict, FlankVerifier, Uncovered, is_flank, verify_flank};
 pub use plunges::{Cut, cuts_of};
 
 use crate::formats::apt::ClProgram;

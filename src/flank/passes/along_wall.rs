@@ -2,6 +2,7 @@
 
 use super::{CHORD, LayerAxes, OnLayer, PassMaker};
 use crate::flank::chart::{Region, WallName};
+use crate::flank::fixed_axis::Obstacle;
 use crate::flank::layer::{Layer, LayerPoint};
 use crate::flank::plan::MilledWall;
 use crate::flank::schemes::Role;
@@ -10,6 +11,11 @@ use crate::geometry::{Point, Vector};
 /// Why a stretch along a wall is not cut.
 const IN_THE_WAY: &str = "another blade stands in the way of the cutter along the wall";
 const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
+
+const HUB_IN_THE_WAY: &str = "the hub is too near to the cutter along the wall";
+const LYING: &str = "the cutter along the wall would lie on the floor";
+/// Cosine of the angle to the layer's normal beyond which the cutter along a wall lies on the floor: 80°.
+const UPRIGHT: f64 = 0.17;
 
 /// What stands in the way of a cutter, for people.
 pub(super) type InTheWay = Option<&'static str>;
@@ -31,6 +37,14 @@ impl Placed {
             axis: (self.axis + (other.axis - self.axis) * share).normalize(),
             place: self.place.lerp(other.place, share),
         }
+    }
+
+    /// Tip and axis at `share` of the way: the centre of the `corner` (mm) goes straight, so that its depth does not depend on
+    /// the turn of the axis.
+    pub(super) fn turned_to(&self, other: &Self, share: f64, corner: f64) -> (Point, Vector) {
+        let axis = (self.axis + (other.axis - self.axis) * share).normalize();
+        let [from, to] = [self, other].map(|placed| placed.tip + placed.axis * corner);
+        (from + (to - from) * share - axis * corner, axis)
     }
 }
 
@@ -73,9 +87,14 @@ impl Milled {
             let axis = station.axis;
             let (place, _) = layer.place(&(tip + axis * maker.tool.corner_radius), y.unwrap_or(0.0), None);
             y = Some(place.y);
+            let up = layer.point_and_normal(place).1;
             let in_the_way = match station.blocked {
                 Some(_) => Some(IN_THE_WAY),
-                None => maker.search.holder_meets(tip, axis).map(|_| HOLDER_IN_THE_WAY),
+                None if up.dot(&axis) < UPRIGHT => Some(LYING),
+                None => maker.search.beside_blades(tip, axis).map(|obstacle| match obstacle {
+                    Obstacle::Hub => HUB_IN_THE_WAY,
+                    _ => HOLDER_IN_THE_WAY,
+                }),
             };
             Some((Placed { tip, axis, place }, in_the_way))
         });
@@ -91,14 +110,15 @@ impl Milled {
         }
     }
 
-    /// Axis at `x`; that of the nearest station beyond both ends.
+    /// Axis at `x` by the stations that nothing stands in the way of; that of the nearest beyond both ends.
     pub(super) fn axis(&self, x: f64) -> Option<Vector> {
-        let stations = || self.placed.iter().flatten().map(|(placed, _)| placed);
-        let mut last: Option<&Placed> = None;
+        let free = |(placed, in_the_way): &'_ (Placed, InTheWay)| in_the_way.is_none().then_some(*placed);
+        let stations = || self.placed.iter().flatten().filter_map(free);
+        let mut last: Option<Placed> = None;
         for here in stations() {
             if here.place.x >= x {
                 return Some(last.map_or(here.axis, |last| {
-                    last.between(here, (x - last.place.x) / (here.place.x - last.place.x).max(1e-9)).axis
+                    last.between(&here, (x - last.place.x) / (here.place.x - last.place.x).max(1e-9)).axis
                 }));
             }
             last = Some(here);
@@ -145,11 +165,7 @@ impl OnLayer<'_> {
         positions: &[Placed],
         made: &mut LayerAxes,
     ) {
-        if let (Some(first), Some(last)) = (positions.first(), positions.last()) {
-            let ends = [first.place, last.place];
-            let positions = positions.iter().map(|p| (p.tip, p.axis)).collect();
-            made.passes.extend(self.pass(Role::Wall(wall), region, 0, ends, positions));
-        }
+        self.push_passes((Role::Wall(wall), region, 0), positions, made);
     }
 
     /// The way along a wall between two x: the cutter at both ends and at the stations whose contacts lie between them.

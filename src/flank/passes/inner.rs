@@ -1,5 +1,6 @@
 //! Inner curves: as few fixed axes as possible, turned towards the axes of the walls near them.
 
+use super::along_wall::Placed;
 use super::stretches::pieces_between;
 use super::{CHORD, LayerAxes, OnLayer};
 use crate::flank::chart::{Region, WallName};
@@ -160,19 +161,20 @@ impl OnLayer<'_> {
         }
         pieces.push(open);
         for piece in pieces.into_iter().filter(|piece| piece.len() >= 2) {
-            let ends = [piece[0].0, piece[piece.len() - 1].0];
-            let positions = piece.into_iter().map(|(_, position)| position).collect();
-            made.passes.extend(self.pass(Role::Inner, region, group + round * MAX_STATIONS, ends, positions));
+            let placed: Vec<Placed> =
+                piece.into_iter().map(|(place, (tip, axis))| Placed { tip, axis, place }).collect();
+            self.push_passes((Role::Inner, region, group + round * MAX_STATIONS), &placed, made);
         }
         lost
     }
 
-    /// Whether the cutter at a position, and on the way to it from the one `before`, keeps the allowance from the blades.
+    /// Whether the cutter at a position, and on the way to it from the one `before`, keeps the allowances from
+    /// hub and blades, and its holder clears them.
     fn is_free(&self, (tip, axis): (Point, Vector), before: Option<(Point, Vector)>) -> bool {
         let maker = self.maker;
         let allowance = maker.setup.stock.blade_allowance;
         let near = maker.finished.blade_clearance_below(&maker.tool.placed(tip, axis), allowance + NEAR);
-        if near < allowance {
+        if near < allowance || maker.search.beside_blades(tip, axis).is_some() {
             return false;
         }
         // The way between two positions may be nearer to a wall that bulges than both, and far nearer where the axis jumps from

@@ -50,7 +50,7 @@ fn fans(chart: &Chart, beyond: f64, main: WallName) -> Vec<Curve> {
                     (w, side, _) if (w == main) == (side == own_side) => of_splitter,
                     _ => -1.0,
                 };
-                keep.min(within(chart.layer, p, beyond)).min(sound(chart, wall, at(k), p))
+                keep.min(within(chart, p, beyond)).min(sound(chart, wall, at(k), p))
             });
             curves.extend(pieces.into_iter().map(|points| Curve::new(chart, wall, k, points)));
         }

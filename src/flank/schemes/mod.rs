@@ -53,9 +53,11 @@ fn share_inside(layer: &Layer, a: f64, b: f64) -> f64 {
     ((high.min(layer.to) - low.max(layer.from)) / (high - low)).max(0.0)
 }
 
-/// Not negative within the layer and its runs of `beyond` mm at both ends, measured along the meridian.
-fn within(layer: &Layer, p: LayerPoint, beyond: f64) -> f64 {
-    (p.x - layer.from + beyond).min(layer.to + beyond - p.x)
+/// Not negative between the walls, within the layer and its runs of `beyond` mm at both ends, measured along the meridian.
+fn within(chart: &Chart, p: LayerPoint, beyond: f64) -> f64 {
+    let inside = (p.x - chart.layer.from + beyond).min(chart.layer.to + beyond - p.x);
+    // Arcs round a nose go on into the next channel.
+    if inside >= 0.0 && chart.borders.have_noses() && !chart.is_between(p) { -1.0 } else { inside }
 }
 
 /// An offset may come nearer to its wall by this many intervals: more than the chart errs by.

@@ -13,7 +13,7 @@ pub fn regions(chart: &Chart, beyond: f64) -> Vec<Curve> {
             let pieces = chart.clip(line, |p| {
                 let Some(region) = chart.region(p) else { return -1.0 };
                 let Some(other) = facing(wall, region) else { return -1.0 };
-                let mut keep = (chart.distance(other, p) - own).min(within(chart.layer, p, beyond));
+                let mut keep = (chart.distance(other, p) - own).min(within(chart, p, beyond));
                 if region == Region::Inlet {
                     keep = keep.min(chart.distance(WallName::Splitter, p) - chart.clear);
                 }

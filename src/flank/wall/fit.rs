@@ -67,6 +67,9 @@ const NEAREST_STEPS: usize = 8;
 /// How far an axis goes from the one it is found from, at the foot of the wall and at its tip, mm: on a strongly bowed wall the
 /// best for a strip would lean into the passage and turn far from layer to layer.
 const MOST_OFF: f64 = 0.5;
+/// Share of the height of the wall by which an axis goes from the plain offset at most, at its foot and at its tip, beside the
+/// distance that it keeps.
+const MOST_STRAY: f64 = 0.15;
 /// Most exchanges per step towards the min-max solution.
 const EXCHANGES: usize = 40;
 /// A change of the free numbers below this ends the fit, mm.
@@ -215,6 +218,7 @@ impl Face<'_> {
         let (start, freedoms) = self.start(u);
         let rest = beside.map_or(Vector3::zeros(), |beside| beside.x);
         let mut fitted = Fitted { start, freedoms, x: rest, level: 0.0 };
+        let most_stray = self.reach + MOST_STRAY * (start.high - start.low).norm();
         let most_shift = most_tilt.tan() * (start.high - start.low).norm();
         let mut seen = [Seen::at(u); MAX_LINES];
         // Twice: the first look at a tilted axis begins far from where the wall is nearest, and does not quite get there.
@@ -229,7 +233,9 @@ impl Face<'_> {
             let mut there = seen;
             self.look(&fitted.at(&(fitted.x + step)), &heights.v, &mut there);
             let then = heights.worst(&there);
-            if then >= fitted.level {
+            // Far from where it began an axis may fit another part of the wall.
+            let strays = (fitted.x + step).xy().amax() > most_stray;
+            if then >= fitted.level || strays {
                 // Too far for slopes to tell the truth.
                 shorter = (0.3 * step.amax() / self.reach).min(0.5 * shorter);
             } else {

@@ -136,6 +136,11 @@ impl Strip {
         lines
     }
 
+    /// Whether a place of the wall is in the strip.
+    pub(super) fn holds(&self, column: &Column, v: f64) -> bool {
+        (column.between(&self.low) - 1e-9..=column.between(&self.top) + 1e-9).contains(&v)
+    }
+
     /// Whether a map looks at `row` of a column: at all of the strip, and at some above it.
     pub(super) fn is_judged(&self, column: &Column, row: usize, rows: &[f64]) -> bool {
         let (low, top) = (column.between(&self.low), column.between(&self.top));

@@ -7,7 +7,7 @@ use crate::plunge::clearance::FinishedPart;
 
 /// The finished part, ready for many steps.
 pub(super) struct Surroundings<'a> {
-    pub(super) finished: FinishedPart<'a>,
+    pub(super) finished: &'a FinishedPart<'a>,
     pub(super) tools: &'a [Tool],
     pub(super) hub_allowance: f64,
     pub(super) blade_allowance: f64,
@@ -74,16 +74,17 @@ impl Surroundings<'_> {
         Clearance { hub: self.hub(&cutter), blade: self.blade(&cutter), holder }
     }
 
-    /// Along a whole step. Between two looks a clearance falls below both by no more than the bend of what is near lets it;
+    /// Along a whole step; `ends` are the clearances at both ends, where they are known. Between two looks a clearance falls below both by no more than the bend of what is near lets it;
     /// where that matters the lowest place is looked for.
-    pub(super) fn along(&self, step: &Step) -> Clearance {
+    pub(super) fn along(&self, step: &Step, ends: [Option<Clearance>; 2]) -> Clearance {
         let pieces = (step.length() / PIECE).max(step.turn() / PIECE_TURN).ceil().clamp(1.0, 2000.0);
         let sag = (step.length() / pieces).powi(2) / (8.0 * SHARPEST) + 0.01;
-        let mut least = self.at(step, 0.0);
+        let mut least = ends[0].unwrap_or_else(|| self.at(step, 0.0));
         let mut before = least;
         for k in 0..pieces as usize {
             let (from, to) = (k as f64 / pieces, (k + 1) as f64 / pieces);
-            let after = self.at(step, to);
+            let known = ends[1].filter(|_| k + 1 == pieces as usize);
+            let after = known.unwrap_or_else(|| self.at(step, to));
             least = least.and(after);
             let near = before.blade.min(after.blade) < self.blade_allowance + sag
                 || before.hub.min(after.hub) < self.hub_allowance + sag;

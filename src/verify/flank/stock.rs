@@ -41,14 +41,39 @@ pub(super) struct Struck {
     pub(super) volume: f64,
 }
 
-/// What is left.
+/// A floor after a program.
 pub(super) struct Floor {
-    /// Where more stays than may.
-    pub(super) uncovered: Uncovered,
-    /// The layer.
-    pub(super) layer: ResidualStatistics,
     /// What ran into stock.
     pub(super) struck: Vec<Struck>,
+    /// What is left, unless nothing is cut.
+    left: Option<Left>,
+}
+
+/// What is left over the floor.
+struct Left {
+    grid: FloorGrid,
+    heights: Vec<f32>,
+    /// The cutter with the smallest corner.
+    finest: Tool,
+}
+
+impl Floor {
+    /// Where more stays than may, and the layer.
+    pub(super) fn figures(
+        &self,
+        finished: &FinishedPart,
+        channel: &Channel,
+        blank: &Blank,
+        setup: &Setup,
+    ) -> (Uncovered, ResidualStatistics) {
+        match &self.left {
+            Some(Left { grid, heights, finest }) => (
+                Uncovered::of(finished, channel, blank, setup, finest, grid, heights),
+                statistics(grid, heights, |_| true),
+            ),
+            None => (Uncovered { gap: 1.0, ..Uncovered::default() }, ResidualStatistics::default()),
+        }
+    }
 }
 
 /// Walks `steps` (of one channel) in order.
@@ -63,8 +88,7 @@ pub(super) fn floor_after(
 ) -> Floor {
     let largest = steps.iter().filter(|s| s.feed.is_some()).map(|s| &tools[s.tool]);
     let Some(finest) = largest.min_by(|a, b| a.corner_radius.total_cmp(&b.corner_radius)) else {
-        let uncovered = Uncovered { gap: 1.0, ..Uncovered::default() };
-        return Floor { uncovered, layer: ResidualStatistics::default(), struck: Vec::new() };
+        return Floor { struck: Vec::new(), left: None };
     };
     let source = FloorSource {
         part: finished.part,
@@ -87,11 +111,8 @@ pub(super) fn floor_after(
             }
         }
     }
-    Floor {
-        uncovered: Uncovered::of(finished, channel, blank, setup, finest, &grid, &field.heights),
-        layer: statistics(&grid, &field.heights, |_| true),
-        struck,
-    }
+    let left = Left { grid, heights: field.heights, finest: finest.clone() };
+    Floor { struck, left: Some(left) }
 }
 
 /// Whose the cutters of a field are: of the cuts no one's.

@@ -1,0 +1,101 @@
+//! Flank plans of wheels from other hands, and of one with overlapping blades: no program that `verify` faults.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use vanecut::flank::choice::choose_tool;
+use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
+use vanecut::formats::part_file::{read_part, read_part_bytes};
+use vanecut::formats::tool_library::flank_cutters;
+use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
+use vanecut::monitor::Monitor;
+use vanecut::part::{Channel, FlankScheme, Impeller, Setup};
+use vanecut::verify::{FlankVerdict, verify_flank};
+
+/// A pump with five nearly cylindrical blades that overlap far: their leading edges stand 70° from the meridian on a disc.
+const OVERLAPPING: &str = r#"
+name = "overlapping"
+blades = 5
+[hub]
+control = [[20, -3], [30, 0], [45, 0], [54.5, 0]]
+[shroud]
+control = [[20.5, -14], [30, -12], [45, -9], [54.5, -7]]
+[[main.span]]
+span = 0.0
+leading_edge = 0.12
+theta_leading_edge = 0.0
+angle = [[0.0, 68.0], [1.0, 62.0]]
+thickness = [[0.0, 2.0], [1.0, 2.0]]
+[[main.span]]
+span = 1.0
+leading_edge = 0.12
+theta_leading_edge = 0.0
+angle = [[0.0, 68.0], [1.0, 62.0]]
+thickness = [[0.0, 2.0], [1.0, 2.0]]
+"#;
+
+fn overlapping() -> Impeller {
+    let description = read_part_bytes("overlapping.toml", OVERLAPPING.as_bytes(), "toml");
+    Impeller::build(&description.expect("readable")).expect("an impeller")
+}
+
+fn kj66() -> Impeller {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wheels/kj66_sections.toml");
+    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
+}
+
+fn planned(part: &Impeller, setup: Setup) -> FlankOutcome {
+    let request = FlankRequest { part: Arc::new(part.clone()), setup };
+    FlankJob::default().run(&request, &Monitor::default()).expect("a plan")
+}
+
+/// What `verify` says of the written program.
+fn verdict(outcome: &FlankOutcome) -> FlankVerdict {
+    let (part, plan) = (&outcome.part, &outcome.plan);
+    let text = write_apt(&ClProgram::of_flank(&part.name, &plan.tool, &plan.moves));
+    let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("readable");
+    verify_flank(part, &Channel::of(part), &outcome.setup, &program).expect("can be judged")
+}
+
+#[test]
+fn no_program_is_written_that_verify_faults() {
+    for part in [kj66(), overlapping()] {
+        let outcome = planned(&part, Setup::default());
+        let plan = &outcome.plan;
+        assert!(plan.faults.is_empty(), "{}: {:?}", part.name, plan.faults);
+        assert!(plan.times.cut_length > 1000.0, "{}: {:?}", part.name, plan.times);
+        let left: f64 = plan.left_out.iter().map(|l| l.length).sum();
+        let all = plan.curves.totals[FlankScheme::Balanced as usize].length;
+        assert!(left < 0.5 * all, "{}: {left} of {all} mm left out", part.name);
+        assert!(plan.left_out.iter().all(|l| l.length > 0.0 && !l.why.is_empty()));
+        let verdict = verdict(&outcome);
+        let shown: Vec<_> = verdict.faults.iter().take(5).collect();
+        assert!(verdict.faults.is_empty(), "{}: {shown:#?}", part.name);
+        assert!(verdict.max_overcut <= 0.005, "{}: {} mm over", part.name, verdict.max_overcut);
+        let turn = verdict.max_axis_change.to_degrees();
+        assert!(turn <= 5.0, "{}: axes turn by {turn}° a move", part.name);
+    }
+}
+
+#[test]
+fn the_mouth_between_overlapping_blades_is_covered() {
+    let part = overlapping();
+    let outcome = planned(&part, Setup::default());
+    let of = |scheme: FlankScheme| outcome.plan.curves.totals[scheme as usize];
+    // The chart's nodes blur the ends of arcs round a nose.
+    let gap = of(FlankScheme::Balanced).coverage.largest_gap;
+    assert!(gap < 1.2, "{gap} intervals");
+    assert!(of(FlankScheme::Layers).length <= of(FlankScheme::Isoparametric).length);
+}
+
+#[test]
+fn a_channel_without_room_is_told_with_values_that_work() {
+    let part = overlapping();
+    let mut setup = Setup::default();
+    setup.stock.blade_allowance = 40.0;
+    let error = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect_err("no room");
+    assert!(!error.to_string().contains("D -"), "{error}");
+    setup.stock.blade_allowance = 5.0;
+    let chosen = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect("a cutter");
+    assert!(chosen.tool.diameter < 4.0, "{:?}", chosen);
+}
