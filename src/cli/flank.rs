@@ -6,17 +6,18 @@ use serde_json::{Map, Value, json};
 
 use super::args::FlankArgs;
 use super::plan::{check_folder, make_folder};
-use super::report::{head, number};
+use super::report::{fault_list, head, number};
 use super::watch::watched;
 use super::{Failure, open, say};
 use crate::flank::FlankPlan;
-use crate::formats::apt::{ClProgram, write_apt};
+use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use crate::formats::flank_file::write_flank;
 use crate::formats::setup_file::flank_scheme;
 use crate::formats::write::write_together;
 use crate::job::JobError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
-use crate::part::{FlankScheme, Impeller};
+use crate::part::{Channel, FlankScheme, Impeller};
+use crate::verify::{Fault, counted, verify_flank};
 
 /// Plans, writes the files, prints the figures.
 pub fn run(args: &FlankArgs) -> Result<(), Failure> {
@@ -36,16 +37,35 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let plan = &outcome.plan;
     let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves);
     make_folder(&args.output)?;
+    let written = write_apt(&program);
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
     write_together(&[
         (json.clone(), write_flank(&description, &outcome.setup, plan).as_bytes()),
-        (apt.clone(), write_apt(&program).as_bytes()),
+        (apt.clone(), written.as_bytes()),
     ])?;
+    let name = apt.display().to_string();
+    let faults = faults_of(&outcome, &name, &written)?;
     if args.json {
-        say(&format!("{}\n", Value::Object(object(&outcome))))
+        let mut map = object(&outcome);
+        map.insert("faults".into(), fault_list(&faults));
+        say(&format!("{}\n", Value::Object(map)))?;
     } else {
-        say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))
+        say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))?;
     }
+    let Some(first) = faults.first() else { return Ok(()) };
+    let (line, what, counts) = (first.line, &first.what, counted(&faults));
+    Err(Failure::Work(format!(
+        "{name}:{line}: {what}; in all {counts}: use a thinner cutter, or one with more overhang"
+    )))
+}
+
+/// What `verify` finds wrong with the program as it was written.
+fn faults_of(outcome: &FlankOutcome, name: &str, written: &str) -> Result<Vec<Fault>, Failure> {
+    let program = read_apt_bytes(name, written.as_bytes())?;
+    let channel = Channel::of(&outcome.part);
+    verify_flank(&outcome.part, &channel, &outcome.setup, &program)
+        .map(|verdict| verdict.faults)
+        .map_err(|fault| Failure::at(name, fault.line, &fault.what))
 }
 
 /// Regions of a channel.

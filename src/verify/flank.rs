@@ -12,9 +12,13 @@ mod walls;
 
 use rayon::prelude::*;
 
-use super::fault::{Fault, beyond_machine, near_blade, near_hub, rapid_near_blank};
-use crate::formats::apt::{ClProgram, Motion};
-use crate::part::{Blank, Channel, Impeller, Setup};
+use super::fault::{
+    Fault, FaultKind, Finding, beyond_machine, near_blade, near_hub, other_tool, rapid_near_blank,
+    without_feed,
+};
+use super::too_deep;
+use crate::formats::apt::{ClProgram, Motion, Move};
+use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::retract::bottom_clearance;
@@ -57,6 +61,8 @@ pub struct FlankVerdict {
     pub uncovered: Uncovered,
     /// The layer left on the floor of that channel.
     pub layer: ResidualStatistics,
+    /// Deepest cut: how far above the bottom of the cutter the stock it removes at once reaches over the floor, mm.
+    pub deepest_cut: f64,
     /// Everything that must not be, by line.
     pub faults: Vec<Fault>,
 }
@@ -67,6 +73,10 @@ const HUB_TOLERANCE: f64 = 1e-3;
 const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
 /// Height at which the flank of a cutter may begin, in corner radii: with an axis that leans by 30°.
 const LEANING_CORNER: f64 = 1.5;
+/// See [`most_depth`].
+const MOST_LAYERS: f64 = 4.0;
+/// See [`most_depth`].
+const MOST_DIAMETERS: f64 = 4.0;
 /// Turn of the axis in one move that is too much for a controller to interpolate as it was meant, rad.
 const MOST_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
@@ -125,6 +135,7 @@ pub fn verify_flank(
         max_undercut: f64::NAN,
         uncovered: Uncovered::default(),
         layer: ResidualStatistics::default(),
+        deepest_cut: 0.0,
         faults: Vec::new(),
     };
     for (step, look) in steps.iter().zip(&looks) {
@@ -134,6 +145,7 @@ pub fn verify_flank(
     channels.sort_unstable();
     channels.dedup();
     verdict.channels = channels.len();
+    let mut removed = 0.0;
     for (index, &number) in channels.iter().enumerate() {
         let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
         let ours: Vec<&Step> = here.iter().map(|&k| &steps[k]).collect();
@@ -151,15 +163,31 @@ pub fn verify_flank(
         let places: Vec<Place> = here.iter().enumerate().flat_map(place).collect();
         let floor = floor_after(&surroundings.finished, channel, setup, &blank, &tools, &ours, &places);
         for Struck { step, what, volume } in floor.struck {
-            let what = match what {
-                Probe::Rapid => format!(
-                    "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
+            let (kind, what) = match what {
+                Probe::Rapid => (
+                    FaultKind::RapidInStock,
+                    format!(
+                        "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
+                    ),
                 ),
-                Probe::Holder => format!(
-                    "the holder runs into stock that still stands, about {volume:.0} mm³; cut it before, or give the cutter more overhang"
+                Probe::Holder => (
+                    FaultKind::HolderInStock,
+                    format!(
+                        "the holder runs into stock that still stands, about {volume:.0} mm³; cut it before, or give the cutter more overhang"
+                    ),
                 ),
             };
-            verdict.faults.push(Fault { line: ours[step].line, what });
+            verdict.faults.push(Finding::new(kind, volume, what).at(ours[step].line));
+        }
+        removed += floor.removed;
+        if let Some((depth, step)) = floor.deepest {
+            let tool = &tools[ours[step].tool];
+            if depth > tool.overhang {
+                verdict.faults.push(too_deep(depth, tool).at(ours[step].line));
+            } else if depth > most_depth(tool, setup) {
+                verdict.faults.push(too_thick(depth, tool, setup).at(ours[step].line));
+            }
+            verdict.deepest_cut = verdict.deepest_cut.max(depth);
         }
         if index == 0 || floor.uncovered.share() > verdict.uncovered.share() {
             (verdict.uncovered, verdict.layer) = (floor.uncovered, floor.layer);
@@ -174,8 +202,34 @@ pub fn verify_flank(
     }
     verdict.max_overcut =
         verdict.max_overcut.max(setup.stock.blade_allowance - verdict.min_blade_clearance).max(0.0);
+    let first = steps.iter().find(|step| step.feed.is_some()).map_or(0, |step| step.line);
+    if removed <= 0.0 {
+        let what = "the program cuts nothing of the part: no cut reaches stock over the floor; check its units and its origin";
+        verdict.faults.push(Finding::new(FaultKind::CutsNothing, None, what).at(first));
+    }
+    let no_feed = |step: &&Move| step.tool.is_some() && step.motion == Motion::Feed(None);
+    let without: Vec<usize> = program.moves.iter().filter(no_feed).map(|step| step.line).collect();
+    verdict.faults.extend(without_feed(&without));
+    for (index, tool) in tools.iter().enumerate() {
+        let line = steps.iter().find(|step| step.tool == index).map(|step| step.line);
+        verdict.faults.extend(line.and_then(|line| other_tool(line, tool, setup)));
+    }
     verdict.faults.sort_by_key(|fault| fault.line);
     Ok(verdict)
+}
+
+/// The greatest depth of a cut that is not plainly wrong, mm: a few layers of the setup, or what a cutter can do in full
+/// stock.
+fn most_depth(tool: &Tool, setup: &Setup) -> f64 {
+    (MOST_LAYERS * setup.flank.layer_depth).max(MOST_DIAMETERS * tool.diameter)
+}
+
+fn too_thick(depth: f64, tool: &Tool, setup: &Setup) -> Finding {
+    let what = format!(
+        "cuts {depth:.1} mm deep at once with a cutter of D {}; the layers of the setup are {} mm deep: cut those above first",
+        tool.diameter, setup.flank.layer_depth
+    );
+    Finding::new(FaultKind::TooDeep, depth, what)
 }
 
 /// What was seen along a step.
@@ -250,16 +304,19 @@ impl FlankVerdict {
         let found = [
             near_hub(hub, stock, HUB_TOLERANCE),
             near_blade(blade, stock, BLADE_TOLERANCE),
-            holder.then(|| "the holder runs into a blade, the stock that stays on it, or the hub".to_owned()),
+            holder.then(|| {
+                let what = "the holder runs into a blade, the stock that stays on it, or the hub";
+                Finding::new(FaultKind::HolderCollision, None, what)
+            }),
             rapid_near_blank(look.retract, stock),
             beyond_machine(part, setup, &step.to.1),
             (step.feed.is_some() && step.turn() > MOST_TURN).then(|| {
-                format!(
-                    "turns the axis by {:.0}° in one move under feed; give positions between",
-                    step.turn().to_degrees()
-                )
+                let turn = step.turn().to_degrees();
+                let what =
+                    format!("turns the axis by {turn:.0}° in one move under feed; give positions between");
+                Finding::new(FaultKind::AxisTurn, turn, what)
             }),
         ];
-        self.faults.extend(found.into_iter().flatten().map(|what| Fault { line: step.line, what }));
+        self.faults.extend(found.into_iter().flatten().map(|finding| finding.at(step.line)));
     }
 }
