@@ -145,6 +145,7 @@ fn written<'a>(outcome: &'a PlanOutcome, report: &PlungeReport, channels: usize)
     Figures {
         summary: with_blocked(&report.summary, &one.summary),
         sections: sections.map(|(s, one)| with_blocked(s, one)).collect(),
+        rows: report.verdict.plan.sections.iter().map(|section| section.rows).sum(),
         ..one
     }
 }

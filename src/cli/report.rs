@@ -47,6 +47,8 @@ pub struct Figures<'a> {
     pub summary: Summary,
     /// Those of each of its sections.
     pub sections: Vec<Summary>,
+    /// Number of rows, of all channels.
+    pub rows: usize,
     /// Whether it was planned here: how its axes were found is known.
     pub planned: bool,
 }
@@ -56,7 +58,8 @@ impl<'a> Figures<'a> {
     pub fn of_result(result: &'a PolicyResult, grid: &FloorGrid) -> Self {
         let section = |index| Summary::of_section(&result.plan, grid, &result.field, index);
         let sections = (0..result.plan.sections.len()).map(section).collect();
-        Self { plan: &result.plan, summary: result.summary.clone(), sections, planned: true }
+        let rows = rows_of(&result.plan);
+        Self { plan: &result.plan, summary: result.summary.clone(), sections, rows, planned: true }
     }
 
     /// Of a program.
@@ -65,6 +68,7 @@ impl<'a> Figures<'a> {
             plan: &report.verdict.plan,
             summary: report.summary.clone(),
             sections: report.sections.clone(),
+            rows: rows_of(&report.verdict.plan),
             planned: false,
         }
     }
@@ -81,6 +85,10 @@ impl<'a> Figures<'a> {
     }
 }
 
+fn rows_of(plan: &PlungePlan) -> usize {
+    plan.sections.iter().map(|section| section.rows).sum()
+}
+
 /// What every plan and program prints: the keys of CONTRACT that describe one. `reasons` say why each section was chosen.
 pub fn plan_object(
     part: &Impeller,
@@ -91,7 +99,7 @@ pub fn plan_object(
     let (plan, s) = (figures.plan, &figures.summary);
     let mut map = head(part, Some(channels));
     map.insert("positions".into(), json!(s.positions));
-    map.insert("rows".into(), json!(plan.sections.iter().map(|s| s.rows).sum::<usize>()));
+    map.insert("rows".into(), json!(figures.rows));
     map.insert("sections".into(), json!(figures.cut().count()));
     map.append(&mut decisive(s));
     map.insert("min_hub_clearance".into(), number(s.min_hub_clearance));

@@ -1,7 +1,7 @@
 //! Meridional curves by arc length: the generators of hub, shroud and their offsets.
 
 use super::cubic::{Cubic, chord_lengths};
-use super::{Meridional, norm2};
+use super::{Meridional, norm2, search};
 
 /// A C2 curve in the meridional plane, parametrised by its arc length t in mm from its start, with
 /// a side that counts as outside. Straight beyond its ends.
@@ -227,6 +227,15 @@ impl MeridionalCurve {
                 let across = dz * (d1[0] + moved * d2[0]) - dr * (d1[1] + moved * d2[1]);
                 return (t, norm2(dr, dz).copysign(self.side * across));
             }
+        }
+        // Near a centre of curvature the steps are held back for long: the nearest place is bracketed instead.
+        let squared = |t: f64| {
+            let (p, ..) = self.raw(t);
+            (to.r - p[0]).powi(2) + (to.z - p[1]).powi(2)
+        };
+        let (bracketed, least) = search::minimum(squared, low, high, 1e-9 * self.length);
+        if least < squared(t) {
+            t = bracketed;
         }
         let (p, d1, _) = self.raw(t);
         let (dr, dz) = (to.r - p[0], to.z - p[1]);

@@ -28,7 +28,8 @@ pub struct Flight<'a> {
 const SAMPLE_TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// An even turn of an axis (spherical linear interpolation).
-struct Turn {
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
     from: Vector,
     /// Unit vector across `from`, towards the other end.
     across: Vector,
@@ -36,14 +37,14 @@ struct Turn {
 }
 
 impl Turn {
-    /// Between opposite axes it is one of many.
-    fn new(from: Vector, to: &Vector) -> Self {
+    /// From one unit axis to another; between opposite axes it is one of many.
+    pub fn new(from: Vector, to: &Vector) -> Self {
         let across = (to - from * from.dot(to)).try_normalize(1e-12);
         Self { from, across: across.unwrap_or_else(|| frame_about(&from).0), angle: from.angle(to) }
     }
 
     /// The axis at a share of the turn, and its derivative by the share.
-    fn at(&self, share: f64) -> (Vector, Vector) {
+    pub fn at(&self, share: f64) -> (Vector, Vector) {
         let (sin, cos) = (share * self.angle).sin_cos();
         (self.from * cos + self.across * sin, (self.across * cos - self.from * sin) * self.angle)
     }

@@ -19,7 +19,7 @@ pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
 
 use crate::formats::apt::ClProgram;
-use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
+use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::setup::Stock;
 use crate::part::{AxisPolicy, Feed, Tool};
 use crate::part::{Blank, Channel, Impeller, Setup};
@@ -114,7 +114,7 @@ pub fn verify(
                 hub: worst(&|c| finished.hub_clearance(c)),
                 blade: worst(&|c| finished.blade_clearance(c)),
                 retract,
-                in_blank: NearBottom::of(&cut.cutter, &blank).clearance < 0.0,
+                in_blank: reaches_into(&cut.cutter, &blank),
                 top: whole.top,
                 engaged: if deep { core_contact(&whole, earlier, &blank).depth } else { 0.0 },
                 rapids,
@@ -185,6 +185,14 @@ pub fn verify(
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
     let channels = channels_worked_in(&turns);
     Ok(Verdict { plan, turns, channels, deepest_plunge, faults })
+}
+
+/// Whether the bottom of a cutter is in the blank: its centre, or some of its rim.
+fn reaches_into(cutter: &CutterSolid, blank: &Blank) -> bool {
+    let within = |p: &Point| blank.depth(Meridional::of(p)) > 0.0;
+    let rim = Circle::new(&cutter.tip, &cutter.axis, cutter.radius);
+    let on_rim = |i: u32| rim.at((std::f64::consts::FRAC_PI_6 * f64::from(i)).sin_cos()).0;
+    within(&cutter.tip) || (0..12).any(|i| within(&on_rim(i)))
 }
 
 /// What is wrong with a cut that removes stock up to `depth` mm above the bottom of `tool`.
