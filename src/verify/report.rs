@@ -53,8 +53,7 @@ pub fn report_plunges(
     let mut notes = Vec::new();
     if summary.uncut_share > MUCH_UNCUT {
         notes.push(format!(
-            "cuts {:.1} % of the reachable floor: {:.1} % is left uncut",
-            100.0 * (1.0 - summary.uncut_share),
+            "much is left: {:.1} % of the reachable floor stays uncut",
             100.0 * summary.uncut_share
         ));
     }
