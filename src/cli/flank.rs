@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::args::FlankArgs;
 use super::plan::{check_folder, make_folder};
-use super::report::{head, number};
+use super::report::{fault_list, head, number};
 use super::watch::watched;
 use super::{Failure, open, say};
 use crate::flank::FlankPlan;
@@ -17,6 +17,7 @@ use crate::formats::write::write_together;
 use crate::job::JobError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::part::{FlankScheme, Impeller};
+use crate::verify::counted;
 
 /// Plans, writes the files, prints the figures.
 pub fn run(args: &FlankArgs) -> Result<(), Failure> {
@@ -44,25 +45,26 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     }
     let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves);
     make_folder(&args.output)?;
+    let written = write_apt(&program);
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
     write_together(&[
         (json.clone(), write_flank(&description, &outcome.setup, plan).as_bytes()),
-        (apt.clone(), write_apt(&program).as_bytes()),
+        (apt.clone(), written.as_bytes()),
     ])?;
+    let name = apt.display().to_string();
+    let faults = &outcome.faults;
     if args.json {
-        say(&format!("{}\n", Value::Object(object(&outcome))))?;
+        let mut map = object(&outcome);
+        map.insert("faults".into(), fault_list(faults));
+        say(&format!("{}\n", Value::Object(map)))?;
     } else {
         say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))?;
     }
-    match plan.faults.first() {
-        None => Ok(()),
-        Some(first) => Err(Failure::Work(format!(
-            "{}: {} moves are at fault and could not be left out, the first of them because {}; do not run it, give another cutter or setup",
-            apt.display(),
-            plan.faults.len(),
-            first.why
-        ))),
-    }
+    let Some(first) = faults.first() else { return Ok(()) };
+    let (line, what, counts) = (first.line, &first.what, counted(faults));
+    Err(Failure::Work(format!(
+        "{name}:{line}: {what}; in all {counts}: use a thinner cutter, or one with more overhang"
+    )))
 }
 
 /// Regions of a channel.

@@ -7,15 +7,18 @@ use serde_json::{Value, json};
 
 use super::args::PlanArgs;
 use super::open::OpenSetup;
+use super::report::Figures;
 use super::watch::watched;
 use super::{Failure, open, render, report, say};
-use crate::formats::apt::{ClProgram, write_apt};
+use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use crate::formats::plan_file::write_plan;
 use crate::formats::setup_file::axis_policy;
 use crate::formats::write::write_together;
-use crate::geometry::{rotate_vector_z, rotate_z};
-use crate::job::{self, JobError, PlanOutcome, PlanRequest};
-use crate::part::{AxisPolicy, Impeller};
+use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
+use crate::monitor::Monitor;
+use crate::part::{AxisPolicy, Blank, Channel, Impeller};
+use crate::plunge::whole::plan_channels;
+use crate::verify::{PlungeReport, counted, report_plunges};
 
 /// Cells of the residual field along s and λ.
 pub const FIELD_CELLS: usize = 512;
@@ -35,21 +38,35 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let outcome = outcome(part, &setup, policy, true)?;
     let after = &outcome.after;
     let text = write_plan(&description, &outcome.setup, &after.plan, channels);
-    let program = repeated(&ClProgram::of_plan(&outcome.part.name, &after.plan), &outcome.part, channels);
+    let program = write_apt(&program_of(&outcome, channels)?);
     make_folder(&args.output)?;
-    write_together(&[
-        (args.output.join("plan.json"), text.as_bytes()),
-        (args.output.join("plunge.apt"), write_apt(&program).as_bytes()),
-    ])?;
+    let apt = args.output.join("plunge.apt");
+    write_together(&[(args.output.join("plan.json"), text.as_bytes()), (apt.clone(), program.as_bytes())])?;
     if args.report {
         render::write_report(&args.output, &outcome)?;
     }
+    // What is reported is what was written, read and judged as `verify` does.
+    let name = apt.display().to_string();
+    let written = read_apt_bytes(&name, program.as_bytes())?;
+    let channel = Channel::of(&outcome.part);
+    let report = report_plunges(&outcome.part, &channel, &outcome.setup, &written, FIELD_CELLS)
+        .map_err(|fault| Failure::at(&name, fault.line, &fault.what))?;
     if args.json {
-        say(&format!("{}\n", Value::Object(object(&outcome, channels))))?;
+        say(&format!("{}\n", Value::Object(object(&outcome, &report, channels))))?;
     } else {
-        say(&tables(&outcome, channels, args))?;
+        say(&tables(&outcome, &report, channels, args))?;
     }
-    judge(&outcome)
+    judge(&outcome, &report, &name)
+}
+
+/// The program of the first `channels` channels of a plan.
+fn program_of(outcome: &PlanOutcome, channels: usize) -> Result<ClProgram, Failure> {
+    let (part, stock) = (&outcome.part, &outcome.setup.stock);
+    let blank = Blank::of(part, stock.inlet_extension);
+    let monitor = Monitor::default();
+    let plan = plan_channels(&outcome.after.plan, part, &blank, stock.safety_distance, channels, &monitor)
+        .map_err(|_| Failure::Work("cancelled".to_owned()))?;
+    Ok(ClProgram::of_plan(&part.name, &plan))
 }
 
 /// The shared job, with progress on a terminal.
@@ -82,24 +99,6 @@ fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
     }
 }
 
-/// The program of channel 1, repeated by rotation.
-fn repeated(one: &ClProgram, part: &Impeller, channels: usize) -> ClProgram {
-    let mut program = ClProgram { moves: Vec::new(), ..one.clone() };
-    // Tool by tool, so that no tool is loaded twice.
-    for tool in 0..one.tools.len() {
-        for channel in 0..channels {
-            let angle = part.pitch() * channel as f64;
-            program.moves.extend(one.moves.iter().filter(|m| m.tool == Some(tool)).map(|m| {
-                let mut turned = m.clone();
-                turned.tip = rotate_z(&m.tip, angle);
-                turned.axis = rotate_vector_z(&m.axis, angle);
-                turned
-            }));
-        }
-    }
-    program
-}
-
 /// Tells before the work what [`make_folder`] could only tell after it.
 pub fn check_folder(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
@@ -119,25 +118,41 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     })
 }
 
-fn object(outcome: &PlanOutcome, channels: usize) -> serde_json::Map<String, Value> {
-    let mut map =
-        report::plan_object(&outcome.part, channels, &outcome.after, &outcome.grid, &outcome.reasons);
+fn object(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> serde_json::Map<String, Value> {
+    let (part, grid, reasons) = (&outcome.part, &outcome.grid, &outcome.reasons);
+    let mut map = report::plan_object(part, channels, &written(outcome, report, channels), reasons);
+    let compared = |result| report::compared(&Figures::of_result(result, grid), reasons);
     map.insert("policy".into(), json!(outcome.after.plan.policy));
-    map.insert("before".into(), report::compared(&outcome.before, &outcome.grid, &outcome.reasons));
-    let mut policies = serde_json::Map::new();
-    for result in outcome.policies() {
-        policies.insert(
-            result.plan.policy.name().to_owned(),
-            report::compared(result, &outcome.grid, &outcome.reasons),
-        );
+    if channels > 1 {
+        let one = Figures::of_result(&outcome.after, grid);
+        map.insert("one_channel".into(), Value::Object(report::plan_object(part, 1, &one, reasons)));
     }
-    map.insert("policies".into(), Value::Object(policies));
+    map.insert("before".into(), compared(&outcome.before));
+    let policies = outcome.policies().into_iter();
+    let policies = policies.map(|result| (result.plan.policy.name().to_owned(), compared(result)));
+    map.insert("policies".into(), Value::Object(policies.collect()));
+    map.insert("faults".into(), report::fault_list(&report.verdict.faults));
     map.insert("elapsed".into(), report::number(outcome.elapsed));
     map
 }
 
-fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
+/// The plan with the figures of the program that was written from it.
+fn written<'a>(outcome: &'a PlanOutcome, report: &PlungeReport, channels: usize) -> Figures<'a> {
+    let one = Figures::of_result(&outcome.after, &outcome.grid);
+    // Only the planner knows what blades block, in one channel as in all.
+    let with_blocked = |s: &Summary, one: &Summary| Summary { blocked: one.blocked * channels, ..s.clone() };
+    let sections = report.sections.iter().zip(&one.sections);
+    Figures {
+        summary: with_blocked(&report.summary, &one.summary),
+        sections: sections.map(|(s, one)| with_blocked(s, one)).collect(),
+        rows: report.verdict.plan.sections.iter().map(|section| section.rows).sum(),
+        ..one
+    }
+}
+
+fn tables(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args: &PlanArgs) -> String {
     let part = &outcome.part;
+    let plan = &outcome.after.plan;
     let mut text = format!(
         "{}: {} blades{}, D {:.1}; {channels} of {} channels planned\n",
         part.name,
@@ -146,13 +161,26 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
         2.0 * part.rim_radius(),
         part.blade_count
     );
-    text += &report::table(&outcome.policies(), &outcome.grid);
-    text += &format!("{} as written:\n", outcome.after.plan.policy.name());
-    text += &report::reasons(&outcome.after.plan, &outcome.reasons);
-    text += &report::added(&outcome.after.plan);
-    text += &report::clearances(&outcome.after.plan, &outcome.after.summary);
-    text += &report::held(&outcome.after.plan);
-    text += &report::blocked(&outcome.after.plan);
+    if channels > 1 {
+        text += "one channel:\n";
+    }
+    let policies = outcome.policies().into_iter();
+    text += &report::table(
+        policies.map(|result| (result.plan.policy.name(), Figures::of_result(result, &outcome.grid))),
+    );
+    if channels > 1 {
+        text += &format!("{} as written, {}:\n", plan.policy.name(), report::channels_text(channels));
+        text += &report::table([(plan.policy.name(), written(outcome, report, channels))].into_iter());
+    } else {
+        text += &format!("{} as written:\n", plan.policy.name());
+    }
+    text += &report::reasons(plan, &outcome.reasons);
+    text += &report::added(plan);
+    text += &report::clearances(&report.summary, channels);
+    text += &report::rounds(plan);
+    text += &report::held(plan);
+    text += &report::blocked(plan);
+    text += &report::notes(&report.notes);
     text += &format!(
         "wrote {} and {}\n",
         args.output.join("plan.json").display(),
@@ -161,32 +189,25 @@ fn tables(outcome: &PlanOutcome, channels: usize, args: &PlanArgs) -> String {
     text
 }
 
-/// The work has failed when the plan breaks an allowance, did not come to rest, or was stopped.
-fn judge(outcome: &PlanOutcome) -> Result<(), Failure> {
-    if outcome.after.plan.is_unfinished() {
+/// The work has failed when `verify` would find a fault in the program, the plan did not come to rest, or was stopped.
+fn judge(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Result<(), Failure> {
+    let plan = &outcome.after.plan;
+    if plan.is_unfinished() {
         let what = "stopped: the plan is unfinished, and what was written says so; plan again for all of it";
         return Err(Failure::Work(what.to_owned()));
     }
-    let (stock, s) = (&outcome.setup.stock, &outcome.after.summary);
-    let mut broken = Vec::new();
-    if s.min_hub_clearance < stock.hub_allowance - 1e-3 {
-        broken.push(format!("hub clearance {:.4} mm", s.min_hub_clearance));
+    let faults = &report.verdict.faults;
+    if let Some(first) = faults.first() {
+        return Err(Failure::Work(format!(
+            "{name}:{}: {}; in all {}: plan with --axis minimal, or use smaller cutters or steps",
+            first.line,
+            first.what,
+            counted(faults)
+        )));
     }
-    if s.min_blade_clearance < stock.blade_allowance - 1e-3 {
-        broken.push(format!("blade clearance {:.4} mm", s.min_blade_clearance));
+    if !plan.settled {
+        let what = "the plan does not hold (the loop did not come to rest); use smaller cutters or steps";
+        return Err(Failure::Work(what.to_owned()));
     }
-    if s.min_retract_clearance < stock.safety_distance - 1e-3 {
-        broken.push(format!("retract clearance {:.3} mm", s.min_retract_clearance));
-    }
-    if !outcome.after.plan.settled {
-        broken.push("the loop did not come to rest".to_owned());
-    }
-    if broken.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::Work(format!(
-            "the plan does not hold ({}); use smaller cutters or steps",
-            broken.join(", ")
-        )))
-    }
+    Ok(())
 }

@@ -183,7 +183,9 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
             );
         }
     }
-    let table = report::table(&outcome.policies(), &outcome.grid);
+    let policies = outcome.policies().into_iter();
+    let rows = policies.map(|r| (r.plan.policy.name(), report::Figures::of_result(r, &outcome.grid)));
+    let table = report::table(rows);
     let html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: plunge plan</title>\n\
          <style>body{{font-family:sans-serif;margin:2em;max-width:1000px}}figure{{display:inline-block;margin:4px}}</style>\n\
@@ -191,7 +193,7 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
          <p>Colours of stock on the hub: {low:.2} mm (dark) to {high:.2} mm (bright).</p>\n{figures}</html>\n",
         name = escaped(&outcome.part.name),
         table = escaped(&table),
-        clear = escaped(&report::clearances(&outcome.after.plan, &outcome.after.summary)),
+        clear = escaped(&report::clearances(&outcome.after.summary, 1)),
         blocked = escaped(&report::blocked(&outcome.after.plan)),
         low = range.0,
         high = range.1,

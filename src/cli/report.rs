@@ -6,6 +6,7 @@ use crate::job::{PolicyResult, Summary};
 use crate::part::{Feed, Impeller};
 use crate::plunge::{Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped};
 use crate::residual::FloorGrid;
+use crate::verify::{Fault, PlungeReport};
 
 /// A number, or null where there is none.
 pub fn number(x: f64) -> Value {
@@ -37,19 +38,69 @@ pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
     map
 }
 
-/// What every plan prints: the keys of CONTRACT that describe one plan. `reasons` say why each section was chosen.
+/// A plan with its figures, and those of its sections.
+#[derive(Clone, Debug)]
+pub struct Figures<'a> {
+    /// The plan.
+    pub plan: &'a PlungePlan,
+    /// Its figures.
+    pub summary: Summary,
+    /// Those of each of its sections.
+    pub sections: Vec<Summary>,
+    /// Number of rows, of all channels.
+    pub rows: usize,
+    /// Whether it was planned here: how its axes were found is known.
+    pub planned: bool,
+}
+
+impl<'a> Figures<'a> {
+    /// Of a plan of one channel.
+    pub fn of_result(result: &'a PolicyResult, grid: &FloorGrid) -> Self {
+        let section = |index| Summary::of_section(&result.plan, grid, &result.field, index);
+        let sections = (0..result.plan.sections.len()).map(section).collect();
+        let rows = rows_of(&result.plan);
+        Self { plan: &result.plan, summary: result.summary.clone(), sections, rows, planned: true }
+    }
+
+    /// Of a program.
+    pub fn of_program(report: &'a PlungeReport) -> Self {
+        Self {
+            plan: &report.verdict.plan,
+            summary: report.summary.clone(),
+            sections: report.sections.clone(),
+            rows: rows_of(&report.verdict.plan),
+            planned: false,
+        }
+    }
+
+    /// The sections that are cut, with their places in the plan and their figures.
+    fn cut(&self) -> impl Iterator<Item = (usize, &SectionPlan, &Summary)> {
+        let sections = self.plan.sections.iter().zip(&self.sections).enumerate();
+        sections.filter(|(_, (section, _))| section.is_cut()).map(|(index, (section, s))| (index, section, s))
+    }
+
+    /// A value that only the planner knows.
+    fn planners(&self, value: impl FnOnce() -> Value) -> Value {
+        if self.planned { value() } else { Value::Null }
+    }
+}
+
+fn rows_of(plan: &PlungePlan) -> usize {
+    plan.sections.iter().map(|section| section.rows).sum()
+}
+
+/// What every plan and program prints: the keys of CONTRACT that describe one. `reasons` say why each section was chosen.
 pub fn plan_object(
     part: &Impeller,
     channels: usize,
-    result: &PolicyResult,
-    grid: &FloorGrid,
+    figures: &Figures,
     reasons: &[Option<String>],
 ) -> Map<String, Value> {
-    let (plan, s) = (&result.plan, &result.summary);
+    let (plan, s) = (figures.plan, &figures.summary);
     let mut map = head(part, Some(channels));
     map.insert("positions".into(), json!(s.positions));
-    map.insert("rows".into(), json!(plan.sections.iter().map(|s| s.rows).sum::<usize>()));
-    map.insert("sections".into(), json!(plan.sections.iter().filter(|s| s.is_cut()).count()));
+    map.insert("rows".into(), json!(figures.rows));
+    map.insert("sections".into(), json!(figures.cut().count()));
     map.append(&mut decisive(s));
     map.insert("min_hub_clearance".into(), number(s.min_hub_clearance));
     map.insert("min_blade_clearance".into(), number(s.min_blade_clearance));
@@ -58,54 +109,58 @@ pub fn plan_object(
     map.insert("cut_length".into(), number(s.cut_length));
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
-    map.insert("blocked".into(), json!(s.blocked));
-    map.insert("held".into(), held_object(&held_back(plan, None)));
-    map.insert("settled".into(), json!(plan.settled));
-    map.insert("stopped".into(), json!(plan.is_unfinished().then(|| Stopped::Cancelled.name())));
-    map.insert("rounds".into(), json!(plan.rounds));
-    map.insert("by_section".into(), by_section(result, grid, reasons));
+    map.insert("blocked".into(), figures.planners(|| json!(s.blocked)));
+    map.insert("held".into(), figures.planners(|| held_object(&held_back(plan, None))));
+    map.insert("settled".into(), figures.planners(|| json!(plan.settled)));
+    let stopped = || json!(plan.is_unfinished().then(|| Stopped::Cancelled.name()));
+    map.insert("stopped".into(), figures.planners(stopped));
+    map.insert("rounds".into(), figures.planners(|| json!(plan.rounds)));
+    map.insert("by_section".into(), by_section(figures, reasons));
     map
 }
 
 /// Residual and contact keys of a plan, with its sections: for `before` and `policies`.
-pub fn compared(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>]) -> Value {
-    let mut map = decisive(&result.summary);
-    map.insert("positions".into(), json!(result.summary.positions));
-    map.insert("blocked".into(), json!(result.summary.blocked));
-    map.insert("by_section".into(), by_section(result, grid, reasons));
+pub fn compared(figures: &Figures, reasons: &[Option<String>]) -> Value {
+    let mut map = decisive(&figures.summary);
+    map.insert("positions".into(), json!(figures.summary.positions));
+    map.insert("blocked".into(), json!(figures.summary.blocked));
+    map.insert("by_section".into(), by_section(figures, reasons));
     Value::Object(map)
 }
 
-fn by_section(result: &PolicyResult, grid: &FloorGrid, reasons: &[Option<String>]) -> Value {
-    let sections = sections(result, grid)
-        .map(|(index, section, s)| {
-            let mut map = Map::new();
-            map.insert("tool".into(), json!(section.tool.number));
-            map.insert("diameter".into(), number(section.tool.diameter));
-            map.insert("from".into(), number(section.from));
-            map.insert("to".into(), number(section.to));
-            map.insert("feed".into(), json!(feed_word(section.feed)));
-            map.insert("rest".into(), json!(section.rest));
-            map.insert("positions".into(), json!(s.positions));
-            map.append(&mut decisive(&s));
-            map.insert("blocked".into(), json!(s.blocked));
-            map.insert("held".into(), held_object(&held_back(&result.plan, Some(index))));
-            map.insert("added".into(), json!(section.added.map(|(count, _)| count)));
-            map.insert("stopped".into(), json!(section.added.map(|(_, stopped)| stopped.name())));
-            map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
-            Value::Object(map)
-        })
-        .collect();
-    Value::Array(sections)
+fn by_section(figures: &Figures, reasons: &[Option<String>]) -> Value {
+    let object = |(index, section, s): (usize, &SectionPlan, &Summary)| {
+        let mut map = Map::new();
+        map.insert("tool".into(), json!(section.tool.number));
+        map.insert("diameter".into(), number(section.tool.diameter));
+        map.insert("from".into(), number(section.from));
+        map.insert("to".into(), number(section.to));
+        map.insert("feed".into(), json!(feed_word(section.feed)));
+        map.insert("rest".into(), json!(section.rest));
+        map.insert("positions".into(), json!(s.positions));
+        map.append(&mut decisive(s));
+        map.insert("blocked".into(), figures.planners(|| json!(s.blocked)));
+        map.insert("held".into(), figures.planners(|| held_object(&held_back(figures.plan, Some(index)))));
+        map.insert("added".into(), json!(section.added.map(|(count, _)| count)));
+        map.insert("stopped".into(), json!(section.added.map(|(_, stopped)| stopped.name())));
+        map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
+        Value::Object(map)
+    };
+    Value::Array(figures.cut().map(object).collect())
 }
 
-/// The sections of a plan's program, with their places in the plan and their figures.
-fn sections<'r>(
-    result: &'r PolicyResult,
-    grid: &'r FloorGrid,
-) -> impl Iterator<Item = (usize, &'r SectionPlan, Summary)> {
-    let sections = result.plan.sections.iter().enumerate().filter(|(_, section)| section.is_cut());
-    sections.map(|(i, section)| (i, section, Summary::of_section(&result.plan, grid, &result.field, i)))
+/// The list `faults` of `--json`; `what` is the older name of `message`.
+pub fn fault_list(faults: &[Fault]) -> Value {
+    let one = |f: &Fault| {
+        let value = f.value.map_or(Value::Null, number);
+        json!({"line": f.line, "kind": f.kind, "value": value, "message": f.what, "what": f.what})
+    };
+    Value::Array(faults.iter().map(one).collect())
+}
+
+/// `n channels`.
+pub fn channels_text(count: usize) -> String {
+    if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }
 }
 
 fn feed_word(feed: Feed) -> &'static str {
@@ -115,27 +170,20 @@ fn feed_word(feed: Feed) -> &'static str {
     }
 }
 
-/// Table of plans, section by section.
-pub fn table(results: &[&PolicyResult], grid: &FloorGrid) -> String {
-    named_table(results.iter().map(|result| (result.plan.policy.name(), *result)), grid)
-}
-
-/// Table of plans under names of their own.
-pub fn named_table<'r>(
-    results: impl Iterator<Item = (&'r str, &'r PolicyResult)>,
-    grid: &FloorGrid,
-) -> String {
+/// Table of plans under their names, section by section.
+pub fn table<'a>(rows: impl Iterator<Item = (&'a str, Figures<'a>)>) -> String {
     let mut text = String::from(
         "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  uncut %  out of reach %  blocked\n",
     );
-    for (name, result) in results {
-        let whole = [(String::from("all"), String::new(), result.summary.clone())];
-        let parts = sections(result, grid).map(|(_, section, s)| {
+    for (name, figures) in rows {
+        let whole = (String::from("all"), String::new(), &figures.summary);
+        let parts = figures.cut().map(|(_, section, s)| {
             (format!("{:.2} to {:.2}", section.from, section.to), format!("D {}", section.tool.diameter), s)
         });
-        for (section, tool, s) in parts.chain(whole) {
+        for (section, tool, s) in parts.chain([whole]) {
+            let blocked = if figures.planned { s.blocked.to_string() } else { "-".to_owned() };
             text += &format!(
-                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  {:>7.1}  {:>14.1}  {:>7}\n",
+                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  {:>7.1}  {:>14.1}  {blocked:>7}\n",
                 s.positions,
                 s.interferential,
                 s.max_contact_depth,
@@ -143,7 +191,6 @@ pub fn named_table<'r>(
                 s.residual_p95,
                 100.0 * s.uncut_share,
                 100.0 * s.unreachable_share,
-                s.blocked
             );
         }
     }
@@ -217,19 +264,30 @@ pub fn added(plan: &PlungePlan) -> String {
     text
 }
 
-/// The lines under the table: clearances and time.
-pub fn clearances(plan: &PlungePlan, s: &Summary) -> String {
+/// Clearances, axis change and time of a program of `channels` channels.
+pub fn clearances(s: &Summary, channels: usize) -> String {
     format!(
-        "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; axis change up to {:.1}°\n\
-         {} rounds, {}; about {:.0} min a channel (tool changes and accelerations left out)\n",
+        "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; axis change up to {:.1}° within a row\n\
+         {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {} (tool changes and accelerations left out)\n",
         s.min_hub_clearance,
         s.min_blade_clearance,
         s.min_retract_clearance,
         s.max_axis_change.to_degrees(),
-        plan.rounds,
-        if plan.settled { "settled" } else { "NOT settled" },
-        s.time_estimate / 60.0
+        s.cut_length,
+        s.rapid_length,
+        s.time_estimate / 60.0,
+        channels_text(channels),
     )
+}
+
+/// Notes, one a line.
+pub fn notes(notes: &[String]) -> String {
+    notes.iter().map(|note| format!("{note}\n")).collect()
+}
+
+/// How the loop of the planner ended.
+pub fn rounds(plan: &PlungePlan) -> String {
+    format!("{} rounds, {}\n", plan.rounds, if plan.settled { "settled" } else { "NOT settled" })
 }
 
 /// Names every blocked position of a plan, section by section, and counts those that were left out.

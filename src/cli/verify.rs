@@ -8,13 +8,12 @@ use serde_json::{Map, Value, json};
 
 use super::args::VerifyArgs;
 use super::plan::FIELD_CELLS;
+use super::report::Figures;
 use super::{Failure, open, report, say};
-use crate::formats::apt::read_apt_bytes;
-use crate::job::{PolicyResult, Summary};
-use crate::part::{Blank, Channel, Impeller, Setup};
+use crate::formats::apt::{ClWarning, read_apt_bytes};
+use crate::part::{Channel, Impeller};
 use crate::plunge::sections::check_part;
-use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
-use crate::verify::{Fault, Verdict, is_flank, verify, verify_flank};
+use crate::verify::{Fault, PlungeReport, is_flank, report_plunges, verify_flank};
 
 /// Faults printed one by one before the rest is only counted.
 const MAX_SHOWN: usize = 20;
@@ -39,13 +38,14 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         let verdict = verify_flank(&part, &channel, setup, &program).map_err(unjudged)?;
         (flank::object(&part, &verdict), flank::text(&verdict), verdict.faults)
     } else {
-        let verdict = verify(&part, &channel, setup, &program).map_err(unjudged)?;
-        plunges(&part, &channel, setup, verdict)
+        let report = report_plunges(&part, &channel, setup, &program, FIELD_CELLS).map_err(unjudged)?;
+        (plunge_object(&part, &report), plunge_text(&report), report.verdict.faults)
     };
     if args.json {
         map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
-        let listed = faults.iter().map(|f| json!({"line": f.line, "what": f.what})).collect();
-        map.insert("faults".into(), Value::Array(listed));
+        map.insert("faults".into(), report::fault_list(&faults));
+        let warning = |w: &ClWarning| json!({"line": w.line, "message": w.what});
+        map.insert("warnings".into(), program.warnings.iter().map(warning).collect());
         say(&format!("{}\n", Value::Object(map)))?;
     } else {
         for warning in &program.warnings {
@@ -66,27 +66,12 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
 }
 
-/// Object, text and faults of a plunge program.
-fn plunges(
-    part: &Impeller,
-    channel: &Channel,
-    setup: &Setup,
-    verdict: Verdict,
-) -> (Map<String, Value>, String, Vec<Fault>) {
-    let blank = Blank::of(part, setup.stock.inlet_extension);
-    let source = FloorSource {
-        part,
-        channel,
-        blank: &blank,
-        stock: &setup.stock,
-        cutters: &stretches_of(&verdict.plan),
-    };
-    let grid = FloorGrid::new(&source, FIELD_CELLS);
-    let field = residual_field(&grid, &cutters_of(&verdict.plan));
-    let summary = Summary::of(&verdict.plan, &grid, &field);
-    let result = PolicyResult { plan: verdict.plan, field, summary };
-    let mut map = report::plan_object(part, verdict.channels, &result, &grid, &[]);
+/// The object of a plunge program.
+fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
+    let mut map = report::plan_object(part, report.verdict.channels, &Figures::of_program(report), &[]);
     map.insert("kind".into(), json!("plunge"));
+    map.insert("cut_share".into(), report::number(1.0 - report.summary.uncut_share));
+    map.insert("deepest_cut".into(), report::number(report.verdict.deepest_plunge));
     for key in [
         "max_overcut",
         "max_undercut",
@@ -97,11 +82,18 @@ fn plunges(
     ] {
         map.insert(key.into(), Value::Null);
     }
-    let mut text = report::named_table([("program", &result)].into_iter(), &grid);
-    let s = &result.summary;
+    map
+}
+
+/// The same for people.
+fn plunge_text(report: &PlungeReport) -> String {
+    let mut text = report::table([("program", Figures::of_program(report))].into_iter());
+    text += &report::clearances(&report.summary, report.verdict.channels);
     text += &format!(
-        "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm\n",
-        s.min_hub_clearance, s.min_blade_clearance, s.min_retract_clearance
+        "cuts {:.1} % of the reachable floor; deepest plunge {:.1} mm through the blank\n",
+        100.0 * (1.0 - report.summary.uncut_share),
+        report.verdict.deepest_plunge
     );
-    (map, text, verdict.faults)
+    text += &report::notes(&report.notes);
+    text
 }

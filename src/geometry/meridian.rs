@@ -1,7 +1,7 @@
 //! Meridional curves by arc length: the generators of hub, shroud and their offsets.
 
 use super::cubic::{Cubic, chord_lengths};
-use super::{Meridional, norm2};
+use super::{Meridional, norm2, search};
 
 /// A C2 curve in the meridional plane, parametrised by its arc length t in mm from its start, with
 /// a side that counts as outside. Straight beyond its ends.
@@ -175,16 +175,35 @@ impl MeridionalCurve {
 
     /// Nearest point within the ends: (arc length t, signed distance in mm, positive on the outer side).
     pub fn project(&self, to: Meridional) -> (f64, f64) {
+        let squared = |p: &[f64; 2]| {
+            let (dr, dz) = (p[0] - to.r, p[1] - to.z);
+            dr * dr + dz * dz
+        };
         let mut best = (f64::INFINITY, 0);
         for (i, p) in self.looks.iter().enumerate() {
-            let (dr, dz) = (p[0] - to.r, p[1] - to.z);
-            let d = dr * dr + dz * dz;
+            let d = squared(p);
             if d < best.0 {
                 best = (d, i);
             }
         }
         let apart = self.length / (self.looks.len() - 1) as f64;
-        self.project_near(to, apart * best.1 as f64, apart)
+        let mut found = self.project_near(to, apart * best.1 as f64, apart);
+        // Another place that is nearest among its neighbours may be nearer still between two looks.
+        let worth = found.1.abs() + 0.5 * apart;
+        let last = self.looks.len() - 1;
+        for i in (0..=last).filter(|i| i.abs_diff(best.1) > 1) {
+            let here = squared(&self.looks[i]);
+            if here < worth * worth
+                && (i == 0 || here <= squared(&self.looks[i - 1]))
+                && (i == last || here <= squared(&self.looks[i + 1]))
+            {
+                let other = self.project_near(to, apart * i as f64, apart);
+                if other.1.abs() < found.1.abs() {
+                    found = other;
+                }
+            }
+        }
+        found
     }
 
     /// As [`Self::project`], searching only within `reach` mm of arc length about `guess`.
@@ -208,6 +227,15 @@ impl MeridionalCurve {
                 let across = dz * (d1[0] + moved * d2[0]) - dr * (d1[1] + moved * d2[1]);
                 return (t, norm2(dr, dz).copysign(self.side * across));
             }
+        }
+        // Near a centre of curvature the steps are held back for long: the nearest place is bracketed instead.
+        let squared = |t: f64| {
+            let (p, ..) = self.raw(t);
+            (to.r - p[0]).powi(2) + (to.z - p[1]).powi(2)
+        };
+        let (bracketed, least) = search::minimum(squared, low, high, 1e-9 * self.length);
+        if least < squared(t) {
+            t = bracketed;
         }
         let (p, d1, _) = self.raw(t);
         let (dr, dz) = (to.r - p[0], to.z - p[1]);

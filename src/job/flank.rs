@@ -11,7 +11,7 @@ use crate::formats::tool_library::flank_cutters;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller, Setup, Tool};
 use crate::plunge::sections::check_part;
-use crate::verify::{FlankFault, FlankFaultKind, FlankVerifier};
+use crate::verify::{Fault, FaultKind, FlankVerifier};
 
 /// What to plan.
 #[derive(Clone, Debug)]
@@ -31,6 +31,8 @@ pub struct FlankOutcome {
     pub setup: Setup,
     /// The plan.
     pub plan: FlankPlan,
+    /// What `verify` finds wrong with the program of the plan; empty unless something could not be left out.
+    pub faults: Vec<Fault>,
     /// Wall time of the work, s.
     pub elapsed: f64,
 }
@@ -63,8 +65,9 @@ impl FlankJob {
         let channel = Channel::of(part);
         let chosen = choose_tool(part, &channel, &request.setup, flank_cutters())?;
         let mut verifier = FlankVerifier::new(part, &channel, &request.setup);
+        let mut faults = Vec::new();
         let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {
-            faults_as_written(&mut verifier, &part.name, tool, moves, monitor)
+            faults_as_written(&mut verifier, &part.name, tool, moves, &mut faults, monitor)
         };
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let known = last.take().filter(|(known, _)| Arc::ptr_eq(known, part)).map(|(_, stages)| stages);
@@ -77,16 +80,17 @@ impl FlankJob {
             setup.tools.push(chosen.tool.clone());
         }
         setup.flank.tool = Some(chosen.tool.number);
-        Ok(FlankOutcome { part: part.clone(), setup, plan, elapsed: started.elapsed().as_secs_f64() })
+        Ok(FlankOutcome { part: part.clone(), setup, plan, faults, elapsed: started.elapsed().as_secs_f64() })
     }
 }
 
-/// What `verify` will find wrong with the program of `moves` as it is written.
+/// What `verify` finds wrong with the program of `moves` as it is written: in `found`, and by moves.
 fn faults_as_written(
     verifier: &mut FlankVerifier,
     name: &str,
     tool: &Tool,
     moves: &[FlankMove],
+    found: &mut Vec<Fault>,
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
     let written = write_apt(&ClProgram::of_flank(name, tool, moves));
@@ -97,22 +101,31 @@ fn faults_as_written(
     let Ok(faults) = verifier.faults(&program, monitor) else {
         return Ok(all("its program cannot be judged"));
     };
-    let move_fault = |FlankFault { kind, fault }: FlankFault| {
+    *found = faults?;
+    let move_fault = |fault: &Fault| {
         let index = program.moves.partition_point(|m| m.line < fault.line);
-        MoveFault { index, why: reason(kind) }
+        Some(MoveFault { index, why: reason(fault.kind)? })
     };
-    Ok(faults?.into_iter().map(move_fault).collect())
+    Ok(found.iter().filter_map(move_fault).collect())
 }
 
-/// Why a move with a fault is left out, for people.
-fn reason(kind: FlankFaultKind) -> &'static str {
-    match kind {
-        FlankFaultKind::Hub => "the cutter would come too near to the hub",
-        FlankFaultKind::Blade => "the cutter would come too near to a blade",
-        FlankFaultKind::Holder => "the holder would meet a blade or the hub",
-        FlankFaultKind::HolderInStock => "the holder would meet stock that still stands",
-        FlankFaultKind::Rapid => "no rapid above the blank leads there",
-        FlankFaultKind::Machine => "the machine does not tilt the axis that far",
-        FlankFaultKind::Turn => "the axis would turn too far in one move",
-    }
+/// Why a move with a fault is left out, for people; `None` for faults that are not of one move.
+fn reason(kind: FaultKind) -> Option<&'static str> {
+    Some(match kind {
+        FaultKind::HubAllowance => "the cutter would come too near to the hub",
+        FaultKind::BladeAllowance => "the cutter would come too near to a blade",
+        FaultKind::HolderCollision => "the holder would meet a blade or the hub",
+        FaultKind::HolderInStock => "the holder would meet stock that still stands",
+        FaultKind::RapidClearance | FaultKind::RapidInStock | FaultKind::ToolInBlank => {
+            "no rapid above the blank leads there"
+        }
+        FaultKind::AxisTilt => "the machine does not tilt the axis that far",
+        FaultKind::AxisTurn => "the axis would turn too far in one move",
+        FaultKind::TooDeep => "the cut would be too deep at once",
+        FaultKind::CoreContact
+        | FaultKind::NoFeed
+        | FaultKind::CutsNothing
+        | FaultKind::ToolDiffers
+        | FaultKind::NotJudged => return None,
+    })
 }

@@ -3,14 +3,13 @@
 
 pub mod flank;
 pub mod stage;
-pub mod summary;
 pub mod worker;
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+pub use crate::verify::Summary;
 pub use stage::{Listener, Stage};
-pub use summary::Summary;
 
 use rayon::prelude::*;
 

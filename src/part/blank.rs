@@ -22,7 +22,12 @@ pub struct Blank {
     r_max: f64,
     z_range: (f64, f64),
     coarse_shroud: CoarseHeights,
+    /// How far from hub and from shroud a place of the curve nearest among its neighbours is the nearest of all, mm.
+    single: (f64, f64),
 }
+
+/// Share of a curve's length, either way of a guess, over which a projection is searched first.
+const WARM_REACH: f64 = 0.2;
 
 impl Blank {
     /// The blank of `part`, lengthened by `inlet_extension` mm before the leading edge.
@@ -48,7 +53,8 @@ impl Blank {
             ends.map(|(a, b)| ((inside.r - a.r) * (b.z - a.z) - (inside.z - a.z) * (b.r - a.r)).signum());
         let (r_max, z_range) = (r_max + 0.1, (z_range.0 - 0.1, z_range.1 + 0.1));
         let coarse_shroud = CoarseHeights::new(&shroud, r_max, z_range);
-        Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud }
+        let single = (single_foot_within(&hub), single_foot_within(&shroud));
+        Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud, single }
     }
 
     /// Points along the leading-edge line and the rim line: circles a cutter above the blank meets.
@@ -88,13 +94,9 @@ impl Blank {
 
     /// Signed distances from hub and shroud, positive away from the hub body.
     fn heights(&self, point: Meridional, warm: &mut Option<(f64, f64)>) -> (f64, f64) {
-        let ((th, above_hub), (ts, above_shroud)) = match *warm {
-            Some((th, ts)) => (
-                self.hub.project_near(point, th, 0.2 * self.hub.length()),
-                self.shroud.project_near(point, ts, 0.2 * self.shroud.length()),
-            ),
-            None => (self.hub.project(point), self.shroud.project(point)),
-        };
+        let guess = warm.unzip();
+        let (th, above_hub) = project(&self.hub, point, guess.0, self.single.0);
+        let (ts, above_shroud) = project(&self.shroud, point, guess.1, self.single.1);
         *warm = Some((th, ts));
         (above_hub, above_shroud)
     }
@@ -132,12 +134,9 @@ impl Blank {
         height
     }
 
-    /// Arc length and signed distance of the place of the shroud nearest to `point`; near arc length `warm` if given.
+    /// Arc length and signed distance of the place of the shroud nearest to `point`, which `warm` may help to find.
     fn on_shroud(&self, point: Meridional, warm: Option<f64>) -> (f64, f64) {
-        match warm {
-            Some(t) => self.shroud.project_near(point, t, 0.2 * self.shroud.length()),
-            None => self.shroud.project(point),
-        }
+        project(&self.shroud, point, warm, self.single.1)
     }
 
     /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub
@@ -236,6 +235,31 @@ impl Blank {
         }
         (low < high).then_some((low, high))
     }
+}
+
+/// Nearest place of `curve`: (arc length, signed distance). About a `guess` first; what is found there is taken only
+/// where it is the nearest of the whole curve: not at a border of the search, and no further away than `single`.
+fn project(curve: &MeridionalCurve, point: Meridional, guess: Option<f64>, single: f64) -> (f64, f64) {
+    if let Some(guess) = guess {
+        let reach = WARM_REACH * curve.length();
+        let (t, distance) = curve.project_near(point, guess, reach);
+        if distance.abs() <= single && (t - guess).abs() < reach - 1e-9 * curve.length() {
+            return (t, distance);
+        }
+    }
+    curve.project(point)
+}
+
+/// The greatest distance from `curve` at which no place of it further off than a warm search looks can be nearer than
+/// one that it finds: half the least chord of stretches of that length, less what lies between the places looked at.
+fn single_foot_within(curve: &MeridionalCurve) -> f64 {
+    const PLACES: usize = 64;
+    let spacing = curve.length() / PLACES as f64;
+    let apart = (WARM_REACH * PLACES as f64).floor() as usize - 1;
+    let at: Vec<Meridional> = (0..=PLACES).map(|i| curve.point(spacing * i as f64)).collect();
+    let far = |i: usize| at[(i + apart).min(PLACES + 1)..].iter().map(move |b| (i, b));
+    let chords = (0..=PLACES).flat_map(far).map(|(i, b)| at[i].distance(*b));
+    (0.5 * (chords.fold(f64::INFINITY, f64::min) - spacing)).max(0.0)
 }
 
 /// Heights above a curve at the nodes of a coarse grid of the meridional plane. A height changes by no more than

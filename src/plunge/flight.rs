@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::retract::NearBottom;
-use crate::geometry::{Point, Vector, search};
+use super::retract::{NearBottom, RetractSurface};
+use crate::geometry::{Point, Vector, frame_about, search};
 use crate::part::{Blank, Tool};
 
 /// Places looked at along a flight, in cutter diameters, and the most of them.
@@ -24,22 +24,51 @@ pub struct Flight<'a> {
     pub to: (Point, Vector),
 }
 
+/// Greatest turn of the axis between two places looked at, rad.
+const SAMPLE_TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
+
+/// An even turn of an axis (spherical linear interpolation).
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    from: Vector,
+    /// Unit vector across `from`, towards the other end.
+    across: Vector,
+    angle: f64,
+}
+
+impl Turn {
+    /// From one unit axis to another; between opposite axes it is one of many.
+    pub fn new(from: Vector, to: &Vector) -> Self {
+        let across = (to - from * from.dot(to)).try_normalize(1e-12);
+        Self { from, across: across.unwrap_or_else(|| frame_about(&from).0), angle: from.angle(to) }
+    }
+
+    /// The axis at a share of the turn, and its derivative by the share.
+    pub fn at(&self, share: f64) -> (Vector, Vector) {
+        let (sin, cos) = (share * self.angle).sin_cos();
+        (self.from * cos + self.across * sin, (self.across * cos - self.from * sin) * self.angle)
+    }
+}
+
 impl Flight<'_> {
+    /// Number of places to look at between both ends, `spacing` mm apart or nearer.
+    fn samples(&self, turn: &Turn, spacing: f64) -> usize {
+        let looks = ((self.to.0 - self.from.0).norm() / spacing).max(turn.angle / SAMPLE_TURN);
+        (looks.ceil() as usize).clamp(1, MAX_SAMPLES)
+    }
+
     /// Least distance of the cutter's bottom to the blank between both ends, mm; any of its distances below `enough` when
     /// there is one. `ends`: the bottom where the flight begins and ends.
     pub fn clearance(&self, ends: [&NearBottom; 2], enough: f64) -> f64 {
         let (from, to) = (self.from, self.to);
-        let (motion, tilt) = (to.0 - from.0, to.1 - from.1);
-        let looks = motion.norm() / (SAMPLE_DIAMETERS * self.tool.diameter);
-        let samples = (looks.ceil() as usize).clamp(1, MAX_SAMPLES);
+        let (motion, turn) = (to.0 - from.0, Turn::new(from.1, &to.1));
+        let samples = self.samples(&turn, SAMPLE_DIAMETERS * self.tool.diameter);
         let spacing = 1.0 / (samples + 1) as f64;
         // Clearance at a share of the way, and its slope there.
         let look = |share: f64, known: Option<&NearBottom>| {
-            let between = from.1 + tilt * share;
-            let axis = between.normalize();
+            let (axis, turning) = turn.at(share);
             let cutter = self.tool.placed(from.0 + motion * share, axis);
             let near = known.copied().unwrap_or_else(|| NearBottom::of(&cutter, self.blank));
-            let turning = (tilt - axis * axis.dot(&tilt)) / between.norm();
             (near.clearance, near.growth(&cutter, &motion, &turning))
         };
         let at = |i: usize| match i {
@@ -60,5 +89,18 @@ impl Flight<'_> {
             least = least.min(search::least_in_dip(|x| look(x, None), ends.0, ends.1, 0.02 * spacing));
         }
         least
+    }
+
+    /// How far above its bottom the tool, as a cylinder without end, reaches into the blank somewhere on the way, mm; 0
+    /// where it does not. `surface`: of the blank, at the distance of the cutter's corner radius.
+    pub fn depth_of_tool(&self, surface: &RetractSurface) -> f64 {
+        let (motion, turn) = (self.to.0 - self.from.0, Turn::new(self.from.1, &self.to.1));
+        let samples = self.samples(&turn, self.tool.diameter);
+        let flat = self.tool.radius() - self.tool.corner_radius;
+        let height = |i: usize| {
+            let share = i as f64 / samples as f64;
+            surface.height(&(self.from.0 + motion * share), &turn.at(share).0, flat)
+        };
+        (1..=samples).map(height).fold(0.0, f64::max)
     }
 }

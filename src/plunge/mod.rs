@@ -33,6 +33,7 @@ pub mod row;
 pub mod sections;
 pub mod slotting;
 pub mod survey;
+pub mod whole;
 
 pub use cycle::{PlacedPlan, PlanError, Planner};
 pub use known::KnownSections;

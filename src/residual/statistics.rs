@@ -35,15 +35,27 @@ pub fn statistics(
     heights: &[f32],
     in_question: impl Fn(usize) -> bool,
 ) -> ResidualStatistics {
+    statistics_of_channels(grid, &[(heights, 1)], in_question)
+}
+
+/// As [`statistics`], over channels with the same floor: heights of its cells, and in how many channels they are like this.
+/// `area` is that of all channels.
+pub fn statistics_of_channels(
+    grid: &FloorGrid,
+    channels: &[(&[f32], usize)],
+    in_question: impl Fn(usize) -> bool,
+) -> ResidualStatistics {
     let (mut volume, mut cut_area, mut area, mut floor_area) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
     let mut max = 0.0_f32;
-    let mut cut = Vec::with_capacity(heights.len());
-    let rows = (0..grid.rows).filter(|&row| in_question(row));
-    for cell in rows.flat_map(|row| row * grid.columns..(row + 1) * grid.columns) {
+    let mut cut = Vec::with_capacity(channels.iter().map(|channel| channel.0.len()).sum());
+    let cells = |row: usize| row * grid.columns..(row + 1) * grid.columns;
+    let rows = || (0..grid.rows).filter(|&row| in_question(row)).flat_map(cells);
+    for (heights, times, cell) in channels.iter().flat_map(|&(h, n)| rows().map(move |cell| (h, n, cell))) {
         if !grid.floor[cell] {
             continue;
         }
-        let (height, blank, weight) = (heights[cell], grid.blank_heights[cell], grid.areas[cell]);
+        let (height, blank, weight) =
+            (heights[cell], grid.blank_heights[cell], grid.areas[cell] * times as f32);
         floor_area += f64::from(weight);
         if !grid.reachable[cell] {
             continue;

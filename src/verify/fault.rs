@@ -9,57 +9,179 @@ const RAPID_TOLERANCE: f64 = 1e-3;
 /// Tilt beyond the machine's limit that is put down to rounding, rad.
 const TILT_TOLERANCE: f64 = 1e-6;
 
+/// What kind of rule a program breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// The core of a plunge meets stock; value: how far above its bottom, mm.
+    CoreContact,
+    /// A cut comes nearer to the hub than its allowance; value: the distance, mm.
+    HubAllowance,
+    /// A cut comes nearer to a blade than its allowance; value: the distance, mm.
+    BladeAllowance,
+    /// A rapid comes nearer to the blank than the safety distance; value: the distance, mm.
+    RapidClearance,
+    /// A rapid goes through stock; value: the stock it meets, mm³.
+    RapidInStock,
+    /// In a rapid the tool above its bottom runs into the blank; value: how far above the bottom, mm.
+    ToolInBlank,
+    /// The holder runs into a blade, the stock that stays on it, or the hub.
+    HolderCollision,
+    /// The holder runs into stock that still stands; value: the stock it meets, mm³.
+    HolderInStock,
+    /// The axis tilts further than the machine does; value: the tilt, degrees.
+    AxisTilt,
+    /// The axis turns too far in one move; value: the turn, degrees.
+    AxisTurn,
+    /// A cut engages deeper than the tool is long; value: the depth, mm.
+    TooDeep,
+    /// Cuts without a feed; value: their number.
+    NoFeed,
+    /// The program cuts nothing of the part.
+    CutsNothing,
+    /// A tool differs from the one of that number in the setup; value: its diameter, mm.
+    ToolDiffers,
+    /// Something is missing, so that a cut cannot be judged.
+    NotJudged,
+}
+
+impl FaultKind {
+    /// What is counted of this kind, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::CoreContact => "plunges whose core meets stock",
+            Self::HubAllowance => "cuts below the hub's allowance",
+            Self::BladeAllowance => "cuts below a blade's allowance",
+            Self::RapidClearance => "rapids too near to the blank",
+            Self::RapidInStock => "rapids through stock",
+            Self::ToolInBlank => "rapids with the tool in the blank",
+            Self::HolderCollision => "moves with the holder in the part",
+            Self::HolderInStock => "moves with the holder in stock",
+            Self::AxisTilt => "axes beyond the machine's tilt",
+            Self::AxisTurn => "moves that turn the axis too far",
+            Self::TooDeep => "cuts deeper than the tool is long",
+            Self::NoFeed => "cuts without a feed",
+            Self::CutsNothing => "programs that cut nothing",
+            Self::ToolDiffers => "tools that differ from the setup",
+            Self::NotJudged => "cuts that cannot be judged",
+        }
+    }
+}
+
 /// A fault of a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// Line of the program, 0 when there is none.
     pub line: usize,
+    /// Which rule is broken.
+    pub kind: FaultKind,
+    /// By how much: see [`FaultKind`].
+    pub value: Option<f64>,
     /// What is wrong.
     pub what: String,
 }
 
+/// A fault before its line is known.
+pub(super) struct Finding {
+    kind: FaultKind,
+    value: Option<f64>,
+    what: String,
+}
+
+impl Finding {
+    pub(super) fn new(kind: FaultKind, value: impl Into<Option<f64>>, what: impl Into<String>) -> Self {
+        Self { kind, value: value.into(), what: what.into() }
+    }
+
+    /// In a line of the program.
+    pub(super) fn at(self, line: usize) -> Fault {
+        Fault { line, kind: self.kind, value: self.value, what: self.what }
+    }
+}
+
 impl Fault {
     pub(super) fn before_tool(line: usize) -> Self {
-        Self { line, what: "cuts before any tool is loaded; add LOADTL and CUTTER before it".to_owned() }
+        let what = "cuts before any tool is loaded; add LOADTL and CUTTER before it";
+        Finding::new(FaultKind::NotJudged, None, what).at(line)
     }
 
     pub(super) fn without_diameter(line: usize, tool: &Tool) -> Self {
         let what =
             format!("tool {} has the diameter {}; give CUTTER/ its diameter", tool.number, tool.diameter);
-        Self { line, what }
+        Finding::new(FaultKind::NotJudged, tool.diameter, what).at(line)
     }
 }
 
+/// How many faults of each kind there are, in words, the most serious kind first; empty without any.
+pub fn counted(faults: &[Fault]) -> String {
+    let mut kinds: Vec<FaultKind> = faults.iter().map(|fault| fault.kind).collect();
+    kinds.sort_unstable();
+    let words = kinds.chunk_by(|a, b| a == b).map(|same| format!("{} {}", same.len(), same[0].words()));
+    words.collect::<Vec<_>>().join(", ")
+}
+
 /// What is wrong with a cut `distance` mm from the finished hub, which may miss its allowance by `tolerance`.
-pub(super) fn near_hub(distance: f64, stock: &Stock, tolerance: f64) -> Option<String> {
+pub(super) fn near_hub(distance: f64, stock: &Stock, tolerance: f64) -> Option<Finding> {
     let allowance = stock.hub_allowance;
-    (distance < allowance - tolerance)
-        .then(|| format!("comes {distance:.4} mm near the hub; the allowance is {allowance} mm"))
+    (distance < allowance - tolerance).then(|| {
+        let what = format!("comes {distance:.4} mm near the hub; the allowance is {allowance} mm");
+        Finding::new(FaultKind::HubAllowance, distance, what)
+    })
 }
 
 /// The same of the finished blades.
-pub(super) fn near_blade(distance: f64, stock: &Stock, tolerance: f64) -> Option<String> {
+pub(super) fn near_blade(distance: f64, stock: &Stock, tolerance: f64) -> Option<Finding> {
     let allowance = stock.blade_allowance;
-    (distance < allowance - tolerance)
-        .then(|| format!("comes {distance:.4} mm near a blade; the allowance is {allowance} mm"))
+    (distance < allowance - tolerance).then(|| {
+        let what = format!("comes {distance:.4} mm near a blade; the allowance is {allowance} mm");
+        Finding::new(FaultKind::BladeAllowance, distance, what)
+    })
 }
 
 /// What is wrong with a rapid `distance` mm from the blank.
-pub(super) fn rapid_near_blank(distance: f64, stock: &Stock) -> Option<String> {
+pub(super) fn rapid_near_blank(distance: f64, stock: &Stock) -> Option<Finding> {
     let safety = stock.safety_distance;
     (distance < safety - RAPID_TOLERANCE).then(|| {
-        format!("moves in rapid {distance:.3} mm from the blank; the safety distance is {safety} mm")
+        let what =
+            format!("moves in rapid {distance:.3} mm from the blank; the safety distance is {safety} mm");
+        Finding::new(FaultKind::RapidClearance, distance, what)
     })
 }
 
 /// What is wrong with a tool axis that the machine of `setup` does not reach.
-pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> Option<String> {
+pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> Option<Finding> {
     let (limit, beyond) = (setup.machine.max_axis_tilt, setup.machine.beyond(part, axis));
     (beyond > TILT_TOLERANCE).then(|| {
-        format!(
-            "tilts the axis by {:.2}° from the part's; the machine reaches {:.2}°",
-            (beyond + limit).to_degrees(),
+        let tilt = (beyond + limit).to_degrees();
+        let what = format!(
+            "tilts the axis by {tilt:.2}° from the part's; the machine reaches {:.2}°",
             limit.to_degrees()
-        )
+        );
+        Finding::new(FaultKind::AxisTilt, tilt, what)
+    })
+}
+
+/// Cuts without a feed: `lines` of them.
+pub(super) fn without_feed(lines: &[usize]) -> Option<Fault> {
+    let first = *lines.first()?;
+    let count = lines.len();
+    let what = match count {
+        1 => "cuts without a feed; give FEDRAT before it".to_owned(),
+        _ => format!("cuts without a feed, as {} others do; give FEDRAT before them", count - 1),
+    };
+    Some(Finding::new(FaultKind::NoFeed, count as f64, what).at(first))
+}
+
+/// A tool of the program, first used in `line`, that is another than the setup's of the same number.
+pub(super) fn other_tool(line: usize, tool: &Tool, setup: &Setup) -> Option<Fault> {
+    let known = setup.tools.iter().find(|known| known.number == tool.number)?;
+    let differs = (known.diameter - tool.diameter).abs() > 1e-3
+        || (known.corner_radius - tool.corner_radius).abs() > 1e-3;
+    differs.then(|| {
+        let what = format!(
+            "tool {} is D {} R {} here and D {} R {} in the setup; correct one of them",
+            tool.number, tool.diameter, tool.corner_radius, known.diameter, known.corner_radius
+        );
+        Finding::new(FaultKind::ToolDiffers, tool.diameter, what).at(line)
     })
 }

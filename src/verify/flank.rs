@@ -14,8 +14,12 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::fault::{Fault, beyond_machine, near_blade, near_hub, rapid_near_blank};
-use crate::formats::apt::{ClProgram, Motion};
+use super::fault::{
+    Fault, FaultKind, Finding, beyond_machine, near_blade, near_hub, other_tool, rapid_near_blank,
+    without_feed,
+};
+use super::too_deep;
+use crate::formats::apt::{ClProgram, Motion, Move};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 use crate::plunge::choice::estimate::RAPID_FEED;
@@ -60,6 +64,8 @@ pub struct FlankVerdict {
     pub uncovered: Uncovered,
     /// The layer left on the floor of that channel.
     pub layer: ResidualStatistics,
+    /// Deepest cut: how far above the bottom of the cutter the stock it removes at once reaches over the floor, mm.
+    pub deepest_cut: f64,
     /// Everything that must not be, by line.
     pub faults: Vec<Fault>,
 }
@@ -70,6 +76,10 @@ const HUB_TOLERANCE: f64 = 1e-3;
 const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
 /// Height at which the flank of a cutter may begin, in corner radii: with an axis that leans by 30°.
 const LEANING_CORNER: f64 = 1.5;
+/// See [`most_depth`].
+const MOST_LAYERS: f64 = 4.0;
+/// See [`most_depth`].
+const MOST_DIAMETERS: f64 = 4.0;
 /// Turn of the axis in one move that is too much for a controller to interpolate as it was meant, rad.
 const MOST_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
@@ -91,34 +101,6 @@ pub fn is_flank(program: &ClProgram) -> bool {
         if step.is_axial() { along += 1 } else { across += 1 }
     }
     across > along
-}
-
-/// What kind of fault a move of a flank program has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FlankFaultKind {
-    /// The cutter comes too near to the hub.
-    Hub,
-    /// The cutter comes too near to a blade.
-    Blade,
-    /// The holder meets a blade, its allowance, or the hub.
-    Holder,
-    /// The holder meets stock that still stands.
-    HolderInStock,
-    /// A rapid comes too near to the blank, or runs through stock.
-    Rapid,
-    /// The machine does not tilt the axis that far.
-    Machine,
-    /// The axis turns too far in one move.
-    Turn,
-}
-
-/// A fault of a flank program.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FlankFault {
-    /// Its kind.
-    pub kind: FlankFaultKind,
-    /// Its line, and what is wrong.
-    pub fault: Fault,
 }
 
 /// Checks `program` against `part` with the allowances of `setup`.
@@ -152,7 +134,7 @@ struct Examined {
     looks: Vec<Look>,
     /// By channels that are worked in.
     channels: Vec<(i64, Floor)>,
-    faults: Vec<FlankFault>,
+    faults: Vec<Fault>,
 }
 
 /// Where a step leads: index of the tool, whether it is under feed, and the numbers of both ends.
@@ -186,7 +168,7 @@ impl<'a> FlankVerifier<'a> {
         &mut self,
         program: &ClProgram,
         monitor: &Monitor,
-    ) -> Result<Result<Vec<FlankFault>, Cancelled>, Fault> {
+    ) -> Result<Result<Vec<Fault>, Cancelled>, Fault> {
         Ok(self.examined(program, monitor)?.map(|examined| examined.faults))
     }
 
@@ -205,7 +187,12 @@ impl<'a> FlankVerifier<'a> {
             channels: channels.len(),
             positions: steps.iter().filter(|s| s.feed.is_some()).count(),
             tools: tools.len(),
-            faults: faults.into_iter().map(|f| f.fault).collect(),
+            deepest_cut: channels
+                .iter()
+                .filter_map(|(_, floor)| floor.deepest)
+                .map(|d| d.0)
+                .fold(0.0, f64::max),
+            faults,
             ..FlankVerdict::of_nothing()
         };
         for (step, look) in steps.iter().zip(&looks) {
@@ -244,7 +231,7 @@ impl<'a> FlankVerifier<'a> {
             Ok(looks) => looks,
             Err(cancelled) => return Ok(Err(cancelled)),
         };
-        let mut faults: Vec<FlankFault> = Vec::new();
+        let mut faults: Vec<Fault> = Vec::new();
         for (step, look) in steps.iter().zip(&looks) {
             faults.extend(self.faults_of(step, look));
         }
@@ -259,9 +246,13 @@ impl<'a> FlankVerifier<'a> {
             let floor = self.floor(&steps, &looks, number);
             let ours: Vec<&Step> = steps.iter().filter(|s| s.channel == number).collect();
             faults.extend(floor.struck.iter().map(|struck| struck.fault(ours[struck.step].line)));
+            if let Some((depth, step)) = floor.deepest {
+                faults.extend(self.too_deep(depth, ours[step]));
+            }
             channels.push((number, floor));
         }
-        faults.sort_by_key(|found| found.fault.line);
+        faults.extend(self.senseless(program, &steps, &channels));
+        faults.sort_by_key(|fault| fault.line);
         Ok(Ok(Examined { steps, looks, channels, faults }))
     }
 
@@ -315,58 +306,94 @@ impl<'a> FlankVerifier<'a> {
     }
 
     /// What is wrong with a step.
-    fn faults_of(&self, step: &Step, look: &Look) -> impl Iterator<Item = FlankFault> + use<> {
-        use FlankFaultKind as Kind;
+    fn faults_of(&self, step: &Step, look: &Look) -> impl Iterator<Item = Fault> + use<> {
         let stock = &self.setup.stock;
         let Clearance { hub, blade, holder } = look.clearance;
         let turns = step.feed.is_some() && step.turn() > MOST_TURN;
         let found = [
-            (Kind::Hub, near_hub(hub, stock, HUB_TOLERANCE)),
-            (Kind::Blade, near_blade(blade, stock, BLADE_TOLERANCE)),
-            (
-                Kind::Holder,
-                holder.then(|| {
-                    "the holder runs into a blade, the stock that stays on it, or the hub".to_owned()
-                }),
-            ),
-            (Kind::Rapid, rapid_near_blank(look.retract, stock)),
-            (Kind::Machine, beyond_machine(self.part, self.setup, &step.to.1)),
-            (
-                Kind::Turn,
-                turns.then(|| {
-                    format!(
-                        "turns the axis by {:.0}° in one move under feed; give positions between",
-                        step.turn().to_degrees()
-                    )
-                }),
-            ),
+            near_hub(hub, stock, HUB_TOLERANCE),
+            near_blade(blade, stock, BLADE_TOLERANCE),
+            holder.then(|| {
+                let what = "the holder runs into a blade, the stock that stays on it, or the hub";
+                Finding::new(FaultKind::HolderCollision, None, what)
+            }),
+            rapid_near_blank(look.retract, stock),
+            beyond_machine(self.part, self.setup, &step.to.1),
+            turns.then(|| {
+                let turn = step.turn().to_degrees();
+                let what =
+                    format!("turns the axis by {turn:.0}° in one move under feed; give positions between");
+                Finding::new(FaultKind::AxisTurn, turn, what)
+            }),
         ];
         let line = step.line;
-        found
-            .into_iter()
-            .filter_map(move |(kind, what)| Some(FlankFault { kind, fault: Fault { line, what: what? } }))
+        found.into_iter().flatten().map(move |finding| finding.at(line))
     }
+
+    /// What is wrong with a cut `depth` mm deep.
+    fn too_deep(&self, depth: f64, step: &Step) -> Option<Fault> {
+        let tool = &self.tools[step.tool];
+        if depth > tool.overhang {
+            return Some(too_deep(depth, tool).at(step.line));
+        }
+        (depth > most_depth(tool, self.setup)).then(|| too_thick(depth, tool, self.setup).at(step.line))
+    }
+
+    /// What is wrong with the program as a whole: nothing cut, no feed, other tools than those of the setup.
+    fn senseless(&self, program: &ClProgram, steps: &[Step], channels: &[(i64, Floor)]) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        if channels.iter().map(|(_, floor)| floor.removed).sum::<f64>() <= 0.0 {
+            let first = steps.iter().find(|step| step.feed.is_some()).map_or(0, |step| step.line);
+            let what = "the program cuts nothing of the part: no cut reaches stock over the floor; check its units \
+                        and its origin";
+            faults.push(Finding::new(FaultKind::CutsNothing, None, what).at(first));
+        }
+        let no_feed = |step: &&Move| step.tool.is_some() && step.motion == Motion::Feed(None);
+        let without: Vec<usize> = program.moves.iter().filter(no_feed).map(|step| step.line).collect();
+        faults.extend(without_feed(&without));
+        for (index, tool) in self.tools.iter().enumerate() {
+            let line = steps.iter().find(|step| step.tool == index).map(|step| step.line);
+            faults.extend(line.and_then(|line| other_tool(line, tool, self.setup)));
+        }
+        faults
+    }
+}
+
+/// The greatest depth of a cut that is not plainly wrong, mm: a few layers of the setup, or what a cutter can do in full
+/// stock.
+fn most_depth(tool: &Tool, setup: &Setup) -> f64 {
+    (MOST_LAYERS * setup.flank.layer_depth).max(MOST_DIAMETERS * tool.diameter)
+}
+
+fn too_thick(depth: f64, tool: &Tool, setup: &Setup) -> Finding {
+    let what = format!(
+        "cuts {depth:.1} mm deep at once with a cutter of D {}; the layers of the setup are {} mm deep: cut those above \
+         first",
+        tool.diameter, setup.flank.layer_depth
+    );
+    Finding::new(FaultKind::TooDeep, depth, what)
 }
 
 impl Struck {
     /// What is wrong with the step of that line.
-    fn fault(&self, line: usize) -> FlankFault {
+    fn fault(&self, line: usize) -> Fault {
         let volume = self.volume;
         let (kind, what) = match self.what {
             Probe::Rapid => (
-                FlankFaultKind::Rapid,
+                FaultKind::RapidInStock,
                 format!(
                     "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
                 ),
             ),
             Probe::Holder => (
-                FlankFaultKind::HolderInStock,
+                FaultKind::HolderInStock,
                 format!(
-                    "the holder runs into stock that still stands, about {volume:.0} mm³; cut it before, or give the cutter more overhang"
+                    "the holder runs into stock that still stands, about {volume:.0} mm³; cut it before, or give the \
+                     cutter more overhang"
                 ),
             ),
         };
-        FlankFault { kind, fault: Fault { line, what } }
+        Finding::new(kind, volume, what).at(line)
     }
 }
 
@@ -443,6 +470,7 @@ impl FlankVerdict {
             max_undercut: f64::NAN,
             uncovered: Uncovered::default(),
             layer: ResidualStatistics::default(),
+            deepest_cut: 0.0,
             faults: Vec::new(),
         }
     }

@@ -5,25 +5,36 @@
 mod fault;
 mod flank;
 mod plunges;
+mod report;
+mod summary;
 
 use rayon::prelude::*;
 
-pub use fault::Fault;
-use fault::{beyond_machine, near_blade, near_hub, rapid_near_blank};
-pub use flank::{FlankFault, FlankFaultKind, FlankVerdict, FlankVerifier, Uncovered, is_flank, verify_flank};
-pub use plunges::{Cut, cuts_of};
+pub use fault::{Fault, FaultKind, counted};
+use fault::{Finding, beyond_machine, near_blade, near_hub, other_tool, rapid_near_blank, without_feed};
+pub use flank::{FlankVerdict, FlankVerifier, Uncovered, is_flank, verify_flank};
+use plunges::named_sections;
+pub use plunges::{Cut, Rapid, cuts_of};
+pub use report::{PlungeReport, report_plunges};
+pub use summary::Summary;
 
 use crate::formats::apt::ClProgram;
-use crate::geometry::{CutterSolid, Meridional, Point, rotate_vector_z, rotate_z};
+use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
+use crate::part::setup::Stock;
 use crate::part::{AxisPolicy, Feed, Tool};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::contact::{BlankTop, Column, Columns, core_contact};
-use crate::plunge::retract::bottom_clearance;
+use crate::plunge::flight::Flight;
+use crate::plunge::retract::{NearBottom, RetractSurface};
 use crate::plunge::{CoreContact, PlungePlan, Position, SectionPlan};
 
 /// Tolerance of distances in a program of six decimals, mm.
 const PROGRAM_TOLERANCE: f64 = 2e-6;
+/// A turn of the axis from which on nobody knows which way a rapid takes it, rad.
+const OPPOSITE: f64 = 175.0 * std::f64::consts::PI / 180.0;
+/// How far above its bottom a tool may reach into the blank in a rapid, mm: rounding.
+const TOOL_TOLERANCE: f64 = 0.01;
 
 /// What a program does to the part.
 #[derive(Clone, Debug)]
@@ -31,10 +42,32 @@ pub struct Verdict {
     /// The program as a plan of channel 1's frame: every cut measured. Cuts of other channels are
     /// turned into channel 1.
     pub plan: PlungePlan,
+    /// By how many pitches each position lies ahead of channel 1.
+    pub turns: Vec<i64>,
     /// Number of channels the program works in.
     pub channels: usize,
-    /// Everything that must not be.
+    /// Deepest plunge: from its bottom to the top of the blank above it, mm.
+    pub deepest_plunge: f64,
+    /// Everything that must not be, by line.
     pub faults: Vec<Fault>,
+}
+
+/// Share of the cuts of the channel with most of them that another must have to count as worked in.
+const LEAST_SHARE: f64 = 0.1;
+
+/// What is measured of a cut.
+struct Measured {
+    contact: CoreContact,
+    hub: f64,
+    blade: f64,
+    retract: f64,
+    /// Whether the bottom ends in the blank.
+    in_blank: bool,
+    /// Height above the tip at which the cutter has left the blank, mm, and how much of that this cut removes; the latter
+    /// only where it may be more than the tool's length.
+    top: f64,
+    engaged: f64,
+    rapids: Vec<Fault>,
 }
 
 /// Checks `program` against `part` with the allowances of `setup`; tools of the setup say how wide the
@@ -48,20 +81,23 @@ pub fn verify(
     setup: &Setup,
     program: &ClProgram,
 ) -> Result<Verdict, Fault> {
-    let cuts = cuts_of(program, setup)?;
-    if cuts.is_empty() {
-        return Err(Fault {
-            line: 0,
-            what: "the program cuts nothing: it has no move under feed; give a program with FEDRAT before its cuts".to_owned(),
-        });
-    }
+    let mut cuts = cuts_of(program, setup)?;
+    let Some(first_line) = cuts.first().map(|cut| cut.line) else {
+        let what =
+            "the program cuts nothing: it has no move under feed; give a program with FEDRAT before its cuts";
+        return Err(Finding::new(FaultKind::CutsNothing, None, what).at(0));
+    };
+    let sections = match named_sections(program, setup, &mut cuts) {
+        Some(sections) => sections,
+        None => sections_of(part, &cuts),
+    };
     let blank = Blank::of(part, setup.stock.inlet_extension);
     let top = BlankTop::new(&blank);
     let finished = FinishedPart::new(part, &channel.sides);
     let columns: Columns = cuts.iter().map(|c| Column::new(c.cutter, c.tool.core_radius(), &top)).collect();
     let turns: Vec<i64> = cuts.iter().map(|c| channel_of(part, channel, &c.cutter.tip)).collect();
 
-    let measured: Vec<(CoreContact, f64, f64, f64)> = (0..cuts.len())
+    let measured: Vec<Measured> = (0..cuts.len())
         .into_par_iter()
         .map(|k| {
             let cut = &cuts[k];
@@ -69,39 +105,52 @@ pub fn verify(
             let worst = |f: &dyn Fn(&CutterSolid) -> f64| {
                 cut.swept.iter().map(|c| f(&turned(c, back))).fold(f64::INFINITY, f64::min)
             };
-            let contact = core_contact(&columns.as_slice()[k], columns.before(k), &blank);
-            let retract =
-                cut.rapids.iter().map(|c| bottom_clearance(c, &blank)).fold(f64::INFINITY, f64::min);
-            (contact, worst(&|c| finished.hub_clearance(c)), worst(&|c| finished.blade_clearance(c)), retract)
+            let earlier = columns.before(k);
+            let whole = Column::new(cut.cutter, cut.tool.radius(), &top);
+            let deep = whole.top > cut.tool.overhang;
+            let (retract, rapids) = rapids_of(cut, &blank, &setup.stock);
+            Measured {
+                contact: core_contact(&columns.as_slice()[k], earlier, &blank),
+                hub: worst(&|c| finished.hub_clearance(c)),
+                blade: worst(&|c| finished.blade_clearance(c)),
+                retract,
+                in_blank: reaches_into(&cut.cutter, &blank),
+                top: whole.top,
+                engaged: if deep { core_contact(&whole, earlier, &blank).depth } else { 0.0 },
+                rapids,
+            }
         })
         .collect();
 
     let mut plan = PlungePlan {
         policy: AxisPolicy::Conventional,
-        sections: sections_of(part, &cuts),
+        sections,
         positions: Vec::with_capacity(cuts.len()),
         dropped: Vec::new(),
         rounds: 0,
         settled: true,
     };
     let mut faults = Vec::new();
-    for (k, (cut, &(contact, hub, blade, retract))) in cuts.iter().zip(&measured).enumerate() {
+    for (k, (cut, seen)) in cuts.iter().zip(measured.iter()).enumerate() {
         let here = turned(&cut.cutter, -part.pitch() * turns[k] as f64);
         let s = part.hub.s_at(part.hub.curve().project(Meridional::of(&here.tip)).0);
+        let contact = seen.contact;
         let found = [
-            near_hub(hub, &setup.stock, PROGRAM_TOLERANCE),
-            near_blade(blade, &setup.stock, PROGRAM_TOLERANCE),
-            rapid_near_blank(retract, &setup.stock),
+            near_hub(seen.hub, &setup.stock, PROGRAM_TOLERANCE),
+            near_blade(seen.blade, &setup.stock, PROGRAM_TOLERANCE),
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| {
-                format!(
+                let what = format!(
                     "interferes: the core meets stock up to {:.3} mm above its bottom, over {:.0} % of its area",
                     contact.depth,
                     100.0 * contact.area_share
-                )
+                );
+                Finding::new(FaultKind::CoreContact, contact.depth, what)
             }),
+            (seen.engaged > cut.tool.overhang + TOOL_TOLERANCE).then(|| too_deep(seen.engaged, &cut.tool)),
         ];
-        faults.extend(found.into_iter().flatten().map(|what| Fault { line: cut.line, what }));
+        faults.extend(found.into_iter().flatten().map(|finding| finding.at(cut.line)));
+        faults.extend_from_slice(&seen.rapids);
         plan.positions.push(Position {
             tip: here.tip,
             axis: here.axis,
@@ -116,15 +165,88 @@ pub fn verify(
             lift: 0.0,
             blocked: None,
             held: None,
-            hub_clearance: hub,
-            blade_clearance: blade,
-            retract_clearance: retract,
+            hub_clearance: seen.hub,
+            blade_clearance: seen.blade,
+            retract_clearance: seen.retract,
         });
     }
-    let mut distinct = turns.clone();
-    distinct.sort_unstable();
-    distinct.dedup();
-    Ok(Verdict { plan, channels: distinct.len(), faults })
+    if !measured.iter().any(|seen| seen.in_blank) {
+        let what =
+            "the program cuts nothing of the part: no cut reaches the blank; check its units and its origin";
+        faults.push(Finding::new(FaultKind::CutsNothing, None, what).at(first_line));
+    }
+    let without: Vec<usize> = cuts.iter().filter(|cut| !cut.has_feed).map(|cut| cut.line).collect();
+    faults.extend(without_feed(&without));
+    for index in 0..program.tools.len() {
+        let first = cuts.iter().find(|cut| cut.tool_index == index);
+        faults.extend(first.and_then(|cut| other_tool(cut.line, &cut.tool, setup)));
+    }
+    faults.sort_by_key(|fault| fault.line);
+    let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
+    let channels = channels_worked_in(&turns);
+    Ok(Verdict { plan, turns, channels, deepest_plunge, faults })
+}
+
+/// Whether the bottom of a cutter is in the blank: its centre, or some of its rim.
+fn reaches_into(cutter: &CutterSolid, blank: &Blank) -> bool {
+    let within = |p: &Point| blank.depth(Meridional::of(p)) > 0.0;
+    let rim = Circle::new(&cutter.tip, &cutter.axis, cutter.radius);
+    let on_rim = |i: u32| rim.at((std::f64::consts::FRAC_PI_6 * f64::from(i)).sin_cos()).0;
+    within(&cutter.tip) || (0..12).any(|i| within(&on_rim(i)))
+}
+
+/// What is wrong with a cut that removes stock up to `depth` mm above the bottom of `tool`.
+fn too_deep(depth: f64, tool: &Tool) -> Finding {
+    let what = format!(
+        "cuts {depth:.1} mm deep at once; tool {} is {:.1} mm long below its holder: cut in steps, or give more overhang",
+        tool.number, tool.overhang
+    );
+    Finding::new(FaultKind::TooDeep, depth, what)
+}
+
+/// Least distance of the bottom to the blank in the rapids of a cut, mm, and what is wrong with them.
+fn rapids_of(cut: &Cut, blank: &Blank, stock: &Stock) -> (f64, Vec<Fault>) {
+    let surface = RetractSurface::new(blank, cut.tool.corner_radius);
+    let mut least = f64::INFINITY;
+    let mut faults = Vec::new();
+    for rapid in &cut.rapids {
+        let near = |(tip, axis): (Point, Vector)| NearBottom::of(&cut.tool.placed(tip, axis), blank);
+        let end = near(rapid.to);
+        let mut clearance = end.clearance;
+        if let Some(from) = rapid.from.filter(|_| !rapid.is_way_out()) {
+            let flight = Flight { tool: &cut.tool, blank, from, to: rapid.to };
+            clearance = clearance.min(flight.clearance([&near(from), &end], stock.safety_distance));
+            let (turn, depth) = (from.1.angle(&rapid.to.1), flight.depth_of_tool(&surface));
+            let found = [
+                (turn > OPPOSITE).then(|| {
+                    let what = format!(
+                        "turns the axis by {:.0}° in one rapid, which way is open; give positions between",
+                        turn.to_degrees()
+                    );
+                    Finding::new(FaultKind::AxisTurn, turn.to_degrees(), what)
+                }),
+                (depth > TOOL_TOLERANCE && clearance >= 0.0).then(|| {
+                    let what = format!(
+                        "swings the tool through the blank in rapid, {depth:.1} mm above its bottom; retract further before the axis turns"
+                    );
+                    Finding::new(FaultKind::ToolInBlank, depth, what)
+                }),
+            ];
+            faults.extend(found.into_iter().flatten().map(|finding| finding.at(rapid.line)));
+        }
+        faults.extend(rapid_near_blank(clearance, stock).map(|finding| finding.at(rapid.line)));
+        least = least.min(clearance);
+    }
+    (least, faults)
+}
+
+/// Number of channels that `turns` tell of. Some cuts over leaning blades seem to be in a neighbouring channel.
+fn channels_worked_in(turns: &[i64]) -> usize {
+    let mut sorted = turns.to_vec();
+    sorted.sort_unstable();
+    let counts: Vec<usize> = sorted.chunk_by(|a, b| a == b).map(<[i64]>::len).collect();
+    let most = counts.iter().copied().max().unwrap_or(0);
+    counts.iter().filter(|&&count| count as f64 >= LEAST_SHARE * most as f64).count()
 }
 
 fn turned(cutter: &CutterSolid, angle: f64) -> CutterSolid {

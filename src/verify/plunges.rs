@@ -1,9 +1,10 @@
 //! From a program's moves to cuts: where the cutter is when it cuts, and where it flies.
 
 use super::Fault;
-use crate::formats::apt::{ClProgram, Motion, Move};
-use crate::geometry::{CutterSolid, Point};
+use crate::formats::apt::{ClProgram, ClTool, Motion, Move};
+use crate::geometry::{CutterSolid, Point, Vector};
 use crate::part::{Setup, Tool};
+use crate::plunge::SectionPlan;
 
 /// One move under feed, with the rapids around it.
 #[derive(Clone, Debug)]
@@ -12,18 +13,48 @@ pub struct Cut {
     pub line: usize,
     /// The tool.
     pub tool: Tool,
+    /// Index of the tool in the program.
+    pub tool_index: usize,
     /// The cutter at the end of the move.
     pub cutter: CutterSolid,
     /// The cutter along the move; one place for a plunge along the axis, which the column stands for.
     pub swept: Vec<CutterSolid>,
-    /// The cutter along the rapids that lead here, and at the retract point.
-    pub rapids: Vec<CutterSolid>,
+    /// The rapids that lead here; of the last cut those that come after it, too.
+    pub rapids: Vec<Rapid>,
     /// Where the move started.
     pub retract: Point,
-    /// Counts tool changes.
+    /// Whether the program gives it a feed.
+    pub has_feed: bool,
+    /// Index of the section of the plan that the program names; else counts tool changes.
     pub section: usize,
-    /// Counts jumps within a section that are much longer than a step.
+    /// The row that the program names; else counts jumps within a section that are much longer than a step.
     pub row: usize,
+}
+
+/// One move in rapid.
+#[derive(Clone, Copy, Debug)]
+pub struct Rapid {
+    /// Line of the program.
+    pub line: usize,
+    /// Tip and axis where it starts, if the program says so: not after a tool change.
+    pub from: Option<(Point, Vector)>,
+    /// Tip and axis where it ends.
+    pub to: (Point, Vector),
+}
+
+impl Rapid {
+    /// Whether the cutter only goes up its own column, or stays.
+    pub fn is_way_out(&self) -> bool {
+        let Some((from, axis)) = self.from else { return true };
+        let travel = self.to.0 - from;
+        is_axial(&travel, &axis, &self.to.1) && travel.dot(&self.to.1) >= 0.0
+    }
+}
+
+/// Whether a cutter that travels by `travel` while its axis turns from one to the other stays in its own column.
+fn is_axial(travel: &Vector, from: &Vector, to: &Vector) -> bool {
+    let across = (travel - to * travel.dot(to)).norm();
+    across < 1e-4 * (1.0 + travel.norm()) && from.angle(to) < 1e-5
 }
 
 /// Spacing of the places looked at along a move, in cutter radii.
@@ -38,7 +69,7 @@ const MAX_SAMPLES: usize = 200;
 pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
     let tools: Vec<Tool> = program.tools.iter().map(|t| tool_of(t, setup)).collect();
     let mut cuts: Vec<Cut> = Vec::new();
-    let mut rapids: Vec<CutterSolid> = Vec::new();
+    let mut rapids: Vec<Rapid> = Vec::new();
     let mut section = 0;
     let mut row = 0;
     let mut last_tool = None;
@@ -56,34 +87,29 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
             return Err(Fault::without_diameter(step.line, tool));
         }
         let at = |p: Point, axis| tool.placed(p, axis);
-        let changed = last_tool.is_some_and(|t| t != number);
-        if changed {
+        if last_tool.is_some_and(|t| t != number) {
             section += 1;
             row = 0;
         }
-        let from = previous.filter(|p| p.tool == Some(number)).unwrap_or(step);
-        let between = |share: f64| {
-            at(
-                from.tip + (step.tip - from.tip) * share,
-                (from.axis + (step.axis - from.axis) * share).normalize(),
-            )
-        };
-        let length = (step.tip - from.tip).norm();
-        let samples = ((length / (SAMPLE_RADII * tool.radius())).ceil() as usize).clamp(1, MAX_SAMPLES);
-        // Along the axis the cutter stays in its own column: only the lower end counts.
-        let travel = step.tip - from.tip;
-        let across = (travel - step.axis * travel.dot(&step.axis)).norm();
-        let axial = across < 1e-4 * (1.0 + length) && from.axis.angle(&step.axis) < 1e-5;
+        let start = previous.filter(|p| p.tool == Some(number));
         match step.motion {
             Motion::Rapid => {
-                let upwards = axial && travel.dot(&step.axis) >= 0.0 && previous.is_some();
-                let places = if upwards || length == 0.0 { 1..=1 } else { 1..=samples };
-                let count = *places.end();
-                rapids.extend(places.map(|i| between(i as f64 / count as f64)));
+                let from = start.map(|from| (from.tip, from.axis));
+                rapids.push(Rapid { line: step.line, from, to: (step.tip, step.axis) });
             }
-            Motion::Feed(_) => {
+            Motion::Feed(feed) => {
+                let from = start.unwrap_or(step);
                 let cutter = at(step.tip, step.axis);
-                let swept = if axial && travel.dot(&step.axis) <= 0.0 {
+                let travel = step.tip - from.tip;
+                let samples = (travel.norm() / (SAMPLE_RADII * tool.radius())).ceil() as usize;
+                let samples = samples.clamp(1, MAX_SAMPLES);
+                let between = |share: f64| {
+                    let axis = from.axis + (step.axis - from.axis) * share;
+                    at(from.tip + travel * share, axis.try_normalize(1e-9).unwrap_or(step.axis))
+                };
+                // Along the axis the cutter stays in its own column: only the lower end counts.
+                let down = is_axial(&travel, &from.axis, &step.axis) && travel.dot(&step.axis) <= 0.0;
+                let swept = if down {
                     vec![cutter]
                 } else {
                     (0..=samples).map(|i| between(i as f64 / samples as f64)).collect()
@@ -96,10 +122,12 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
                 cuts.push(Cut {
                     line: step.line,
                     tool: tool.clone(),
+                    tool_index: number,
                     cutter,
                     swept,
                     rapids: std::mem::take(&mut rapids),
                     retract: from.tip,
+                    has_feed: feed.is_some(),
                     section,
                     row,
                 });
@@ -114,8 +142,53 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
     Ok(cuts)
 }
 
+/// The sections of the plan that `program` names, with their cuts numbered by them; `None`, and nothing changed, where it
+/// names none, or not those of its cuts.
+pub(super) fn named_sections(
+    program: &ClProgram,
+    setup: &Setup,
+    cuts: &mut [Cut],
+) -> Option<Vec<SectionPlan>> {
+    let mut tools: Vec<Option<usize>> = vec![None; program.sections.len()];
+    let moves = &program.moves;
+    let mut places = Vec::with_capacity(cuts.len());
+    let feeds =
+        (0..moves.len()).filter(|&k| moves[k].tool.is_some() && matches!(moves[k].motion, Motion::Feed(_)));
+    for (index, cut) in feeds.zip(cuts.iter()) {
+        let row = program.rows[..program.rows.partition_point(|row| row.first_move <= index)].last()?;
+        let section = program.sections.get(row.section)?;
+        let tool = *tools[row.section].get_or_insert(cut.tool_index);
+        if tool != cut.tool_index || (section.diameter - cut.tool.diameter).abs() > 1e-6 {
+            return None;
+        }
+        places.push((row.section, row.row));
+    }
+    for (cut, (section, row)) in cuts.iter_mut().zip(&places) {
+        (cut.section, cut.row) = (*section, *row);
+    }
+    let named = program.sections.iter().zip(tools).enumerate().map(|(index, (section, tool))| {
+        let described = tool.map_or_else(
+            || ClTool { diameter: section.diameter, ..ClTool::default() },
+            |tool| program.tools[tool].clone(),
+        );
+        let mut rows: Vec<usize> = places.iter().filter(|p| p.0 == index).map(|p| p.1).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        SectionPlan {
+            tool: tool_of(&described, setup),
+            from: section.from,
+            to: section.to,
+            feed: section.feed,
+            rows: rows.len(),
+            rest: section.rest,
+            added: None,
+        }
+    });
+    Some(named.collect()).filter(|sections: &Vec<SectionPlan>| !sections.is_empty())
+}
+
 /// The tool of a program, completed by the setup.
-pub(super) fn tool_of(tool: &crate::formats::apt::ClTool, setup: &Setup) -> Tool {
+pub(super) fn tool_of(tool: &ClTool, setup: &Setup) -> Tool {
     let known =
         setup.tools.iter().find(|t| t.number == tool.number && (t.diameter - tool.diameter).abs() < 1e-6);
     let insert_width =

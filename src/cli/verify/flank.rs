@@ -36,6 +36,8 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     put("min_blade_clearance", number(verdict.min_blade_clearance));
     put("min_retract_clearance", number(verdict.min_retract_clearance));
     put("max_axis_change", number(verdict.max_axis_change.to_degrees()));
+    put("cut_share", number(1.0 - f64::from(layer.uncut_share)));
+    put("deepest_cut", number(verdict.deepest_cut));
     put("cut_length", number(verdict.cut_length));
     put("rapid_length", number(verdict.rapid_length));
     put("time_estimate", number(verdict.time_estimate));
@@ -53,6 +55,11 @@ pub(super) fn text(verdict: &FlankVerdict) -> String {
         verdict.cut_length,
         verdict.rapid_length,
         verdict.time_estimate / 60.0
+    );
+    text += &format!(
+        "cuts {:.1} % of the floor; deepest cut {:.1} mm\n",
+        100.0 * (1.0 - verdict.layer.uncut_share),
+        verdict.deepest_cut
     );
     let uncovered = &verdict.uncovered;
     text += &format!(

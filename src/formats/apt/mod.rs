@@ -5,12 +5,15 @@
 
 mod program;
 mod read;
+mod transform;
+mod words;
 mod write;
 
 pub use read::{read_apt, read_apt_bytes};
 pub use write::write_apt;
 
 use crate::geometry::{Point, Vector};
+use crate::part::Feed;
 
 /// A cutter as a CL program describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,6 +67,32 @@ pub struct ClWarning {
     pub what: String,
 }
 
+/// A section of the plan that a program was written from: `PPRINT/SECTION n FROM s TO s D d INWARD [REST]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClSection {
+    /// s at the outlet end.
+    pub from: f64,
+    /// s at the inlet end.
+    pub to: f64,
+    /// Diameter of its cutter, mm.
+    pub diameter: f64,
+    /// Direction of its rows.
+    pub feed: Feed,
+    /// Whether it cuts only what the sections before it left thick.
+    pub rest: bool,
+}
+
+/// Where a row of plunges begins: `PPRINT/ROW n m`, both counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClRow {
+    /// Index of its first move.
+    pub first_move: usize,
+    /// Index into [`ClProgram::sections`].
+    pub section: usize,
+    /// Number within the section, from 0.
+    pub row: usize,
+}
+
 /// A cutter-location program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClProgram {
@@ -73,6 +102,10 @@ pub struct ClProgram {
     pub tools: Vec<ClTool>,
     /// Moves in cutting order.
     pub moves: Vec<Move>,
+    /// Sections of the plan it was written from; none of other programs.
+    pub sections: Vec<ClSection>,
+    /// Rows of that plan, in cutting order.
+    pub rows: Vec<ClRow>,
     /// What the reader noticed, by line; at most [`MAX_WARNINGS`].
     pub warnings: Vec<ClWarning>,
 }

@@ -1,9 +1,9 @@
 //! Plans as cutter-location programs.
 
-use super::{ClProgram, ClTool, Motion, Move};
+use super::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 use crate::flank::{FlankMove, path::MoveKind};
 use crate::part::Tool;
-use crate::plunge::PlungePlan;
+use crate::plunge::{PlungePlan, SectionPlan};
 
 impl ClTool {
     /// The cutter as a program describes it.
@@ -20,17 +20,34 @@ impl ClTool {
     }
 }
 
+impl ClSection {
+    fn of(section: &SectionPlan) -> Self {
+        Self {
+            from: section.from,
+            to: section.to,
+            diameter: section.tool.diameter,
+            feed: section.feed,
+            rest: section.rest,
+        }
+    }
+}
+
 impl ClProgram {
     /// The program of a plan: per plunge in rapid to the retract point, at the plunge feed to the tip,
-    /// in rapid back; positions in cutting order. A position of a section that the plan lacks is left out. The name says so
-    /// when the plan is not finished.
+    /// in rapid back; positions in cutting order, with the sections and rows that they belong to. A position of a section
+    /// that the plan lacks is left out. The name says so when the plan is not finished.
     pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
         let part = if plan.is_unfinished() { format!("{part} UNFINISHED") } else { part.to_owned() };
-        let mut program = Self { part, ..Self::default() };
+        let mut program =
+            Self { part, sections: plan.sections.iter().map(ClSection::of).collect(), ..Self::default() };
         for position in &plan.positions {
             let Some(tool) = plan.sections.get(position.section).map(|section| &section.tool) else {
                 continue;
             };
+            let (section, row) = (position.section, position.row);
+            if program.rows.last().is_none_or(|last| (last.section, last.row) != (section, row)) {
+                program.rows.push(ClRow { first_move: program.moves.len(), section, row });
+            }
             let cutter = ClTool::of(tool);
             let known = program.tools.iter().position(|t| *t == cutter);
             let index = known.unwrap_or_else(|| {

@@ -3,7 +3,8 @@
 //! A statement is a word, optionally `/` and a list: `GOTO/x,y,z,i,j,k`. Case, blanks and unknown
 //! words do not matter. `$$` starts a comment, a trailing `$` continues on the next line; `PARTNO`,
 //! `PPRINT` and `REMARK` take their line literally. `RAPID` holds for the next `GOTO` only. A `GOTO`
-//! of three numbers keeps the last axis (0, 0, 1 at first), whether `MULTAX` is on or off.
+//! of three numbers keeps the last axis (0, 0, 1 at first), whether `MULTAX` is on or off. `TRACUT` and `TRANS` are
+//! applied. Other statements that move or transform are errors; words that are not known are listed as warnings.
 //! Also read: NX (`TLDATA`, `TOOL PATH`, `LOAD/TOOL`, `FEDRAT/MMPM,150.`) and Creo
 //! (`LOADTL/1,LENGTH,120.`, `$$-> CUTTER / 30.`) dialects.
 
@@ -13,14 +14,21 @@ use super::super::InputError;
 use super::super::source::{
     self, MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, name_of, read_bytes, shown, text_lossy,
 };
-use super::{ClProgram, ClTool, ClWarning, MAX_WARNINGS, Motion, Move};
+use super::transform::Transform;
+use super::words::{Meaning, meaning};
+use super::{ClProgram, ClRow, ClSection, ClTool, ClWarning, MAX_WARNINGS, Motion, Move};
 use crate::geometry::{Point, Vector};
+use crate::part::Feed;
 
 const MM_PER_INCH: f64 = 25.4;
 /// Words of a list that are looked at: more than any statement here needs.
 const MAX_WORDS: usize = 64;
 /// Most tools of a program.
 const MAX_TOOLS: usize = 1_000;
+/// Most words that are remembered as not known.
+const MAX_UNKNOWN: usize = 50;
+/// By how much the length of an axis may miss 1: rounding.
+const AXIS_TOLERANCE: f64 = 1e-3;
 
 /// Reads a CL program from a file. Fails on damaged numbers and on a program without moves; what
 /// is only odd stands in [`ClProgram::warnings`].
@@ -100,6 +108,13 @@ struct Reader<'a> {
     numbered: bool,
     spindle: Option<f64>,
     insert_widths: Vec<(u32, f64)>,
+    transform: Transform,
+    /// `MSYS` as it stood first: the frame of all positions.
+    frame: Option<Vec<String>>,
+    /// A statement that sent the cutter to a place which is not given: its line and word.
+    away: Option<(usize, String)>,
+    /// Words that are not known: where first, and how many times.
+    unknown: Vec<(String, usize, usize)>,
     ended: bool,
 }
 
@@ -118,6 +133,10 @@ impl<'a> Reader<'a> {
             numbered: false,
             spindle: None,
             insert_widths: Vec::new(),
+            transform: Transform::default(),
+            frame: None,
+            away: None,
+            unknown: Vec::new(),
             ended: false,
         }
     }
@@ -128,7 +147,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// `PARTNO name`, `PPRINT/INSERT WIDTH n w`; other literal lines are comments.
+    /// `PARTNO name`, `PPRINT/INSERT WIDTH n w`, `PPRINT/SECTION …`, `PPRINT/ROW n m`; other literal lines are comments.
     fn literal(&mut self, line: usize, text: &str) {
         let (word, rest) = text.split_at_checked(6).unwrap_or((text, ""));
         let rest = rest.trim_start().trim_start_matches('/').trim();
@@ -138,13 +157,42 @@ impl<'a> Reader<'a> {
             }
             return;
         }
-        let mut words = rest.split_whitespace();
-        let mut is = |word: &str| words.next().is_some_and(|w| w.eq_ignore_ascii_case(word));
-        if !(word.eq_ignore_ascii_case("PPRINT") && is("INSERT") && is("WIDTH")) {
+        if !word.eq_ignore_ascii_case("PPRINT") {
             return;
         }
-        let number = words.next().and_then(|token| token.parse::<u32>().ok());
-        let width = words.next().and_then(|token| source::number(token).ok()).filter(|width| *width > 0.0);
+        let words: Vec<String> =
+            rest.split_whitespace().take(MAX_WORDS).map(str::to_ascii_uppercase).collect();
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        match *words.as_slice() {
+            ["INSERT", "WIDTH", ref list @ ..] => self.insert_width(line, list),
+            ["SECTION", _, "FROM", from, "TO", to, "D", d, feed, ref rest @ ..] => {
+                let feed = if feed == "OUTWARD" { Feed::Outward } else { Feed::Inward };
+                let numbers = [from, to, d].map(source::number);
+                if let [Ok(from), Ok(to), Ok(diameter)] = numbers
+                    && self.program.sections.len() < MAX_TOOLS
+                {
+                    let rest = *rest == ["REST"];
+                    let diameter = diameter * self.unit;
+                    self.program.sections.push(ClSection { from, to, diameter, feed, rest });
+                }
+            }
+            ["ROW", section, row] => {
+                let number = |word: &str| word.parse::<usize>().ok()?.checked_sub(1);
+                if let (Some(section), Some(row)) = (number(section), number(row))
+                    && self.program.rows.len() < MAX_POINTS
+                {
+                    let first_move = self.program.moves.len();
+                    self.program.rows.push(ClRow { first_move, section, row });
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The number of a tool and the width of its inserts.
+    fn insert_width(&mut self, line: usize, words: &[&str]) {
+        let number = words.first().and_then(|token| token.parse::<u32>().ok());
+        let width = words.get(1).and_then(|token| source::number(token).ok()).filter(|width| *width > 0.0);
         match number.zip(width) {
             // The list stays as short as the list of tools.
             Some((number, width)) if self.insert_widths.len() < MAX_TOOLS => {
@@ -162,13 +210,8 @@ impl<'a> Reader<'a> {
     fn statement(&mut self, line: usize, text: &str) -> Result<bool, InputError> {
         let (word, list) = text.split_once('/').unwrap_or((text, ""));
         let word: String = word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_uppercase();
-        let words: Vec<String> = match word.as_str() {
-            "GOTO" | "GOHOME" | "GODLTA" | "FROM" | "FEDRAT" | "SPINDL" | "LOADTL" | "LOAD" | "SELECT"
-            | "CUTTER" | "TLDATA" | "UNITS" => {
-                list.split(',').take(MAX_WORDS).map(|w| w.trim().to_ascii_uppercase()).collect()
-            }
-            _ => Vec::new(),
-        };
+        let words: Vec<String> =
+            list.split(',').take(MAX_WORDS).map(|w| w.trim().to_ascii_uppercase()).collect();
         if self.program.tools.len() > MAX_TOOLS {
             let what = format!("the program loads more than {MAX_TOOLS} tools");
             return Err(self.source.fault(line, what, "check that this is the right file"));
@@ -206,12 +249,59 @@ impl<'a> Reader<'a> {
                 self.cutter(line, sizes, Some(length))?;
             }
             "END-OF-PATH" => self.ended = true,
-            "CIRCLE" | "MOVARC" | "CYCLE" | "COPY" | "TRANS" | "TRACUT" => {
-                self.warn(line, &format!("{word} is not understood: only the GOTO points count"));
+            "TRACUT" if words.first().is_some_and(|w| w == "NOMORE") => self.transform.clear_matrix(),
+            "TRACUT" => {
+                let numbers = self.numbers(line, &word, &words)?;
+                let cure = "give 12 numbers: three rows of a rotation, each with its shift";
+                let set = self.transform.set_matrix(&numbers, self.unit);
+                set.map_err(|what| self.source.fault(line, what, cure))?;
             }
-            _ => {}
+            "TRANS" => self.trans(line, &words)?,
+            "ORIGIN" if self.is_zero(&words) => {}
+            "MSYS" if *self.frame.get_or_insert_with(|| words.clone()) != words => {
+                let cure = "export all positions in the coordinates of the part";
+                return Err(self.source.fault(line, "MSYS changes the frame of the positions", cure));
+            }
+            _ => self.other(line, &word, &words)?,
         }
         Ok(false)
+    }
+
+    /// Whether a list is of zeros alone.
+    fn is_zero(&self, words: &[String]) -> bool {
+        let zero = |word: &String| word.is_empty() || source::number(word).is_ok_and(|x| x == 0.0);
+        words.iter().all(zero)
+    }
+
+    /// `TRANS/x,y,z`: added to all positions that come after it.
+    fn trans(&mut self, line: usize, words: &[String]) -> Result<(), InputError> {
+        let [x, y, z] = *self.numbers(line, "TRANS", words)? else {
+            let what = "TRANS is no shift by x,y,z";
+            return Err(self.source.fault(line, what, "export all positions in the coordinates of the part"));
+        };
+        self.transform.set_shift(Vector::new(x, y, z) * self.unit);
+        Ok(())
+    }
+
+    /// A statement that the reader does not act upon: an error where it would have to.
+    fn other(&mut self, line: usize, word: &str, words: &[String]) -> Result<(), InputError> {
+        match meaning(word, words) {
+            Meaning::Aside => {}
+            Meaning::Moves(cure) => {
+                let what = format!("{} changes the path and is not followed", shown(word));
+                return Err(self.source.fault(line, what, cure));
+            }
+            Meaning::Away => self.away = Some((line, word.to_owned())),
+            Meaning::Unknown => {
+                let known = self.unknown.iter().position(|(known, ..)| known == word);
+                if let Some((.., count)) = known.and_then(|index| self.unknown.get_mut(index)) {
+                    *count += 1;
+                } else if self.unknown.len() < MAX_UNKNOWN {
+                    self.unknown.push((word.to_owned(), line, 1));
+                }
+            }
+        }
+        Ok(())
     }
 
     fn numbers(&self, line: usize, word: &str, words: &[String]) -> Result<Vec<f64>, InputError> {
@@ -235,9 +325,14 @@ impl<'a> Reader<'a> {
             [x, y, z, i, j, k] => {
                 let axis = Vector::new(i, j, k);
                 let length = axis.norm();
-                if length < 1e-6 {
-                    let cure = "give the direction from tip to holder";
-                    return Err(self.source.fault(line, format!("{word}: the axis has no length"), cure));
+                if (length - 1.0).abs() > AXIS_TOLERANCE {
+                    let what = if length < 1e-6 {
+                        format!("{word}: the axis has no length")
+                    } else {
+                        format!("{word}: the axis i,j,k has the length {length:.6}, not 1")
+                    };
+                    let cure = "give the direction from tip to holder as a unit vector";
+                    return Err(self.source.fault(line, what, cure));
                 }
                 self.axis = axis / length;
                 (x, y, z)
@@ -252,11 +347,15 @@ impl<'a> Reader<'a> {
 
     fn go(&mut self, line: usize, tip: Point) -> Result<(), InputError> {
         if tip.coords.amax() > MAX_COORDINATE {
-            let what = "the position is more than 1,000,000 mm away";
-            return Err(self.source.fault(line, what, "check the numbers and the units"));
+            return Err(self.too_far(line));
         }
         self.tip = tip;
         Ok(())
+    }
+
+    fn too_far(&self, line: usize) -> InputError {
+        let what = "the position is more than 1,000,000 mm away";
+        self.source.fault(line, what, "check the numbers and the units")
     }
 
     fn goto(&mut self, line: usize, words: &[String], rapid: bool) -> Result<(), InputError> {
@@ -283,6 +382,11 @@ impl<'a> Reader<'a> {
         if self.program.moves.len() >= MAX_POINTS {
             return Err(self.source.fault(line, "holds more than 1,000,000 moves", "split the program"));
         }
+        if let Some((away, word)) = self.away.take() {
+            let what =
+                format!("{word} moves the cutter to a place that is not given, and GOTO goes on from there");
+            return Err(self.source.fault(away, what, "give that place by GOTO"));
+        }
         self.rapid = false;
         self.used = true;
         self.ended = false;
@@ -292,8 +396,11 @@ impl<'a> Reader<'a> {
         {
             tool.feed.get_or_insert(feed);
         }
-        let (tip, axis, tool) = (self.tip, self.axis, self.tool);
-        self.program.moves.push(Move { motion, tip, axis, tool, line });
+        let (tip, axis) = self.transform.apply(&self.tip, &self.axis);
+        if tip.coords.amax() > MAX_COORDINATE {
+            return Err(self.too_far(line));
+        }
+        self.program.moves.push(Move { motion, tip, axis, tool: self.tool, line });
         Ok(())
     }
 
@@ -340,6 +447,8 @@ impl<'a> Reader<'a> {
 
     /// `n` and, as Creo writes it, `LENGTH,l`.
     fn load(&mut self, words: &[String]) {
+        // A tool is changed away from the part: the way there and back is not of the program.
+        self.away = None;
         let number = words.iter().find_map(|w| w.trim_end_matches('.').parse::<u32>().ok()).unwrap_or(0);
         let after = |name: &str| {
             let at = words.iter().position(|word| word == name)?;
@@ -409,6 +518,11 @@ impl<'a> Reader<'a> {
                 "check that it holds GOTO statements",
             ));
         }
+        for (word, line, count) in std::mem::take(&mut self.unknown) {
+            let times = if count > 1 { format!(", {count} times") } else { String::new() };
+            self.warn(line, &format!("{} is not known and was left out{times}", shown(&word)));
+        }
+        self.program.warnings.sort_by_key(|warning| warning.line);
         if !self.ended {
             self.warn(last, &format!("FINI is missing: {TRUNCATED}"));
         }

@@ -37,7 +37,7 @@ fn sample() -> ClProgram {
         part: "impeller $$ 532".to_owned(),
         tools: vec![tool(1, 30.0), tool(2, 16.0)],
         moves,
-        warnings: Vec::new(),
+        ..ClProgram::default()
     }
 }
 
@@ -176,9 +176,70 @@ fn faults_and_warnings() {
         assert!(fault(text).contains(words), "{text:?}: {}", fault(text));
     }
     assert!(fault(&"LOADTL/1\n".repeat(2000)).contains("more than 1000 tools"));
-    let p = read("FEDRAT/0\nCIRCLE/0,0,0,1\nGOTO/1,2,3,\n");
+    let p = read("FEDRAT/0\nWOBBLE/0,0,0,1\nGOTO/1,2,3,\nWOBBLE\n");
     let lines: Vec<_> = p.warnings.iter().map(|w| w.line).collect();
-    assert_eq!(lines, [1, 2, 3], "{:?}", p.warnings);
+    assert_eq!(lines, [1, 2, 4], "{:?}", p.warnings);
+    assert!(
+        p.warnings[1].what.contains("`WOBBLE` is not known and was left out, 2 times"),
+        "{:?}",
+        p.warnings
+    );
+}
+
+#[test]
+fn what_moves_and_is_not_followed_is_an_error() {
+    for (statement, cure) in [
+        ("CIRCLE/0,0,0,0,0,1,5", "straight moves"),
+        ("MOVARC/0,0,0,0,0,1,5,ANGLE,90", "straight moves"),
+        ("CYCLE/DRILL,DEPTH,5", "single moves"),
+        ("COPY/1,TRANSL,1,0,0,3", "repetitions"),
+        ("INDEX/1", "repetitions"),
+        ("ORIGIN/0,0,5", "coordinates of the part"),
+        ("REFSYS/M1", "coordinates of the part"),
+        ("MODE/INCR", "coordinates of the part"),
+        ("TRANS/SCALE,2", "correct or export again"),
+        ("TRACUT/2,0,0,0,0,2,0,0,0,0,2,0", "rotation"),
+        ("TRACUT/1,0,0,0", "12 numbers"),
+        ("GOFWD/L1", "locations"),
+        ("GOTO/1,2,3,0,0,.5", "unit vector"),
+        ("RETRCT\nGOTO/1,2,3", "by GOTO"),
+    ] {
+        let text = format!("FEDRAT/100\nGOTO/1,2,3\n{statement}\nGOTO/4,5,6\nFINI\n");
+        let fault = fault(&text);
+        assert!(fault.contains("p.apt:3: ") && fault.contains(cure), "{statement}: {fault}");
+    }
+    for harmless in ["CYCLE/OFF", "ORIGIN/0,0,0", "MODE/ABSOL", "CUTCOM/OFF", "STOP", "GOHOME"] {
+        let p = read(&format!("FEDRAT/100\nGOTO/1,2,3\n{harmless}\nFINI\n"));
+        assert!(p.warnings.is_empty(), "{harmless}: {:?}", p.warnings);
+    }
+}
+
+#[test]
+fn positions_are_transformed() {
+    // A quarter turn about z, then a shift; lengths of both in the unit of the program.
+    let p = read(
+        "UNITS/CM\nTRACUT/0,-1,0,1,1,0,0,0,0,0,1,0\nTRANS/0,0,2\nGOTO/1,2,3,1,0,0\nTRACUT/NOMORE\nGOTO/1,2,3\n\
+         TRANS/0,0,0\nGODLTA/1\nFINI\n",
+    );
+    let at: Vec<_> = p.moves.iter().map(|m| (m.tip, m.axis)).collect();
+    assert_eq!(at[0], (Point::new(-10.0, 10.0, 50.0), Vector::y()));
+    assert_eq!(at[1], (Point::new(10.0, 20.0, 50.0), Vector::x()));
+    assert_eq!(at[2], (Point::new(20.0, 20.0, 30.0), Vector::x()));
+}
+
+#[test]
+fn sections_and_rows_come_back() {
+    let section = |from, to, rest| ClSection { from, to, diameter: 30.0, feed: Feed::Outward, rest };
+    let mut wrote = sample();
+    wrote.sections = vec![section(1.0, 0.5, false), section(1.0, 0.0, true)];
+    wrote.rows = [(0, 0, 0), (3, 0, 1), (6, 1, 0)]
+        .map(|(first_move, section, row)| ClRow { first_move, section, row })
+        .to_vec();
+    let text = write_apt(&wrote);
+    assert!(text.contains("PPRINT/SECTION 2 FROM 1.0 TO 0.0 D 30.0 OUTWARD REST\n"), "{text}");
+    assert!(text.contains("PPRINT/ROW 1 2\nRAPID\n"), "{text}");
+    let got = read(&text);
+    assert_eq!((got.sections, got.rows), (wrote.sections, wrote.rows));
 }
 
 fn tool(number: u32) -> impl Strategy<Value = ClTool> {
@@ -211,7 +272,7 @@ proptest! {
             let axis = Vector::from(axis).normalize();
             Move { motion, tip: Point::from(tip), axis, tool: Some(at), line: 0 }
         }).collect();
-        let wrote = ClProgram { part: name, tools: vec![tools.0, tools.1], moves, warnings: Vec::new() };
+        let wrote = ClProgram { part: name, tools: vec![tools.0, tools.1], moves, ..ClProgram::default() };
         let text = write_apt(&wrote);
         prop_assert!(text.lines().all(|line| line.len() <= 72));
         let got = read(&text);

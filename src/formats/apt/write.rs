@@ -1,6 +1,7 @@
 //! Writes APT: at most 72 columns, `$` continues a statement on the next line.
 
-use super::{ClProgram, ClTool, Motion};
+use super::{ClProgram, ClSection, ClTool, Motion};
+use crate::part::Feed;
 
 const COLUMNS: usize = 72;
 
@@ -13,15 +14,23 @@ pub fn write_apt(program: &ClProgram) -> String {
     statement(&mut out, &["PARTNO ", &part_name(&program.part)]);
     statement(&mut out, &["UNITS/MM"]);
     statement(&mut out, &["MULTAX/ON"]);
+    for (index, section) in program.sections.iter().enumerate() {
+        statement(&mut out, &[&section_text(index, section)]);
+    }
     let mut tool = None;
     let mut feed = None;
-    for step in &program.moves {
+    let mut rows = program.rows.iter().peekable();
+    for (index, step) in program.moves.iter().enumerate() {
         if step.tool.is_some() && step.tool != tool {
             tool = step.tool;
             feed = None;
             if let Some(tool) = step.tool.and_then(|index| program.tools.get(index)) {
                 load(&mut out, tool);
             }
+        }
+        while let Some(row) = rows.next_if(|row| row.first_move <= index) {
+            let (section, row) = ((row.section + 1).to_string(), (row.row + 1).to_string());
+            statement(&mut out, &["PPRINT/ROW ", &section, " ", &row]);
         }
         match step.motion {
             Motion::Rapid => {
@@ -50,6 +59,18 @@ pub fn write_apt(program: &ClProgram) -> String {
     }
     statement(&mut out, &["FINI"]);
     out
+}
+
+/// A section of the plan, counted from 1.
+fn section_text(index: usize, section: &ClSection) -> String {
+    let ClSection { from, to, diameter, feed, rest } = section;
+    let feed = match feed {
+        Feed::Inward => "INWARD",
+        Feed::Outward => "OUTWARD",
+    };
+    let [from, to, diameter] = [from, to, diameter].map(|x| short(*x));
+    let rest = if *rest { " REST" } else { "" };
+    format!("PPRINT/SECTION {} FROM {from} TO {to} D {diameter} {feed}{rest}", index + 1)
 }
 
 fn load(out: &mut String, tool: &ClTool) {

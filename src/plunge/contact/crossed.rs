@@ -2,7 +2,7 @@
 
 use super::columns::Column;
 use crate::geometry::cutter::column_interval;
-use crate::geometry::{CutterSolid, Point, Vector, frame_about, norm2};
+use crate::geometry::{CutterSolid, Point, Vector, norm2};
 
 /// Newton steps towards a rounded corner, and the distance from it that counts as on it, mm.
 const MAX_CORNER_STEPS: usize = 24;
@@ -112,7 +112,12 @@ impl Neighbours {
 
     /// As [`Self::of`], in the room that there is.
     pub fn gather<'c>(&mut self, column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) {
-        let (e1, e2) = frame_about(&column.cutter.axis);
+        // Lines that turn with the plunge about the rotation axis: what is found in one channel is found in all.
+        let CutterSolid { tip, axis, .. } = column.cutter;
+        let outwards = Vector::new(tip.x, tip.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector::x);
+        let helper = if axis.z.abs() < 0.9 { Vector::z() } else { outwards };
+        let e1 = helper.cross(&axis).normalize();
+        let e2 = axis.cross(&e1);
         (self.tip, self.axis, self.across) = (column.cutter.tip, column.cutter.axis, [e1, e2]);
         self.columns.clear();
         let crossed = |c: &Column| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across);

@@ -5,8 +5,10 @@ use super::super::plunges::tool_of;
 use crate::formats::apt::{ClProgram, Motion};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Channel, Impeller, Setup, Tool, passage_angle};
+use crate::plunge::flight::Turn;
 
-/// A straight move of a cutter: tip linear, axis linear and normalised, as a controller does it.
+/// A straight move of a cutter: tip linear; under feed the axis is linear and normalised, as a controller does it, in rapid
+/// it turns evenly, as links are planned.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     /// Line of the program.
@@ -28,6 +30,9 @@ impl Step {
     /// Tip and axis at `share` of the way.
     pub(super) fn at(&self, share: f64) -> (Point, Vector) {
         let ((p, a), (q, b)) = (self.from, self.to);
+        if self.feed.is_none() {
+            return (p + (q - p) * share, Turn::new(a, &b).at(share).0);
+        }
         let axis = (a + (b - a) * share).try_normalize(1e-9).unwrap_or(b);
         (p + (q - p) * share, axis)
     }

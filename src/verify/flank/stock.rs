@@ -45,6 +45,10 @@ pub(super) struct Struck {
 pub(super) struct Floor {
     /// What ran into stock.
     pub(super) struck: Vec<Struck>,
+    /// What was cut over the floor, mm³.
+    pub(super) removed: f64,
+    /// The deepest cut: how far above the bottom the stock that it removes reaches, mm, and the index of its step.
+    pub(super) deepest: Option<(f64, usize)>,
     /// What is left, unless nothing is cut.
     left: Option<Left>,
 }
@@ -88,7 +92,7 @@ pub(super) fn floor_after(
 ) -> Floor {
     let largest = steps.iter().filter(|s| s.feed.is_some()).map(|s| &tools[s.tool]);
     let Some(finest) = largest.min_by(|a, b| a.corner_radius.total_cmp(&b.corner_radius)) else {
-        return Floor { struck: Vec::new(), left: None };
+        return Floor { struck: Vec::new(), removed: 0.0, deepest: None, left: None };
     };
     let source = FloorSource {
         part: finished.part,
@@ -101,9 +105,20 @@ pub(super) fn floor_after(
     let (cutters, owners) = swept(tools, steps, places);
     let field = residual_field(&grid, &cutters);
     let mut struck: Vec<Struck> = Vec::new();
+    let (mut removed, mut deepest) = (0.0, None);
     for (trace, owner) in field.traces.iter().zip(&owners) {
-        let Some((step, what)) = *owner else { continue };
         let volume = f64::from(trace.removed_volume);
+        let (step, what) = match *owner {
+            Owner::Struck(step, what) => (step, what),
+            Owner::Cut(step) => {
+                removed += volume;
+                let depth = f64::from(trace.contact_depth);
+                if volume > 0.0 && deepest.is_none_or(|(most, _)| depth > most) {
+                    deepest = Some((depth, step));
+                }
+                continue;
+            }
+        };
         if volume > SKIM * std::f64::consts::PI * tools[steps[step].tool].radius().powi(2) {
             match struck.last_mut().filter(|last| last.step == step && last.what == what) {
                 Some(last) => last.volume += volume,
@@ -112,14 +127,20 @@ pub(super) fn floor_after(
         }
     }
     let left = Left { grid, heights: field.heights, finest: finest.clone() };
-    Floor { struck, left: Some(left) }
+    Floor { struck, removed, deepest, left: Some(left) }
 }
 
-/// Whose the cutters of a field are: of the cuts no one's.
-type Owner = Option<(usize, Probe)>;
+/// Whose a cutter of a field is.
+#[derive(Clone, Copy)]
+enum Owner {
+    /// Under feed in this step.
+    Cut(usize),
+    /// What must not meet stock in this step.
+    Struck(usize, Probe),
+}
 
 /// The cutter at many places of all steps in order, after each step's `places` of what must not meet stock: a holder before
-/// the cut that it is over, a rapid where it is.
+/// the cut that it is over, a rapid where it is. The core of those that cut is all of them: its contact is how deep they cut.
 fn swept(tools: &[Tool], steps: &[&Step], places: &[Place]) -> (Vec<FieldCutter>, Vec<Owner>) {
     let (mut cutters, mut owners) = (Vec::new(), Vec::new());
     let single = |v: [f64; 3]| v.map(|x| x as f32);
@@ -128,7 +149,7 @@ fn swept(tools: &[Tool], steps: &[&Step], places: &[Place]) -> (Vec<FieldCutter>
             tip: single(solid.tip.coords.into()),
             radius: solid.radius as f32,
             axis: single(solid.axis.into()),
-            core_radius: 0.0,
+            core_radius: if matches!(owner, Owner::Cut(_)) { solid.radius as f32 } else { 0.0 },
             corner_radius: solid.corner_radius as f32,
         });
         owners.push(owner);
@@ -144,12 +165,12 @@ fn swept(tools: &[Tool], steps: &[&Step], places: &[Place]) -> (Vec<FieldCutter>
                     tool.holder(tip, axis)
                 }
             };
-            add(solid, Some((index, place.what)));
+            add(solid, Owner::Struck(index, place.what));
         }
         if step.feed.is_some() {
             let spacing = (8.0 * tool.radius() * RIDGE).sqrt();
             let count = (step.length() / spacing).max(step.turn() / 0.02).ceil().clamp(1.0, 2000.0);
-            (1..=count as usize).for_each(|k| add(step.cutter(tools, k as f64 / count), None));
+            (1..=count as usize).for_each(|k| add(step.cutter(tools, k as f64 / count), Owner::Cut(index)));
         }
     }
     (cutters, owners)

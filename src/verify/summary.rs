@@ -1,8 +1,10 @@
 //! The numbers that decide, of a whole plan or of one section of it.
 
+use crate::formats::apt::{ClProgram, Motion};
 use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::{PlungePlan, Position};
-use crate::residual::{FloorGrid, ResidualField, statistics};
+use crate::residual::statistics::statistics_of_channels;
+use crate::residual::{FloorGrid, ResidualField};
 
 /// Numbers of one plan, or of one section of it (mm; NaN where there is nothing to measure).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,27 +43,43 @@ pub struct Summary {
     pub blocked: usize,
 }
 
+/// What is left on the floors of some channels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Floors<'a> {
+    /// The floor of a channel.
+    pub grid: &'a FloorGrid,
+    /// Heights of its cells, and in how many channels they are like this.
+    pub heights: &'a [(&'a [f32], usize)],
+}
+
 impl Summary {
     /// Of the whole plan.
     pub fn of(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField) -> Self {
-        Self::over(plan, grid, field, None)
+        let program = ClProgram::of_plan("", plan);
+        Self::over(plan, &Floors { grid, heights: &[(&field.heights, 1)] }, &Travel::of(&program), None)
     }
 
-    /// Of section `index` of the plan: its positions, and the floor between its borders.
+    /// Of section `index` of the plan: its positions, and the floor between its borders. Lengths and time are of the whole.
     pub fn of_section(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField, index: usize) -> Self {
-        Self::over(plan, grid, field, Some(index))
+        let floors = Floors { grid, heights: &[(&field.heights, 1)] };
+        Self::over(plan, &floors, &Travel::default(), Some(index))
     }
 
-    fn over(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField, section: Option<usize>) -> Self {
+    /// Of a plan that was read from a program, or of one section of it; `floors` as the program leaves them.
+    pub(super) fn over(plan: &PlungePlan, floors: &Floors, travel: &Travel, section: Option<usize>) -> Self {
         let ours = |p: &&Position| section.is_none_or(|s| p.section == s);
         let positions: Vec<&Position> = plan.positions.iter().filter(ours).collect();
         let least = |f: &dyn Fn(&Position) -> f64| {
             positions.iter().map(|p| f(p)).fold(f64::NAN, |a, b| if a < b { a } else { b })
         };
         let section_plan = section.and_then(|s| plan.sections.get(s));
+        let grid = floors.grid;
         let ours = |row: usize| section_plan.is_none_or(|s| (s.to..=s.from).contains(&grid.s_of_row(row)));
-        let layer = statistics(grid, &field.heights, ours);
-        let mut summary = Self {
+        let layer = statistics_of_channels(grid, floors.heights, ours);
+        let turns = positions
+            .windows(2)
+            .filter(|pair| (pair[0].section, pair[0].row) == (pair[1].section, pair[1].row));
+        Self {
             positions: positions.len(),
             interferential: positions.iter().filter(|p| p.contact.interferes()).count(),
             max_contact_depth: positions.iter().map(|p| p.contact.depth).fold(0.0, f64::max),
@@ -73,28 +91,49 @@ impl Summary {
             min_hub_clearance: least(&|p| p.hub_clearance),
             min_blade_clearance: least(&|p| p.blade_clearance),
             min_retract_clearance: least(&|p| p.retract_clearance),
+            max_axis_change: turns.map(|pair| pair[0].axis.angle(&pair[1].axis)).fold(0.0, f64::max),
+            cut_length: travel.cut,
+            rapid_length: travel.rapid,
+            time_estimate: travel.time,
             blocked: positions.iter().filter(|p| p.blocked.is_some()).count()
                 + plan.dropped.iter().filter(|d| section.is_none_or(|s| d.section == s)).count(),
-            ..Self::default()
-        };
-        summary.add_motion(plan, &positions);
-        summary
+        }
     }
+}
 
-    fn add_motion(&mut self, plan: &PlungePlan, positions: &[&Position]) {
-        for (k, p) in positions.iter().enumerate() {
-            let plunge = (p.retract - p.tip).norm();
-            self.cut_length += plunge;
-            self.rapid_length += plunge;
-            self.time_estimate += plunge / plan.sections[p.section].tool.plunge_feed * 60.0;
-            let Some(next) = positions.get(k + 1) else { continue };
-            if next.section == p.section {
-                self.rapid_length += (next.retract - p.retract).norm();
-                if next.row == p.row {
-                    self.max_axis_change = self.max_axis_change.max(p.axis.angle(&next.axis));
+/// Feed of a cut of which nobody says any, mm/min.
+const UNKNOWN_FEED: f64 = 300.0;
+
+/// The ways of a program. Tools come from nowhere: those to and from a tool change are left out.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Travel {
+    /// Under feed, mm.
+    pub cut: f64,
+    /// In rapid, mm.
+    pub rapid: f64,
+    /// s.
+    pub time: f64,
+}
+
+impl Travel {
+    /// Of all moves with a tool.
+    pub fn of(program: &ClProgram) -> Self {
+        let mut travel = Self::default();
+        for pair in program.moves.windows(2) {
+            let Some(tool) = pair[1].tool.filter(|_| pair[0].tool == pair[1].tool) else { continue };
+            let length = (pair[1].tip - pair[0].tip).norm();
+            match pair[1].motion {
+                Motion::Rapid => {
+                    travel.rapid += length;
+                    travel.time += length / RAPID_FEED * 60.0;
+                }
+                Motion::Feed(feed) => {
+                    travel.cut += length;
+                    let known = program.tools.get(tool).and_then(|tool| tool.feed);
+                    travel.time += length / feed.or(known).unwrap_or(UNKNOWN_FEED) * 60.0;
                 }
             }
         }
-        self.time_estimate += self.rapid_length / RAPID_FEED * 60.0;
+        travel
     }
 }

@@ -1,0 +1,114 @@
+//! Everything that is told of a plunge program: what `plan` reports of the program that it writes, and `verify` of any.
+
+use super::summary::{Floors, Summary, Travel};
+use super::{Fault, Verdict, verify};
+use crate::formats::apt::ClProgram;
+use crate::geometry::{rotate_vector_z, rotate_z};
+use crate::part::{Blank, Channel, Impeller, Setup};
+use crate::plunge::{PlungePlan, Position};
+use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
+
+/// By how much plunges of two channels may differ to count as the same, mm: a program has six decimals.
+const SAME: f64 = 1e-5;
+/// Uncut share of the reachable floor from which on it is said.
+const MUCH_UNCUT: f64 = 0.1;
+
+/// A plunge program, judged. Counts, lengths and times are of the whole program; figures of the floor are over all channels
+/// that it works in.
+#[derive(Clone, Debug)]
+pub struct PlungeReport {
+    /// Every cut measured, and everything that must not be.
+    pub verdict: Verdict,
+    /// The figures.
+    pub summary: Summary,
+    /// Of each section of the verdict's plan.
+    pub sections: Vec<Summary>,
+    /// What is no fault, but should be known.
+    pub notes: Vec<String>,
+}
+
+/// Judges `program` against `part` with the allowances of `setup`; the floor in `cells` × `cells`.
+///
+/// # Errors
+/// As [`verify`].
+pub fn report_plunges(
+    part: &Impeller,
+    channel: &Channel,
+    setup: &Setup,
+    program: &ClProgram,
+    cells: usize,
+) -> Result<PlungeReport, Fault> {
+    let verdict = verify(part, channel, setup, program)?;
+    let blank = Blank::of(part, setup.stock.inlet_extension);
+    let stretches = stretches_of(&verdict.plan);
+    let source = FloorSource { part, channel, blank: &blank, stock: &setup.stock, cutters: &stretches };
+    let grid = FloorGrid::new(&source, cells);
+    let fields = fields_of(part, &verdict, &grid);
+    let heights: Vec<(&[f32], usize)> = fields.iter().map(|(h, n)| (h.as_slice(), *n)).collect();
+    let floors = Floors { grid: &grid, heights: &heights };
+    let plan = &verdict.plan;
+    let summary = Summary::over(plan, &floors, &Travel::of(program), None);
+    let section = |index| Summary::over(plan, &floors, &Travel::default(), Some(index));
+    let sections = (0..plan.sections.len()).map(section).collect();
+    let mut notes = Vec::new();
+    if summary.uncut_share > MUCH_UNCUT {
+        notes.push(format!(
+            "much is left: {:.1} % of the reachable floor stays uncut",
+            100.0 * summary.uncut_share
+        ));
+    }
+    Ok(PlungeReport { verdict, summary, sections, notes })
+}
+
+/// Heights of the floor after the program, and in how many channels they are like this.
+fn fields_of(part: &Impeller, verdict: &Verdict, grid: &FloorGrid) -> Vec<(Vec<f32>, usize)> {
+    let mut numbers = verdict.turns.clone();
+    numbers.sort_unstable();
+    let counts: Vec<(i64, usize)> =
+        numbers.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect();
+    // A few cuts over leaning blades seem to be in a neighbouring channel: the most used ones are those worked in.
+    let mut worked_in = counts.clone();
+    worked_in.sort_by_key(|&(number, count)| (std::cmp::Reverse(count), number));
+    worked_in.truncate(verdict.channels);
+    worked_in.sort_unstable();
+    let around: Vec<Vec<Position>> =
+        worked_in.iter().map(|&(number, _)| around(part, verdict, number)).collect();
+    let mut kinds: Vec<(usize, usize)> = Vec::new();
+    for (index, ours) in around.iter().enumerate() {
+        match kinds.iter_mut().find(|(first, _)| same(&around[*first], ours)) {
+            Some((_, times)) => *times += 1,
+            None => kinds.push((index, 1)),
+        }
+    }
+    let field = |(index, times): (usize, usize)| {
+        let plan = PlungePlan { positions: around[index].clone(), ..verdict.plan.clone() };
+        (residual_field(grid, &cutters_of(&plan)).heights, times)
+    };
+    kinds.into_iter().map(field).collect()
+}
+
+/// The plunges that may reach the floor of the channel `number` pitches ahead of channel 1, turned into channel 1: its own,
+/// then those of its neighbours.
+fn around(part: &Impeller, verdict: &Verdict, number: i64) -> Vec<Position> {
+    let count = part.blade_count as i64;
+    let mut found = Vec::new();
+    for ahead in if count > 2 { [0, -1, 1].as_slice() } else { [0, 1].as_slice() } {
+        let angle = part.pitch() * *ahead as f64;
+        let theirs = verdict.turns.iter().zip(&verdict.plan.positions);
+        let theirs = theirs.filter(|(turn, _)| (*turn - number - ahead).rem_euclid(count) == 0);
+        found.extend(theirs.map(|(_, p)| Position {
+            tip: rotate_z(&p.tip, angle),
+            axis: rotate_vector_z(&p.axis, angle),
+            ..p.clone()
+        }));
+    }
+    found
+}
+
+/// Whether two lists of plunges are the same but for rounding.
+fn same(a: &[Position], b: &[Position]) -> bool {
+    a.len() == b.len()
+        && a.iter().zip(b).all(|(a, b)| {
+            a.section == b.section && (a.tip - b.tip).amax() < SAME && (a.axis - b.axis).amax() < 1e-3 * SAME
+        })
+}

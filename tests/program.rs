@@ -1,0 +1,288 @@
+//! Programs as they are written and judged: those of whole wheels, what `plan` and `verify` say of the same program, and
+//! mutated ones.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::LazyLock;
+
+use serde_json::Value;
+use vanecut::formats::apt::{ClProgram, Motion, read_apt_bytes, write_apt};
+use vanecut::formats::part_file::read_part;
+use vanecut::geometry::{Meridional, Vector};
+use vanecut::job::{PlanOutcome, PlanRequest, run};
+use vanecut::monitor::Monitor;
+use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
+use vanecut::plunge::whole::plan_channels;
+use vanecut::verify::{FaultKind, PlungeReport, report_plunges, verify};
+
+fn sample_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(format!("{name}.toml"))
+}
+
+fn sample(name: &str) -> Impeller {
+    Impeller::build(&read_part(&sample_path(name)).expect("readable")).expect("an impeller")
+}
+
+fn planned(name: &str, policy: AxisPolicy) -> PlanOutcome {
+    let (part, setup) = (sample(name).into(), Setup::default());
+    let request = PlanRequest { part, setup, policy, compare: false, field_cells: 512 };
+    run(&request, &Monitor::default()).expect("a plan")
+}
+
+/// The program of a plan as it is read back from its file.
+fn written(outcome: &PlanOutcome, channels: usize) -> ClProgram {
+    let (part, stock) = (&outcome.part, &outcome.setup.stock);
+    let blank = Blank::of(part, stock.inlet_extension);
+    let one = &outcome.after.plan;
+    let plan = plan_channels(one, part, &blank, stock.safety_distance, channels, &Monitor::default());
+    let text = write_apt(&ClProgram::of_plan(&part.name, &plan.expect("not cancelled")));
+    read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable")
+}
+
+fn reported(outcome: &PlanOutcome, program: &ClProgram) -> PlungeReport {
+    let (part, setup) = (&outcome.part, &outcome.setup);
+    report_plunges(part, &Channel::of(part), setup, program, 512).expect("can be judged")
+}
+
+#[test]
+fn programs_of_whole_wheels_have_no_fault() {
+    for name in ["impeller532", "impeller9x9", "pump6"] {
+        let outcome = planned(name, AxisPolicy::Minimal);
+        let [one, all] = [1, outcome.part.blade_count].map(|n| reported(&outcome, &written(&outcome, n)));
+        for (report, channels) in [(&one, 1), (&all, outcome.part.blade_count)] {
+            let verdict = &report.verdict;
+            assert!(verdict.faults.is_empty(), "{name}, {channels}: {:#?}", verdict.faults);
+            assert_eq!(verdict.channels, channels, "{name}");
+            assert_eq!(report.summary.positions, channels * outcome.after.plan.positions.len(), "{name}");
+        }
+        // What one channel's plan says of itself is what its program says.
+        let (plan, program) = (&outcome.after.summary, &one.summary);
+        for (what, plan, program, tolerance) in [
+            ("cut", plan.cut_length, program.cut_length, 1e-2),
+            ("rapid", plan.rapid_length, program.rapid_length, 1e-2),
+            ("time", plan.time_estimate, program.time_estimate, 1e-2),
+            ("axis", plan.max_axis_change, program.max_axis_change, 1e-7),
+            ("uncut", plan.uncut_share, program.uncut_share, 5e-5),
+            ("unreachable", plan.unreachable_share, program.unreachable_share, 1e-6),
+            ("mean", plan.residual_mean, program.residual_mean, 1e-4),
+            ("p95", plan.residual_p95, program.residual_p95, 1e-3),
+            ("retract", plan.min_retract_clearance, program.min_retract_clearance, 5e-4),
+            ("hub", plan.min_hub_clearance, program.min_hub_clearance, 2e-6),
+        ] {
+            assert!(
+                (plan - program).abs() <= tolerance,
+                "{name}, {what}: {plan} in the plan, {program} written"
+            );
+        }
+    }
+}
+
+/// Exit code, object on standard output, standard error.
+fn command(arguments: &[&str]) -> (i32, Value, String) {
+    let out = Command::new(env!("CARGO_BIN_EXE_vanecut")).args(arguments).output().expect("it starts");
+    let text = String::from_utf8_lossy(&out.stderr).into_owned();
+    (out.status.code().unwrap_or(-1), serde_json::from_slice(&out.stdout).unwrap_or_default(), text)
+}
+
+#[test]
+fn plan_and_verify_say_the_same() {
+    let folder = tempfile();
+    let part = sample_path("impeller532");
+    let part = part.to_str().unwrap();
+    for (axis, channels) in [("minimal", "1"), ("conventional", "1"), ("monotone", "3")] {
+        let out = folder.join(format!("{axis}{channels}"));
+        let apt = out.join("plunge.apt");
+        let (out, apt) = (out.to_str().unwrap(), apt.to_str().unwrap());
+        let (code, plan, text) =
+            command(&["plan", part, "--axis", axis, "--channels", channels, "-o", out, "--json"]);
+        let (judged, program, _) = command(&["verify", part, apt, "--json"]);
+        assert_eq!(code, judged, "{axis}, {channels}: {text}");
+        let count = program["interferential"].as_u64().expect("a number");
+        assert_eq!(code, i32::from(count > 0), "{axis}");
+        assert!(count == 0 || text.contains(&format!("{count} plunges whose core meets stock")), "{text}");
+        assert_eq!(plan["channels"].to_string(), channels, "{axis}");
+        let only_planned = ["blocked", "held", "settled", "stopped", "rounds", "by_section", "elapsed"];
+        let (plan_keys, program_keys) = (plan.as_object().unwrap(), program.as_object().unwrap());
+        for (key, value) in plan_keys.iter().filter(|(key, _)| !only_planned.contains(&key.as_str())) {
+            assert!(program_keys.get(key).is_none_or(|other| other == value), "{axis}, {key}: {value}");
+        }
+        let sections = |of: &Value| of["by_section"].as_array().cloned().expect("a list");
+        assert_eq!(sections(&plan).len(), sections(&program).len(), "{axis}");
+        for (plan, program) in sections(&plan).iter().zip(&sections(&program)) {
+            for key in
+                ["tool", "from", "to", "feed", "positions", "interferential", "residual_p95", "uncut_share"]
+            {
+                assert_eq!(plan[key], program[key], "{axis}, {key}");
+            }
+        }
+        assert_eq!(plan["one_channel"].is_object(), channels != "1");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// A folder of this test run.
+fn tempfile() -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("vanecut-program-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// A sound plan to mutate.
+static SOUND: LazyLock<(PlanOutcome, ClProgram)> = LazyLock::new(|| {
+    let outcome = planned("impeller532", AxisPolicy::Minimal);
+    let program = written(&outcome, 1);
+    (outcome, program)
+});
+
+/// Faults of the sound program after a mutation: lines, kinds, values.
+fn faults_after(mutate: impl FnOnce(&mut ClProgram)) -> Vec<(usize, FaultKind, Option<f64>)> {
+    let (outcome, program) = &*SOUND;
+    let mut program = program.clone();
+    mutate(&mut program);
+    let (part, setup) = (&outcome.part, &outcome.setup);
+    let verdict = verify(part, &Channel::of(part), setup, &program).expect("can be judged");
+    verdict.faults.into_iter().map(|f| (f.line, f.kind, f.value)).collect()
+}
+
+#[test]
+fn a_sound_program_has_no_fault() {
+    assert_eq!(faults_after(|_| ()), []);
+}
+
+#[test]
+fn a_fault_names_the_move_that_is_wrong() {
+    // Moves of a plunge: rapid to the retract point, down, rapid back.
+    let line = |index: usize| SOUND.1.moves[index].line;
+    let low = faults_after(|p| {
+        let (axis, retract) = (p.moves[30].axis, p.moves[30].tip);
+        p.moves[30].tip = retract - axis * 3.0;
+    });
+    assert!(low.iter().any(|f| (f.0, f.1) == (line(30), FaultKind::RapidClearance)), "{low:?}");
+    assert!(low.iter().all(|f| f.0 >= line(30) && f.0 <= line(31)), "{low:?}");
+    assert!(low.iter().all(|f| f.2.is_some_and(f64::is_finite)), "with how much: {low:?}");
+    let deep = faults_after(|p| {
+        let axis = p.moves[31].axis;
+        p.moves[31].tip -= axis * 0.3;
+    });
+    assert!(deep.iter().any(|f| (f.0, f.1) == (line(31), FaultKind::HubAllowance)), "{deep:?}");
+    // The way back out of a plunge, sideways.
+    let aside = faults_after(|p| p.moves[32].tip += Vector::new(0.0, 0.0, 15.0));
+    assert!(aside.iter().any(|f| (f.0, f.1) == (line(32), FaultKind::RapidClearance)), "{aside:?}");
+}
+
+#[test]
+fn an_axis_that_flips_in_a_rapid_is_judged() {
+    let line = SOUND.1.moves[30].line;
+    let flipped = faults_after(|p| p.moves[30].axis = -p.moves[30].axis);
+    assert!(flipped.iter().any(|f| f.0 == line), "{flipped:?}");
+    // Far above the part the tip is clear, and the tool goes through all of it.
+    let through = faults_after(|p| {
+        let at = &mut p.moves[30];
+        (at.tip, at.axis) = (at.tip + at.axis * 150.0, -at.axis);
+    });
+    let through: Vec<_> = through.into_iter().filter(|f| f.0 == line).map(|f| f.1).collect();
+    assert!(through.contains(&FaultKind::ToolInBlank), "{through:?}");
+    assert!(through.contains(&FaultKind::AxisTurn), "{through:?}");
+}
+
+#[test]
+fn programs_that_do_nothing_sensible_are_faults() {
+    let kinds =
+        |faults: Vec<(usize, FaultKind, Option<f64>)>| faults.into_iter().map(|f| f.1).collect::<Vec<_>>();
+    let off = kinds(faults_after(|p| p.moves.iter_mut().for_each(|m| m.tip += Vector::new(0.0, 0.0, 900.0))));
+    assert!(off.contains(&FaultKind::CutsNothing), "{off:?}");
+    let unfed = faults_after(|p| {
+        p.moves.iter_mut().filter(|m| m.motion != Motion::Rapid).for_each(|m| m.motion = Motion::Feed(None));
+    });
+    let first = SOUND.1.moves.iter().find(|m| m.motion != Motion::Rapid).unwrap().line;
+    let count = SOUND.0.after.plan.positions.len() as f64;
+    assert_eq!(unfed, [(first, FaultKind::NoFeed, Some(count))]);
+    let thin = kinds(faults_after(|p| p.tools[0].diameter -= 1.0));
+    assert!(thin.contains(&FaultKind::ToolDiffers), "{thin:?}");
+    let short = kinds(faults_after(|p| p.tools[0].overhang = Some(20.0)));
+    assert!(short.contains(&FaultKind::TooDeep), "{short:?}");
+}
+
+/// Distance from the top of a blank by brute force: shroud and both ends as dense polygons; negative between hub and shroud.
+struct BruteBlank {
+    top: Vec<Meridional>,
+    outline: Vec<Meridional>,
+}
+
+impl BruteBlank {
+    fn new(blank: &Blank) -> Self {
+        const COUNT: usize = 4000;
+        let along = |curve: &vanecut::geometry::MeridionalCurve| -> Vec<Meridional> {
+            (0..=COUNT).map(|i| curve.point(curve.length() * i as f64 / COUNT as f64)).collect()
+        };
+        let (hub, shroud) = (along(&blank.hub), along(&blank.shroud));
+        let line =
+            |a: Meridional, b: Meridional| (0..=COUNT).map(move |i| a.lerp(b, i as f64 / COUNT as f64));
+        let mut top: Vec<Meridional> = line(hub[0], shroud[0]).collect();
+        top.extend(&shroud);
+        top.extend(line(shroud[COUNT], hub[COUNT]));
+        let outline = top.iter().chain(hub.iter().rev()).copied().collect();
+        Self { top, outline }
+    }
+
+    fn inside(&self, p: Meridional) -> bool {
+        let mut inside = false;
+        for (i, a) in self.outline.iter().enumerate() {
+            let b = self.outline[(i + 1) % self.outline.len()];
+            if (a.z > p.z) != (b.z > p.z) && p.r < a.r + (p.z - a.z) / (b.z - a.z) * (b.r - a.r) {
+                inside = !inside;
+            }
+        }
+        inside
+    }
+
+    fn distance(&self, p: Meridional) -> f64 {
+        self.top.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[test]
+fn distances_from_the_blank_are_those_of_brute_force() {
+    let mut seed = 11u64;
+    let mut dice = move |from: f64, to: f64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        from + (to - from) * ((seed >> 11) as f64 / (1u64 << 53) as f64)
+    };
+    for name in ["impeller532", "impeller9x9", "pump6", "kj66"] {
+        let shared = &Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/wheels/kj66_sections.toml");
+        let part = match name {
+            "kj66" if !shared.exists() => continue,
+            "kj66" => Impeller::build(&read_part(shared).expect("readable")).expect("an impeller"),
+            name => sample(name),
+        };
+        let blank = Blank::of(&part, 0.0);
+        let brute = BruteBlank::new(&blank);
+        let (length, size) = (blank.shroud.length(), part.rim_radius());
+        let middle = blank.shroud.point(0.5 * length);
+        let grain = length / 4000.0;
+        let mut looked_at = 0;
+        for _ in 0..400 {
+            let point = Meridional {
+                r: (middle.r + dice(-1.0, 1.0) * size).abs(),
+                z: middle.z + dice(-1.0, 1.0) * size,
+            };
+            let (far, solid) = (brute.distance(point), brute.inside(point));
+            // Below the hub nothing is said of the top.
+            if !solid && blank.is_solid(point, &mut None) {
+                continue;
+            }
+            looked_at += 1;
+            let wanted = if solid { -far } else { far };
+            for warm in [None, Some(0.0), Some(dice(0.0, length)), Some(length)] {
+                let found = blank.clearance(point, &mut warm.clone());
+                assert!(
+                    (found - wanted).abs() < grain + 1e-3 * far.min(grain),
+                    "{name}: {found} by {warm:?} at r {} z {}, {wanted} by brute force",
+                    point.r,
+                    point.z
+                );
+            }
+        }
+        assert!(looked_at > 150, "{name}: {looked_at}");
+    }
+}
