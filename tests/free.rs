@@ -311,7 +311,7 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
         diameter: 6.0,
         corner_radius: 0.0,
         insert_width: 2.7,
-        overhang: 70.0,
+        overhang: 95.0,
         plunge_feed: 300.0,
         spindle: 3000.0,
     };

@@ -15,7 +15,7 @@ const ROOMS: [(&str, &[&str]); 15] = [
     ("flank", &["geometry", "part", "plunge", "monitor"]),
     ("residual", &["geometry", "part", "mesh", "plunge", "monitor"]),
     ("formats", &["palette", "geometry", "part", "mesh", "plunge", "flank", "residual"]),
-    ("verify", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats"]),
+    ("verify", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "monitor"]),
     ("job", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "monitor"]),
     (
         "gpu",

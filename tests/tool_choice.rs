@@ -142,7 +142,8 @@ fn a_cutter_that_fits_part_of_its_section_is_planned_there() {
     let mut setup = Setup { tools: vec![tool(1, 30.0)], ..Setup::default() };
     let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, feed: None, rest: false };
     setup.plunge.sections = vec![section];
-    let width = PassageWidth::new(&part, &Channel::of(&part).full).narrowest(0.0);
+    let channel = Channel::of(&part);
+    let width = PassageWidth::new(&part, &channel.full).narrowest(0.0);
     assert!(width < 30.0 + 2.0 * setup.stock.blade_allowance, "too narrow at the leading edge: {width}");
     let request = PlanRequest {
         part: part.into(),
@@ -171,7 +172,8 @@ fn defaults_follow_the_size_of_the_wheel() {
         assert!(stock.safety_distance > before, "scale {scale}: {stock:?}");
         before = stock.safety_distance;
         assert!(stock.blade_allowance > 0.0 && stock.hub_allowance > 0.0, "scale {scale}: {stock:?}");
-        let narrowest = PassageWidth::new(&part, &Channel::of(&part).full);
+        let channel = Channel::of(&part);
+        let narrowest = PassageWidth::new(&part, &channel.full);
         let width = (0..=20).map(|i| narrowest.narrowest(f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
         assert!(stock.blade_allowance <= 0.11 * width, "scale {scale}: {stock:?} in {width} mm");
         // The defaults find cutters on wheels of every size.

@@ -308,13 +308,14 @@ pub fn blocked(plan: &PlungePlan) -> String {
         if !names.is_empty() {
             text += &format!("blocked with tool {}: position {}\n", section.tool.number, names.join(", "));
         }
-        for (why, what) in [
-            (NoPlace::Blades, "that clear no blade"),
-            (NoPlace::Contact, "whose core would be free only far above the hub"),
-        ] {
+        for why in NoPlace::ALL {
             let left_out = plan.dropped.iter().filter(|d| (d.section, d.why) == (index, why)).count();
             if left_out > 0 {
-                text += &format!("left out with tool {}: {left_out} positions {what}\n", section.tool.number);
+                text += &format!(
+                    "left out with tool {}: {left_out} positions {}\n",
+                    section.tool.number,
+                    why.words()
+                );
             }
         }
     }

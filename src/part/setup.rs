@@ -273,9 +273,10 @@ const STATIONS: u32 = 40;
 /// Smallest default allowance, mm.
 const MIN_ALLOWANCE: f64 = 0.02;
 
-/// The greatest number with two digits, the second one even or five, that is not above `value`: a number as one would
-/// put into a setup. Infinite values stay.
+/// The greatest of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 and 8 times a power of ten that is not above `value`: a number as one
+/// would put into a setup. Infinite values stay.
 fn round_down(value: f64) -> f64 {
+    const DIGITS: [f64; 10] = [80.0, 60.0, 50.0, 40.0, 30.0, 25.0, 20.0, 15.0, 12.0, 10.0];
     if !value.is_finite() || value <= 0.0 {
         return value;
     }
@@ -285,9 +286,8 @@ fn round_down(value: f64) -> f64 {
         0.. => digits * 10f64.powi(exponent),
         _ => digits / 10f64.powi(-exponent),
     };
-    let digits = (value / scaled(1.0) * (1.0 + 1e-12)).floor();
-    let is_plain = |digits: &f64| digits % 2.0 == 0.0 || digits % 5.0 == 0.0;
-    scaled([digits, digits - 1.0].into_iter().find(is_plain).unwrap_or(digits))
+    let digits = value / scaled(1.0) * (1.0 + 1e-12);
+    scaled(DIGITS.into_iter().find(|plain| *plain <= digits).unwrap_or(10.0))
 }
 
 impl Default for Setup {
@@ -337,12 +337,13 @@ mod tests {
             (0.5, 0.5),
             (0.532, 0.5),
             (0.114, 0.1),
-            (0.0972, 0.096),
-            (0.077, 0.076),
+            (0.0972, 0.08),
+            (0.077, 0.06),
             (3.0, 3.0),
             (2.13, 2.0),
-            (17.0, 16.0),
+            (17.0, 15.0),
             (0.999_999_999_999_9, 1.0),
+            (900.0, 800.0),
         ] {
             assert_eq!(round_down(value), written, "{value}");
         }

@@ -178,6 +178,14 @@ impl SectionCut {
         Self { added: Some((0, Stopped::Cancelled)), ..Self::empty(feed, columns) }
     }
 
+    /// Notes that the row at `lambda` has no axis at these s.
+    pub fn note_missing(&mut self, lambda: f64, missing: Vec<f64>) {
+        if !missing.is_empty() {
+            let row = Row { missing, ..Row::empty(lambda) };
+            self.rows.push(CutRow { row, placed: Vec::new() });
+        }
+    }
+
     /// Whether planning was cancelled before the section was finished.
     pub fn is_unfinished(&self) -> bool {
         matches!(self.added, Some((_, Stopped::Cancelled)))
@@ -401,7 +409,11 @@ impl<'a> Planner<'a> {
         let top = BlankTop::new(&self.blank);
         let place = |station| {
             monitor.check()?;
-            Ok(self.placed(station, tool))
+            let long_enough =
+                |placed: &Placed| Column::new(placed.cutter, tool.radius(), &top).top <= tool.overhang;
+            let placed = self.placed(station, tool);
+            Ok(placed
+                .and_then(|placed| if long_enough(&placed) { Ok(placed) } else { Err(NoPlace::Overhang) }))
         };
         let mut placed = row
             .stations

@@ -203,6 +203,22 @@ pub enum NoPlace {
     Blades,
     /// It would have to stop so short for its core to be free that it would cut next to nothing.
     Contact,
+    /// It is shorter than its way through the blank: the holder would run into the blank.
+    Overhang,
+}
+
+impl NoPlace {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Blades, Self::Contact, Self::Overhang];
+
+    /// What is counted of this kind, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Blades => "that clear no blade",
+            Self::Contact => "whose core would be free only far above the hub",
+            Self::Overhang => "that the cutter is too short for",
+        }
+    }
 }
 
 /// A position that was left out because there is no place for its cutter.

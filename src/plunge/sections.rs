@@ -104,6 +104,7 @@ pub fn resolve(
         let place = SetupPlace::Section { index, tool: section.tool };
         tool_of(&resolved, section.tool).map_err(|fault| fault.at(place))?;
     }
+    check_blade_allowance(&resolved, &survey)?;
     check_some_fit(&resolved, &survey, library)?;
     if !given {
         resolved.tools = used_tools(&resolved);
@@ -241,6 +242,26 @@ pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
         .at(SetupPlace::Tool(number))
     })
 }
+
+/// Refuses a blade allowance that leaves no room for any cutter anywhere in the channel.
+fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFault> {
+    let widths = survey.stations.iter().map(|station| station.narrowest);
+    let widest = widths.filter(|width| width.is_finite()).fold(0.0, f64::max);
+    let smallest = setup.tools.iter().map(|tool| tool.diameter).fold(f64::INFINITY, f64::min);
+    let most = 0.5 * (widest - TIGHT_ROOM * smallest);
+    let allowance = setup.stock.blade_allowance;
+    if widest == 0.0 || allowance <= most || most <= 0.0 {
+        return Ok(());
+    }
+    Err(SetupFault::new(
+        format!("`blade_allowance` is {allowance}, but the blades are {widest:.2} mm apart at most"),
+        format!("give at most {most:.2} mm, less to cut where they come closer"),
+    )
+    .at(SetupPlace::Stock("blade_allowance")))
+}
+
+/// Room that the smallest cutter needs to cut anything, in diameters.
+const TIGHT_ROOM: f64 = 1.25;
 
 /// Refuses sections of which none has a place that its cutter goes into. Where a cutter fits a part of its section, that
 /// part is planned.

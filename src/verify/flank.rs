@@ -189,7 +189,7 @@ impl<'a> FlankVerifier<'a> {
             tools: tools.len(),
             deepest_cut: channels
                 .iter()
-                .filter_map(|(_, floor)| floor.deepest)
+                .flat_map(|(_, floor)| &floor.depths)
                 .map(|d| d.0)
                 .fold(0.0, f64::max),
             faults,
@@ -246,9 +246,7 @@ impl<'a> FlankVerifier<'a> {
             let floor = self.floor(&steps, &looks, number);
             let ours: Vec<&Step> = steps.iter().filter(|s| s.channel == number).collect();
             faults.extend(floor.struck.iter().map(|struck| struck.fault(ours[struck.step].line)));
-            if let Some((depth, step)) = floor.deepest {
-                faults.extend(self.too_deep(depth, ours[step]));
-            }
+            faults.extend(floor.depths.iter().filter_map(|&(depth, step)| self.too_deep(depth, ours[step])));
             channels.push((number, floor));
         }
         faults.extend(self.senseless(program, &steps, &channels));

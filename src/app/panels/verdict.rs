@@ -41,13 +41,13 @@ pub fn show(ui: &mut Ui, state: &State) {
     }
     let dropped = plan.dropped.len();
     if dropped > 0 {
-        let left_out = |why: NoPlace| plan.dropped.iter().filter(|d| d.why == why).count();
+        let left_out = |why: NoPlace| {
+            let count = plan.dropped.iter().filter(|d| d.why == why).count();
+            (count > 0).then(|| format!("{count} {}", why.words()))
+        };
         let text = RichText::new(format!("{dropped} left out")).color(Condition::Blocked.text(ui.visuals()));
-        ui.label(text).on_hover_text(format!(
-            "Positions without a place: {} clear no blade, {} have a core that would be free only far above the hub",
-            left_out(NoPlace::Blades),
-            left_out(NoPlace::Contact),
-        ));
+        let reasons: Vec<String> = NoPlace::ALL.into_iter().filter_map(left_out).collect();
+        ui.label(text).on_hover_text(format!("Positions left out: {}", reasons.join(", ")));
     }
     ui.separator();
     figure(

@@ -82,7 +82,7 @@ fn rapid_holds_for_one_goto() {
 
 #[test]
 fn short_gotos_keep_the_last_axis() {
-    let p = read("GOTO/0,0,1\nMULTAX/ON\nGOTO/0,0,2,0,3,4\nMULTAX/OFF\nGOTO/0,0,3\nFINI");
+    let p = read("GOTO/0,0,1\nMULTAX/ON\nGOTO/0,0,2,0,0.6,0.8\nMULTAX/OFF\nGOTO/0,0,3\nFINI");
     let axes: Vec<_> = p.moves.iter().map(|m| m.axis).collect();
     assert_eq!(axes, [Vector::z(), Vector::new(0.0, 0.6, 0.8), Vector::new(0.0, 0.6, 0.8)]);
     assert_eq!(p.moves[0].tool, None);

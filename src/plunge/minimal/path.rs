@@ -44,6 +44,8 @@ pub struct Path {
     pub cost: f64,
     /// What no path could cost less than, by blades and contact or without them.
     pub least: f64,
+    /// s of the places from the start on at which the cutter has no axis at all.
+    pub missing: Vec<f64>,
 }
 
 impl Path {
@@ -181,10 +183,13 @@ impl PathSearch<'_> {
             .map(|cost| cost + COST_PER_POSITION)
             .sum();
         let path = self.traced(&places, &states, last);
-        let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(Path { least, ..path }) };
+        let counts = |s: f64| (start - s) * inward >= -1e-9;
+        let missing = places.iter().filter(|(s, place)| counts(*s) && place.is_none()).map(|(s, _)| *s);
+        let path = Path { missing: missing.collect(), least, ..path };
+        let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(path) };
         let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
         let missed = ((end - reached) / (second - first)).abs();
-        Ok(Path { least, cost: path.cost + COST_OF_MISSED * missed, ..path })
+        Ok(Path { cost: path.cost + COST_OF_MISSED * missed, ..path })
     }
 
     /// What there is at every s, and between two of them where the axes turn too much on the way.

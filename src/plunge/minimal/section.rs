@@ -138,6 +138,7 @@ impl Planner<'_> {
                     path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
                 fill_steps(&maker, &search.candidates, &mut stations);
                 self.cut_split(stations, lambda, tool, cut, closing)?;
+                cut.note_missing(lambda, path.missing);
             }
         }
         Ok(true)

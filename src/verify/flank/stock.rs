@@ -47,8 +47,9 @@ pub(super) struct Floor {
     pub(super) struck: Vec<Struck>,
     /// What was cut over the floor, mm³.
     pub(super) removed: f64,
-    /// The deepest cut: how far above the bottom the stock that it removes reaches, mm, and the index of its step.
-    pub(super) deepest: Option<(f64, usize)>,
+    /// How deep each step cuts, with its index: how far above the bottom the stock that it removes reaches, mm. Steps that
+    /// remove nothing are missing.
+    pub(super) depths: Vec<(f64, usize)>,
     /// What is left, unless nothing is cut.
     left: Option<Left>,
 }
@@ -92,7 +93,7 @@ pub(super) fn floor_after(
 ) -> Floor {
     let largest = steps.iter().filter(|s| s.feed.is_some()).map(|s| &tools[s.tool]);
     let Some(finest) = largest.min_by(|a, b| a.corner_radius.total_cmp(&b.corner_radius)) else {
-        return Floor { struck: Vec::new(), removed: 0.0, deepest: None, left: None };
+        return Floor { struck: Vec::new(), removed: 0.0, depths: Vec::new(), left: None };
     };
     let source = FloorSource {
         part: finished.part,
@@ -105,7 +106,7 @@ pub(super) fn floor_after(
     let (cutters, owners) = swept(tools, steps, places);
     let field = residual_field(&grid, &cutters);
     let mut struck: Vec<Struck> = Vec::new();
-    let (mut removed, mut deepest) = (0.0, None);
+    let (mut removed, mut depths): (f64, Vec<(f64, usize)>) = (0.0, Vec::new());
     for (trace, owner) in field.traces.iter().zip(&owners) {
         let volume = f64::from(trace.removed_volume);
         let (step, what) = match *owner {
@@ -113,8 +114,10 @@ pub(super) fn floor_after(
             Owner::Cut(step) => {
                 removed += volume;
                 let depth = f64::from(trace.contact_depth);
-                if volume > 0.0 && deepest.is_none_or(|(most, _)| depth > most) {
-                    deepest = Some((depth, step));
+                match depths.last_mut().filter(|last| last.1 == step) {
+                    _ if volume <= 0.0 => {}
+                    Some(last) => last.0 = last.0.max(depth),
+                    None => depths.push((depth, step)),
                 }
                 continue;
             }
@@ -127,7 +130,7 @@ pub(super) fn floor_after(
         }
     }
     let left = Left { grid, heights: field.heights, finest: finest.clone() };
-    Floor { struck, removed, deepest, left: Some(left) }
+    Floor { struck, removed, depths, left: Some(left) }
 }
 
 /// Whose a cutter of a field is.
