@@ -66,7 +66,7 @@ impl NearBottom {
             let (d, foot) = distance(p);
             (d, receding(&p, &turning, foot) * d.signum())
         };
-        search::least_around::<32>(on_rim, 0.2);
+        search::least_around::<16>(on_rim, 0.2);
         Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest }
     }
 

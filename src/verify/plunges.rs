@@ -19,7 +19,7 @@ pub struct Cut {
     pub cutter: CutterSolid,
     /// The cutter along the move; one place for a plunge along the axis, which the column stands for.
     pub swept: Vec<CutterSolid>,
-    /// The rapids that lead here; of the last cut those that come after it, too.
+    /// The rapids that lead here; of the last cut of a tool those that come after it, too.
     pub rapids: Vec<Rapid>,
     /// Where the move started.
     pub retract: Point,
@@ -88,6 +88,10 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
         }
         let at = |p: Point, axis| tool.placed(p, axis);
         if last_tool.is_some_and(|t| t != number) {
+            // The way out after the last cut of a tool is that tool's.
+            if let Some(last) = cuts.last_mut() {
+                last.rapids.append(&mut rapids);
+            }
             section += 1;
             row = 0;
         }

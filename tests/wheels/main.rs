@@ -1,6 +1,6 @@
 //! Wheels that nobody has looked at: they open, are measured, planned by every policy and verified.
 //!
-//! The gate takes a dozen; `scripts/nightly` takes as many as it is asked for, by the variables `WHEELS_SEED` and
+//! The gate takes a few; `scripts/nightly` takes as many as it is asked for, by the variables `WHEELS_SEED` and
 //! `WHEELS_COUNT`.
 
 mod judge;
@@ -70,9 +70,8 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
     }
 }
 
-/// Wheels of the gate, (seed, index): all kinds, chosen for plans of few positions.
-const GATE: [(u64, usize); 12] =
-    [(1, 2), (1, 6), (1, 9), (1, 10), (1, 14), (1, 21), (1, 23), (1, 26), (1, 33), (1, 38), (1, 46), (1, 53)];
+/// Wheels of the gate, (seed, index): several kinds, chosen for plans of few positions.
+const GATE: [(u64, usize); 4] = [(1, 9), (1, 10), (1, 11), (1, 14)];
 
 /// A number from an environment variable.
 fn variable(name: &str) -> Option<u64> {
