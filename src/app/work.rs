@@ -36,7 +36,7 @@ pub(super) enum OpenTask {
         part: Option<PartSource>,
         setup: Option<PathBuf>,
         /// What keys absent from the setup mean as long as no part comes with it.
-        defaults: Setup,
+        defaults: Box<Setup>,
     },
     /// The nodes of a mesh file, to be told apart by hand.
     Nodes(PartSource),
@@ -48,7 +48,7 @@ impl OpenTask {
         match self {
             Self::Project(path, _) => Self::Project(path, Some(source)),
             Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
-            Self::Nodes(_) => Self::Files { part: Some(source), setup: None, defaults: Setup::default() },
+            Self::Nodes(_) => Self::Files { part: Some(source), setup: None, defaults: Box::default() },
         }
     }
 }
@@ -71,7 +71,9 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
             let source = instead.clone().unwrap_or_else(|| source_of(&project));
             (Some(source), None, Some((path.clone(), project)))
         }
-        OpenTask::Files { part, setup, defaults } => (part.clone(), setup.as_ref().zip(Some(defaults)), None),
+        OpenTask::Files { part, setup, defaults } => {
+            (part.clone(), setup.as_ref().map(|path| (path, defaults.as_ref())), None)
+        }
         OpenTask::Nodes(source) => {
             let nodes = source.mesh().map(|(path, said)| Untold::read(path, &said, task.clone(), None));
             return Ok(Opened { untold: nodes.transpose()?, ..Opened::default() });
@@ -178,7 +180,7 @@ impl Work {
 impl App {
     pub(super) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
         let open = self.state.document.part.as_ref();
-        let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
+        let defaults = Box::new(open.map(|part| part.defaults.clone()).unwrap_or_default());
         self.submit_open(OpenTask::Files { part, setup, defaults });
     }
 
