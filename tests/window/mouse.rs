@@ -8,7 +8,7 @@ use vanecut::app::mouse::MousePreset;
 use vanecut::gpu::camera::Camera;
 
 use crate::fake;
-use crate::harness::{Window, snapshot_view, window, with_sample};
+use crate::harness::{Window, settle, snapshot_view, window, with_sample};
 
 fn button(window: &mut Window, pos: Pos2, button: PointerButton, modifiers: Modifiers, pressed: bool) {
     window.event(Event::PointerButton { pos, button, pressed, modifiers });
@@ -124,6 +124,8 @@ fn a_right_click_offers_what_can_be_done_with_the_position_there() {
     right_click(&mut window, at);
     let k = window.state().state().look.selected.expect("the position there is selected");
     assert!((6..=11).contains(&k), "the cutter under the cursor or one in front of it: {k}");
+    // The section of the position comes from another thread.
+    settle(&mut window);
     snapshot_view(&mut window, "right_click");
     window.get_by_role_and_label(Role::Button, "Scrub to here").click();
     window.run_steps(4);
