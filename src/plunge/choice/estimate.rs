@@ -146,8 +146,11 @@ impl Estimator<'_> {
             Fit::Good => Cost::default(),
             Fit::Tight => Cost { wanting: 1, ..Cost::default() },
             Fit::Short => {
-                let lacking = self.rules.overhang(&self.survey.stations[station]) - tool.overhang;
-                Cost { wanting: 1, lacking, ..Cost::default() }
+                let station = &self.survey.stations[station];
+                let lacking = self.rules.overhang(station) - tool.overhang;
+                // What does not even reach the hub upright cuts as little there as a cutter that is too wide.
+                let misfits = u32::from(tool.overhang < station.deepest);
+                Cost { misfits, wanting: 1 - misfits, lacking, ..Cost::default() }
             }
             Fit::Wide => Cost { misfits: 1, ..Cost::default() },
         }
