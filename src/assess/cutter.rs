@@ -133,8 +133,8 @@ impl<'a> WallPair<'a> {
         distance(&self.walls[0]).min(distance(&self.walls[1]))
     }
 
-    /// Diameter of the largest ball between the walls with its centre on the hub at `s`, mm. Golden section: towards
-    /// either wall there is less and less room.
+    /// Diameter of the largest ball between the walls with its centre on the hub at `s`, mm. Golden section search: the
+    /// distance to the nearer wall falls towards either of them.
     fn section_width(&self, s: f64, [low, high]: [f64; 2]) -> f64 {
         let hub = self.part.hub.point(s);
         let room = |share: f64| -self.room_at(&hub.at_angle(low + share * (high - low)));

@@ -237,7 +237,7 @@ const HEIGHT_SHARE: f64 = 0.1;
 
 impl Setup {
     /// What an empty file means for `part`: the values of [`Setup::default`], which suit wheels of 100 to 500 mm, scaled to
-    /// the size of the wheel, and allowances that its passages have room for.
+    /// the size of the wheel, with allowances small against its narrowest passage and its least height.
     pub fn for_part(part: &Impeller) -> Self {
         let diameter = 2.0 * part.rim_radius();
         let usual = (diameter / ALLOWANCES_PER_DIAMETER).min(USUAL_ALLOWANCE);

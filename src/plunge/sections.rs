@@ -195,9 +195,7 @@ fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), Set
     for (index, section) in plunge.sections.iter().enumerate().filter(|(_, section)| !section.rest) {
         let tool = tool_of(setup, section.tool)?;
         let length = (section.from - section.to) * part.hub.length().max(part.shroud.length());
-        let stations = &survey.stations[survey.covered(section.from, section.to)];
-        let widths = stations.iter().map(|station| station.narrowest);
-        let width = widths.filter(|width| width.is_finite()).fold(0.0, f64::max);
+        let width = survey.widest(section.from, section.to);
         let room = (width - tool.diameter - 2.0 * setup.stock.blade_allowance).max(0.0);
         let inner =
             (room / row_spacing(plunge, tool) - 1.0).max(0.0) * length / step_limit(plunge, tool, false);
@@ -243,10 +241,9 @@ pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
     })
 }
 
-/// Refuses a blade allowance that leaves no room for any cutter anywhere in the channel.
+/// Refuses a blade allowance with which no cutter fits anywhere in the channel.
 fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFault> {
-    let widths = survey.stations.iter().map(|station| station.narrowest);
-    let widest = widths.filter(|width| width.is_finite()).fold(0.0, f64::max);
+    let widest = survey.widest(1.0, 0.0);
     let smallest = setup.tools.iter().map(|tool| tool.diameter).fold(f64::INFINITY, f64::min);
     let most = 0.5 * (widest - TIGHT_ROOM * smallest);
     let allowance = setup.stock.blade_allowance;

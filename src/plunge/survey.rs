@@ -110,9 +110,10 @@ impl Survey {
         first..=last.max(nearest(from))
     }
 
-    /// Least width between the walls, mm.
-    pub fn narrowest(&self) -> f64 {
-        self.stations.iter().map(|station| station.narrowest).fold(f64::INFINITY, f64::min)
+    /// Greatest of the least widths between the walls over a stretch of s, mm, where walls reach; 0 where none does.
+    pub fn widest(&self, from: f64, to: f64) -> f64 {
+        let widths = self.stations[self.covered(from, to)].iter().map(|station| station.narrowest);
+        widths.filter(|width| width.is_finite()).fold(0.0, f64::max)
     }
 }
 

@@ -276,7 +276,7 @@ impl<'a> Reader<'a> {
     /// `TRANS/x,y,z`: added to all positions that come after it.
     fn trans(&mut self, line: usize, words: &[String]) -> Result<(), InputError> {
         let [x, y, z] = *self.numbers(line, "TRANS", words)? else {
-            let what = "TRANS is no shift by x,y,z";
+            let what = "TRANS does not give a shift by x,y,z";
             return Err(self.source.fault(line, what, "export all positions in the coordinates of the part"));
         };
         self.transform.set_shift(Vector::new(x, y, z) * self.unit);

@@ -176,14 +176,15 @@ impl PathSearch<'_> {
             }
             states.push(reached);
         }
+        // A layer left before the start costs nothing.
+        let counts = |s: f64| (start - s) * inward >= -1e-9;
         let least: f64 = places
             .iter()
-            .filter(|(s, _)| (start - s) * inward >= -1e-9)
+            .filter(|(s, _)| counts(*s))
             .filter_map(|(_, place)| place.as_ref()?.cheapest(self.candidates.scale))
             .map(|cost| cost + COST_PER_POSITION)
             .sum();
         let path = self.traced(&places, &states, last);
-        let counts = |s: f64| (start - s) * inward >= -1e-9;
         let missing = places.iter().filter(|(s, place)| counts(*s) && place.is_none()).map(|(s, _)| *s);
         let path = Path { missing: missing.collect(), least, ..path };
         let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(path) };
