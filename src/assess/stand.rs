@@ -156,10 +156,6 @@ impl<'a> Surroundings<'a> {
                 bottom_clear &= outside(rim(k, up), &mut warm);
             }
         }
-        bottom_clear
-            && self
-                .sides
-                .iter()
-                .all(|side| side.nearest_below(&holder, 0.0).is_none_or(|n| n.distance >= 0.0))
+        bottom_clear && !self.sides.iter().any(|side| side.is_within(&holder, 0.0))
     }
 }

@@ -129,6 +129,11 @@ impl SideProbe {
         self.nearest_within(&CutterLines { cutter }, 0.0, 1.0, cutoff)
     }
 
+    /// Whether any place of the side is nearer to `cutter` than `limit` mm; quicker than to measure how near.
+    pub fn is_within(&self, cutter: &CutterSolid, limit: f64) -> bool {
+        self.comes_within(&CutterLines { cutter }, limit)
+    }
+
     /// As [`Self::nearest`], following a nearest place known to be close to `u` instead of searching
     /// the whole side: for iterations that end with [`Self::nearest`].
     pub fn nearest_from(&self, cutter: &CutterSolid, u: f64, v_from: f64, v_to: f64) -> Nearest {
@@ -187,49 +192,80 @@ impl SideProbe {
     }
 
     fn nearest_within(&self, query: &impl Query, v_from: f64, v_to: f64, cutoff: f64) -> Option<Nearest> {
-        // Lines of the grid in the range, and its ends; each with the grid line that stands for it.
-        let mut places = [(0.0, 0usize); MAX_V_LINES + 2];
-        let mut count = 0;
-        let mut add = |place: (f64, usize)| {
-            places[count] = place;
-            count += 1;
-        };
-        let spacing = 1.0 / (self.v.len() - 1) as f64;
-        let stand_in = |v: f64| ((v / spacing).round().max(0.0) as usize).min(self.v.len() - 1);
-        add((v_from, stand_in(v_from)));
-        for (j, &v) in self.v.iter().enumerate() {
-            if v > v_from + 1e-9 && v < v_to - 1e-9 {
-                add((v, j));
-            }
-        }
-        add((v_to, stand_in(v_to)));
-        let n = self.u.len();
-        // No place of the side is nearer than this.
-        let mut least = f64::INFINITY;
-        let mut seeds = [0usize; MAX_V_LINES + 2];
-        for (k, &(_, j)) in places[..count].iter().enumerate() {
-            let (seed, bound) = self.seed(query, j);
-            seeds[k] = seed;
-            least = least.min(bound);
-        }
-        if least > cutoff {
+        let seeds = self.seeds(query, v_from, v_to, f64::NEG_INFINITY);
+        if seeds.least > cutoff {
             return None;
         }
-        let mut lines = [Line::default(); MAX_V_LINES + 2];
+        let mut lines = [Line::default(); MAX_LINES];
         let mut drift = 0.0f64;
-        for (k, &(v, j)) in places[..count].iter().enumerate() {
-            // Another line stands for one between: its nearest point is a cell or two off.
-            let cells = if (v - self.v[j]).abs() < 1e-9 { 1 } else { 3 };
-            let i = seeds[k];
-            let (low, high) = (self.u[i.saturating_sub(cells)], self.u[(i + cells).min(n - 1)]);
-            lines[k] = self.on_line(query, v, self.u[i], low, high);
-            drift = drift.max(high - low);
+        let near = seeds.near(cutoff);
+        let count = near.len();
+        for (line, seed) in lines.iter_mut().zip(near) {
+            let (found, way) = self.from_seed(query, seed);
+            *line = found;
+            drift = drift.max(way);
         }
         Some(self.lowest(query, &lines[..count], drift))
     }
 
-    /// Index of the nearest grid point of line `j`, and a distance than which nothing that its points stand for is nearer.
-    fn seed(&self, query: &impl Query, j: usize) -> (usize, f64) {
+    /// Whether any place of the side is nearer to the query than `limit` mm: ends with the first that is found.
+    fn comes_within(&self, query: &impl Query, limit: f64) -> bool {
+        let seeds = self.seeds(query, 0.0, 1.0, limit);
+        if seeds.nearest < limit {
+            return true;
+        }
+        if seeds.least > limit {
+            return false;
+        }
+        let mut lines = [Line::default(); MAX_LINES];
+        let mut drift = 0.0f64;
+        let near = seeds.near(limit);
+        let count = near.len();
+        for (line, seed) in lines.iter_mut().zip(near) {
+            let (found, way) = self.from_seed(query, seed);
+            if found.distance < limit {
+                return true;
+            }
+            *line = found;
+            drift = drift.max(way);
+        }
+        self.lowest(query, &lines[..count], drift).distance < limit
+    }
+
+    /// Where to look on the lines of the grid between `v_from` and `v_to`, and on these; no further than the first
+    /// grid point nearer than `enough` mm.
+    fn seeds(&self, query: &impl Query, v_from: f64, v_to: f64, enough: f64) -> Seeds {
+        let mut seeds = Seeds::default();
+        let spacing = 1.0 / (self.v.len() - 1) as f64;
+        let stand_in = |v: f64| ((v / spacing).round().max(0.0) as usize).min(self.v.len() - 1);
+        let within = self
+            .v
+            .iter()
+            .enumerate()
+            .filter(|&(_, &v)| v > v_from + 1e-9 && v < v_to - 1e-9)
+            .map(|(j, &v)| (v, j));
+        let ends = |v: f64| std::iter::once((v, stand_in(v)));
+        for (v, line) in ends(v_from).chain(within).chain(ends(v_to)) {
+            let seed = self.seed(query, line);
+            seeds.push(Seed { v, line, ..seed });
+            if seed.distance < enough {
+                break;
+            }
+        }
+        seeds
+    }
+
+    /// Nearest place on the line of a seed, and how far in u it may have been from there.
+    fn from_seed(&self, query: &impl Query, seed: &Seed) -> (Line, f64) {
+        // Another line stands for one between: its nearest point is a cell or two off.
+        let cells = if (seed.v - self.v[seed.line]).abs() < 1e-9 { 1 } else { 3 };
+        let last = self.u.len() - 1;
+        let (low, high) = (self.u[seed.index.saturating_sub(cells)], self.u[(seed.index + cells).min(last)]);
+        (self.on_line(query, seed.v, self.u[seed.index], low, high), high - low)
+    }
+
+    /// The nearest grid point of line `j`.
+    fn seed(&self, query: &impl Query, j: usize) -> Seed {
         let line = &self.points[j * self.u.len()..(j + 1) * self.u.len()];
         let reaches = &self.reaches[j * self.u.len()..(j + 1) * self.u.len()];
         let blocks = &self.blocks[j * self.blocks_per_line..(j + 1) * self.blocks_per_line];
@@ -261,7 +297,7 @@ impl SideProbe {
         };
         look(nearest.1);
         (0..blocks.len()).filter(|&b| b != nearest.1).for_each(&mut look);
-        (best.1, bound)
+        Seed { v: self.v[j], line: j, index: best.1, distance: best.0, bound }
     }
 
     /// Nearest place, given the nearest ones on neighbouring `lines`, at which u is followed by no more than `drift`
@@ -322,6 +358,58 @@ impl SideProbe {
         if !searched {
             search::minimum(|v| follow(v).distance, a.v, b.v, V_TOLERANCE);
         }
+    }
+}
+
+/// Most lines of a search: those of the grid, and the ends of the range.
+const MAX_LINES: usize = MAX_V_LINES + 2;
+
+/// Where to begin on a line of v.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seed {
+    v: f64,
+    /// The grid line that stands for it.
+    line: usize,
+    /// Index in u of the nearest point of that, and its distance, mm.
+    index: usize,
+    distance: f64,
+    /// Nothing that the points of the grid line stand for is nearer than this, mm.
+    bound: f64,
+}
+
+/// Seeds of neighbouring lines.
+struct Seeds {
+    lines: [Seed; MAX_LINES],
+    count: usize,
+    /// Distance of the nearest grid point, mm.
+    nearest: f64,
+    /// No place of the side is nearer than this, mm.
+    least: f64,
+}
+
+impl Default for Seeds {
+    fn default() -> Self {
+        Self { lines: [Seed::default(); MAX_LINES], count: 0, nearest: f64::INFINITY, least: f64::INFINITY }
+    }
+}
+
+impl Seeds {
+    fn push(&mut self, seed: Seed) {
+        self.lines[self.count] = seed;
+        self.count += 1;
+        self.nearest = self.nearest.min(seed.distance);
+        self.least = self.least.min(seed.bound);
+    }
+
+    /// The lines between which the nearest place must be, if it is nearer than `cutoff` mm.
+    fn near(&self, cutoff: f64) -> &[Seed] {
+        let lines = &self.lines[..self.count];
+        let limit = cutoff.min(self.nearest);
+        let may = |seed: &Seed| seed.bound <= limit;
+        let (Some(first), Some(last)) = (lines.iter().position(may), lines.iter().rposition(may)) else {
+            return lines;
+        };
+        &lines[first.saturating_sub(1)..(last + 2).min(lines.len())]
     }
 }
 

@@ -57,8 +57,7 @@ impl<'a> FinishedPart<'a> {
 
     /// Whether the cutter (bottom and column) keeps `allowance` mm from every blade.
     pub fn clears(&self, cutter: &CutterSolid, allowance: f64) -> bool {
-        let near = |blade: &SideProbe| blade.nearest_below(cutter, allowance);
-        !self.blades.iter().any(|blade| near(blade).is_some_and(|n| n.distance < allowance))
+        !self.blades.iter().any(|blade| blade.is_within(cutter, allowance))
     }
 
     /// Least signed distance of the cutter's bottom and flank to the hub, mm.

@@ -89,6 +89,8 @@ impl Crossed {
 #[derive(Debug, Default)]
 pub struct Neighbours {
     columns: Vec<Crossed>,
+    /// Those cut after all of them.
+    passed: Vec<Crossed>,
     /// Centre of the core's bottom, its axis, and two directions across.
     tip: Point,
     axis: Vector,
@@ -120,19 +122,32 @@ impl Neighbours {
         let e2 = axis.cross(&e1);
         (self.tip, self.axis, self.across) = (column.cutter.tip, column.cutter.axis, [e1, e2]);
         self.columns.clear();
+        self.passed.clear();
         let crossed = |c: &Column| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across);
         self.columns.extend(earlier.rev().map(crossed));
     }
 
-    /// The plunges, latest first.
+    /// Takes other plunges, in cutting order, as those cut after the ones that were gathered.
+    pub fn pass<'c>(&mut self, passed: impl DoubleEndedIterator<Item = &'c Column>) {
+        self.passed.clear();
+        let crossed = |c: &Column| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across);
+        self.passed.extend(passed.rev().map(crossed));
+    }
+
+    /// The plunges that were gathered, latest first.
     pub fn columns(&self) -> &[Crossed] {
         &self.columns
+    }
+
+    /// Those cut after them, latest first.
+    pub fn passed(&self) -> &[Crossed] {
+        &self.passed
     }
 
     /// Lowest height on the line from which on something is already removed; infinite if nothing is.
     pub fn first_entry(&self, line: &CoreLine) -> f64 {
         let mut first = f64::INFINITY;
-        for crossed in &self.columns {
+        for crossed in self.passed.iter().chain(&self.columns) {
             if let Some((low, high)) = crossed.removed_by_sharp(line)
                 && low < first
                 && let Some((low, high)) = crossed.round_corner(line, low, high)

@@ -7,7 +7,7 @@ mod crossed;
 mod index;
 
 pub use columns::{BlankTop, Column, Columns, Earlier};
-use crossed::{CoreLine, Neighbours};
+use crossed::{CoreLine, Crossed, Neighbours};
 
 use super::plan::{CONTACT_TOLERANCE, CoreContact};
 use crate::geometry::{Meridional, Point, search};
@@ -32,7 +32,8 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of `column`'s core with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &Column, earlier: Earlier, blank: &Blank) -> CoreContact {
-    contact_up_to(column, &Neighbours::of(column, earlier.near(column)), blank, &RINGS, f64::INFINITY)
+    let near = Neighbours::of(column, earlier.near(column));
+    contact_up_to(column, StockLines::new(column, &near, blank), &RINGS, f64::INFINITY)
 }
 
 /// Whether the contact with what the `earlier` plunges that may meet it left is deeper than a planner may leave it: as
@@ -43,7 +44,8 @@ pub fn core_interferes<'c>(
     blank: &Blank,
 ) -> bool {
     let near = Neighbours::of(column, earlier);
-    contact_up_to(column, &near, blank, &RINGS, PLANNED_CONTACT).depth > PLANNED_CONTACT
+    contact_up_to(column, StockLines::new(column, &near, blank), &RINGS, PLANNED_CONTACT).depth
+        > PLANNED_CONTACT
 }
 
 /// By how much a planned plunge must stop short for its core to be free, mm: the depth of [`core_contact`], 0 when it
@@ -53,11 +55,13 @@ pub fn planned_contact(column: &Column, earlier: Earlier, blank: &Blank) -> f64 
     if depth > PLANNED_CONTACT { depth } else { 0.0 }
 }
 
-/// How far a search must lift a plunge for its core to be free: fewer lines than [`core_contact`], its
-/// workspace kept from call to call.
+/// How far a search must lift a plunge for its core to be free: fewer lines than [`core_contact`]. What earlier plunges
+/// left on each of these is kept, so that many ways to a plunge are looked at for the price of the plunges they pass.
 #[derive(Debug, Default)]
 pub struct ContactSearch {
     near: Neighbours,
+    /// What the plunges gathered in `near` left on each of the lines, as far as it was looked at.
+    left: Vec<Option<Left>>,
 }
 
 impl ContactSearch {
@@ -68,7 +72,19 @@ impl ContactSearch {
         earlier: impl DoubleEndedIterator<Item = &'c Column>,
     ) -> SearchLines<'s> {
         self.near.gather(column, earlier);
-        SearchLines { column: *column, near: &self.near }
+        self.left.clear();
+        self.left.resize(SEARCH_RINGS.iter().map(|(_, count)| count).sum(), None);
+        SearchLines { column: *column, search: self }
+    }
+
+    /// The lines of the same core after `passed` plunges besides.
+    pub fn after<'c, 's>(
+        &'s mut self,
+        column: &Column,
+        passed: impl DoubleEndedIterator<Item = &'c Column>,
+    ) -> SearchLines<'s> {
+        self.near.pass(passed);
+        SearchLines { column: *column, search: self }
     }
 }
 
@@ -76,28 +92,36 @@ impl ContactSearch {
 #[derive(Debug)]
 pub struct SearchLines<'s> {
     column: Column,
-    near: &'s Neighbours,
+    search: &'s mut ContactSearch,
 }
 
 impl SearchLines<'_> {
     /// Contact depth, mm, 0 when it is no deeper than a plan may leave it. Any value above `enough` when it is deeper
     /// than that.
-    pub fn depth(&self, blank: &Blank, enough: f64) -> f64 {
+    pub fn depth(&mut self, blank: &Blank, enough: f64) -> f64 {
         let enough = enough.max(PLANNED_CONTACT);
-        let depth = contact_up_to(&self.column, self.near, blank, &SEARCH_RINGS, enough).depth;
+        let ContactSearch { near, left } = &mut *self.search;
+        let mut stock = StockLines::new(&self.column, near, blank);
+        stock.kept = Some(left);
+        let depth = contact_up_to(&self.column, stock, &SEARCH_RINGS, enough).depth;
         if depth > PLANNED_CONTACT { depth } else { 0.0 }
     }
 
     /// As [`Self::depth`], by a few of the lines: no more than that, and mostly not much less.
-    pub fn depth_by_few(&self, blank: &Blank, enough: f64) -> f64 {
+    pub fn depth_by_few(&mut self, blank: &Blank, enough: f64) -> f64 {
         if self.column.top <= 0.0 {
             return 0.0;
         }
-        let mut stock = StockLines::new(&self.column, self.near, blank);
+        let ContactSearch { near, left } = &mut *self.search;
+        let mut stock = StockLines::new(&self.column, near, blank);
+        stock.kept = Some(left);
+        let lines = SEARCH_RINGS[0].1;
         let mut deepest = 0.0f64;
-        for i in 0..FEW {
-            let phi = std::f64::consts::TAU * i as f64 / FEW as f64;
-            deepest = deepest.max(stock.on_line(&self.near.line(self.column.core_radius, phi), 0.0).1);
+        for k in 0..FEW {
+            let number = k * (lines / FEW);
+            let phi = std::f64::consts::TAU * number as f64 / lines as f64;
+            let line = stock.near.line(self.column.core_radius, phi);
+            deepest = deepest.max(stock.on_kept_line(number, &line, DEEP_ENTRY).1);
             if deepest > enough.max(PLANNED_CONTACT) {
                 break;
             }
@@ -107,22 +131,17 @@ impl SearchLines<'_> {
 }
 
 /// Contact; the search may end as soon as the depth exceeds `enough`.
-fn contact_up_to(
-    column: &Column,
-    near: &Neighbours,
-    blank: &Blank,
-    rings: &[(f64, usize)],
-    enough: f64,
-) -> CoreContact {
+fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)], enough: f64) -> CoreContact {
     if column.top <= 0.0 {
         return CoreContact::default();
     }
-    let mut stock = StockLines::new(column, near, blank);
+    let near = stock.near;
     let line = |rho: f64, phi: f64| near.line(rho, phi);
     let mut depth = 0.0f64;
     let mut area = 0.0;
     // (value, angle) of the rim lines: entry into what is already removed, negative below the bottom.
     let mut rim = [(0.0f64, 0.0f64); RINGS[0].1];
+    let mut before = 0;
     for (ring, &(share, count)) in rings.iter().enumerate() {
         let rho = share * column.core_radius;
         let mut hits = 0usize;
@@ -134,7 +153,7 @@ fn contact_up_to(
             let line = line(rho, phi);
             // Only of the rim it matters how far below the bottom a line that is free of stock enters.
             let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
-            let (entry, highest) = stock.on_line(&line, deep);
+            let (entry, highest) = stock.on_kept_line(before + i, &line, deep);
             depth = depth.max(highest);
             if depth > enough {
                 return CoreContact { depth, area_share: area };
@@ -147,6 +166,7 @@ fn contact_up_to(
             }
         }
         area += hits as f64 / count as f64 * ring_weight(rings, ring);
+        before += count;
     }
     // Between the lines of the rim the first entry may rise higher: follow it to its top.
     let rim = &rim[..rings[0].1];
@@ -155,6 +175,10 @@ fn contact_up_to(
     for i in 0..count {
         let (before, here, after) = (rim[(i + count - 1) % count].0, rim[i].0, rim[(i + 1) % count].0);
         if here < before || here < after || here < DEEP_ENTRY || !here.is_finite() {
+            continue;
+        }
+        // Twice as far up as the steeper side leads: a search looks no closer where that is no deeper.
+        if enough.is_finite() && here + 2.0 * (here - before).max(here - after) <= depth {
             continue;
         }
         let (phi, _) = search::minimum(
@@ -176,6 +200,53 @@ fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
     outer * outer - inner * inner
 }
 
+/// What plunges left of a line.
+#[derive(Clone, Copy, Debug)]
+struct Left {
+    /// Stretches of heights that none of them removed, mm.
+    open: [(f64, f64); STRETCHES],
+    count: usize,
+    /// Height from which on one of them removed something, mm; infinite where none did.
+    first: f64,
+}
+
+impl Left {
+    /// The line from the bottom of the core up to `top`.
+    fn whole(top: f64) -> Self {
+        Self { open: [(0.0, top); STRETCHES], count: 1, first: f64::INFINITY }
+    }
+
+    /// Whether nothing is left, and `first` below `deep`: nothing that counts changes any more.
+    fn is_settled(&self, deep: f64) -> bool {
+        self.count == 0 && self.first <= deep
+    }
+
+    /// Takes away what a plunge removed.
+    fn remove(&mut self, crossed: &Crossed, line: &CoreLine) {
+        let Some((low, high)) = crossed.removed_by_sharp(line) else { return };
+        // The corner only takes away from what a sharp cutter would have removed.
+        let matters = low < self.first || self.open[..self.count].iter().any(|&(a, b)| low < b && high > a);
+        if !matters {
+            return;
+        }
+        let Some((low, high)) = crossed.round_corner(line, low, high) else { return };
+        if high > 0.0 {
+            self.first = self.first.min(low);
+        }
+        let mut kept = [(0.0, 0.0); STRETCHES];
+        let mut n = 0;
+        for &(a, b) in &self.open[..self.count] {
+            for piece in [(a, b.min(low)), (a.max(high), b)] {
+                if piece.0 < piece.1 && n < STRETCHES {
+                    kept[n] = piece;
+                    n += 1;
+                }
+            }
+        }
+        (self.open, self.count) = (kept, n);
+    }
+}
+
 /// Looks for stock on lines of one core.
 struct StockLines<'a> {
     near: &'a Neighbours,
@@ -183,54 +254,59 @@ struct StockLines<'a> {
     top: f64,
     /// Where on the shroud the last look was.
     warm: Option<f64>,
+    /// What is kept of lines that are looked at more than once.
+    kept: Option<&'a mut [Option<Left>]>,
 }
 
 impl<'a> StockLines<'a> {
     fn new(column: &Column, near: &'a Neighbours, blank: &'a Blank) -> Self {
-        Self { near, blank, top: column.top, warm: None }
+        Self { near, blank, top: column.top, warm: None, kept: None }
     }
 
     fn is_stock(&mut self, point: &Point) -> bool {
         self.blank.is_solid(Meridional::of(point), &mut self.warm)
     }
 
-    /// (height from which on something is already removed, or any below `deep` where no stock is left, highest stock) on the line from the bottom
-    /// upwards, mm above it; infinite and 0 where there is none.
+    /// (height from which on something is already removed, or any below `deep` where no stock is left, highest stock)
+    /// on the line from the bottom upwards, mm above it; infinite and 0 where there is none.
     fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
-        let mut open = [(0.0f64, self.top); STRETCHES];
-        let mut count = 1;
-        let mut first = f64::INFINITY;
-        for crossed in self.near.columns() {
-            let Some((low, high)) = crossed.removed_by_sharp(line) else { continue };
-            // The corner only takes away from what a sharp cutter would have removed.
-            let matters = low < first || open[..count].iter().any(|&(a, b)| low < b && high > a);
-            if !matters {
-                continue;
+        let mut left = Left::whole(self.top);
+        for crossed in self.near.passed().iter().chain(self.near.columns()) {
+            left.remove(crossed, line);
+            if left.is_settled(deep) {
+                break;
             }
-            let Some((low, high)) = crossed.round_corner(line, low, high) else { continue };
-            if high > 0.0 {
-                first = first.min(low);
-            }
-            if count == 0 {
-                if first <= deep {
+        }
+        (left.first, self.highest(&left, line))
+    }
+
+    /// As [`Self::on_line`], for line `number` of those that are kept.
+    fn on_kept_line(&mut self, number: usize, line: &CoreLine, deep: f64) -> (f64, f64) {
+        let Some(kept) = &mut self.kept else { return self.on_line(line, deep) };
+        let gathered = || {
+            let mut left = Left::whole(self.top);
+            for crossed in self.near.columns() {
+                left.remove(crossed, line);
+                if left.is_settled(deep) {
                     break;
                 }
-                continue;
             }
-            let mut kept = [(0.0, 0.0); STRETCHES];
-            let mut n = 0;
-            for &(a, b) in &open[..count] {
-                for piece in [(a, b.min(low)), (a.max(high), b)] {
-                    if piece.0 < piece.1 && n < STRETCHES {
-                        kept[n] = piece;
-                        n += 1;
-                    }
-                }
+            left
+        };
+        let mut left = *kept[number].get_or_insert_with(gathered);
+        for crossed in self.near.passed() {
+            if left.is_settled(deep) {
+                break;
             }
-            (open, count) = (kept, n);
+            left.remove(crossed, line);
         }
+        (left.first, self.highest(&left, line))
+    }
+
+    /// The highest stock in what is left of a line, mm above the bottom.
+    fn highest(&mut self, left: &Left, line: &CoreLine) -> f64 {
         let mut highest = 0.0f64;
-        for &(a, b) in open[..count].iter().filter(|(a, b)| b - a > 1e-9 && *b > 0.0) {
+        for &(a, b) in left.open[..left.count].iter().filter(|(a, b)| b - a > 1e-9 && *b > 0.0) {
             if b <= highest {
                 continue;
             }
@@ -238,6 +314,6 @@ impl<'a> StockLines<'a> {
                 highest = highest.max(h);
             }
         }
-        (first, highest)
+        highest
     }
 }

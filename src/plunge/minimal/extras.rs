@@ -372,7 +372,7 @@ impl<'a> ExtraSearch<'a> {
         // Lifted by more, it would take next to nothing.
         let enough = (MOST_LIFT_SHARE * free.drop).min(MOST_LIFT_RADII * makes.maker.tool.radius());
         let column = makes.column(&station);
-        let lines = search.among(&column, columns.all().near(&column));
+        let mut lines = search.among(&column, columns.all().near(&column));
         let lifted = |depth: f64| {
             let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
             (lift, if depth > enough { 0.0 } else { self.gain(row, &station, lift).cost })

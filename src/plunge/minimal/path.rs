@@ -99,11 +99,10 @@ struct Here<'h> {
 }
 
 /// A candidate that the blades allow, and how contact sees it.
-struct Leg<'h> {
+struct Leg {
     candidate: Candidate,
     column: Column,
-    /// Plunges of earlier rows that it may meet.
-    near: Vec<&'h Column>,
+    /// Among the plunges of earlier rows.
     search: ContactSearch,
 }
 
@@ -296,10 +295,11 @@ impl PathSearch<'_> {
     }
 
     /// A candidate with what was cut near it.
-    fn leg<'h>(&self, candidate: Candidate, here: &Here<'h>) -> Leg<'h> {
+    fn leg(&self, candidate: Candidate, here: &Here) -> Leg {
         let column = self.candidates.column(&candidate.station);
-        let near = here.earlier.all().near(&column).collect();
-        Leg { candidate, column, near, search: ContactSearch::default() }
+        let mut search = ContactSearch::default();
+        search.among(&column, here.earlier.all().near(&column));
+        Leg { candidate, column, search }
     }
 
     /// The cheapest way from the last axes, or from nowhere, if it is cheaper than `best`.
@@ -326,7 +326,7 @@ impl PathSearch<'_> {
         (cost_before, before): (f64, Option<(usize, usize)>),
         best: &mut Option<State>,
     ) {
-        let Leg { candidate, column, near, search } = leg;
+        let Leg { candidate, column, search } = leg;
         let affordable = match &best {
             None => f64::INFINITY,
             // Where the layer does not count a free start does, and of free starts the latest.
@@ -352,8 +352,7 @@ impl PathSearch<'_> {
             at = state.before;
         }
         let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
-        let earlier = near.iter().copied().chain(passed);
-        let depth = search.among(column, earlier).depth(self.blank, affordable);
+        let depth = search.after(column, passed).depth(self.blank, affordable);
         let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
         let cost = cost_before + self.own(candidate, lift, here);
         let better = |b: &State| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };

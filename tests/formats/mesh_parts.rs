@@ -1,10 +1,7 @@
 //! Parts that went through triangles are the parts they were.
 
-#[path = "mesh_parts/body.rs"]
 mod body;
-#[path = "mesh_parts/faults.rs"]
 mod faults;
-#[path = "mesh_parts/nodes.rs"]
 mod nodes;
 
 use std::path::Path;

@@ -4,7 +4,7 @@ use vanecut::mesh::Role;
 use vanecut::mesh::axis::Axis;
 use vanecut::mesh::nodes::{guess, nodes};
 
-use crate::{sample, separate};
+use super::{sample, separate};
 
 #[test]
 fn shapes_tell_hub_blades_and_splitters_where_names_do_not() {

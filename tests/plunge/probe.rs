@@ -63,9 +63,40 @@ fn a_cutoff_leaves_out_only_what_is_further() {
                         probe.nearest_below(&cutter, cutoff).is_some(),
                         "{name}, side {k}, u {u:.4}, v {v:.4}: what is {cutoff} away is not found"
                     );
+                    assert!(probe.is_within(&cutter, cutoff + 1e-5), "{name}, side {k}, u {u:.4}, v {v:.4}");
                 }
             }
         }
+    }
+}
+
+#[test]
+fn whether_a_cutter_is_near_is_told_as_it_is_measured() {
+    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+        let part = sample(name);
+        let channel = Channel::of(&part);
+        let mut told = [0, 0];
+        for side in &channel.sides {
+            let probe = SideProbe::new(side, 0.0, 1.0);
+            for i in 0..300 {
+                let x = f64::from(i) / 300.0;
+                let (s, lambda) = (0.02 + 0.96 * x, 0.2 + 0.6 * (7.0 * x).fract());
+                let Some(m) = channel.full.point(&part, s, lambda, 0.0) else { continue };
+                let Some(w) = channel.full.point(&part, s - 0.1 * (3.0 * x).fract(), 0.5, 1.0) else {
+                    continue;
+                };
+                let axis = (w.point - m.point).normalize();
+                let radius = 0.02 * part.rim_radius() * (0.2 + (11.0 * x).fract());
+                let cutter = CutterSolid { tip: m.point + axis, axis, radius, corner_radius: 0.3 * radius };
+                let distance = probe.nearest(&cutter, 0.0, 1.0).distance;
+                for off in [-1.0, -0.01, -1e-4, 1e-4, 0.01, 1.0] {
+                    let is_near = probe.is_within(&cutter, distance + off);
+                    assert_eq!(is_near, off > 0.0, "{name}, s {s:.3}: {distance} and {off} beside it");
+                    told[usize::from(is_near)] += 1;
+                }
+            }
+        }
+        assert!(told[0] > 300 && told[1] > 300, "{name}: {told:?}");
     }
 }
 

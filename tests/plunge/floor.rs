@@ -278,9 +278,9 @@ fn larger_cutters_leave_more_and_none_excuse_nothing() {
 
 #[test]
 fn twisted_walls_agree_with_cutters_put_into_their_corners() {
-    let wheel = sample("impeller9x9.toml", include_bytes!("../assets/parts/impeller9x9.toml"));
-    let pump = sample("pump6.toml", include_bytes!("../assets/parts/pump6.toml"));
-    let large = sample("impeller532.toml", include_bytes!("../assets/parts/impeller532.toml"));
+    let wheel = sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"));
+    let pump = sample("pump6.toml", include_bytes!("../../assets/parts/pump6.toml"));
+    let large = sample("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"));
     for (part, radius, wall, s) in [
         (&wheel, 6.0, 0, 0.25),
         (&wheel, 6.0, 0, 0.7),
@@ -303,7 +303,7 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
 
 #[test]
 fn no_plan_cuts_what_is_out_of_reach() {
-    let part = sample("impeller9x9.toml", include_bytes!("../assets/parts/impeller9x9.toml"));
+    let part = sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"));
     let channel = Channel::of(&part);
     // A smaller cutter for the rest comes into places that count as out of reach of the others.
     let mut asked = Setup::default();

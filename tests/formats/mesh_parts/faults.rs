@@ -7,8 +7,8 @@ use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{MeshOptions, NamedMesh, TriangleMesh, Unit, describe};
 use vanecut::part::Impeller;
 
-use crate::body::Body;
-use crate::{SAMPLES, back, named, same, sample, separate, turning};
+use super::body::Body;
+use super::{SAMPLES, back, named, same, sample, separate, turning};
 
 /// Triangles that share no corners, each rounded to single precision in one of some frames of its own.
 fn soup(mesh: &TriangleMesh) -> TriangleMesh {

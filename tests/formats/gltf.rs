@@ -1,8 +1,6 @@
 //! glTF files: their structure, and the shapes in them.
 
-#[path = "gltf/file.rs"]
 mod file;
-#[path = "gltf/plan.rs"]
 mod plan;
 
 use std::collections::HashMap;
