@@ -7,6 +7,9 @@ use crate::geometry::{CutterSolid, Point, Vector, norm2};
 /// Newton steps towards a rounded corner, and the distance from it that counts as on it, mm.
 const MAX_CORNER_STEPS: usize = 24;
 const CORNER_TOLERANCE: f64 = 1e-9;
+/// Most plunges that are told apart by [`Neighbours::entered_below`]; where there are more, all are looked at.
+const MOST_ENTERED: usize = 24;
+
 /// A line along the axis of a core, from its bottom upwards.
 pub struct CoreLine {
     /// Where it starts: on the bottom, and in the plane of the bottom from its centre, mm.
@@ -146,18 +149,60 @@ impl Neighbours {
 
     /// Lowest height on the line from which on something is already removed; infinite if nothing is.
     pub fn first_entry(&self, line: &CoreLine) -> f64 {
-        let mut first = f64::INFINITY;
-        for crossed in self.passed.iter().chain(&self.columns) {
-            if let Some((low, high)) = crossed.removed_by_sharp(line)
-                && low < first
-                && let Some((low, high)) = crossed.round_corner(line, low, high)
-                && high > 0.0
-            {
-                first = first.min(low);
+        first_entry(self.passed.iter().chain(&self.columns), line)
+    }
+
+    /// Those that come below `height` on one of a few lines: on the lines between these the first entry is theirs.
+    pub fn entered_below(&self, height: f64, lines: &[CoreLine]) -> Entered<'_> {
+        let mut entered = Entered { near: self, numbers: [0; MOST_ENTERED], count: 0 };
+        for (number, crossed) in self.passed.iter().chain(&self.columns).enumerate() {
+            let enters = |line| crossed.removed_by_sharp(line).is_some_and(|(low, _)| low < height);
+            if lines.iter().any(enters) {
+                if entered.count < MOST_ENTERED {
+                    entered.numbers[entered.count] = number;
+                }
+                entered.count += 1;
             }
         }
-        first
+        entered
     }
+
+    /// Plunge `number` of all, latest first.
+    fn get(&self, number: usize) -> &Crossed {
+        let later = self.passed.len();
+        if number < later { &self.passed[number] } else { &self.columns[number - later] }
+    }
+}
+
+/// The few plunges of [`Neighbours`] that some lines meet first.
+pub struct Entered<'n> {
+    near: &'n Neighbours,
+    numbers: [usize; MOST_ENTERED],
+    count: usize,
+}
+
+impl Entered<'_> {
+    /// As [`Neighbours::first_entry`], among these.
+    pub fn first_entry(&self, line: &CoreLine) -> f64 {
+        match self.numbers.get(..self.count) {
+            Some(numbers) => first_entry(numbers.iter().map(|&number| self.near.get(number)), line),
+            None => self.near.first_entry(line),
+        }
+    }
+}
+
+fn first_entry<'c>(plunges: impl Iterator<Item = &'c Crossed>, line: &CoreLine) -> f64 {
+    let mut first = f64::INFINITY;
+    for crossed in plunges {
+        if let Some((low, high)) = crossed.removed_by_sharp(line)
+            && low < first
+            && let Some((low, high)) = crossed.round_corner(line, low, high)
+            && high > 0.0
+        {
+            first = first.min(low);
+        }
+    }
+    first
 }
 
 /// Where the line passes the surface of the rounded cutter, given where it passes that of the sharp one: at

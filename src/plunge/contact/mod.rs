@@ -177,14 +177,19 @@ fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)],
         if here < before || here < after || here < DEEP_ENTRY || !here.is_finite() {
             continue;
         }
-        // Twice as far up as the steeper side leads: a search looks no closer where that is no deeper.
-        if enough.is_finite() && here + 2.0 * (here - before).max(here - after) <= depth {
+        // Twice as far up as the steeper side leads.
+        let most = here + 2.0 * (here - before).max(here - after);
+        // A search looks no closer where that is no deeper.
+        if enough.is_finite() && most <= depth {
             continue;
         }
+        let angle = rim[i].1;
+        let around = [angle - step, angle, angle + step].map(|phi| line(column.core_radius, phi));
+        let entered = near.entered_below(most, &around);
         let (phi, _) = search::minimum(
-            |phi| -near.first_entry(&line(column.core_radius, phi)),
-            rim[i].1 - step,
-            rim[i].1 + step,
+            |phi| -entered.first_entry(&line(column.core_radius, phi)),
+            angle - step,
+            angle + step,
             1e-4,
         );
         depth = depth.max(stock.on_line(&line(column.core_radius, phi), 0.0).1);
