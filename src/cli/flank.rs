@@ -107,9 +107,10 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("area", number(curves.area));
     put("largest_gap_over_interval", number(of(scheme).coverage.largest_gap));
     put("wide_area_share", number(curves.wide_share(scheme)));
-    put("max_overcut", number(plan.max_overcut()));
+    put("max_overcut", number(outcome.max_overcut()));
     put("max_undercut", number(plan.max_undercut()));
     put("forced_deviation", number(plan.forced_deviation()));
+    put("uncovered_share", number(outcome.verdict.as_ref().map_or(f64::NAN, |v| v.uncovered.share())));
     put("positions", json!(plan.positions()));
     let axes = plan.axes.iter().map(|a| {
         json!({
@@ -235,10 +236,16 @@ fn text(outcome: &FlankOutcome) -> String {
     );
     text += &format!(
         "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept; their twist forces {:.4} mm either way on a straight edge of that radius, in the strip that one layer forms\n",
-        plan.max_overcut(),
+        outcome.max_overcut(),
         plan.max_undercut(),
         plan.forced_deviation(),
     );
+    if let Some(verdict) = &outcome.verdict {
+        text += &format!(
+            "{:.2} % of the floor keep more than the allowed error\n",
+            100.0 * verdict.uncovered.share()
+        );
+    }
     text += &format!(
         "{} positions, {} fixed axes; {:.0} mm cut, {:.0} mm links and approaches, {:.0} mm rapid: {:.1} + {:.1} + {:.1} min\n",
         plan.positions(),

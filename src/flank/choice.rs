@@ -1,10 +1,13 @@
-//! The cutter of a flank plan: the one the setup names, or the thickest that leaves room for curves side by side.
+//! The cutter of a flank plan: the one the setup names, or the thickest that leaves room for curves side by side, if it is
+//! long enough.
 
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Setup, Tool};
 use crate::plunge::sections::{SetupFault, SetupPlace, tool_of};
 
 /// A cutter is at most this share of the narrowest passage thick, so that it does not cut at both walls at once.
 const THICKEST: f64 = 0.5;
+/// The same where none of these is long enough to reach the hub with its holder outside.
+const THICKEST_FOR_LENGTH: f64 = 0.7;
 /// Of the thinnest cutter, or of the narrowest place, that allowances must leave so that a cutter is asked for.
 const LEAST_ROOM: f64 = 0.1;
 /// The overhang exceeds the channel's depth by this factor: axes lean.
@@ -57,14 +60,24 @@ pub fn choose_tool(
     // Of several lengths the shortest that reaches the hub with the holder outside, else the longest.
     let wanted = OVERHANG_MARGIN * depth;
     let same = || tools.iter().filter(|t| t.diameter == diameter);
-    let tool = same()
-        .filter(|t| t.overhang >= wanted)
-        .min_by(|a, b| a.overhang.total_cmp(&b.overhang))
-        .or_else(|| same().max_by(|a, b| a.overhang.total_cmp(&b.overhang)));
+    let reach = same().map(|t| t.overhang.min(wanted)).fold(0.0, f64::max);
+    // Where that is too short: the thinnest of the thicker ones that are longer.
+    let longer = tools
+        .iter()
+        .filter(|t| t.diameter > diameter && t.diameter <= THICKEST_FOR_LENGTH * width && room(t) >= 0.0)
+        .filter(|t| t.overhang.min(wanted) > reach)
+        .max_by(|a, b| {
+            let by_reach = a.overhang.min(wanted).total_cmp(&b.overhang.min(wanted));
+            by_reach.then(b.diameter.total_cmp(&a.diameter)).then(b.overhang.total_cmp(&a.overhang))
+        });
+    let tool = longer
+        .or_else(|| same().filter(|t| t.overhang >= reach).min_by(|a, b| a.overhang.total_cmp(&b.overhang)));
     let Some(tool) = tool else {
         return Err(SetupFault::new("there is no tool to choose from", "give a [[tool]]"));
     };
     let which = match tool {
+        tool if longer.is_some() && tool.overhang >= wanted => "thinnest cutter long enough for",
+        _ if longer.is_some() => "longest cutter for",
         tool if easy(tool) => "thickest cutter within half of",
         tool if room(tool) >= 0.0 => "thickest cutter that fits",
         _ => "thinnest cutter, too thick for",

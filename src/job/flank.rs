@@ -11,7 +11,7 @@ use crate::formats::tool_library::flank_cutters;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller, Setup, Tool};
 use crate::plunge::sections::check_part;
-use crate::verify::{Fault, FaultKind, FlankVerifier};
+use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier};
 
 /// What to plan.
 #[derive(Clone, Debug)]
@@ -33,6 +33,8 @@ pub struct FlankOutcome {
     pub plan: FlankPlan,
     /// What `verify` finds wrong with the program of the plan; empty unless something could not be left out.
     pub faults: Vec<Fault>,
+    /// What it says of the program besides; `None` where it cannot be judged.
+    pub verdict: Option<FlankVerdict>,
     /// Wall time of the work, s.
     pub elapsed: f64,
 }
@@ -75,13 +77,28 @@ impl FlankJob {
         let planned = plan(part, &channel, &request.setup, &chosen, &mut stages, &mut check, monitor);
         *last = Some((part.clone(), stages));
         let plan = planned?;
+        let verdict = as_written(&part.name, &plan.tool, &plan.moves).and_then(|p| verifier.verdict(&p).ok());
         let mut setup = request.setup.clone();
         if !setup.tools.contains(&chosen.tool) {
             setup.tools.push(chosen.tool.clone());
         }
         setup.flank.tool = Some(chosen.tool.number);
-        Ok(FlankOutcome { part: part.clone(), setup, plan, faults, elapsed: started.elapsed().as_secs_f64() })
+        let elapsed = started.elapsed().as_secs_f64();
+        Ok(FlankOutcome { part: part.clone(), setup, plan, faults, verdict, elapsed })
     }
+}
+
+impl FlankOutcome {
+    /// Greatest cut below the blade allowance, mm: of the program, where it can be judged; else of the walls' positions.
+    pub fn max_overcut(&self) -> f64 {
+        self.verdict.as_ref().map_or_else(|| self.plan.max_overcut(), |verdict| verdict.max_overcut)
+    }
+}
+
+/// The program of `moves` as it is read back; `None` where it cannot be.
+fn as_written(name: &str, tool: &Tool, moves: &[FlankMove]) -> Option<ClProgram> {
+    let written = write_apt(&ClProgram::of_flank(name, tool, moves));
+    read_apt_bytes("flank.apt", written.as_bytes()).ok()
 }
 
 /// What `verify` finds wrong with the program of `moves` as it is written: in `found`, and by moves.
@@ -93,9 +110,8 @@ fn faults_as_written(
     found: &mut Vec<Fault>,
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
-    let written = write_apt(&ClProgram::of_flank(name, tool, moves));
     let all = |why: &'static str| (0..moves.len()).map(|index| MoveFault { index, why }).collect();
-    let Ok(program) = read_apt_bytes("flank.apt", written.as_bytes()) else {
+    let Some(program) = as_written(name, tool, moves) else {
         return Ok(all("its program cannot be read back"));
     };
     let Ok(faults) = verifier.faults(&program, monitor) else {

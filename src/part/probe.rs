@@ -201,7 +201,7 @@ impl SideProbe {
         let near = seeds.near(cutoff);
         let count = near.len();
         for (line, seed) in lines.iter_mut().zip(near) {
-            let (found, way) = self.from_seed(query, seed);
+            let (found, way) = self.line_near(query, seed);
             *line = found;
             drift = drift.max(way);
         }
@@ -222,7 +222,7 @@ impl SideProbe {
         let near = seeds.near(limit);
         let count = near.len();
         for (line, seed) in lines.iter_mut().zip(near) {
-            let (found, way) = self.from_seed(query, seed);
+            let (found, way) = self.line_near(query, seed);
             if found.distance < limit {
                 return true;
             }
@@ -256,7 +256,7 @@ impl SideProbe {
     }
 
     /// Nearest place on the line of a seed, and how far in u it may have been from there.
-    fn from_seed(&self, query: &impl Query, seed: &Seed) -> (Line, f64) {
+    fn line_near(&self, query: &impl Query, seed: &Seed) -> (Line, f64) {
         // Another line stands for one between: its nearest point is a cell or two off.
         let cells = if (seed.v - self.v[seed.line]).abs() < 1e-9 { 1 } else { 3 };
         let last = self.u.len() - 1;

@@ -1,7 +1,7 @@
 //! Flank plans of wheels from other hands, and of one with overlapping blades: no program that `verify` faults.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use vanecut::flank::choice::choose_tool;
 use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
@@ -9,7 +9,7 @@ use vanecut::formats::part_file::{read_part, read_part_bytes};
 use vanecut::formats::tool_library::flank_cutters;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, FlankScheme, Impeller, Setup};
+use vanecut::part::{Channel, FlankScheme, Impeller, Setup, Tool};
 use vanecut::verify::{FlankVerdict, verify_flank};
 
 /// A pump with five nearly cylindrical blades that overlap far: their leading edges stand 70° from the meridian on a disc.
@@ -57,18 +57,21 @@ fn verdict(outcome: &FlankOutcome) -> FlankVerdict {
     verify_flank(part, &Channel::of(part), &outcome.setup, &program).expect("can be judged")
 }
 
+/// The plan of [`overlapping`], made once.
+static OVERLAPPING_PLAN: LazyLock<FlankOutcome> = LazyLock::new(|| planned(&overlapping(), Setup::default()));
+
 #[test]
 fn no_program_is_written_that_verify_faults() {
-    for part in [kj66(), overlapping()] {
-        let outcome = planned(&part, Setup::default());
-        let plan = &outcome.plan;
+    for outcome in [&planned(&kj66(), Setup::default()), &*OVERLAPPING_PLAN] {
+        let (part, plan) = (&outcome.part, &outcome.plan);
         assert!(plan.faults.is_empty(), "{}: {:?}", part.name, plan.faults);
         assert!(plan.times.cut_length > 1000.0, "{}: {:?}", part.name, plan.times);
         let left: f64 = plan.left_out.iter().map(|l| l.length).sum();
         let all = plan.curves.totals[FlankScheme::Balanced as usize].length;
         assert!(left < 0.5 * all, "{}: {left} of {all} mm left out", part.name);
         assert!(plan.left_out.iter().all(|l| l.length > 0.0 && !l.why.is_empty()));
-        let verdict = verdict(&outcome);
+        let verdict = verdict(outcome);
+        assert_eq!(outcome.max_overcut(), verdict.max_overcut, "{}: as verify says", part.name);
         let shown: Vec<_> = verdict.faults.iter().take(5).collect();
         assert!(verdict.faults.is_empty(), "{}: {shown:#?}", part.name);
         assert!(verdict.max_overcut <= 0.005, "{}: {} mm over", part.name, verdict.max_overcut);
@@ -79,8 +82,7 @@ fn no_program_is_written_that_verify_faults() {
 
 #[test]
 fn the_mouth_between_overlapping_blades_is_covered() {
-    let part = overlapping();
-    let outcome = planned(&part, Setup::default());
+    let outcome = &*OVERLAPPING_PLAN;
     let of = |scheme: FlankScheme| outcome.plan.curves.totals[scheme as usize];
     // The chart's nodes blur the ends of arcs round a nose.
     let gap = of(FlankScheme::Balanced).coverage.largest_gap;
@@ -98,4 +100,28 @@ fn a_channel_without_room_is_told_with_values_that_work() {
     setup.stock.blade_allowance = 5.0;
     let chosen = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect("a cutter");
     assert!(chosen.tool.diameter < 4.0, "{:?}", chosen);
+}
+
+#[test]
+fn a_thicker_cutter_is_taken_where_the_thin_ones_are_too_short() {
+    let part = kj66();
+    let cutter = |number: u32, diameter: f64, overhang: f64| Tool {
+        number,
+        diameter,
+        corner_radius: 0.5 * diameter,
+        insert_width: 0.5 * diameter,
+        overhang,
+        plunge_feed: 300.0,
+        spindle: 1200.0,
+    };
+    let chosen = |tools: Vec<Tool>| {
+        let setup = Setup { tools, ..Setup::for_part(&part) };
+        choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect("a cutter").tool.number
+    };
+    // The passage is 4.9 mm wide and 28.3 mm deep.
+    let [short, long, thick] = [cutter(1, 2.0, 24.0), cutter(2, 2.0, 40.0), cutter(3, 3.0, 36.0)];
+    assert_eq!(chosen(vec![short.clone(), long, thick.clone()]), 2, "the thin one that is long enough");
+    assert_eq!(chosen(vec![short.clone(), thick]), 3, "the thick one, as the thin one is short");
+    assert_eq!(chosen(vec![short.clone(), cutter(4, 3.0, 20.0)]), 1, "none is longer");
+    assert_eq!(chosen(vec![short, cutter(5, 4.0, 60.0)]), 1, "what fills the passage does not help");
 }

@@ -63,7 +63,6 @@ fn a_cutoff_leaves_out_only_what_is_further() {
                         probe.nearest_below(&cutter, cutoff).is_some(),
                         "{name}, side {k}, u {u:.4}, v {v:.4}: what is {cutoff} away is not found"
                     );
-                    assert!(probe.is_within(&cutter, cutoff + 1e-5), "{name}, side {k}, u {u:.4}, v {v:.4}");
                 }
             }
         }

@@ -194,7 +194,7 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         curves.layers.len(),
         plan.tool.diameter,
         1e-3 * curves.floor_length,
-        plan.max_overcut(),
+        outcome.max_overcut(),
         plan.max_undercut(),
         duration(plan.times.total()),
     ));
