@@ -27,3 +27,10 @@ build_release() {
     target=${CARGO_TARGET_DIR:-$here/target}
     vanecut=$target/release/vanecut
 }
+
+# What has to be said of a mesh file that does not say it itself.
+mesh_options() {
+    case $1 in
+    *paraturbo.glb) echo --blades 9 --unit mm ;;
+    esac
+}
