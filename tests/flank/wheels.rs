@@ -62,7 +62,10 @@ static OVERLAPPING_PLAN: LazyLock<FlankOutcome> = LazyLock::new(|| planned(&over
 
 #[test]
 fn no_program_is_written_that_verify_faults() {
-    for outcome in [&planned(&kj66(), Setup::default()), &*OVERLAPPING_PLAN] {
+    // Fewer layers than a shop would take: what is at fault on one is on most.
+    let mut few_layers = Setup::default();
+    few_layers.flank.layer_depth = 6.0;
+    for outcome in [&planned(&kj66(), few_layers), &*OVERLAPPING_PLAN] {
         let (part, plan) = (&outcome.part, &outcome.plan);
         assert!(plan.faults.is_empty(), "{}: {:?}", part.name, plan.faults);
         assert!(plan.times.cut_length > 1000.0, "{}: {:?}", part.name, plan.times);

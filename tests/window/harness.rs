@@ -54,7 +54,8 @@ pub fn settle(window: &mut Window) {
     loop {
         while window.state().is_busy() {
             assert!(start.elapsed() < Duration::from_secs(120), "the work does not end");
-            std::thread::sleep(Duration::from_millis(2));
+            // A pass of the window takes as much: the work gets the rest of the time.
+            std::thread::sleep(Duration::from_millis(30));
             window.step();
         }
         window.run_steps(4);
