@@ -28,7 +28,17 @@ build_release() {
     vanecut=$target/release/vanecut
 }
 
-# What has to be said of a mesh file that does not say it itself.
+# The parts that tables and pictures are made of, one a line: the samples, and the wheels from other hands.
+measured_parts() {
+    printf '%s\n' "$here"/assets/parts/*.toml
+    measured_wheels
+}
+measured_wheels() {
+    printf '%s\n' "$here"/tests/data/wheels/hecc.toml "$here"/tests/data/wheels/kj66_sections.toml \
+        "$here"/tests/data/wheels/paraturbo.glb
+}
+
+# What a mesh file does not say itself.
 mesh_options() {
     case $1 in
     *paraturbo.glb) echo --blades 9 --unit mm ;;

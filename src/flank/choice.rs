@@ -1,5 +1,5 @@
-//! The cutter of a flank plan: the one the setup names, or the thickest that leaves room for curves side by side, if it is
-//! long enough.
+//! The cutter of a flank plan: the one that the setup names. Otherwise the thickest cutter that leaves room for curves side
+//! by side, or a thicker one where that is too short.
 
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Setup, Tool};
 use crate::plunge::sections::{SetupFault, SetupPlace, tool_of};

@@ -62,6 +62,11 @@ const U_STEP: f64 = 5e-5;
 /// harmless elsewhere misses it by 10 µm there.
 const V_TOLERANCE: f64 = 4e-6;
 
+/// All of v.
+const WHOLE: (f64, f64) = (0.0, 1.0);
+/// No place is near enough to end a search.
+const NONE_IS_ENOUGH: f64 = f64::NEG_INFINITY;
+
 /// No point of a cell is further from the nearest of its corners than this share of the longest way between two of them:
 /// 1/√3 where it is flat, and what it bends besides.
 const CELL_REACH: f64 = 0.75;
@@ -120,18 +125,19 @@ impl SideProbe {
 
     /// Nearest distance from `cutter` to the side over v in [`v_from`, `v_to`].
     pub fn nearest(&self, cutter: &CutterSolid, v_from: f64, v_to: f64) -> Nearest {
-        self.nearest_within(&CutterLines { cutter }, v_from, v_to, f64::INFINITY)
+        self.nearest_within(&CutterLines { cutter }, (v_from, v_to), f64::INFINITY, NONE_IS_ENOUGH)
             .unwrap_or_else(|| self.nothing())
     }
 
     /// As [`Self::nearest`] over the whole side; `None` when the side is surely further than `cutoff` mm.
     pub fn nearest_below(&self, cutter: &CutterSolid, cutoff: f64) -> Option<Nearest> {
-        self.nearest_within(&CutterLines { cutter }, 0.0, 1.0, cutoff)
+        self.nearest_within(&CutterLines { cutter }, WHOLE, cutoff, NONE_IS_ENOUGH)
     }
 
     /// Whether any place of the side is nearer to `cutter` than `limit` mm; quicker than to measure how near.
     pub fn is_within(&self, cutter: &CutterSolid, limit: f64) -> bool {
-        self.comes_within(&CutterLines { cutter }, limit)
+        let near = self.nearest_within(&CutterLines { cutter }, WHOLE, limit, limit);
+        near.is_some_and(|near| near.distance < limit)
     }
 
     /// As [`Self::nearest`], following a nearest place known to be close to `u` instead of searching
@@ -150,7 +156,8 @@ impl SideProbe {
 
     /// Nearest distance from `point` to the whole side.
     pub fn nearest_to_point(&self, point: &Point) -> Nearest {
-        self.nearest_within(&PointLines { point }, 0.0, 1.0, f64::INFINITY).unwrap_or_else(|| self.nothing())
+        self.nearest_within(&PointLines { point }, WHOLE, f64::INFINITY, NONE_IS_ENOUGH)
+            .unwrap_or_else(|| self.nothing())
     }
 
     fn nothing(&self) -> Nearest {
@@ -191,45 +198,40 @@ impl SideProbe {
         line(if end.1 < inner.1 { end.0 } else { inner.0 }).1
     }
 
-    fn nearest_within(&self, query: &impl Query, v_from: f64, v_to: f64, cutoff: f64) -> Option<Nearest> {
-        let seeds = self.seeds(query, v_from, v_to, f64::NEG_INFINITY);
+    /// Nearest place over v from `v_from` to `v_to`; `None` when the side is surely further than `cutoff` mm. The first
+    /// place nearer than `enough` mm will do.
+    fn nearest_within(
+        &self,
+        query: &impl Query,
+        (v_from, v_to): (f64, f64),
+        cutoff: f64,
+        enough: f64,
+    ) -> Option<Nearest> {
+        let seeds = self.seeds(query, v_from, v_to, enough);
+        if let Some(seed) = seeds.lines[..seeds.count].last().filter(|seed| seed.distance < enough) {
+            let (u, v) = (self.u[seed.index], self.v[seed.line]);
+            let point = self.points[seed.line * self.u.len() + seed.index];
+            return Some(Nearest { distance: seed.distance, u, v, point });
+        }
         if seeds.least > cutoff {
             return None;
         }
         let mut lines = [Line::default(); MAX_LINES];
         let mut drift = 0.0f64;
         let near = seeds.near(cutoff);
-        let count = near.len();
         for (line, seed) in lines.iter_mut().zip(near) {
             let (found, way) = self.line_near(query, seed);
-            *line = found;
-            drift = drift.max(way);
-        }
-        Some(self.lowest(query, &lines[..count], drift))
-    }
-
-    /// Whether any place of the side is nearer to the query than `limit` mm: ends with the first that is found.
-    fn comes_within(&self, query: &impl Query, limit: f64) -> bool {
-        let seeds = self.seeds(query, 0.0, 1.0, limit);
-        if seeds.nearest < limit {
-            return true;
-        }
-        if seeds.least > limit {
-            return false;
-        }
-        let mut lines = [Line::default(); MAX_LINES];
-        let mut drift = 0.0f64;
-        let near = seeds.near(limit);
-        let count = near.len();
-        for (line, seed) in lines.iter_mut().zip(near) {
-            let (found, way) = self.line_near(query, seed);
-            if found.distance < limit {
-                return true;
+            if found.distance < enough {
+                return Some(self.found(&found));
             }
             *line = found;
             drift = drift.max(way);
         }
-        self.lowest(query, &lines[..count], drift).distance < limit
+        Some(self.lowest(query, &lines[..near.len()], drift))
+    }
+
+    fn found(&self, line: &Line) -> Nearest {
+        Nearest { distance: line.distance, u: line.u, v: line.v, point: self.side.point(line.u, line.v) }
     }
 
     /// Where to look on the lines of the grid between `v_from` and `v_to`, and on these; no further than the first
@@ -322,7 +324,7 @@ impl SideProbe {
                 self.valley(query, (&a, &b), reach, &mut best);
             }
         }
-        Nearest { distance: best.distance, u: best.u, v: best.v, point: self.side.point(best.u, best.v) }
+        self.found(&best)
     }
 
     /// Looks between two lines for a place nearer than `best`, u within `reach`.

@@ -226,6 +226,17 @@ impl Left {
         self.count == 0 && self.first <= deep
     }
 
+    /// What plunges, latest first, leave of it; no further than to where nothing that counts changes any more.
+    fn after(mut self, plunges: &[Crossed], line: &CoreLine, deep: f64) -> Self {
+        for crossed in plunges {
+            if self.is_settled(deep) {
+                break;
+            }
+            self.remove(crossed, line);
+        }
+        self
+    }
+
     /// Takes away what a plunge removed.
     fn remove(&mut self, crossed: &Crossed, line: &CoreLine) {
         let Some((low, high)) = crossed.removed_by_sharp(line) else { return };
@@ -275,36 +286,17 @@ impl<'a> StockLines<'a> {
     /// (height from which on something is already removed, or any below `deep` where no stock is left, highest stock)
     /// on the line from the bottom upwards, mm above it; infinite and 0 where there is none.
     fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
-        let mut left = Left::whole(self.top);
-        for crossed in self.near.passed().iter().chain(self.near.columns()) {
-            left.remove(crossed, line);
-            if left.is_settled(deep) {
-                break;
-            }
-        }
+        let left = Left::whole(self.top).after(self.near.passed(), line, deep);
+        let left = left.after(self.near.columns(), line, deep);
         (left.first, self.highest(&left, line))
     }
 
     /// As [`Self::on_line`], for line `number` of those that are kept.
     fn on_kept_line(&mut self, number: usize, line: &CoreLine, deep: f64) -> (f64, f64) {
         let Some(kept) = &mut self.kept else { return self.on_line(line, deep) };
-        let gathered = || {
-            let mut left = Left::whole(self.top);
-            for crossed in self.near.columns() {
-                left.remove(crossed, line);
-                if left.is_settled(deep) {
-                    break;
-                }
-            }
-            left
-        };
-        let mut left = *kept[number].get_or_insert_with(gathered);
-        for crossed in self.near.passed() {
-            if left.is_settled(deep) {
-                break;
-            }
-            left.remove(crossed, line);
-        }
+        let gathered =
+            kept[number].get_or_insert_with(|| Left::whole(self.top).after(self.near.columns(), line, deep));
+        let left = gathered.after(self.near.passed(), line, deep);
         (left.first, self.highest(&left, line))
     }
 
