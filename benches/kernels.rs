@@ -1,4 +1,4 @@
-//! Time of the residual kernels on a floor like that of an impeller of diameter 532 mm:
+//! Benchmarks of the residual kernels on a floor like that of an impeller of diameter 532 mm:
 //! `cargo bench --bench kernels`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -7,11 +7,11 @@ use vanecut::residual::{FieldCutter, FloorGrid, residual_field, statistics};
 
 /// Length of the hub curve, mm.
 const LENGTH: f64 = 200.0;
-/// Positions per row at a step of 8 mm.
+/// Positions per row, at a step of 8 mm.
 const PER_ROW: usize = 25;
 
-/// Point and normal of the floor: a hub that turns from almost axial to almost radial, and a channel
-/// that winds around it and widens from 45 to 75 mm.
+/// Point and normal of the floor: a hub that turns from almost axial to almost radial, and a channel that
+/// wraps around it and widens from 45 to 75 mm.
 fn floor(s: f64, lambda: f64) -> (Vector3<f64>, Vector3<f64>) {
     let (bend, start) = (150.0, 0.15_f64);
     let phi = start + s * LENGTH / bend;
@@ -37,7 +37,7 @@ fn grid(n: usize) -> FloorGrid {
     }
 }
 
-/// Rows of plunges from the rim inwards, radius 8 mm, axes leaning with the walls.
+/// Rows of plunges from the rim to the inlet, radius 8 mm, axes tilted with the walls.
 fn cutters(positions: usize, corner_radius: f32) -> Vec<FieldCutter> {
     let rows = positions.div_ceil(PER_ROW);
     let row_of = |k: usize| k / PER_ROW;

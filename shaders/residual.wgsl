@@ -1,5 +1,5 @@
-// Residual layer of plunges on the hub floor. Twin of src/residual/field.rs and meeting.rs: same
-// operations in the same order, so that both give the same heights. One workgroup per tile of 16 × 16
+// Residual stock of plunges on the channel floor. GPU version of src/residual/field.rs and meeting.rs: the
+// same operations in the same order, so that both give the same heights. One workgroup per tile of 16 × 16
 // cells, one invocation per cell. Lengths in mm.
 
 struct Grid {
@@ -13,7 +13,7 @@ struct Cell {
     foot: vec3<f32>,
     blank: f32,
     normal: vec3<f32>,
-    // Units of volume per mm of height; below 0 if the cell is not of the floor.
+    // Units of volume per mm of height; negative if the cell is not floor.
     units: f32,
 }
 
@@ -29,12 +29,12 @@ struct Cutter {
 }
 
 struct Trace {
-    // Bits of a non-negative f32: ordered like the number itself, so an integer maximum serves.
+    // Bits of a non-negative f32, which are ordered like the number, so that atomicMax works on them.
     contact_depth: atomic<u32>,
     contact_cells: atomic<u32>,
     swept_cells: atomic<u32>,
     cut_cells: atomic<u32>,
-    // In units of which all stock of the floor is at most 2³¹: sums do not overflow.
+    // In units such that all stock on the floor is at most 2³¹ of them, so that sums do not overflow.
     removed_units: atomic<u32>,
 }
 
@@ -56,11 +56,11 @@ const MIN_COSINE: f32 = 1e-6;
 const CORNER_STEPS: u32 = 8u;
 const CORNER_TOLERANCE: f32 = 2e-5;
 
-// Traces of this many cutters are gathered within the workgroup before they go to memory.
+// Number of cutters whose traces are accumulated in workgroup memory before they are added to `traces`.
 const BATCH: u32 = 64u;
 var<workgroup> batch_depths: array<atomic<u32>, BATCH>;
 var<workgroup> batch_removed: array<atomic<u32>, BATCH>;
-// Swept, cut and contact cells in 10 bits each, as a tile has 256: one atomic instead of three.
+// Counts of swept, cut and contact cells in 10 bits each (a tile has 256 cells): one atomic instead of three.
 var<workgroup> batch_counts: array<atomic<u32>, BATCH>;
 const CUT_SHIFT: u32 = 10u;
 const CONTACT_SHIFT: u32 = 20u;
@@ -79,7 +79,7 @@ struct Interval {
     exit: f32,
 }
 
-// Written out, as the order in which dot() adds is not laid down.
+// Written out because the order of the additions in dot() is not specified.
 fn inner_product(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -159,7 +159,7 @@ fn residual_field(
     let column = tile.x * 16u + local.x;
     let index = row * grid.columns + column;
     let in_grid = row < grid.rows && column < grid.columns;
-    // Lanes beyond the edge stay for the barriers; nothing stands above them, so no cutter finds stock.
+    // Invocations beyond the edge must reach the barriers too; a negative blank height gives them no stock.
     var point = vec3<f32>(0.0);
     var normal = vec3<f32>(0.0);
     var blank = -1.0;
@@ -234,7 +234,7 @@ fn residual_field(
                 atomicAdd(&traces[k].removed_units, removed);
             }
         }
-        // The next batch clears what this one just read: same lane, same entry, so no barrier is needed.
+        // The next batch clears the entries in the same lanes that read them here, so no barrier is needed.
     }
     if in_grid {
         heights[index] = height;

@@ -1,5 +1,5 @@
-// The picture of a part and its plan. World in mm; colours are gamma-encoded throughout, so that
-// the floor shows exactly the colours of the legend beside it.
+// Renders a part and its plan. World in mm; colours are gamma-encoded throughout, so that the floor shows
+// exactly the colours of the legend.
 
 struct Frame {
     clip_from_world: mat4x4f,
@@ -9,8 +9,8 @@ struct Frame {
     back: vec4f,      // towards the viewer
     viewport: vec4f,  // width, height, pixels per line width, unit of `lifted` in mm
     range: vec4f,     // lowest and highest value of the colour table, floor colours on, floor in relief
-    look: vec4f,      // walls of the channel in work are cut away, floor values are heights
-    plane: vec4f,     // section plane: what lies beyond w along xyz is not drawn; xyz = 0: none
+    look: vec4f,      // walls of the active channel are cut away, floor values are heights
+    plane: vec4f,     // section plane: points beyond w along xyz are clipped; xyz = 0: none
     greys: array<vec4f, 9>,
     lines: array<vec4f, 8>,
     states: array<vec4f, 5>,
@@ -24,14 +24,14 @@ const GREY_BOTTOM = 1u;
 const GREY_UNCUT = 7u;
 const GREY_SECTION = 8u;
 
-// Kinds of surface; a kind's grey is at 2 + kind.
+// Kinds of surface; the grey of a kind is at index 2 + kind.
 const SHROUD = 4u;
 // Flags of an instance.
-const INNER = 1u; // faces the channel in work
+const INNER = 1u; // faces the active channel
 const ON_HUB = 2u; // lies on the hub
 
-// What lies on something else is drawn a hair nearer to the viewer, or facets and depth buffer
-// would let the lower one break through. In units of a few tenths of a mm, layer by layer:
+// Surfaces that lie on others are shifted slightly towards the viewer against z-fighting. Shift per draw
+// layer, in units of viewport.w (a few tenths of a mm):
 const LIFT_CHANNEL = 0.4;
 const LIFT_FLOOR = 0.8;
 const LIFT_CUTTER = 1.2;
@@ -41,7 +41,7 @@ fn lifted(world: vec3f, layers: f32) -> vec4f {
     return frame.clip_from_world * vec4f(world + to_viewer(world) * frame.viewport.w * layers, 1.0);
 }
 
-// The same along the normal, for lines of sight that graze the surface.
+// Shift along the normal, for lines of sight that graze the surface.
 fn off(world: vec3f, normal: vec3f) -> vec3f {
     return world + normal * frame.viewport.w * 0.4;
 }
@@ -50,8 +50,8 @@ fn to_viewer(world: vec3f) -> vec3f {
     return select(frame.back.xyz, normalize(frame.eye.xyz - world), frame.eye.w > 0.5);
 }
 
-// Matt: a soft key light over the viewer's left shoulder, sky and ground, darker in corners and
-// where the surface turns away, which draws the outline of twisted blades.
+// Diffuse shading: a soft key light over the viewer's left shoulder, hemisphere light, ambient occlusion in
+// corners (`open`), and darker silhouettes, which show the outline of twisted blades.
 fn light(n: vec3f, v: vec3f, open: f32) -> f32 {
     let key = normalize(frame.back.xyz * 0.75 + frame.up.xyz * 0.6 - frame.right.xyz * 0.55);
     let half_turned = dot(n, key) * 0.5 + 0.5;
@@ -61,7 +61,7 @@ fn light(n: vec3f, v: vec3f, open: f32) -> f32 {
     return (0.40 + 0.16 * sky + 0.52 * half_turned * half_turned) * outline * corner;
 }
 
-// Beyond the section plane.
+// Whether a point lies beyond the section plane.
 fn cut_off(world: vec3f) -> bool {
     return dot(frame.plane.xyz, world) > frame.plane.w;
 }
@@ -132,7 +132,7 @@ fn surface_vertex(in: SurfaceIn) -> SurfaceOut {
     return out;
 }
 
-// Walls that stand in front of the channel in work are drawn as glass instead.
+// Clipped points, and walls in front of the active channel, which glass_fragment draws instead.
 fn hidden(in: SurfaceOut, v: vec3f) -> bool {
     return cut_off(in.world)
         || (frame.look.x > 0.5 && (in.flags & INNER) != 0u && dot(in.normal, v) < 0.0);
@@ -148,8 +148,7 @@ fn surface_fragment(in: SurfaceOut) -> @location(0) vec4f {
     return vec4f(grey * light(facing(in.normal, v), v, in.value), 1.0);
 }
 
-// Walls that stand in front of the channel in work, and the shroud: thin glass, denser where the
-// line of sight runs along it.
+// Transparent walls in front of the active channel, and the shroud: more opaque at grazing incidence.
 @fragment
 fn glass_fragment(in: SurfaceOut) -> @location(0) vec4f {
     let v = to_viewer(in.world);
@@ -170,8 +169,9 @@ fn glass_fragment(in: SurfaceOut) -> @location(0) vec4f {
 
 // ---- where the section plane cuts material ---------------------------------------------------------
 //
-// Hub and blades are closed: a line of sight that meets an odd number of their faces on the kept side crosses the
-// plane inside of them. Each face turns the stencil over; then the plane is drawn where it stands odd.
+// Parity rule: hub and blades are closed, so a line of sight that meets an odd number of their faces on the
+// unclipped side crosses the plane inside them. Each face inverts a stencil bit; the plane is then drawn
+// where a bit is set.
 
 @fragment
 fn parity_fragment(in: SurfaceOut) {
@@ -188,14 +188,14 @@ struct CapOut {
 fn cap_vertex(@builtin(vertex_index) i: u32) -> CapOut {
     let n = frame.plane.xyz;
     let xy = across(n);
-    // The plane as far as three radii of the wheel: a strip of two triangles.
+    // A quad of the plane, three wheel radii to each side, as a strip of two triangles.
     let reach = 3.0 * frame.viewport.w / 8e-4;
     let p = vec2f(f32(i & 1u), f32(i >> 1u)) * 2.0 - 1.0;
     let world = n * frame.plane.w + (xy[0] * p.x + xy[1] * p.y) * reach;
     return CapOut(frame.clip_from_world * vec4f(world, 1.0));
 }
 
-// Lit as if it faced the viewer, and hatched as drawings have it.
+// Flat colour with diagonal hatching, as in technical drawings.
 @fragment
 fn cap_fragment(in: CapOut) -> @location(0) vec4f {
     let stripe = fract((in.clip.x + in.clip.y) / (9.0 * frame.viewport.z));
@@ -203,7 +203,7 @@ fn cap_fragment(in: CapOut) -> @location(0) vec4f {
     return vec4f(frame.greys[GREY_SECTION].rgb * hatch, 1.0);
 }
 
-// The floor with its heights. The turn is unused here; the floor stands in its place.
+// The floor with its heights; it is not instanced, so the turn is unused.
 @vertex
 fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
     var out: SurfaceOut;
@@ -221,7 +221,8 @@ fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
 @fragment
 fn floor_fragment(in: SurfaceOut) -> @location(0) vec4f {
     let v = to_viewer(in.world);
-    // Slopes of the stock itself, also where it is drawn flat: steps between plunges show as shading.
+    // Shading from the slopes of the stock, also where it is drawn flat, so that steps between plunges are
+    // visible.
     var n = cross(dpdx(in.raised), dpdy(in.raised));
     n = select(in.normal, normalize(n), dot(n, n) > 1e-12);
     n = select(-n, n, dot(n, in.normal) >= 0.0);
@@ -269,7 +270,8 @@ const ANNULUS = 2u;
 const CORE_WALL = 3u;
 const CORE_DISC = 4u;
 
-// Two unit vectors that make a right-handed frame with the axis (Duff et al.: no branch, no pole).
+// Two unit vectors that form a right-handed frame with the axis (Duff et al. 2017: branchless, no
+// singularity).
 fn across(a: vec3f) -> mat2x3f {
     let s = select(-1.0, 1.0, a.z >= 0.0);
     let c = -1.0 / (s + a.z);
@@ -323,9 +325,9 @@ fn cutter_glass_fragment(in: CutterOut) -> @location(0) vec4f {
     return vec4f(frame.states[in.state].rgb * shade, alpha);
 }
 
-// ---- ids: what is under the pointer ---------------------------------------------------------------
+// ---- ids for picking ------------------------------------------------------------------------------
 
-// The part hides cutters behind it and is no position itself.
+// The part hides cutters behind it and has no id itself.
 @fragment
 fn surface_id_fragment(in: SurfaceOut) -> @location(0) u32 {
     if hidden(in, to_viewer(in.world)) {
@@ -334,7 +336,7 @@ fn surface_id_fragment(in: SurfaceOut) -> @location(0) u32 {
     return 0u;
 }
 
-// So do walls with values, and the section plane where it cuts material.
+// Walls with values, and the section plane where it cuts material, hide cutters too.
 @fragment
 fn values_id_fragment(in: SurfaceOut) -> @location(0) u32 {
     if cut_off(in.world) {
@@ -348,7 +350,7 @@ fn cap_id_fragment(in: CapOut) -> @location(0) u32 {
     return 0u;
 }
 
-// Counted from 1.
+// Id of a position, counted from 1.
 @fragment
 fn cutter_id_fragment(in: CutterOut) -> @location(0) u32 {
     return in.id + 1u;
@@ -369,7 +371,8 @@ struct LineOut {
     @location(1) world: vec3f,
 }
 
-// Colours up to this one are edges of the part, which the section plane cuts; so are other lines that lie on the part.
+// Colours up to WALL_EDGE are edges of the part. They, and other lines flagged ON_PART, are clipped by the
+// section plane.
 const WALL_EDGE = 1u;
 const ON_PART = 0x40000000u;
 const OWN_COLOUR = 0x80000000u;
@@ -387,7 +390,7 @@ fn line_vertex(in: LineIn, @builtin(vertex_index) i: u32) -> LineOut {
     let at_end = i == 1u || i == 2u || i == 4u;
     let left = i == 2u || i == 4u || i == 5u;
     let p = select(a, b, at_end);
-    // Square ends half a width long close the joints of a polyline.
+    // Square caps of half a line width close the joints of a polyline.
     let offset = vec2f(-along.y, along.x) * select(-1.0, 1.0, left) + along * select(-0.5, 0.5, at_end);
     let clip_xy = p.xy + offset * in.width * frame.viewport.z / size * p.w;
     return LineOut(vec4f(clip_xy, p.zw), in.colour, select(in.a, in.b, at_end));
@@ -398,7 +401,7 @@ fn line_fragment(in: LineOut) -> @location(0) vec4f {
     if (in.colour <= WALL_EDGE || (in.colour & ON_PART) != 0u) && cut_off(in.world) {
         discard;
     }
-    // A colour of its own, or a number in the table.
+    // A packed RGB colour, or an index into the table.
     if (in.colour & OWN_COLOUR) != 0u {
         return vec4f(unpack4x8unorm(in.colour).rgb, 1.0);
     }

@@ -1,25 +1,25 @@
 //! Vanecut plans the rough milling of centrifugal impellers.
 //!
-//! Rooms, innermost first; each may look only at those before it:
+//! Modules, innermost first; each depends only on modules listed before it (`tests/layering.rs`):
 //!
-//! | room | holds |
+//! | module | contents |
 //! |---|---|
-//! | [`palette`] | the colours, declared once |
+//! | [`palette`] | colours of pictures and window |
 //! | [`geometry`] | curves, surfaces of revolution, blade sides, root finding, distances |
 //! | [`part`] | impeller, channel, blank, tools, setup |
 //! | [`mesh`] | triangle meshes of a part, and parts from triangle meshes |
-//! | [`assess`] | machinability before any plan: twist, bend, depth, width, reach |
-//! | [`plunge`] | the plunge planner, one file per stage of paper A, and contact of the core |
-//! | [`flank`] | the flank region planner: layers, regions, curves, and the cutters along them |
-//! | [`residual`] | the heightfield of stock left on the hub, and its CPU kernel |
+//! | [`assess`] | machinability before any plan: twist, bow, depth, width, reach ([assessment paper]) |
+//! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper], and contact of the core |
+//! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
+//! | [`residual`] | the heightfield of residual stock on the channel floor, and its CPU kernel |
 //! | [`verify`] | checks any cutter-location program against a part |
 //! | [`formats`] | readers and writers of part, setup, CL and plan files |
-//! | [`job`] | background work: request, progress, cancel, latest result |
-//! | `gpu` | device, compute kernel, renderer; knows no window |
-//! | `app`, [`cli`] | the two faces: the egui window and the command line |
+//! | [`job`] | planning jobs: request, progress, cancel, latest result |
+//! | `gpu` | graphics device, compute kernel, renderer; independent of the window |
+//! | `app`, [`cli`] | the front ends: the egui window and the command line |
 //!
-//! Lengths are mm, angles radians, times seconds, feeds mm/min; files and screens show degrees.
-//! The axis of rotation is Z.
+//! Lengths are mm, angles radians, times seconds, feed rates mm/min; files and user interfaces show degrees.
+//! The axis of rotation is Z. `docs/REFERENCES.md` cites the papers.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 

@@ -1,22 +1,22 @@
-//! Progress and cancel: what long work reports and obeys.
+//! Progress reporting, stopping and cancelling of long computations.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// The work was cancelled; whoever asked for it keeps the last good result.
+/// The computation was cancelled; the caller keeps its last good result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// Shared between the one who works and the one who watches.
+/// Progress and cancellation token, shared between a computation and its observer.
 ///
-/// Work can be told to end in two ways. After [`Self::stop`] it searches no further, but may make the best of what
-/// it has found; work that knows no such thing takes it for a cancel. After [`Self::cancel`] nobody
-/// wants anything of it any more.
+/// There are two ways to end a computation. After [`Self::stop`] it ends the search and may return the best
+/// result found so far; a computation without partial results treats it as a cancel. After [`Self::cancel`]
+/// it ends without a result.
 #[derive(Debug, Default)]
 pub struct Monitor {
     shared: Arc<Shared>,
-    /// Whether only a cancel counts.
+    /// Whether [`Self::stop`] is ignored.
     closing: bool,
 }
 
@@ -28,33 +28,37 @@ struct Shared {
 }
 
 impl Monitor {
-    /// Asks the work to end with what it has found; it searches no further within a few milliseconds.
+    /// Requests an early end with the best result found so far; the search ends within a few milliseconds.
     pub fn stop(&self) {
         self.shared.stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Asks the work to end at once, with nothing; it does within a few milliseconds.
+    /// Requests an end without a result, within a few milliseconds.
     pub fn cancel(&self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Whether somebody asked to end with what was found, and still wants it.
+    /// Whether a stop, but no cancel, was requested.
     pub fn is_stopped(&self) -> bool {
         self.shared.stopped.load(Ordering::Relaxed) && !self.shared.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Whether the work is to go no further.
+    /// Whether the computation must end: cancelled, or stopped unless stops are ignored.
     pub fn is_cancelled(&self) -> bool {
         self.shared.cancelled.load(Ordering::Relaxed)
             || !self.closing && self.shared.stopped.load(Ordering::Relaxed)
     }
 
-    /// The same request as those see it who make something whole of what was found: for them only a cancel counts.
+    /// The same token for the steps that complete a partial result: a stop is ignored, only a cancel is an
+    /// error.
     pub fn closing(&self) -> Self {
         Self { shared: Arc::clone(&self.shared), closing: true }
     }
 
-    /// To be called often from inside the work: an error once it is to go no further.
+    /// Returns an error once the computation must end; to be called every few milliseconds.
+    ///
+    /// # Errors
+    /// [`Cancelled`] after a cancel, or after a stop unless stops are ignored.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }

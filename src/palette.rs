@@ -1,4 +1,4 @@
-//! Colours of the picture, declared once. Gamma-encoded sRGB, 0…1.
+//! Colours of pictures and window. Gamma-encoded sRGB, 0…1.
 
 /// Red, green, blue.
 pub type Rgb = [f32; 3];
@@ -7,24 +7,24 @@ const fn rgb(hex: u32) -> Rgb {
     [((hex >> 16) & 255) as f32 / 255.0, ((hex >> 8) & 255) as f32 / 255.0, (hex & 255) as f32 / 255.0]
 }
 
-/// Interferential: vermilion of the Okabe–Ito set.
+/// Interfering plunge: vermilion of the Okabe–Ito set.
 pub const INTERFERENTIAL: Rgb = rgb(0xD55E00);
-/// Blocked by the blades: orange.
+/// Blocked position: orange.
 pub const BLOCKED: Rgb = rgb(0xE69F00);
-/// Sound: bluish green.
+/// Sound position: bluish green.
 pub const SOUND: Rgb = rgb(0x009E73);
-/// Not judged yet: neither sound nor not.
+/// Position whose contact is not evaluated yet: grey.
 pub const UNJUDGED: Rgb = rgb(0x8C9299);
-/// Selected: the accent.
+/// Selected position: the accent colour.
 pub const SELECTED: Rgb = rgb(0x0072B2);
 
-/// Light or dark surroundings; meaning and state colours are the same in both.
+/// Light or dark theme; the colours of values and states are the same in both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Theme {
     /// Dark lines on light grey.
     #[default]
     Light,
-    /// Light part on a dark ground.
+    /// Light part on a dark background.
     Dark,
 }
 
@@ -35,23 +35,23 @@ pub struct Greys {
     pub background_top: Rgb,
     /// Background at the bottom.
     pub background_bottom: Rgb,
-    /// Hub and body away from the channel in work.
+    /// Hub and body outside the active channel.
     pub hub: Rgb,
-    /// Floor of the channel in work.
+    /// Floor of the active channel.
     pub floor: Rgb,
-    /// Blades away from the channel in work.
+    /// Blades outside the active channel.
     pub blade: Rgb,
-    /// Blades of the channel in work.
+    /// Blades of the active channel.
     pub wall: Rgb,
-    /// Shroud glass.
+    /// Shroud, drawn transparent.
     pub shroud: Rgb,
-    /// Stock that no position has reached.
+    /// Stock that no plunge has cut.
     pub uncut: Rgb,
     /// Material where the section plane cuts it.
     pub section: Rgb,
-    /// Edges away from the channel in work.
+    /// Edges outside the active channel.
     pub edge: Rgb,
-    /// Edges of the channel in work.
+    /// Edges of the active channel.
     pub wall_edge: Rgb,
     /// Axes and retracts.
     pub axis: Rgb,
@@ -96,17 +96,17 @@ impl Theme {
 /// Number of entries of a colour table.
 pub const TABLE_LEN: usize = 256;
 
-/// A colour map, baked into a table that picture and legend share.
+/// A colour map, sampled into a table that picture and legend share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColourMap {
-    /// Blue to yellow, the same for every eye: stock left.
+    /// Blue to yellow, safe for colour-blind viewers: residual stock.
     #[default]
     Cividis,
     /// Violet to yellow.
     Viridis,
     /// Light grey to vermilion: depth of contact.
     Contact,
-    /// Violet over white to orange: difference of two plans, no difference in the middle.
+    /// Violet over white to orange: difference of two plans, zero in the middle.
     Difference,
 }
 
@@ -120,7 +120,7 @@ impl ColourMap {
                 Self::Viridis => colorous::VIRIDIS.eval_continuous(t).into_array(),
                 Self::Difference => colorous::PURPLE_ORANGE.eval_continuous(1.0 - t).into_array(),
                 Self::Contact => {
-                    // A step at zero: free floor stays grey, any contact is seen.
+                    // A step at zero: floor without contact stays pale, any contact is visible.
                     let weight = if i == 0 { 0.0 } else { 0.35 + 0.65 * t as f32 };
                     let pale = rgb(0xF1EBDA);
                     std::array::from_fn(|c| {
@@ -132,7 +132,7 @@ impl ColourMap {
     }
 }
 
-/// Colour of `value` in a table that runs over `range`.
+/// Colour of `value` in a table that spans `range`.
 pub fn looked_up(table: &[[u8; 3]; TABLE_LEN], value: f32, range: (f32, f32)) -> Rgb {
     let t = (value - range.0) / (range.1 - range.0).max(1e-6);
     let entry = (t.clamp(0.0, 1.0) * (TABLE_LEN - 1) as f32).round() as usize;

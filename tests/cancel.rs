@@ -1,5 +1,5 @@
-//! Cancel is obeyed at once, and leaves the best so far where that is wanted. Alone in its file: other tests beside
-//! it would take the cores it is timed on.
+//! Cancelling acts at once; stopping keeps the best result so far. In a file of its own, because other tests
+//! would take the cores on which it is timed.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -23,7 +23,7 @@ fn request(policy: AxisPolicy) -> PlanRequest {
     PlanRequest { part, setup: Setup::default(), policy, compare: false, field_cells: 256 }
 }
 
-/// Plans, and asks to stop after a while.
+/// Plans, and stops the job after `wait`.
 fn stopped_after(
     wait: Duration,
     job: &PlanJob,
@@ -38,7 +38,7 @@ fn stopped_after(
     })
 }
 
-/// Positions of the sections that are finished.
+/// Number of positions of the finished sections.
 fn finished_part(plan: &PlungePlan) -> usize {
     let whole = |s: &usize| !matches!(plan.sections[*s].added, Some((_, Stopped::Cancelled)));
     plan.positions.iter().filter(|p| whole(&p.section)).count()
@@ -50,13 +50,13 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
     let started = Instant::now();
     let whole = run(&request, &Monitor::default()).expect("a plan");
     let time = started.elapsed();
-    assert!(!whole.after.plan.is_unfinished(), "nobody stopped it");
+    assert!(!whole.after.plan.is_unfinished(), "it was not stopped");
     let (mut unfinished, mut cut_short) = (0, 0);
     for share in (1..20).step_by(2) {
         let job = PlanJob::default();
         let outcome = match stopped_after(time * share / 20, &job, &request, &Monitor::default()) {
             Ok(outcome) => outcome,
-            // Nothing was found yet.
+            // Stopped before anything was found.
             Err(error) => {
                 assert_eq!(error, JobError::Cancelled);
                 continue;
@@ -93,13 +93,13 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
         assert!(text.contains("\"cancelled\""), "the file says so");
         let stored = read_plan_bytes("plan.json", text.as_bytes()).expect("readable");
         assert!(stored.plan.is_unfinished(), "and keeps it");
-        // Nothing that is not finished is taken for known the next time.
+        // Unfinished sections are not cached.
         if unfinished == 1 {
             let again = job.run(&request, &Monitor::default()).expect("a plan");
             assert_eq!(again.after.plan, whole.after.plan, "planned on to the same end");
         }
     }
-    assert!(unfinished > 2, "stopped on the way {unfinished} times");
+    assert!(unfinished > 2, "{unfinished} stopped plans");
     assert!(cut_short > 0, "no plan with a part of a section");
 }
 
@@ -119,7 +119,7 @@ fn of_a_stopped_comparison_the_finished_plans_stay() {
     monitor.stop();
     let outcome = run(&request, &monitor).expect("the plan that was asked for is ready at once");
     assert!(!outcome.after.plan.is_unfinished());
-    assert_eq!(outcome.others.len(), 0, "no half a plan to compare with");
+    assert_eq!(outcome.others.len(), 0, "no unfinished plan to compare with");
 }
 
 #[test]
@@ -139,8 +139,8 @@ fn the_planner_obeys_cancel_within_50_ms() {
                 if was_done { Duration::ZERO } else { start.elapsed() }
             })
         };
-        // At several moments, so that every stage of the work is met; the quickest of three attempts is
-        // the planner's own time, without what else the machine does.
+        // Cancel at several times, to hit every stage of the job. The minimum of three attempts is the
+        // planner's own time, without the load of other processes.
         let moments = [5, 20, 60, 120, 250, 500];
         let slowest = moments.map(|wait| [wait; 3].map(cancel_after).into_iter().min());
         let slowest = slowest.into_iter().flatten().max().expect("attempts were made");
@@ -148,7 +148,8 @@ fn the_planner_obeys_cancel_within_50_ms() {
     }
 }
 
-/// Runs `vanecut plan` and presses Ctrl+C after a while: exit code, standard error, and whether a plan was written.
+/// Runs `vanecut plan` and sends SIGINT after `wait`: exit code, standard error, and whether a plan was
+/// written.
 #[cfg(unix)]
 fn interrupted_after(wait: Duration, folder: &std::path::Path) -> (Option<i32>, String, bool) {
     use std::process::{Command, Stdio};
@@ -177,25 +178,25 @@ fn interrupted_after(wait: Duration, folder: &std::path::Path) -> (Option<i32>, 
 #[test]
 fn ctrl_c_ends_a_plan_with_what_is_found() {
     let folder = tempfile::tempdir().expect("a folder");
-    // How fast the machine is nobody knows: sooner or later the plan is under way when it is stopped.
+    // The speed of the machine is unknown, so several delays are tried until one hits the running planner.
     for (n, tenths) in [3, 5, 7, 9, 12, 16, 25, 40, 60].into_iter().enumerate() {
         let folder = folder.path().join(n.to_string());
         let (code, errors, written) = interrupted_after(Duration::from_millis(100 * tenths), &folder);
         match code {
-            // Before the handler was set.
+            // Interrupted before the handler was set.
             None => assert!(!written),
             Some(0) => break,
             Some(1) if errors.contains("unfinished") => {
-                assert!(errors.contains("stopping with what is found"), "{errors}");
+                assert!(errors.contains("stopping, keeping the result so far"), "{errors}");
                 let bytes = std::fs::read(folder.join("plan.json")).expect("a plan");
                 let stored = read_plan_bytes("plan.json", &bytes).expect("readable");
                 assert!(stored.plan.is_unfinished(), "the file says so");
                 return;
             }
-            // Nothing was found yet.
+            // Stopped before anything was found.
             Some(1) => assert!(errors.contains("cancelled") && !written, "{errors}"),
             other => panic!("ended with {other:?}: {errors}"),
         }
     }
-    panic!("no plan was stopped on its way");
+    panic!("no plan was stopped while running");
 }

@@ -1,20 +1,20 @@
-//! The command line as data: every folder of `tests/cli` is a case.
+//! Data-driven tests of the command line: every directory of `tests/cli` is a case.
 //!
-//! | file | holds |
+//! | file | contents |
 //! |---|---|
-//! | `args` | the arguments, one a line |
-//! | `stdin` | what the program reads; `@PATH` alone: the bytes of that file |
-//! | `code` | the exit codes that will do, 0 when absent |
-//! | `stderr` | all of standard error, empty when absent; not looked at when it is `*` |
-//! | `stdout` | all of standard output |
-//! | `contains` | lines, each of them somewhere in standard output |
-//! | `json` | checks of the object on standard output, see [`json_fault`] |
+//! | `args` | the arguments, one per line |
+//! | `stdin` | standard input; `@PATH` alone: the bytes of that file |
+//! | `code` | accepted exit codes; absent: 0 |
+//! | `stderr` | exact standard error; absent: empty; `*`: not checked |
+//! | `stdout` | exact standard output |
+//! | `contains` | lines that standard output must contain |
+//! | `json` | checks of the JSON object on standard output, see [`json_fault`] |
 //! | `same` | pairs of files that must be equal byte for byte |
-//! | `needs` | a path; the case is skipped where it does not exist |
+//! | `needs` | a path; the case is skipped if it does not exist |
 //!
-//! A case of several runs numbers them: `args`, `args.2`, `stdout.2` and so on. In all of them `{parts}` is
-//! the folder of the sample parts, `{shared}` that of the samples which are not ours, `{out}` an
-//! empty folder. Runs start in the case's folder. One that exits with 2 may write nothing.
+//! A case with several runs numbers them: `args`, `args.2`, `stdout.2` and so on. In all files `{parts}` is
+//! the directory of the sample parts, `{shared}` that of third-party samples, `{out}` an empty directory.
+//! Runs start in the case's directory. A run that exits with 2 must not write any files.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -25,10 +25,10 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-/// No bad input may keep the program busy longer than this.
+/// Time limit for rejecting bad input.
 const REFUSAL_TIME: Duration = Duration::from_secs(5);
 
-/// A case's folder and what the placeholders in it stand for.
+/// A case: its directory and the values of the placeholders.
 struct Case {
     folder: PathBuf,
     words: [(&'static str, String); 3],
@@ -43,7 +43,7 @@ impl Case {
         self.words.iter().fold(text.to_owned(), |text, (word, value)| text.replace(word, value))
     }
 
-    /// A file of the case with its placeholders filled in.
+    /// A file of the case with its placeholders replaced.
     fn text(&self, name: &str, run: usize) -> Option<String> {
         fs::read_to_string(self.path(name, run)).ok().map(|text| self.filled(&text))
     }
@@ -66,12 +66,12 @@ impl Case {
             .stderr(Stdio::piped())
             .spawn()
             .expect("the program starts");
-        // The program may end without reading what it is given.
+        // The program may exit without reading its input.
         let _ = child.stdin.take().map(|mut pipe| pipe.write_all(&self.stdin(run)));
         child.wait_with_output().expect("the program ends")
     }
 
-    /// Everything that is not as the case wants it; `None` when it was skipped.
+    /// All deviations from what the case expects; `None` when it was skipped.
     fn faults(&self) -> Option<Vec<String>> {
         if let Some(needed) = self.text("needs", 1)
             && !Path::new(needed.trim()).exists()
@@ -100,7 +100,7 @@ impl Case {
             if code == "2" {
                 let one_line = err.lines().count() == 1 && err.starts_with("vanecut: ") && err.contains("; ");
                 if !one_line || !out.is_empty() {
-                    fault("bad input must give one line of what and cure, and nothing else".to_owned());
+                    fault("bad input must print `fault; help` in one line, and no more".to_owned());
                 }
                 if self.all_files() != before {
                     fault(format!("left files behind: {:?}", self.all_files()));
@@ -134,7 +134,7 @@ impl Case {
         Some(faults)
     }
 
-    /// Names of all files in the case's folder and in `{out}`.
+    /// Names of all files in the case's directory and in `{out}`.
     fn all_files(&self) -> BTreeSet<PathBuf> {
         let mut found = BTreeSet::new();
         let mut folders = vec![self.folder.clone(), PathBuf::from(self.filled("{out}"))];
@@ -151,10 +151,10 @@ impl Case {
     }
 }
 
-/// What is wrong with a check such as `before.interferential > 0`, if anything.
+/// Why a check such as `before.interferential > 0` fails, or `None` if it holds.
 ///
-/// `PATH exists`, or `PATH OP VALUE` with OP one of `=` `>` `>=` `<` `<=` `~` (equal to 2e-6); VALUE is JSON, or
-/// `$1.PATH`, a value of the first run's object.
+/// A check is `PATH exists`, or `PATH OP VALUE` with OP one of `=` `>` `>=` `<` `<=` `~` (equal to 2e-6).
+/// VALUE is JSON, or `$1.PATH`, a value of the first run's object.
 fn json_fault(line: &str, objects: &[Value]) -> Option<String> {
     let mut words = line.splitn(3, ' ');
     let (path, operator, value) = (words.next()?, words.next()?, words.next().unwrap_or_default());
@@ -177,7 +177,7 @@ fn json_fault(line: &str, objects: &[Value]) -> Option<String> {
     (!holds).then(|| format!("{found} against {wanted}"))
 }
 
-/// Value at a path of keys and indices.
+/// Value at a dot-separated path of keys and indices.
 fn at<'v>(object: &'v Value, path: &str) -> Option<&'v Value> {
     path.split('.').try_fold(object, |value, key| match key.parse::<usize>() {
         Ok(index) => value.get(index),
@@ -213,7 +213,7 @@ fn command_line() {
     assert!(report.is_empty(), "\n{report}");
 }
 
-/// What is left unread does not matter: no panic, no message.
+/// A reader that closes the pipe early causes neither a panic nor a message.
 #[test]
 fn a_reader_that_leaves_early() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_vanecut"))
@@ -224,6 +224,6 @@ fn a_reader_that_leaves_early() {
         .expect("the program starts");
     drop(child.stdout.take());
     let output = child.wait_with_output().expect("the program ends");
-    assert_eq!(String::from_utf8_lossy(&output.stderr), "", "a closed pipe is no fault");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "", "a closed pipe is not an error");
     assert_eq!(output.status.code(), Some(0));
 }

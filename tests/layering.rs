@@ -1,9 +1,10 @@
-//! The rooms of the house know only those further in, and the core knows no screen.
+//! Modules depend only on modules further in, and the core does not depend on the window or the graphics
+//! device.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rooms in order, each with the rooms it may look into besides itself.
+/// Modules in order, each with the other modules it may depend on.
 const ROOMS: [(&str, &[&str]); 15] = [
     ("monitor", &[]),
     ("palette", &[]),
@@ -39,12 +40,12 @@ const ROOMS: [(&str, &[&str]); 15] = [
         ],
     ),
 ];
-/// Rooms of the core.
+/// Modules of the core.
 const CORE: [&str; 12] = [
     "monitor", "palette", "geometry", "part", "mesh", "assess", "plunge", "flank", "residual", "formats",
     "verify", "job",
 ];
-/// What the core may not know.
+/// Crates that the core must not use.
 const OUTSIDE: [&str; 9] = ["egui", "eframe", "wgpu", "winit", "glam", "rfd", "bytemuck", "pollster", "naga"];
 
 fn sources(room: &str) -> Vec<PathBuf> {
@@ -73,7 +74,7 @@ fn code(path: &Path) -> Vec<(usize, String)> {
     text.lines().map(bare).enumerate().map(|(i, line)| (i + 1, line)).collect()
 }
 
-/// Rooms that a line reaches by `crate::room` or `crate::{room, …}`.
+/// Modules that a line refers to by `crate::module` or `crate::{module, …}`.
 fn rooms_named(line: &str) -> Vec<String> {
     let mut named = Vec::new();
     for (at, _) in line.match_indices("crate::") {
@@ -97,7 +98,7 @@ fn rooms_look_inwards_only() {
                 for other in rooms_named(&line) {
                     let is_room = ROOMS.iter().any(|(name, _)| *name == other);
                     if is_room && other != room && !allowed.contains(&other.as_str()) {
-                        faults.push(format!("{}:{number}: {room} looks into {other}", path.display()));
+                        faults.push(format!("{}:{number}: {room} depends on {other}", path.display()));
                     }
                 }
             }
@@ -114,7 +115,7 @@ fn the_core_knows_no_screen() {
             for (number, line) in code(&path) {
                 let words = line.split(|c: char| !(c.is_alphanumeric() || c == '_'));
                 for word in words.filter(|word| OUTSIDE.contains(word)) {
-                    faults.push(format!("{}:{number}: {room} mentions {word}", path.display()));
+                    faults.push(format!("{}:{number}: {room} uses {word}", path.display()));
                 }
             }
         }
@@ -127,7 +128,7 @@ fn every_room_is_listed() {
     let lib = code(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
     for (_, line) in lib {
         if let Some(room) = line.trim().strip_prefix("pub mod ").and_then(|rest| rest.strip_suffix(';')) {
-            assert!(ROOMS.iter().any(|(name, _)| *name == room), "{room} has no place in the order");
+            assert!(ROOMS.iter().any(|(name, _)| *name == room), "{room} is not in the order");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures of a real part, drawn without a window and looked at pixel by pixel.
+//! Pictures of a sample part, drawn without a window and checked pixel by pixel.
 #![cfg(feature = "gpu")]
 
 use std::path::Path;
@@ -21,7 +21,7 @@ fn part() -> Impeller {
     Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
 }
 
-/// Hub point and normal a share of the pitch beside the suction-side wall's foot.
+/// Hub point and normal at `s`, offset from the suction-side wall's foot by `share` of the pitch.
 fn on_hub(part: &Impeller, s: f64, share: f64) -> (Point, Vector) {
     let foot = part.main.suction.point(s, 0.0);
     let (sin, cos) = (foot.y.atan2(foot.x) + share * part.pitch()).sin_cos();
@@ -29,7 +29,7 @@ fn on_hub(part: &Impeller, s: f64, share: f64) -> (Point, Vector) {
     (Point::new(m.r * cos, m.r * sin, m.z), Vector::new(n.r * cos, n.r * sin, n.z))
 }
 
-/// Two plunges along the hub's normal in the channel, the second one interferential.
+/// Two plunges along the hub's normal in the channel, the second one interfering.
 fn plan(part: &Impeller) -> PlungePlan {
     let position = |s: f64, depth: f64| {
         let (foot, axis) = on_hub(part, s, 0.5);
@@ -103,7 +103,7 @@ fn floor(part: &Impeller) -> FloorGrid {
     grid
 }
 
-/// Number of pixels whose hue is near a colour's, however lit.
+/// Number of pixels with nearly the hue of `colour`, independent of shading.
 fn pixels_like(picture: &Picture, colour: [f32; 3]) -> usize {
     let unit = |c: [f32; 3]| c.map(|x| x / c.iter().map(|x| x * x).sum::<f32>().sqrt().max(1e-6));
     let wanted = unit(colour);
@@ -228,7 +228,7 @@ fn where_the_section_plane_cuts_material_it_hides_cutters_and_is_a_place_to_meas
     let (mut cut, mut agree, mut total, mut behind) = (0, 0, 0, 0);
     for (view, through) in [(View::Iso, wheel), (View::Channel, channel), (View::Section(1), channel)] {
         let camera = Camera::standard(view, scene.framing(), size.x / size.y);
-        // Across the line of sight: what stands before the plane is gone.
+        // Across the line of sight: everything in front of the plane is clipped.
         let normal = camera.basis().2;
         let section = SectionPlane { normal, offset: normal.dot(through) };
         let options = SceneOptions { section: Some(section), ..Default::default() };
@@ -250,16 +250,16 @@ fn where_the_section_plane_cuts_material_it_hides_cutters_and_is_a_place_to_meas
             cut += 1;
             let off = normal.dot(pick.point) - section.offset;
             assert!(off.abs() < 0.05, "a point of the plane itself: {off} mm off");
-            // Cutters that stand out of the plane may be picked, those behind it may not.
+            // Cutters that protrude from the plane may be picked, those behind it may not.
             let picked = studio.renderer.pick(&studio.gpu, &scene, &camera, &options, pixel, size);
             let seen = scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
             behind += usize::from(picked.expect("the device answers").is_some() && seen.is_none());
         }
     }
-    assert!(cut > 100, "{cut} places on the cut");
-    assert!(agree * 100 >= total * 98, "picture and pointer agree at {agree} of {total} places");
-    // The pointer has a reach of a few pixels about the edge of a cutter.
-    assert!(behind * 50 <= cut, "{behind} of {cut} places on the cut give a cutter behind it");
+    assert!(cut > 100, "{cut} points on the cut");
+    assert!(agree * 100 >= total * 98, "picture and pointer agree at {agree} of {total} points");
+    // Picking accepts a few pixels beside the edge of a cutter.
+    assert!(behind * 50 <= cut, "{behind} of {cut} points on the cut pick a cutter behind it");
 }
 
 #[test]
@@ -272,9 +272,9 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     let options = SceneOptions { show_cutters: CutterFilter::All, ..Default::default() };
     let mut red =
         |scene: &Scene| pixels_like(&studio.shot(scene, View::Section(1), &options, 4), INTERFERENTIAL);
-    assert!(red(&scene) > 100, "the plan before");
+    assert!(red(&scene) > 100, "the plan before the preview");
     scene.set_coming(Some(&plan), false);
-    assert_eq!(red(&scene), 0, "neither sound nor not");
+    assert_eq!(red(&scene), 0, "not evaluated");
     let size = SIZE.as_vec2();
     let camera = Camera::standard(View::Section(1), scene.framing(), size.x / size.y);
     let above = plan.positions[1].tip + plan.positions[1].axis * 3.0;

@@ -1,5 +1,5 @@
-//! The program itself on a screen of its own, driven with real keys and a real mouse. Needs Xvfb, xdotool and a Vulkan
-//! driver; says so and does nothing where they are missing.
+//! End-to-end test: the program on a virtual X screen, driven by key and mouse events. Needs Xvfb, xdotool
+//! and a Vulkan driver; skipped with a message if Xvfb or xdotool is missing.
 
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ struct Stopped(Child);
 
 impl Drop for Stopped {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -39,12 +39,12 @@ fn until<T>(seconds: u64, what: &str, mut look: impl FnMut() -> Option<T>) -> T 
 fn keys_and_mouse_reach_the_program_on_a_real_screen() {
     for program in ["Xvfb", "xdotool"] {
         if !is_there(program) {
-            eprintln!("left out: {program} is not installed");
+            eprintln!("skipped: {program} is not installed");
             return;
         }
     }
     let folder = tempfile::tempdir().expect("a folder");
-    // A number no other server has.
+    // A display number that is probably unused.
     let number = 200 + std::process::id() % 700;
     let display = format!(":{number}");
     let server = Command::new("Xvfb")
@@ -79,7 +79,7 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
         }
         title(&display).filter(|(name, _)| name.contains("pump6"))
     });
-    // Nothing is unsaved until something is edited: keep a what-if set with its keys.
+    // Edit something to mark the project unsaved: Ctrl+D saves a variant.
     xdotool(&display, &["windowfocus", &window]);
     xdotool(&display, &["mousemove", "640", "400"]);
     until(90, "mark of something unsaved", || {
@@ -87,7 +87,7 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
         std::thread::sleep(Duration::from_millis(500));
         title(&display).filter(|(name, _)| name.contains('•'))
     });
-    // A real drag turns the wheel, and the program goes on.
+    // A drag rotates the wheel, and the program keeps running.
     for arguments in [
         &["mousedown", "1"][..],
         &["mousemove", "720", "430"],
@@ -113,7 +113,7 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
         }
     }
     assert!(matches!(program.0.try_wait(), Ok(None)), "the program still runs");
-    // Left alone it does nothing: less than a tenth of one core.
+    // An idle program uses less than a tenth of one core.
     until(60, "rest", || {
         let before = ticks(program.0.id())?;
         std::thread::sleep(Duration::from_secs(3));
@@ -122,7 +122,7 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
     });
 }
 
-/// Processor time of a process so far, in hundredths of a second.
+/// CPU time of a process so far, in hundredths of a second.
 fn ticks(process: u32) -> Option<u64> {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();

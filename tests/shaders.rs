@@ -1,4 +1,4 @@
-//! Every shader parses and validates, without a device.
+//! Every shader parses and validates; no device is needed.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! Borders between sections: lines across the floor in the 3D view, each with a grip to drag it along the hub.
+//! Borders between sections: lines across the channel floor in the 3D view, each with a handle to drag along
+//! the hub.
 
 use egui::{CursorIcon, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 use glam::Vec3;
@@ -12,14 +13,14 @@ use super::panels::tools;
 use super::theme;
 use super::viewport::Pane;
 
-/// Steps of s that a drag looks at.
+/// Number of s values that a drag compares.
 const STEPS: usize = 200;
-/// Size of a grip, points.
+/// Size of a drag handle, points.
 const GRIP: f32 = 16.0;
 
 impl App {
-    /// Draws the borders and lets them be dragged. A drag is one step to undo; cutters and sections that the program
-    /// chose become the setup's own with it.
+    /// Draws the borders with their handles. A drag is one undo step; it copies tools and sections that the
+    /// program chose into the setup.
     pub(super) fn section_borders(&mut self, ui: &mut Ui, panes: &[Pane], camera: &Camera) {
         self.border_held = false;
         let chosen = self.state.results.planned.as_ref().map(|planned| planned.outcome.setup.clone());
@@ -39,7 +40,7 @@ impl App {
                 let held = response.dragged() || response.hovered();
                 let colour = theme::accent(ui.visuals());
                 let painter = ui.painter_at(pane.visible);
-                // The picture has the line itself where it is seen; what something hides is hinted at.
+                // The renderer draws the visible parts of the line; the dashes hint at the hidden parts.
                 if held {
                     painter.line(line, Stroke::new(3.0, colour));
                 } else {
@@ -63,7 +64,7 @@ impl App {
                     self.state.document.step();
                 }
                 response.on_hover_and_drag_cursor(CursorIcon::Grab).on_hover_text(format!(
-                    "Border of sections {} and {} at s {s:.3}; drag it",
+                    "Border of sections {} and {} at s {s:.3}; drag to move it",
                     k + 1,
                     k + 2
                 ));
@@ -71,7 +72,7 @@ impl App {
         }
     }
 
-    /// Sections in force, none while the floor that their borders lie on is not shown.
+    /// Sections of the setup, or of the plan where the setup has none; empty while the hub is hidden.
     fn sections_with_borders(&self) -> Vec<SectionSetup> {
         if !self.state.look.layers.hub {
             return Vec::new();
@@ -83,7 +84,7 @@ impl App {
         }
     }
 
-    /// The borders as lines of the picture, hidden by what stands before them.
+    /// The borders as line segments of the 3D scene, with depth test.
     pub(super) fn border_segments(&self, visuals: &egui::Visuals) -> Vec<Segment> {
         let Some(pictures) = &self.pictures else { return Vec::new() };
         let sections = self.sections_with_borders();
@@ -97,7 +98,8 @@ impl App {
         lines.flat_map(|line| line.windows(2).map(segment).collect::<Vec<_>>()).collect()
     }
 
-    /// The line across the floor at `s` on the screen, with its middle; `None` where that looks away from the viewer.
+    /// The line across the floor at `s` on the screen, with its midpoint; `None` where the floor there faces
+    /// away.
     fn border_line(&self, pane: &Pane, camera: &Camera, s: f64) -> Option<(Pos2, Vec<Pos2>)> {
         let points = self.pictures.as_ref()?.floor_line(s)?;
         let place = |p: Vec3| {
@@ -111,7 +113,7 @@ impl App {
         Some((place(middle)?, points.iter().filter_map(|&(p, _)| place(p)).collect()))
     }
 
-    /// Where between its neighbours border `k` comes nearest to the pointer.
+    /// Value of s within the range of border `k` whose line midpoint is nearest to the pointer.
     fn border_at(
         &self,
         pane: &Pane,

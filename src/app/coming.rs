@@ -1,4 +1,5 @@
-//! A plan in the making: what is known of it so far, and the slot in which the planner leaves that for the window.
+//! Preview of a running plan: the results so far, and the slot that passes them from the planner to the
+//! window.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -9,53 +10,53 @@ use crate::residual::FloorGrid;
 
 use super::planned::Planned;
 
-/// Cutters of a policy's plan before it is known what they leave on the hub.
+/// Cutters of a policy's plan before its residual stock is computed.
 #[derive(Clone, Debug)]
 pub struct ComingCutters {
-    /// The plan as far as it goes.
+    /// The plan so far.
     pub plan: Arc<PlungePlan>,
-    /// Whether contact is known; nothing must be called sound before that.
+    /// Whether core contact is checked; before that no plunge may be shown as sound.
     pub judged: bool,
-    /// Whether the axes are still those of the plan before.
+    /// Whether the axes are those of the last plan (warm start).
     pub carried: bool,
 }
 
 impl ComingCutters {
-    /// Positions whose core meets stock; `None` while that is not known.
+    /// Number of interfering plunges; `None` while contact is not checked.
     pub fn interferential(&self) -> Option<usize> {
         self.judged.then(|| self.plan.positions.iter().filter(|p| p.contact.interferes()).count())
     }
 }
 
-/// What is known of a plan in the making.
+/// Preview of a running plan.
 #[derive(Clone, Debug)]
 pub struct Coming {
-    /// Number of the task, see [`super::engine::PlanTask`].
+    /// Number of the task; see [`super::engine::PlanTask`].
     pub(super) task: u64,
-    /// The setup as it was asked for.
+    /// The setup as requested.
     pub setup: Setup,
-    /// Latest stage of each policy, in the order in which they came.
+    /// Latest stage of each policy, in order of arrival.
     cutters: Vec<ComingCutters>,
-    /// The policies that are finished, as a plan of their own.
+    /// The finished policies, as a plan.
     pub planned: Option<Arc<Planned>>,
     part: Arc<Impeller>,
     resolved: Option<(Setup, Vec<Option<String>>)>,
 }
 
 impl Coming {
-    /// Nothing is known yet.
+    /// An empty preview.
     pub(super) fn new(task: u64, part: Arc<Impeller>, setup: Setup) -> Self {
         Self { task, setup, cutters: Vec::new(), planned: None, part, resolved: None }
     }
 
-    /// Takes a stage in.
+    /// Adds a stage.
     pub(super) fn add(&mut self, stage: Stage) {
         match stage {
             Stage::Resolved(setup, reasons) => self.resolved = Some((setup, reasons)),
             Stage::Carried(plan) => {
                 self.take_cutters(ComingCutters { plan: plan.into(), judged: true, carried: true });
             }
-            // What stands there already is judged.
+            // The warm-start plan is shown already, and its contact is checked.
             Stage::Placed(plan) if self.has_carried(plan.policy) => {}
             Stage::Placed(plan) => {
                 self.take_cutters(ComingCutters { plan: plan.into(), judged: false, carried: false });
@@ -63,7 +64,8 @@ impl Coming {
             Stage::Judged(plan) => {
                 self.take_cutters(ComingCutters { plan: plan.into(), judged: true, carried: false });
             }
-            // The one all others are compared with comes first; the one that was asked for is the end itself, or nearly.
+            // The conventional result arrives first. The requested policy is skipped: the finished plan
+            // follows at once.
             Stage::Measured(_, result)
                 if result.plan.policy == self.setup.plunge.axis && self.planned.is_some() => {}
             Stage::Measured(grid, result) => self.take_result(grid, result),
@@ -79,7 +81,7 @@ impl Coming {
         self.cutters.iter().any(|known| known.carried && known.plan.policy == policy)
     }
 
-    /// Whether contact is known of something.
+    /// Whether core contact is checked for any policy.
     pub(super) fn is_anything_judged(&self) -> bool {
         self.cutters.iter().any(|known| known.judged)
     }
@@ -106,14 +108,14 @@ impl Coming {
         self.planned = Some(Arc::new(Planned::new(self.setup.clone(), outcome)));
     }
 
-    /// The cutters to be shown where `policy` is waited for: its own as soon as there are any, else the latest.
+    /// The cutters to show where `policy` is awaited: its own as soon as there are any, else the latest.
     pub fn cutters(&self, policy: AxisPolicy) -> Option<&ComingCutters> {
         let own = self.cutters.iter().find(|known| known.plan.policy == policy);
         own.or_else(|| self.cutters.iter().rfind(|known| !known.carried))
     }
 }
 
-/// Where the planner leaves the latest that is known. Nothing queues up.
+/// Single-entry slot for the latest preview; a newer one replaces it, nothing queues up.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Slot(Arc<Mutex<Option<Arc<Coming>>>>);
 
@@ -122,12 +124,12 @@ impl Slot {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Leaves `coming` in place of what was there.
+    /// Replaces the content by `coming`.
     pub(super) fn put(&self, coming: Coming) {
         *self.latest() = Some(Arc::new(coming));
     }
 
-    /// Fetches what is there, once.
+    /// Takes the content out.
     pub(super) fn take(&self) -> Option<Arc<Coming>> {
         self.latest().take()
     }

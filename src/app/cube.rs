@@ -1,4 +1,4 @@
-//! The view cube: shows which way the wheel is turned, and turns it with a click on a face.
+//! The view cube: shows the orientation of the wheel; a click on a face looks from that side.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui};
 use glam::Vec3;
@@ -7,7 +7,8 @@ use crate::gpu::camera::Camera;
 
 use super::theme;
 
-/// Faces: outward normal, letter, name. "Top" is the side of the inlet, which [`Camera::up_sign`] keeps upward.
+/// Faces: outward normal, letter, name. "Top" is the side of the inlet, which [`Camera::up_sign`] keeps
+/// upward.
 const FACES: [(Vec3, &str, &str); 6] = [
     (Vec3::X, "X", "View from +X"),
     (Vec3::NEG_X, "−X", "View from −X"),
@@ -18,10 +19,10 @@ const FACES: [(Vec3, &str, &str); 6] = [
 ];
 /// Half an edge, points.
 const HALF: f32 = 19.0;
-/// Faces that stand steeper than this to the line of sight are not to be hit.
+/// Cosine between face normal and view direction below which a face is neither drawn nor clickable.
 const LEAST_FACING: f32 = 0.12;
 
-/// Draws the cube about `center`; returns the direction to look from when a face was clicked.
+/// Draws the cube around `center`; returns the direction to look from when a face was clicked.
 pub fn show(ui: &mut Ui, center: Pos2, camera: &Camera) -> Option<Vec3> {
     let (right, up, back) = camera.basis();
     let place = |p: Vec3| center + egui::vec2(p.dot(right), -p.dot(up)) * HALF;

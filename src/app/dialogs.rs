@@ -1,5 +1,5 @@
-//! File dialogs that never block the window: the system's runs on a thread of its own; where there is
-//! none (no portal, no D-Bus), a line to type the path into takes its place.
+//! File dialogs that never block the window: the system dialog runs on its own thread. Where there is none
+//! (no portal, no D-Bus), a text field for the path replaces it.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,26 +9,26 @@ use egui::{Context, Key, Ui};
 
 use crate::formats::project_file::EXTENSION;
 
-/// What a file is wanted for.
+/// Purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// A part to open.
     OpenPart,
     /// A project to open.
     OpenProject,
-    /// Where the project goes.
+    /// Target of a project.
     SaveProject,
     /// A setup to open.
     OpenSetup,
-    /// Where the setup goes.
+    /// Target of a setup.
     SaveSetup,
-    /// Where the CL file goes.
+    /// Target of the plunge plan's CL file.
     ExportCl,
-    /// Where the flank plan's CL file goes.
+    /// Target of the flank plan's CL file.
     ExportFlank,
-    /// Where the glTF scene goes.
+    /// Target of the glTF scene.
     ExportScene,
-    /// Where the picture goes.
+    /// Target of the picture.
     SavePicture,
 }
 
@@ -40,8 +40,8 @@ impl Purpose {
             Self::SaveProject => "Save project",
             Self::OpenSetup => "Open setup",
             Self::SaveSetup => "Save setup",
-            Self::ExportCl => "Export CL",
-            Self::ExportFlank => "Export flank CL",
+            Self::ExportCl => "Export CL (APT)",
+            Self::ExportFlank => "Export flank CL (APT)",
             Self::ExportScene => "Export scene",
             Self::SavePicture => "Save picture",
         }
@@ -71,7 +71,7 @@ impl Purpose {
     }
 }
 
-/// A line to type a path into.
+/// The replacement for a system dialog: a text field for the path.
 #[derive(Clone, Debug)]
 struct Prompt {
     purpose: Purpose,
@@ -79,10 +79,10 @@ struct Prompt {
     fresh: bool,
 }
 
-/// What the thread of a dialog left.
+/// Answer of the dialog thread: purpose, path unless it was closed, and time taken.
 type Slot = Arc<Mutex<Option<(Purpose, Option<PathBuf>, Duration)>>>;
 
-/// The dialogs; at most one at a time.
+/// The file dialogs; at most one is open.
 #[derive(Default)]
 pub struct Dialogs {
     slot: Slot,
@@ -91,11 +91,11 @@ pub struct Dialogs {
     suggestion: String,
 }
 
-/// A system dialog that "was closed" faster than any hand was never there.
+/// A system dialog that returns without a path in less than this never opened.
 const NO_DIALOG: Duration = Duration::from_millis(150);
 
 impl Dialogs {
-    /// Asks for a file; `suggestion` is the name offered where something is saved.
+    /// Opens a file dialog; `suggestion` is the proposed name when saving.
     pub fn ask(&mut self, ctx: &Context, purpose: Purpose, suggestion: String) {
         if self.open || self.prompt.is_some() {
             return;
@@ -126,7 +126,7 @@ impl Dialogs {
         self.prompt = Some(Prompt { purpose, path, fresh: true });
     }
 
-    /// Draws what is open, and returns a file once it was chosen.
+    /// Draws the path prompt if it is open; returns the chosen file once.
     pub fn show(&mut self, ui: &Ui) -> Option<(Purpose, PathBuf)> {
         let answer = self.slot.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some((purpose, chosen, took)) = answer {
@@ -155,7 +155,7 @@ impl Prompt {
             .resizable(false)
             .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
             .show(ui.ctx(), |ui| {
-                let label = ui.label("Path of the file (no file dialog answers on this system)");
+                let label = ui.label("No system file dialog found; enter a path");
                 let field = egui::TextEdit::singleline(&mut self.path).desired_width(380.0);
                 let field = ui.add(field).labelled_by(label.id);
                 if std::mem::take(&mut self.fresh) {
@@ -170,7 +170,7 @@ impl Prompt {
                     if ready && (go || enter) {
                         chosen = Some(PathBuf::from(self.path.trim()));
                     }
-                    close = ui.button("Close").clicked() || escape || chosen.is_some();
+                    close = ui.button("Cancel").clicked() || escape || chosen.is_some();
                 });
             });
         (chosen, close)

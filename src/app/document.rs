@@ -1,5 +1,4 @@
-//! What is edited: the part that is open, its setup, the sets kept to compare; with undo, and with the file
-//! all of it belongs to.
+//! The document: the open part, its setup and the stored variants, with undo and the project file.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,53 +9,53 @@ use crate::part::{Impeller, Setup};
 
 use super::engine::PartSource;
 
-/// The part that is open.
+/// An open part.
 #[derive(Clone, Debug)]
 pub struct OpenPart {
-    /// Where it came from.
+    /// Source of the part.
     pub source: PartSource,
     /// The part.
     pub impeller: Arc<Impeller>,
-    /// What an empty setup means for it.
+    /// Default setup of the part.
     pub defaults: Setup,
-    /// Hash of what it describes; see [`crate::formats::project_file`].
+    /// Hash of its description; see [`crate::formats::project_file`].
     pub hash: u64,
 }
 
-/// A setup that was kept, to be compared with others.
+/// A stored variant of the setup.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WhatIf {
-    /// Name, to be edited.
+    /// Name, editable.
     pub name: String,
     /// The setup.
     pub setup: Setup,
 }
 
-/// Everything that undo takes back and the project file holds.
+/// Everything that undo covers and the project file stores.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Edited {
-    /// The setup in work.
+    /// The current setup.
     pub setup: Setup,
-    /// Sets that were kept.
+    /// Stored variants.
     pub sets: Vec<WhatIf>,
 }
 
-/// Part, setup and sets, with their file.
+/// Part, setup and variants, with the project file.
 #[derive(Default)]
 pub struct Document {
     /// The part.
     pub part: Option<OpenPart>,
-    /// What the user edits.
+    /// The edited content.
     pub edited: Edited,
-    /// File of the project, once it has one.
+    /// File of the project; `None` before it is saved.
     pub path: Option<PathBuf>,
-    /// What the disk, or the start, has of it; `None`: nothing.
+    /// Content as last saved or opened; `None`: never saved.
     saved: Option<Edited>,
     undoer: Undoer<Edited>,
 }
 
 impl Document {
-    /// Begins anew with a part; `edited` is what belongs to it, from a project or by default.
+    /// Starts a document with a part; `edited` comes from a project or from the defaults.
     pub fn begin(&mut self, part: OpenPart, edited: Edited, path: Option<PathBuf>) {
         self.part = Some(part);
         self.saved = Some(edited.clone());
@@ -65,60 +64,60 @@ impl Document {
         self.undoer = Undoer::default();
     }
 
-    /// Whether something would be lost with the window.
+    /// Whether there are unsaved changes.
     pub fn is_unsaved(&self) -> bool {
         self.part.is_some() && self.saved.as_ref() != Some(&self.edited)
     }
 
-    /// `edited` as it was written is now on the disk.
+    /// Records that `edited` was written to `path`.
     pub fn note_saved(&mut self, path: PathBuf, edited: Edited) {
         self.path = Some(path);
         self.saved = Some(edited);
     }
 
-    /// Counts what is there as never saved: it came from a recovered file.
+    /// Marks the content as never saved, e.g. after recovery.
     pub fn mark_unsaved(&mut self) {
         self.saved = None;
     }
 
-    /// To be called once a frame: changes that have come to rest become steps to undo. `time` in seconds.
+    /// Call once per frame: changes that have been stable for a while become undo steps. `time` in seconds.
     pub fn watch(&mut self, time: f64) {
         self.undoer.feed_state(time, &self.edited);
     }
 
-    /// Makes what is there a step to undo.
+    /// Adds the current content as an undo step.
     pub fn step(&mut self) {
         self.undoer.add_undo(&self.edited);
     }
 
-    /// Whether there is something to take back.
+    /// Whether there is something to undo.
     pub fn can_undo(&self) -> bool {
         self.undoer.has_undo(&self.edited)
     }
 
-    /// Whether there is something to make again.
+    /// Whether there is something to redo.
     pub fn can_redo(&self) -> bool {
         self.undoer.has_redo(&self.edited)
     }
 
-    /// Takes the last change back.
+    /// Undoes the last change.
     pub fn undo(&mut self) {
         if let Some(edited) = self.undoer.undo(&self.edited) {
             self.edited = edited.clone();
         }
     }
 
-    /// Makes it again.
+    /// Redoes the last undone change.
     pub fn redo(&mut self) {
         if let Some(edited) = self.undoer.redo(&self.edited) {
             self.edited = edited.clone();
         }
     }
 
-    /// Keeps the setup as it stands under a fresh name.
+    /// Stores the current setup as a variant with an unused name.
     pub fn keep_set(&mut self) {
         let taken = |name: &str| self.edited.sets.iter().any(|set| set.name == name);
-        let name = (1..).map(|k| format!("Set {k}")).find(|name| !taken(name)).unwrap_or_default();
+        let name = (1..).map(|k| format!("Variant {k}")).find(|name| !taken(name)).unwrap_or_default();
         self.edited.sets.push(WhatIf { name, setup: self.edited.setup.clone() });
     }
 }

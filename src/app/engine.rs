@@ -1,5 +1,4 @@
-//! What the window asks of the rest of the program, as plain functions: opening a part and planning
-//! it. Tests put stand-ins here.
+//! The functions of the program that the window calls: opening a part and planning it. Tests replace them.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,19 +13,19 @@ use crate::part::{Impeller, Setup};
 use super::coming::{Coming, Slot};
 use super::planned::Planned;
 
-/// Where a part comes from.
+/// Source of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PartSource {
     /// A file.
     File(PathBuf),
-    /// A mesh file, with what the user said about it.
+    /// A mesh file, with the options the user set for it.
     Mesh(PathBuf, MeshOptions),
-    /// A sample that is built into the program, by its name.
+    /// A built-in sample, by name.
     Sample(String),
 }
 
 impl PartSource {
-    /// The file, with what is said about it where it is a mesh; `None` for a sample.
+    /// The file with its mesh options; `None` for a sample.
     pub fn file(&self) -> Option<(&Path, MeshOptions)> {
         match self {
             Self::File(path) => Some((path, MeshOptions::default())),
@@ -35,7 +34,7 @@ impl PartSource {
         }
     }
 
-    /// The file, if its part is made of a mesh.
+    /// The file with its mesh options, if it is a mesh file.
     pub fn mesh(&self) -> Option<(&Path, MeshOptions)> {
         let is_mesh = |path: &Path| {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -44,7 +43,7 @@ impl PartSource {
         self.file().filter(|(path, _)| is_mesh(path))
     }
 
-    /// The name it is shown by.
+    /// Display name.
     pub fn shown(&self) -> String {
         match self {
             Self::File(path) | Self::Mesh(path, _) => path.display().to_string(),
@@ -53,38 +52,38 @@ impl PartSource {
     }
 }
 
-/// A sample part that is built into the program.
+/// A built-in sample part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
-    /// Name, also that of the part file without its extension.
+    /// Name; also the part file's name without extension.
     pub name: &'static str,
-    /// What it shows, in a few words.
+    /// Short description.
     pub about: &'static str,
 }
 
-/// Opens a part; with a hash of what it describes.
+/// Opens a part; returns it with a hash of its description.
 pub type OpenFn = dyn Fn(&PartSource, &Monitor) -> Result<(Arc<Impeller>, u64), InputError> + Send + Sync;
-/// Plans a part, and tells the stages.
+/// Plans a part and reports the stages to the listener.
 pub type PlanFn = dyn Fn(&PlanRequest, &Monitor, Listener) -> Result<PlanOutcome, JobError> + Send + Sync;
 
-/// Plans flank curves.
+/// Plans flank milling passes.
 pub type FlankFn = dyn Fn(&FlankRequest, &Monitor) -> Result<FlankOutcome, JobError> + Send + Sync;
 
-/// The functions.
+/// The functions that the window calls.
 #[derive(Clone)]
 pub struct Engine {
     /// Opens a part.
     pub open: Arc<OpenFn>,
     /// Plans a part.
     pub plan: Arc<PlanFn>,
-    /// Plans its flank curves.
+    /// Plans its flank milling passes.
     pub flank: Arc<FlankFn>,
-    /// Sample parts that `open` knows.
+    /// Sample parts that `open` accepts.
     pub samples: Vec<Sample>,
 }
 
 impl Default for Engine {
-    /// The real ones.
+    /// The real functions and samples.
     fn default() -> Self {
         Self {
             open: Arc::new(|source, _| super::files::open_part(source)),
@@ -101,27 +100,30 @@ impl Default for Engine {
     }
 }
 
-/// What the planning thread works on.
+/// A task of the planning thread.
 pub(super) struct PlanTask {
-    /// Counts up; a stage of an older task is of no interest.
+    /// Counts up; stages of older tasks are discarded.
     pub number: u64,
     pub part: Arc<Impeller>,
     pub setup: Setup,
     /// Whether all policies are planned.
     pub compare: bool,
-    /// Whether a coarse field will do.
+    /// Whether to plan a draft with a coarse residual field.
     pub draft: bool,
 }
 
-/// Cells of the residual field along s and λ: the field of the speed goals, and fine enough that a
-/// cell is well below a pixel with the channel fitted.
+/// Cells of the residual field along s and λ: fine enough that a cell is well below a pixel with the channel
+/// fitted to the view.
 const FIELD_CELLS: usize = 512;
-/// The same while a slider moves.
+/// Cells of the residual field while a slider moves.
 const DRAFT_CELLS: usize = 160;
 
 impl Engine {
-    /// Plans and prepares everything the panels show, so that the UI thread only draws. What is known meanwhile is left
-    /// in `slot`, and `notify` called.
+    /// Plans and prepares everything the panels show, so that the UI thread only draws. After each stage it
+    /// puts a preview in `slot` and calls `notify`.
+    ///
+    /// # Errors
+    /// [`JobError`] when the setup cannot be planned or the task is cancelled.
     pub(super) fn planned(
         &self,
         task: &PlanTask,

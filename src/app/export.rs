@@ -12,21 +12,21 @@ use super::dialogs::Purpose;
 use super::files::{SceneTask, WriteTask};
 use super::state::Problem;
 
-/// How a picture is saved.
+/// Settings of a saved picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExportSettings {
-    /// Width and height in pixels; `None`: as large as on the screen.
+    /// Width and height in pixels; `None`: current size of the view.
     pub size: Option<[u32; 2]>,
-    /// Without background.
+    /// Whether the background is transparent.
     pub transparent: bool,
-    /// With the colour scale.
+    /// Whether the legend is included.
     pub legend: bool,
 }
 
-/// Largest picture, pixels a side.
+/// Maximum side length of a picture, pixels.
 const MAX_SIDE: u32 = 8192;
 
-/// The question how a picture is to be saved, while it is open.
+/// The dialog with the settings of a picture.
 #[derive(Default)]
 pub(super) struct ExportDialog {
     open: bool,
@@ -43,7 +43,7 @@ impl ExportDialog {
         self.open
     }
 
-    /// Draws it; `true` once the picture is to be saved. `screen`: size of the view, pixels.
+    /// Draws it; `true` when "Save as…" was clicked. `screen`: size of the view, pixels.
     fn show(&mut self, ui: &Ui, settings: &mut ExportSettings, screen: [u32; 2]) -> bool {
         if !self.open {
             return false;
@@ -53,7 +53,7 @@ impl ExportDialog {
             ui.set_width(300.0);
             ui.label(RichText::new("Save the 3D view as a picture").strong());
             let mut as_shown = settings.size.is_none();
-            ui.checkbox(&mut as_shown, "As large as on the screen");
+            ui.checkbox(&mut as_shown, "Current view size");
             let mut size = settings.size.unwrap_or(screen);
             ui.add_enabled_ui(!as_shown, |ui| {
                 ui.horizontal(|ui| {
@@ -66,11 +66,11 @@ impl ExportDialog {
             });
             settings.size = (!as_shown).then_some(size);
             ui.checkbox(&mut settings.transparent, "Transparent background");
-            ui.checkbox(&mut settings.legend, "With the colour scale");
+            ui.checkbox(&mut settings.legend, "Include legend");
             ui.add_space(6.0);
             ui.horizontal(|ui| {
-                save = ui.button("Choose the file…").clicked();
-                cancel = ui.button("Cancel saving").clicked();
+                save = ui.button("Save as…").clicked();
+                cancel = ui.button("Cancel").clicked();
             });
         });
         if save || cancel || modal.should_close() {
@@ -81,12 +81,12 @@ impl ExportDialog {
 }
 
 impl App {
-    /// How pictures are saved.
+    /// Settings of saved pictures.
     pub fn export_settings_mut(&mut self) -> &mut ExportSettings {
         &mut self.export
     }
 
-    /// Draws the question how the picture is to be saved.
+    /// Draws the picture dialog.
     pub(super) fn ask_export(&mut self, ui: &Ui) {
         let screen = self.screen_size();
         let mut dialog = std::mem::take(&mut self.export_dialog);
@@ -102,7 +102,7 @@ impl App {
         [size.x, size.y].map(|side| (side.round() as u32).clamp(1, MAX_SIDE))
     }
 
-    /// Writes the part as a scene, with the plan of the side that is shown.
+    /// Writes the part as a glTF scene, with the plan of the active side.
     pub(super) fn export_scene(&mut self, path: PathBuf) {
         let Some(part) = &self.state.document.part else { return };
         let planned = self.state.results.planned.clone().zip(self.state.policy(self.state.look.side));
@@ -110,7 +110,7 @@ impl App {
         self.write(WriteTask::Scene(path, scene));
     }
 
-    /// Writes the view of the side that is shown.
+    /// Writes the view of the active side as a picture.
     pub(super) fn export_picture(&mut self, path: PathBuf) {
         let side = self.state.look.side;
         let Some(camera) = self.view.current() else { return };
@@ -121,7 +121,7 @@ impl App {
         let flank = self.shown_flank();
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
-        // A file has no mark that says "not judged yet".
+        // A file cannot show the badge of a preview, so leave the preview out.
         picture.load_coming(None);
         picture.load_flank(flank);
         match picture.export(&camera, &options, size) {
@@ -136,7 +136,7 @@ impl App {
     }
 }
 
-/// What to do when the device fails.
+/// Problem message for a failure of the device.
 pub(super) fn device_problem(error: &GpuError) -> Problem {
-    Problem::new(error.to_string(), "save the project and start again with VANECUT_GPU=software")
+    Problem::new(error.to_string(), "save the project and restart with VANECUT_GPU=software")
 }

@@ -1,4 +1,4 @@
-//! Reading and writing for the window; runs on the background threads.
+//! Reading and writing files for the window, on the background threads.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,10 +20,10 @@ use super::engine::{PartSource, Sample};
 use super::planned::Planned;
 use crate::job::flank::FlankOutcome;
 
-/// Name, what it shows, and text of a sample part.
+/// Name, description and file text of a sample part.
 type Built = (&'static str, &'static str, &'static str);
 
-/// The sample parts, inside the program: they open without any file beside it.
+/// The sample parts, compiled into the program.
 const BUILT_IN: [Built; 3] = [
     (
         "impeller532",
@@ -42,12 +42,15 @@ const BUILT_IN: [Built; 3] = [
     ),
 ];
 
-/// The sample parts that are built in.
+/// The built-in sample parts.
 pub fn samples() -> Vec<Sample> {
     BUILT_IN.iter().map(|&(name, about, _)| Sample { name, about }).collect()
 }
 
-/// Reads, trims and checks a part.
+/// Reads, trims and checks a part; returns it with a hash of its description.
+///
+/// # Errors
+/// [`InputError`] when the file cannot be read, the sample does not exist, or the part is invalid.
 pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError> {
     let (file, description) = match source {
         PartSource::File(path) => (path.display().to_string(), read_part(path)?),
@@ -58,8 +61,8 @@ pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError
                 return Err(InputError {
                     file,
                     line: 0,
-                    what: "is no sample part".to_owned(),
-                    cure: "choose one of the list".to_owned(),
+                    what: "is not a sample part".to_owned(),
+                    cure: "choose one from the list".to_owned(),
                 });
             };
             let description = read_part_bytes(&file, text.as_bytes(), "toml")?;
@@ -76,8 +79,7 @@ pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError
     })
 }
 
-/// Whether a dropped or named file is a setup rather than a part: both may be TOML, and only a setup
-/// has one of these tables.
+/// Whether a file is a setup rather than a part: both may be TOML, but only a setup has one of these tables.
 pub fn is_setup(path: &Path) -> bool {
     let toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     if !toml || std::fs::metadata(path).is_ok_and(|data| data.len() > LARGEST_SETUP) {
@@ -92,35 +94,36 @@ pub fn is_setup(path: &Path) -> bool {
     })
 }
 
-/// A setup is small; a part can be large, and looking into it would cost the UI thread time.
+/// Maximum size of a file that is checked for setup tables, bytes: parsing a large part would block the UI
+/// thread.
 const LARGEST_SETUP: u64 = 256 * 1024;
 
-/// Whether a dropped or named file is a project.
+/// Whether a file is a project.
 pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
 }
 
-/// What was written.
+/// Result of a write task.
 pub struct Written {
-    /// What to say.
+    /// Message for the status bar.
     pub text: String,
-    /// A project: where it is, and what it holds.
+    /// Path and content of a project; `None` for other files.
     pub project: Option<(PathBuf, Edited)>,
 }
 
-/// What a scene shows.
+/// Content of a glTF scene.
 pub struct SceneTask {
     /// The part.
     pub part: Arc<Impeller>,
-    /// A plan, and the policy of it that is shown.
+    /// The plan and its shown policy.
     pub planned: Option<(Arc<Planned>, AxisPolicy)>,
     /// Ends of the colour scale of the stock, mm.
     pub range: (f32, f32),
 }
 
-/// Something to write.
+/// A file to write, with its path.
 pub enum WriteTask {
-    /// A project's text, and what it holds.
+    /// A project's text, and the content it stores.
     Project(PathBuf, String, Box<Edited>),
     /// The setup.
     Setup(PathBuf, Box<Setup>),
@@ -134,7 +137,10 @@ pub enum WriteTask {
     Picture(PathBuf, u32, u32, Vec<u8>),
 }
 
-/// Writes, whole or not at all; returns what to say.
+/// Writes a file atomically.
+///
+/// # Errors
+/// [`InputError`] when the picture cannot be encoded or the file cannot be written.
 pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     let (path, bytes) = match task {
         WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),

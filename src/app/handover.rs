@@ -1,5 +1,5 @@
-//! What outlives a graphics device that is lost: everything but the device. Window and device belong together, so the
-//! window closes and opens again on another one, over the same state.
+//! Recovery from a lost graphics device. A window cannot change its device, so it closes, and a new window
+//! opens on another device with the same state.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -15,52 +15,52 @@ use super::project::Session;
 use super::state::{Problem, State};
 use super::view3d::View3d;
 
-/// Everything of a window but its device.
+/// State of a window without its device.
 pub struct Handover {
     state: State,
     view: View3d,
     session: Session,
     export: ExportSettings,
     mesh: Option<PartMeshes>,
-    /// Whether a plan was being made.
+    /// Whether the planner was running.
     planning: bool,
     theme: ThemePreference,
     size: Option<Vec2>,
-    /// What the device said.
+    /// Error message of the device.
     reason: String,
 }
 
 impl Handover {
-    /// Size of the window, points; `None` where the system does not tell.
+    /// Size of the window, points; `None` where the system does not report it.
     pub fn size(&self) -> Option<Vec2> {
         self.size
     }
 
-    /// What the device said.
+    /// Error message of the device.
     pub fn reason(&self) -> &str {
         &self.reason
     }
 }
 
-/// Where a window leaves what outlives it, for whoever opens the next one.
+/// Shared slot through which a closing window passes its state to the next one.
 #[derive(Clone, Default)]
 pub struct WayOut(Rc<RefCell<Option<Handover>>>);
 
 impl WayOut {
-    /// What was left, once.
+    /// Takes the state out of the slot.
     pub fn take(&self) -> Option<Handover> {
         self.0.borrow_mut().take()
     }
 }
 
 impl App {
-    /// When the device is lost, closes the window and leaves everything in `way_out`. Without a way out the window stays
-    /// as it is, without pictures.
+    /// Sets the slot that receives the state when the device is lost; the window then closes. Without a slot
+    /// the window stays open, without pictures.
     pub fn leave_by(&mut self, way_out: WayOut) {
         self.way_out = Some(way_out);
     }
 
-    /// The application as another window left it.
+    /// The application with the state of another window.
     pub fn resumed(cc: &CreationContext<'_>, engine: Engine, left: Handover) -> Self {
         let mut app = Self::with_engine(cc, engine);
         let Handover { state, view, session, export, mesh, planning, theme, reason, .. } = left;
@@ -71,7 +71,7 @@ impl App {
         }
         app.state.results.coming = None;
         app.state.fault(Problem::new(
-            format!("The graphics device was lost ({reason}); the window goes on with the software driver"),
+            format!("The graphics device was lost ({reason}); the window continues with the software driver"),
             "",
         ));
         if planning {
@@ -80,12 +80,12 @@ impl App {
         app
     }
 
-    /// Whether the window has left, and only waits to be closed.
+    /// Whether the state was handed over and the window only waits to be closed.
     pub(super) fn has_left(&self) -> bool {
         self.left
     }
 
-    /// Leaves by the way out, if there is one.
+    /// Hands the state over and closes the window; `false` without a slot.
     pub(super) fn leave(&mut self, ctx: &Context, reason: &str) -> bool {
         let Some(way_out) = self.way_out.take() else { return false };
         let planning = self.work.is_planning();
@@ -103,7 +103,7 @@ impl App {
         *way_out.0.borrow_mut() = Some(handover);
         self.left = true;
         self.pictures = None;
-        // Nothing may be drawn any more on a device that is gone.
+        // Nothing may be drawn any more on the lost device.
         ctx.graphics_mut(|graphics| *graphics = Default::default());
         ctx.send_viewport_cmd(ViewportCommand::Close);
         true

@@ -1,5 +1,5 @@
-//! The window's own files: projects opened lately, habits, and copies that survive a crash. Runs without a home too; then
-//! nothing of this is kept.
+//! The window's own files: recent projects, preferences and recovery copies. Without a home folder none of
+//! them is stored.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -12,59 +12,59 @@ use crate::formats::write::write_whole;
 
 use super::mouse::MousePreset;
 
-/// File of the habits.
+/// File of the preferences.
 const HABITS: &str = "habits.json";
-/// Projects that are remembered.
+/// Maximum number of recent projects.
 const MOST_RECENTS: usize = 10;
 
-/// How the user likes the window, whatever is open.
+/// User preferences that do not depend on the open project.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Habits {
-    /// What the mouse does to the camera.
+    /// Mouse preset of the camera.
     pub mouse: MousePreset,
 }
 
-/// Where the window keeps its own files.
+/// Folder of the window's own files.
 #[derive(Clone, Debug)]
 pub struct Home {
     folder: PathBuf,
-    /// This session's copy: its name is never that of another session or of a file of the user.
+    /// This session's recovery copy; its name contains process number and time, so that it is unique.
     copy: PathBuf,
 }
 
 impl Home {
-    /// A home in `folder`, which need not exist yet.
+    /// A home in `folder`, which need not exist.
     pub fn new(folder: PathBuf) -> Self {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_nanos();
         let copy = folder.join("recovery").join(format!("{}-{now}.{EXTENSION}", std::process::id()));
         Self { folder, copy }
     }
 
-    /// Where this session's copy goes.
+    /// Path of this session's recovery copy.
     pub fn copy(&self) -> &Path {
         &self.copy
     }
 
-    /// Writes this session's copy.
+    /// Writes this session's recovery copy.
     ///
     /// # Errors
-    /// When the folder cannot be made or written.
+    /// [`InputError`] when the folder or the file cannot be written.
     pub fn write_copy(&self, text: &str) -> Result<(), InputError> {
         if let Some(folder) = self.copy.parent() {
-            // The write below says what is wrong where this fails.
+            // If this fails, the write below reports the error.
             let _ = std::fs::create_dir_all(folder);
         }
         write_whole(&self.copy, text.as_bytes())
     }
 
-    /// Removes this session's copy: what it held is saved, or given up.
+    /// Removes this session's recovery copy, after saving or discarding.
     pub fn drop_copy(&self) {
-        // There may be none.
+        // The copy may not exist.
         let _ = std::fs::remove_file(&self.copy);
     }
 
-    /// Copies that sessions left behind which ended without closing, latest first.
+    /// Recovery copies of other sessions that ended without closing, latest first.
     pub fn left_behind(&self) -> Vec<PathBuf> {
         let Some(folder) = self.copy.parent() else { return Vec::new() };
         let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -80,14 +80,14 @@ impl Home {
         found.into_iter().map(|(_, path)| path).collect()
     }
 
-    /// Projects opened lately, latest first; those that are gone are left out.
+    /// Recent projects that still exist, latest first.
     pub fn recents(&self) -> Vec<PathBuf> {
         let text = std::fs::read_to_string(self.list()).unwrap_or_default();
         let paths: Vec<PathBuf> = serde_json::from_str(&text).unwrap_or_default();
         paths.into_iter().filter(|path| path.is_file()).take(MOST_RECENTS).collect()
     }
 
-    /// Puts a project at the head of the list; returns the list.
+    /// Moves a project to the front of the recent projects; returns the list.
     pub fn note_recent(&self, path: &Path) -> Vec<PathBuf> {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let mut recents = self.recents();
@@ -96,22 +96,22 @@ impl Home {
         recents.truncate(MOST_RECENTS);
         let text = serde_json::to_string_pretty(&recents).unwrap_or_default();
         let _ = std::fs::create_dir_all(&self.folder);
-        // A list that cannot be written is a list less, no fault of the user's work.
+        // A failure is ignored: the list is a convenience.
         let _ = write_whole(&self.list(), text.as_bytes());
         recents
     }
 
-    /// How the user likes the window; the defaults where nothing, or nothing known, is kept.
+    /// Stored preferences; the defaults where there are none or they cannot be read.
     pub fn habits(&self) -> Habits {
         let text = std::fs::read_to_string(self.folder.join(HABITS)).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
     }
 
-    /// Keeps how the user likes the window.
+    /// Stores the preferences.
     pub fn note_habits(&self, habits: &Habits) {
         let text = serde_json::to_string_pretty(habits).unwrap_or_default();
         let _ = std::fs::create_dir_all(&self.folder);
-        // Habits that cannot be written last until the window closes; no fault of the user's work.
+        // On failure the preferences last until the window closes.
         let _ = write_whole(&self.folder.join(HABITS), text.as_bytes());
     }
 
@@ -120,8 +120,8 @@ impl Home {
     }
 }
 
-/// Whether the session that writes a copy still runs. Its process number is in the name; where the system does not
-/// tell which processes run, a copy nobody touched for a while is nobody's.
+/// Whether the session that wrote a recovery copy still runs. The file name contains its process number. On
+/// systems without `/proc`, a copy that has not changed for five minutes counts as abandoned.
 fn is_in_use(path: &Path, changed: SystemTime) -> bool {
     const FORGOTTEN: Duration = Duration::from_secs(300);
     let name = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -1,11 +1,11 @@
-//! A question answered in the background: a newer one supersedes it, and the latest answer stays until the next is
-//! there.
+//! A background computation of which only the latest request counts: a newer request supersedes the running
+//! one, and the last answer stays until the next arrives.
 
 use std::convert::Infallible;
 
 use crate::job::worker::{End, Worker};
 
-/// The thread with its latest answer.
+/// The worker thread with the latest request and answer.
 pub(super) struct Latest<Q, A> {
     worker: Worker<Q, (Q, A), Infallible>,
     asked: Option<Q>,
@@ -17,7 +17,7 @@ where
     Q: Clone + PartialEq + Send + 'static,
     A: Send + 'static,
 {
-    /// Starts the thread; it repaints the window when it has something.
+    /// Starts the thread; it repaints the window after each answer.
     pub(super) fn new(
         name: &str,
         ctx: &egui::Context,
@@ -29,7 +29,8 @@ where
         Self { worker, asked: None, answer: None }
     }
 
-    /// Asks, if this is not what was asked already, and takes in what has come. `None` forgets everything.
+    /// Submits `wanted` unless it was submitted already, and collects a finished answer. `None` clears the
+    /// answer.
     pub(super) fn follow(&mut self, wanted: Option<Q>) {
         if let Some((_, End::Done(answer))) = self.worker.take_end() {
             self.answer = Some(answer);
@@ -49,12 +50,12 @@ where
         self.asked = wanted;
     }
 
-    /// The latest answer with its question; it may be older than what was asked last.
+    /// The latest answer with its request, which may be older than the last request.
     pub(super) fn answer(&self) -> Option<&(Q, A)> {
         self.answer.as_ref()
     }
 
-    /// Whether something is on its way.
+    /// Whether a request is being answered.
     pub(super) fn is_busy(&self) -> bool {
         self.worker.is_busy()
     }

@@ -1,5 +1,5 @@
-//! How part and plan are looked at: selection, rows of the table, layers, which plans stand side by side, and
-//! how far the cut has come. Nothing here changes what is planned.
+//! How part and plan are displayed: selection, table rows, layers, arrangement of the two plans, timeline.
+//! Nothing here changes the plan.
 
 use crate::gpu::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
@@ -8,24 +8,24 @@ use crate::part::AxisPolicy;
 use super::mouse::MousePreset;
 use super::planned::Side;
 
-/// What the 3D view shows.
+/// Visibility of the layers of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layers {
-    /// Hub, coloured by the stock left.
+    /// Hub, coloured by residual stock.
     pub hub: bool,
     /// Blades.
     pub blades: bool,
-    /// Shroud, as glass.
+    /// Shroud, transparent.
     pub shroud: bool,
     /// Cutters at the end of their plunges.
     pub cutters: bool,
     /// Axes up to the retract points.
     pub axes: bool,
-    /// Holders above the overhang of the cutters.
+    /// Holders, above the stick-out of the tools.
     pub holders: bool,
     /// Rapids from retract point to retract point.
     pub links: bool,
-    /// What colours the floor of the channel in work.
+    /// Quantity that colours the floor of the current channel.
     pub floor: FloorColours,
 }
 
@@ -44,24 +44,24 @@ impl Default for Layers {
     }
 }
 
-/// What is shown of the flank plan.
+/// Display of the flank plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FlankLook {
-    /// Whether its curves are.
+    /// Whether the passes are shown.
     pub shown: bool,
-    /// What their colours tell.
+    /// Quantity that colours them.
     pub colours: FlankColours,
 }
 
-/// What rows the table of positions shows.
+/// Row filter of the position table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
     /// All.
     #[default]
     All,
-    /// Those whose core meets stock.
+    /// Interfering plunges: their core meets stock.
     Interferential,
-    /// Those whose axis could not be had.
+    /// Positions without the axis their policy asks for.
     Blocked,
 }
 
@@ -69,31 +69,31 @@ impl Filter {
     /// All filters.
     pub const ALL: [Self; 3] = [Self::All, Self::Interferential, Self::Blocked];
 
-    /// Word in the list.
+    /// Label in the list.
     pub fn label(self) -> &'static str {
         match self {
             Self::All => "All positions",
-            Self::Interferential => "Interferential only",
+            Self::Interferential => "Interfering only",
             Self::Blocked => "Blocked only",
         }
     }
 }
 
-/// Columns of the table of positions.
+/// Columns of the position table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Column {
-    /// Place in the cutting order.
+    /// Number in cutting order.
     #[default]
     Order,
     /// Row within its section.
     Row,
-    /// Diameter of the cutter.
+    /// Diameter of the tool.
     Diameter,
-    /// Angle between hub normal and axis.
+    /// Lead angle between hub normal and axis.
     Alpha,
-    /// Depth of contact of the core.
+    /// Depth of core contact.
     Contact,
-    /// Stock left under the cutter.
+    /// Residual stock under the cutter.
     Hub,
 }
 
@@ -114,27 +114,27 @@ impl Column {
         }
     }
 
-    /// What the column holds, in a word or two.
+    /// Short name of the column's quantity.
     pub fn name(self) -> &'static str {
         match self {
             Self::Order => "cutting order",
             Self::Row => "row",
             Self::Diameter => "diameter",
-            Self::Alpha => "tilt",
+            Self::Alpha => "lead angle",
             Self::Contact => "contact",
-            Self::Hub => "stock",
+            Self::Hub => "residual stock",
         }
     }
 
-    /// What the column holds.
+    /// Tooltip: the column's quantity and unit.
     pub fn tip(self) -> &'static str {
         match self {
-            Self::Order => "Place in the cutting order",
+            Self::Order => "Number in cutting order",
             Self::Row => "Row within its section, 1 at the suction wall",
-            Self::Diameter => "Diameter of the cutter, mm",
-            Self::Alpha => "Angle between hub normal and axis, positive towards the inlet",
-            Self::Contact => "How far above its final bottom the core meets stock, mm",
-            Self::Hub => "Mean stock left on the hub under the cutter, mm",
+            Self::Diameter => "Diameter of the tool, mm",
+            Self::Alpha => "Lead angle: between hub normal and axis, positive towards the inlet",
+            Self::Contact => "Height above the tip at which the core meets stock, mm",
+            Self::Hub => "Mean residual stock on the hub under the cutter, mm",
         }
     }
 }
@@ -142,15 +142,15 @@ impl Column {
 /// Order of the table's rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sort {
-    /// By which column.
+    /// Sort column.
     pub column: Column,
     /// Largest first.
     pub descending: bool,
 }
 
 impl Sort {
-    /// What a click on the head of `column` makes of it: that column, and the other way round at the second click.
-    /// Contact and stock begin with the largest: that is what one looks for.
+    /// Order after a click on the head of `column`; a second click reverses it. Contact and residual stock
+    /// start with the largest, as the worst positions are of interest.
     pub fn clicked(self, column: Column) -> Self {
         if self.column == column {
             Self { column, descending: !self.descending }
@@ -160,87 +160,88 @@ impl Sort {
     }
 }
 
-/// How the two plans share the middle of the window.
+/// Arrangement of the two plans in the middle of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Arrangement {
-    /// One of them.
+    /// One plan alone.
     #[default]
     One,
-    /// Both side by side, one camera.
+    /// Both side by side, with one camera.
     Both,
-    /// One over the other, with a border to drag.
+    /// One over the other, with a divider to drag.
     Wipe,
 }
 
-/// See [`Look::reveal_selection`].
+/// Number of frames; see [`Look::reveal_selection`].
 pub const REVEAL: u8 = 3;
 
-/// How everything is looked at.
+/// Display state of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// Side that is shown alone, and that table and section speak of.
+    /// Active side: shown alone, and described by table and sectional view.
     pub side: Side,
-    /// Policies on either side; `None`: conventional before, the setup's after.
+    /// Policy of each side, indexed by [`Side`]; `None`: conventional before, the setup's after.
     pub policies: [Option<AxisPolicy>; 2],
-    /// How the sides share the view.
+    /// Arrangement of the sides.
     pub arrangement: Arrangement,
-    /// Place of the wipe's border, 0…1.
+    /// Position of the wipe's divider, 0…1 of the width.
     pub wipe: f32,
-    /// Selected position of the shown side, in cutting order.
+    /// Selected position of the active side, index in cutting order.
     pub selected: Option<usize>,
-    /// For how many more pictures the table scrolls to the selection: the panel below it may take its height meanwhile.
+    /// Number of frames for which the table still scrolls to the selection, while the panel below takes its
+    /// height.
     pub reveal_selection: u8,
-    /// Rows of the table.
+    /// Row filter of the table.
     pub filter: Filter,
-    /// Their order.
+    /// Sort order of the rows.
     pub sort: Sort,
     /// Layers of the 3D view.
     pub layers: Layers,
-    /// What it shows of the flank plan.
+    /// Display of the flank plan.
     pub flank: FlankLook,
-    /// Number of positions that are cut; `None`: all.
+    /// Timeline: number of positions cut; `None`: all.
     pub cut: Option<usize>,
-    /// While the timeline runs by itself: when it stepped last, in seconds on the window's clock.
+    /// While the timeline plays: time of its last step, in seconds on the window's clock.
     pub playing: Option<f64>,
-    /// Ends of the colour scale, mm; `None`: they fit what is shown.
+    /// Ends of the colour scale, mm; `None`: fitted to the plan.
     pub range: Option<(f32, f32)>,
-    /// Whether the floor shows how much more the one plan leaves than the other.
+    /// Whether the floor of the after side shows residual stock after minus before.
     pub difference: bool,
-    /// Whether the camera should fly to the selection.
+    /// Whether the camera zooms to the selection in the next frame.
     pub fly: bool,
-    /// Plane that cuts the part open, while there is one.
+    /// Section plane, if shown.
     pub section: Option<Section>,
-    /// Points measured between, while measuring, mm; two at most.
+    /// Measured points while measuring, mm; at most two.
     pub measure: Option<Vec<glam::Vec3>>,
-    /// Plots along the row.
+    /// Whether the plots along the row are shown.
     pub plots: bool,
-    /// What is shown of the selected position.
+    /// Tab of the selected position.
     pub tab: Tab,
-    /// What the mouse does to the camera.
+    /// Mouse preset of the camera.
     pub mouse: MousePreset,
 }
 
-/// What is shown of the selected position.
+/// Tabs of the selected position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tab {
-    /// The cut through it.
+    /// Sectional view through it.
     #[default]
     Section,
-    /// Its figures.
+    /// Figures.
     Facts,
 }
 
-/// Which way a section plane lies.
+/// Orientation of a section plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Across {
-    /// Through the axis and the feed of the selected position.
+    /// Contains tool axis and cutting direction of the selected position.
     #[default]
     Row,
-    /// Across X.
+    /// Normal to X.
     X,
-    /// Across Y.
+    /// Normal to Y.
     Y,
-    /// Across the axis of rotation.
+    /// Normal to Z, the axis of rotation.
     Z,
 }
 
@@ -248,13 +249,13 @@ impl Across {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Row, Self::X, Self::Y, Self::Z];
 
-    /// Word in the list.
+    /// Label in the list.
     pub fn label(self) -> &'static str {
         match self {
             Self::Row => "Along the row",
-            Self::X => "Across X",
-            Self::Y => "Across Y",
-            Self::Z => "Across Z",
+            Self::X => "Normal to X",
+            Self::Y => "Normal to Y",
+            Self::Z => "Normal to Z",
         }
     }
 }
@@ -262,11 +263,11 @@ impl Across {
 /// A section plane of the 3D view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Section {
-    /// Which way it lies.
+    /// Orientation.
     pub across: Across,
-    /// How far it was moved along its normal, mm.
+    /// Offset along the normal, mm.
     pub offset: f32,
-    /// Which half is left out.
+    /// Whether the other half is cut away.
     pub flipped: bool,
 }
 
@@ -298,20 +299,20 @@ impl Default for Look {
 }
 
 impl Look {
-    /// Begins anew for another part; layers, plots and the mouse stay as the user likes them.
+    /// Resets the display for another part; layers, plots, tab and mouse preset are kept.
     pub fn begin(&mut self) {
         let Self { layers, plots, tab, mouse, .. } = *self;
         *self = Self { layers, plots, tab, mouse, ..Self::default() };
     }
 
-    /// Selects a position, and sends the camera there.
+    /// Selects a position and zooms to it.
     pub fn visit(&mut self, position: Option<usize>) {
         self.select(position);
         self.fly = position.is_some();
     }
 
-    /// Selects a position, and brings it into sight in the table. Where the timeline stands somewhere, it goes
-    /// there too: what is selected is what was cut last.
+    /// Selects a position and scrolls the table to it. A timeline that is not at the end moves along, so that
+    /// the selected position is the one cut last.
     pub fn select(&mut self, position: Option<usize>) {
         self.selected = position;
         self.reveal_selection = if position.is_some() { REVEAL } else { 0 };

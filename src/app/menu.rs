@@ -1,4 +1,4 @@
-//! The menu, and what each command does.
+//! The menu bar, and the execution of commands.
 
 use egui::{Context, MenuBar, Ui};
 
@@ -12,7 +12,7 @@ use super::mouse::MousePreset;
 use super::overlay;
 use super::project::Pending;
 
-/// The menus: groups of commands, parted by lines.
+/// The menus: groups of commands, with separators between the groups.
 const MENUS: [(&str, &[&[Command]]); 3] = [
     (
         "File",
@@ -53,7 +53,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
     ),
 ];
 
-/// The menu of views; the layers follow it.
+/// Groups of the View menu; the layers follow them.
 const VIEWS: &[&[Command]] = &[
     &[Command::BeforeAfter, Command::SideBySide, Command::Wipe, Command::Difference],
     &[
@@ -149,7 +149,7 @@ impl App {
         chosen
     }
 
-    /// Whether a command makes sense now.
+    /// Whether a command is available now.
     pub(super) fn can(&self, command: Command) -> bool {
         use Command as C;
         let open = self.state.document.part.is_some();
@@ -189,7 +189,7 @@ impl App {
         }
     }
 
-    /// Does a command.
+    /// Executes a command.
     pub(super) fn obey(&mut self, ctx: &Context, command: Command) {
         use Command as C;
         let look = &mut self.state.look;
@@ -283,7 +283,7 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Name offered where something of the part is saved.
+    /// Proposed name of a file saved from the part.
     pub(super) fn suggest(&self, ending: &str) -> String {
         match &self.state.document.part {
             Some(part) => format!("{}_{ending}", part.impeller.name),
@@ -291,7 +291,7 @@ impl App {
         }
     }
 
-    /// Section of the selected position, else the first.
+    /// Index of the section of the selected position, else 0.
     fn section_in_work(&self) -> usize {
         self.state.selected().map_or(0, |position| position.section)
     }

@@ -2,26 +2,26 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`state`] | three rooms, and the rules between them; no drawing |
-//! | [`document`], [`results`], [`look`] | what is edited (with undo), what was computed, how it is looked at |
-//! | [`planned`] | a finished plan with what the panels show of it |
-//! | [`coming`] | a plan in the making, stage by stage |
-//! | [`engine`] | opening and planning as functions, so that tests can stand in |
-//! | [`command`] | everything the window can be told to do |
-//! | [`theme`] | colours and sizes, declared once |
+//! | [`state`] | document, results and look, and the rules that connect them; no drawing |
+//! | [`document`], [`results`], [`look`] | edited data with undo; computed data; how both are displayed |
+//! | [`planned`] | a finished plan with the data that the panels show |
+//! | [`coming`] | preview of a running plan, stage by stage |
+//! | [`engine`] | opening and planning as functions, which tests replace |
+//! | [`command`] | every command of the window |
+//! | [`theme`] | colours and sizes |
 //! | [`panels`] | the panels, one file each |
-//! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: where they stand; mouse and camera; the textures they show |
-//! | [`mouse`], `point_menu` | what the mouse does, by preset; what a right click offers |
-//! | [`overlay`], [`cube`], `borders` | what floats over them; the borders of sections, to be dragged |
-//! | [`scrub`] | stock at a place of the timeline |
-//! | `roles` | which node of a mesh file is what, asked where names do not tell |
-//! | [`dialogs`], [`files`] | choosing files; reading and writing them in the background |
-//! | `project`, [`home`] | the project as a file, and what is asked before it is lost; recent ones, copies that survive a crash |
-//! | [`menu`], [`palette`], [`work`] | the menu; the search for commands; what runs in the background and what becomes of it |
-//! | [`mod@run`], [`handover`] | opening the window; what outlives a device that is lost |
+//! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: arrangement; mouse and camera; textures |
+//! | [`mouse`], `point_menu` | mouse presets; the context menu of a 3D view |
+//! | [`overlay`], [`cube`], `borders` | controls over the 3D views; the view cube; section borders to drag |
+//! | [`scrub`] | stock at a timeline position; sectional view of the selected position |
+//! | `roles` | the dialog that assigns roles to the nodes of a mesh file |
+//! | [`dialogs`], [`files`] | file dialogs; reading and writing files in the background |
+//! | `project`, [`home`] | the project file, the question before closing; recent projects, recovery copies |
+//! | [`menu`], [`palette`], [`work`] | the menu; the command search; background tasks and their results |
+//! | [`mod@run`], [`handover`] | opening the window; carrying its state over when the device is lost |
 //!
-//! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which ask for a repaint when
-//! they are done; without input and without work nothing is drawn.
+//! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which request a repaint when
+//! they are done. Without input and background work nothing is drawn.
 
 mod borders;
 pub mod coming;
@@ -80,14 +80,14 @@ pub struct App {
     work: Work,
     dialogs: dialogs::Dialogs,
     view: View3d,
-    /// `None` on a device that cannot draw; panels work all the same.
+    /// `None` on a device that cannot draw; the panels work without it.
     pictures: Option<Pictures>,
     scrubbed: scrub::Scrubbed,
     inspected: scrub::Inspected,
     hover: Option<viewport::Hover>,
-    /// What was right-clicked, while its menu is open.
+    /// Target of the right click, while its context menu is open.
     pointed: Option<view3d::Hit>,
-    /// Whether a border between sections is being dragged.
+    /// Whether a section border is being dragged.
     border_held: bool,
     glass: viewport::Glass,
     palette: palette::Palette,
@@ -96,9 +96,9 @@ pub struct App {
     export_dialog: export::ExportDialog,
     roles: roles::RolesDialog,
     device: String,
-    /// Where everything goes when the device is lost.
+    /// Receives the window's state when the device is lost.
     way_out: Option<handover::WayOut>,
-    /// Whether it went there; the window only waits to be closed.
+    /// Whether the state was handed over; the window then only waits to be closed.
     left: bool,
     title: String,
     start: Option<Instant>,
@@ -106,12 +106,12 @@ pub struct App {
 }
 
 impl App {
-    /// The application as it is used.
+    /// The application over the real planner.
     pub fn new(cc: &CreationContext<'_>) -> Self {
         Self::with_engine(cc, Engine::default())
     }
 
-    /// The application over other functions, for tests.
+    /// The application over other functions; used by tests.
     pub fn with_engine(cc: &CreationContext<'_>, engine: Engine) -> Self {
         theme::apply(&cc.egui_ctx);
         let pictures = cc.wgpu_render_state.as_ref().map(Pictures::new);
@@ -143,42 +143,42 @@ impl App {
         }
     }
 
-    /// Measures the time to the first picture from `start`.
+    /// Sets the start of the time measured by [`App::first_picture`].
     pub fn time_from(&mut self, start: Instant) {
         self.start = Some(start);
     }
 
-    /// Opens a file: a project, a setup or a part, whatever it is.
+    /// Opens a project, setup or part file in the background.
     pub fn open_path(&mut self, path: PathBuf) {
         self.open_file(path);
     }
 
-    /// Opens a part in the background; its plan follows by itself.
+    /// Opens a part in the background, then plans it.
     pub fn open_part(&mut self, source: PartSource) {
         self.open_files(Some(source), None);
     }
 
-    /// What is open, edited, selected and shown.
+    /// The window's state: document, results and look.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// How it is looked at, to be changed as the user would.
+    /// How part and plan are displayed, for changes from outside.
     pub fn look_mut(&mut self) -> &mut look::Look {
         &mut self.state.look
     }
 
-    /// Where the 3D view is seen from; `None` before there is a part.
+    /// Camera of the 3D view; `None` before a part is open.
     pub fn camera(&self) -> Option<crate::gpu::camera::Camera> {
         self.view.current()
     }
 
-    /// Whether something runs in the background.
+    /// Whether a background task runs.
     pub fn is_busy(&self) -> bool {
         self.work.running().is_some() || self.scrubbed.is_busy() || self.inspected.is_busy()
     }
 
-    /// Time from start to the first picture of a part, once there was one.
+    /// Time from start to the first picture of a part; `None` before it.
     pub fn first_picture(&self) -> Option<Duration> {
         self.first_picture
     }
@@ -190,7 +190,7 @@ impl App {
             [] => {}
             [path] if files::is_setup(path) => self.open_file(path.clone()),
             [path] => self.guarded(ctx, project::Pending::Open(path.clone())),
-            // A part with its setup.
+            // A part together with its setup.
             many => {
                 let (setups, parts): (Vec<&PathBuf>, Vec<&PathBuf>) =
                     many.iter().partition(|path| files::is_setup(path));
@@ -200,7 +200,7 @@ impl App {
         }
     }
 
-    /// Does what a panel asks for.
+    /// Runs the action a panel returned.
     fn grant(&mut self, ctx: &egui::Context, wish: Wish) {
         match wish {
             Wish::Command(command) => self.obey(ctx, command),
@@ -213,7 +213,7 @@ impl App {
     fn left_panel(&mut self, ui: &mut Ui) {
         ui.add_space(4.0);
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-            // The scroll bar floats; nothing should lie under it.
+            // The scroll bar floats over the content; leave its width free.
             ui.set_max_width(ui.available_width() - 8.0);
             let name = self
                 .state
@@ -245,17 +245,17 @@ impl App {
             let setup = &mut self.state.document.edited.setup;
             let open = |title: &str| egui::CollapsingHeader::new(title.to_owned()).default_open(true);
             open("Plunge").show(ui, |ui| panels::setup::plunge(ui, setup, &defaults, chosen));
-            open("Stock").show(ui, |ui| panels::setup::stock(ui, setup, &defaults));
-            let what_if = open("What-if sets").show(ui, |ui| panels::whatif::show(ui, &mut self.state));
+            open("Allowances").show(ui, |ui| panels::setup::stock(ui, setup, &defaults));
+            let what_if = open("Variants").show(ui, |ui| panels::whatif::show(ui, &mut self.state));
             if let Some(command) = what_if.body_returned.flatten() {
                 self.obey(ui.ctx(), command);
             }
             let compare = &mut self.state.compare;
             let coming = self.state.results.coming.as_ref().and_then(|coming| coming.planned.clone());
-            open("Policies")
+            open("Axis strategies")
                 .show(ui, |ui| panels::policies::show(ui, compare, planned.as_deref(), coming.as_deref()));
             let setup = &mut self.state.document.edited.setup;
-            open("Cutters").show(ui, |ui| panels::tools::show(ui, setup, chosen));
+            open("Tools").show(ui, |ui| panels::tools::show(ui, setup, chosen));
             let flank = self.state.results.flank.clone();
             let stale = self.state.flank_is_stale();
             let (setup, look) = (&mut self.state.document.edited.setup, &mut self.state.look.flank);
@@ -285,12 +285,12 @@ impl App {
         CentralPanel::no_frame().show(ui, |ui| self.viewport(ui));
     }
 
-    /// Section and facts of the selected position.
+    /// Sectional view and figures of the selected position.
     fn selected(&mut self, ui: &mut Ui, k: usize) {
         let height = panels::section::height(ui.ctx().content_rect().height());
         panels::positions::headline(ui, &self.state, k);
         ui.horizontal(|ui| {
-            for (tab, name) in [(Tab::Section, "Section"), (Tab::Facts, "Figures")] {
+            for (tab, name) in [(Tab::Section, "Sectional view"), (Tab::Facts, "Figures")] {
                 ui.selectable_value(&mut self.state.look.tab, tab, name);
             }
         });
@@ -300,7 +300,7 @@ impl App {
                 let Some(position) = self.state.selected() else { return };
                 match self.inspected.section() {
                     Some((of, view)) => panels::section::show(ui, k, &view, position, of != k, height),
-                    // The place is kept, so that nothing jumps when the section is there.
+                    // Reserve the height, so that nothing jumps when the view arrives.
                     None => {
                         ui.allocate_space(egui::vec2(ui.available_width(), height));
                     }
@@ -341,7 +341,7 @@ impl App {
     }
 }
 
-/// Below this height of the middle the plots give their place to the 3D view, points.
+/// Height of the middle below which the plots are hidden in favour of the 3D view, points.
 const LEAST_FOR_PLOTS: f32 = 400.0;
 
 impl eframe::App for App {
@@ -354,7 +354,7 @@ impl eframe::App for App {
         }
         self.take_drops(ctx);
         self.watch_closing(ctx);
-        // A question or the search for a command has the keyboard for itself.
+        // While a dialog or the command search is open, shortcuts are disabled.
         let asks = self.session.is_asking() || self.export_dialog.is_open() || self.roles.is_open();
         if !self.palette.is_open() && !asks {
             for command in Command::pressed(ctx, |command| self.can(command)) {
@@ -428,12 +428,12 @@ impl eframe::App for App {
         self.ask_unsaved(ui);
         self.ask_export(ui);
         self.ask_roles(ui);
-        // A drag of a border is one step, however long it takes.
+        // A border drag is one undo step, however long it takes.
         if !self.border_held {
             let time = ui.input(|input| input.time);
             self.state.document.watch(time);
         }
-        // The device may have gone while the views were drawn.
+        // The device may have been lost while the views were drawn.
         self.collect_device_faults(ui.ctx());
     }
 }

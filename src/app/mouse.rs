@@ -1,26 +1,26 @@
-//! What the mouse does to the camera: presets for the habits of other programs, in one table.
+//! Mouse control of the camera: a table of presets that match other programs.
 
 use egui::{Modifiers, PointerButton};
 use serde::{Deserialize, Serialize};
 
 use super::command::Command;
 
-/// What a drag does to the camera.
+/// Effect of a drag on the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gesture {
-    /// Turns about the point that was grabbed.
+    /// Orbits around the grabbed point.
     Orbit,
-    /// Moves sideways; the point that was grabbed stays under the cursor.
+    /// Pans; the grabbed point stays under the cursor.
     Pan,
-    /// Goes nearer to the point that was grabbed (down) or away from it (up).
+    /// Zooms towards the grabbed point (down) or away from it (up).
     Zoom,
 }
 
-/// Whose habits the mouse follows.
+/// Assignment of mouse buttons, named after the program it matches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MousePreset {
-    /// Our own: works with two buttons.
+    /// Vanecut's own: works with two buttons.
     #[default]
     Vanecut,
     /// CAD: the middle button orbits, shift pans.
@@ -33,7 +33,7 @@ pub enum MousePreset {
     Blender,
 }
 
-/// One line of a preset: with this button and these modifiers, a drag does that.
+/// One line of a preset: button, modifiers, and the effect of a drag with them.
 type Hold = (PointerButton, Modifiers, Gesture);
 
 const LEFT: PointerButton = PointerButton::Primary;
@@ -46,7 +46,7 @@ const ALT: Modifiers = Modifiers::ALT;
 const ALT_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::ALT };
 const ALT_CTRL: Modifiers = Modifiers { ctrl: true, ..Modifiers::ALT };
 
-/// The presets. Of the lines of a button the first whose modifiers are all held counts.
+/// The presets. Of a button's lines, the first whose modifiers are all held applies.
 const PRESETS: [(MousePreset, Command, &[Hold]); 5] = {
     use Gesture::{Orbit, Pan, Zoom};
     [
@@ -86,12 +86,12 @@ const PRESETS: [(MousePreset, Command, &[Hold]); 5] = {
 };
 
 impl MousePreset {
-    /// All of them, each with the command that chooses it.
+    /// All presets, each with the command that selects it.
     pub fn all() -> impl Iterator<Item = (Self, Command)> {
         PRESETS.iter().map(|&(preset, command, _)| (preset, command))
     }
 
-    /// The preset that a command chooses.
+    /// The preset that a command selects.
     pub fn of(command: Command) -> Option<Self> {
         Self::all().find(|&(_, of)| of == command).map(|(preset, _)| preset)
     }
@@ -100,7 +100,7 @@ impl MousePreset {
         PRESETS.iter().find(|(preset, ..)| *preset == self).map_or(&[], |(.., holds)| holds)
     }
 
-    /// What a drag with `button` does while `held` is held; `None`: nothing.
+    /// Effect of a drag with `button` while the modifiers `held` are pressed; `None`: no effect.
     pub fn gesture(self, button: PointerButton, held: Modifiers) -> Option<Gesture> {
         let all_held = |wanted: Modifiers| {
             (held.shift || !wanted.shift) && (held.ctrl || !wanted.ctrl) && (held.alt || !wanted.alt)
@@ -109,12 +109,12 @@ impl MousePreset {
         lines.copied().find(|&(b, wanted, _)| b == button && all_held(wanted)).map(|(.., gesture)| gesture)
     }
 
-    /// What the mouse does, in lines.
+    /// Help text: one line per gesture.
     pub fn help(self) -> String {
         let mut lines: Vec<String> = Vec::new();
         for (gesture, does) in [
-            (Gesture::Orbit, "turn about the point under the cursor"),
-            (Gesture::Pan, "move"),
+            (Gesture::Orbit, "orbit around the point under the cursor"),
+            (Gesture::Pan, "pan"),
             (Gesture::Zoom, "zoom"),
         ] {
             let ways = self.holds().iter().filter(|(.., g)| *g == gesture);
@@ -124,8 +124,8 @@ impl MousePreset {
             }
         }
         lines.push("Wheel: zoom to the cursor".to_owned());
-        lines.push("Click: select. Double click: centre here".to_owned());
-        lines.push("Right click: what can be done here".to_owned());
+        lines.push("Click: select. Double-click: centre the view here".to_owned());
+        lines.push("Right-click: context menu".to_owned());
         lines.join("\n")
     }
 }
@@ -156,6 +156,6 @@ mod tests {
         }
         assert_eq!(MousePreset::Vanecut.gesture(RIGHT, NONE), None);
         assert_eq!(MousePreset::Vanecut.gesture(LEFT, CTRL), Some(Gesture::Orbit), "what is held besides");
-        assert!(MousePreset::Nx.help().contains("shift-middle: move"), "{}", MousePreset::Nx.help());
+        assert!(MousePreset::Nx.help().contains("shift-middle: pan"), "{}", MousePreset::Nx.help());
     }
 }

@@ -1,7 +1,8 @@
-//! Numbers as people type them: arithmetic (`30/4`), units behind, a decimal comma.
+//! Parser of typed numbers: arithmetic (`30/4`), trailing units, decimal comma. Recursive descent over sum,
+//! product and atom.
 
-/// Value of `text`, with everything after the arithmetic that looks like a unit (`mm`, `°`) ignored.
-/// `None` when it is no number; never infinite or NaN.
+/// Value of `text`. Trailing letters and unit signs (`mm`, `°`) are ignored without conversion. `None` if it
+/// is not a finite number.
 pub fn parse(text: &str) -> Option<f64> {
     let text = text.trim().trim_end_matches(|c: char| c.is_alphabetic() || "°%/ ".contains(c));
     let text = text.replace(',', ".").replace('−', "-");
@@ -10,7 +11,7 @@ pub fn parse(text: &str) -> Option<f64> {
     (rest.is_empty() && value.is_finite()).then_some(value)
 }
 
-/// Nesting beyond this is no typing any more, and must not exhaust the stack.
+/// Maximum nesting depth; deeper input is rejected, so that it cannot exhaust the stack.
 const DEEPEST: usize = 32;
 
 fn sum(rest: &mut &[u8], depth: usize) -> Option<f64> {

@@ -1,4 +1,4 @@
-//! What floats over the 3D view: which plan is shown, layers, legend, what a measurement says.
+//! Controls and texts over the 3D view: plan switch, layers, legend, section plane, measurement.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align2, Color32, ComboBox, DragValue, FontId, Pos2, Rect, RichText, Stroke, Ui};
@@ -15,7 +15,7 @@ use super::planned::Side;
 use super::state::State;
 use super::theme::{self, Condition};
 
-/// Puts `content` on a backing of its own at `at`.
+/// Draws `content` on a translucent backing at `at`.
 fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
     let fill = theme::overlay(ui.visuals());
     ui.scope_builder(egui::UiBuilder::new().max_rect(at), |ui| {
@@ -24,16 +24,16 @@ fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
     .inner
 }
 
-/// What the switch in the upper left corner asks for.
+/// A click on the switch in the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// One side alone.
+    /// Show one side alone.
     Side(Side),
-    /// Both, in this way.
+    /// Show both in this arrangement.
     Arrange(Arrangement),
 }
 
-/// Switch between before, after and both.
+/// The switch between before, after and both.
 pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<Choice> {
     let mut chosen = None;
     let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 10.0), egui::vec2(230.0, 30.0)).intersect(rect);
@@ -60,14 +60,14 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<Choice> {
     chosen
 }
 
-/// Which policy a side shows, below the switch; a list where several were planned.
+/// Policy of a side, below the switch; a list where several policies were planned.
 pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut State, side: Side) {
     let (Some(now), Some(planned)) = (state.policy(side), state.results.planned.clone()) else { return };
     let at = Rect::from_min_size(corner, egui::vec2(150.0, 28.0));
     floating(ui, at, |ui| {
         let name = match side {
-            Side::Before => "Policy before",
-            Side::After => "Policy after",
+            Side::Before => "Axis strategy before",
+            Side::After => "Axis strategy after",
         };
         let policies = planned.outcome.policies();
         if policies.len() < 3 {
@@ -89,7 +89,7 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut State, side: Side) {
     });
 }
 
-/// Mark of a plan that the edited setup has left behind, a word and an edge, and below it what is known of the next one.
+/// Badge and border of a stale plan, with a summary of the preview of the next plan.
 pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&ComingCutters>) {
     let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
@@ -98,14 +98,14 @@ pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Comin
         ui.spacing_mut().item_spacing.y = 2.0;
         if stale {
             let text = RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
-            ui.label(text).on_hover_text("The setup was edited after this plan; plan again (F5)");
+            ui.label(text).on_hover_text("The setup was edited after this calculation; recalculate (F5)");
         }
         let Some(coming) = coming else { return };
         let axes = if coming.carried { ", axes as before" } else { "" };
         let policy = format!("{}{axes}", policy_label(coming.plan.policy).to_lowercase());
         let count = coming.plan.positions.len();
         let (words, colour) = match coming.interferential() {
-            None => (format!("New {policy}: {count} positions, not judged yet"), ui.visuals().text_color()),
+            None => (format!("New {policy}: {count} positions, not checked yet"), ui.visuals().text_color()),
             Some(0) => {
                 (format!("New {policy}: none of {count} interferes"), Condition::Sound.text(ui.visuals()))
             }
@@ -115,21 +115,21 @@ pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Comin
             ),
         };
         ui.label(RichText::new(words).color(colour)).on_hover_text(if coming.carried {
-            "The axes of the plan before on the setup as it is now, no deeper than their cores are free; better ones follow"
+            "The axes of the last plan, lifted until their cores are free; better ones follow"
         } else {
-            "Cutters of the setup as it is now; what they leave on the hub follows"
+            "Cutters of the current setup; their residual stock follows"
         });
     });
 }
 
-/// Names of what can colour the floor.
+/// Colourings of the floor, with their labels.
 const FLOORS: [(FloorColours, &str); 3] = [
-    (FloorColours::Residual, "Stock left"),
-    (FloorColours::Interference, "Contact of the core"),
-    (FloorColours::Plain, "No colours"),
+    (FloorColours::Residual, "Residual stock"),
+    (FloorColours::Interference, "Core contact"),
+    (FloorColours::Plain, "Plain"),
 ];
 
-/// Menu of layers, in the upper right corner of the view.
+/// The menu of layers, in the upper right corner of the view.
 pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
     let at = Rect::from_min_max(
         rect.right_top() + egui::vec2(-68.0, 10.0),
@@ -150,9 +150,9 @@ pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
     });
 }
 
-/// What the mouse does, beside the layers; returns the command that gives it other habits.
+/// The mouse help beside the layers; returns the command of a chosen preset.
 pub fn mouse_help(ui: &mut Ui, rect: Rect, mouse: MousePreset) -> Option<Command> {
-    // The switch between before and after goes first; the menu tells the same.
+    // In a narrow view the before/after switch has priority; the View menu has the same entries.
     if rect.width() < 320.0 {
         return None;
     }
@@ -166,7 +166,7 @@ pub fn mouse_help(ui: &mut Ui, rect: Rect, mouse: MousePreset) -> Option<Command
             ui.separator();
             mouse_choice(ui, mouse)
         });
-        menu.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "What the mouse does"));
+        menu.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Navigation help"));
         if inner.is_none() {
             menu.on_hover_text(mouse.help());
         }
@@ -175,7 +175,7 @@ pub fn mouse_help(ui: &mut Ui, rect: Rect, mouse: MousePreset) -> Option<Command
     shown.and_then(|inner| inner.inner)
 }
 
-/// The presets of the mouse, in a menu.
+/// Menu items of the mouse presets.
 pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
     let mut chosen = None;
     for (preset, command) in MousePreset::all() {
@@ -200,7 +200,7 @@ pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 7] {
     ]
 }
 
-/// The views that are wanted most, in the lower right corner of the view.
+/// Buttons of the most used views, in the lower right corner of the view.
 pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     let mut chosen = None;
     let size = egui::vec2(66.0, 54.0);
@@ -217,18 +217,18 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     chosen
 }
 
-/// What the cursor points at: stock on the hub, mm, on the side it is over and on the other one.
+/// Values under the cursor, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Values {
-    /// On the side under the cursor.
+    /// Stock on the hub, on the side under the cursor.
     pub here: Option<f32>,
-    /// Left on a wall above the blade allowance, mm, where the walls are shown; below zero it is cut into.
+    /// Stock on a wall above the blade allowance, where the walls are shown; negative where it is overcut.
     pub deviation: Option<f32>,
-    /// At the same place of the other side, where both are shown.
+    /// Stock on the hub at the same point of the other side, where both are shown.
     pub other: Option<(Side, f32)>,
 }
 
-/// Legend at the lower left: the colour bar, its ends in mm to be dragged or typed, and the value under the cursor.
+/// Legend at the lower left: colour bar, editable ends in mm, and the value under the cursor.
 pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
     let walls = state.shown_deviation();
     let difference = state.look.difference || walls.is_some();
@@ -236,7 +236,7 @@ pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
     if walls.is_none() && (state.results.planned.is_none() || !of_floor) {
         return;
     }
-    // The buttons of the views stand to the right.
+    // The view buttons are to the right.
     let width = (rect.width() - 120.0).clamp(60.0, 220.0);
     let at =
         Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 72.0), egui::vec2(width + 16.0, 62.0));
@@ -244,9 +244,9 @@ pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
         ui.spacing_mut().item_spacing = egui::vec2(4.0, 2.0);
         ui.set_width(width);
         let head = match walls {
-            Some(_) => "Left on the walls",
-            None if difference => "More stock after than before",
-            None => "Stock on hub",
+            Some(_) => "Residual on walls",
+            None if difference => "Stock after − before",
+            None => "Residual on hub",
         };
         let value = match (walls, values.other) {
             (Some(most), _) => values.deviation.map(|d| format!("{} here", signed(d, most))),
@@ -286,25 +286,25 @@ fn end_field(value: &mut f32, from: f32, to: f32) -> DragValue<'_> {
     field.clamp_existing_to_range(false)
 }
 
-/// Ends of a scale around zero that follow from what is shown: under the blade allowance, and above it.
+/// Fixed ends of a symmetric scale: below and above the blade allowance.
 fn fixed_ends(ui: &mut Ui, most: f32) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(signed(-most, most)).size(12.0));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.label(RichText::new(signed(most, most)).size(12.0))
-                .on_hover_text("Above the blade allowance; below zero it is cut into");
+                .on_hover_text("Stock above the blade allowance; negative: overcut");
         });
     });
 }
 
-/// Stock above an allowance with its sign, on a scale that ends at `most`; both in mm.
+/// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
 pub fn signed(value: f32, most: f32) -> String {
     let digits = if most < 0.1 { 4 } else { 3 };
     let sign = if value < 0.0 { '−' } else { '+' };
     format!("{sign}{:.digits$} mm", value.abs())
 }
 
-/// The ends of the scale.
+/// The editable ends of the scale.
 fn ends(ui: &mut Ui, state: &mut State, difference: bool) {
     let (mut low, mut high) = state.range();
     let before = (low, high);
@@ -315,13 +315,13 @@ fn ends(ui: &mut Ui, state: &mut State, difference: bool) {
             ui.label(RichText::new(format!("−{high:.2} mm")).size(12.0));
         } else {
             let field = ui.add(end_field(&mut low, -10.0, high - least));
-            named(&field, "Low end of the scale", low);
-            field.on_hover_text("Drag or type: stock at the low end of the colours");
+            named(&field, "Scale minimum", low);
+            field.on_hover_text("Drag or type: stock at the lower end of the colour scale");
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let field = ui.add(end_field(&mut high, low + least, 100.0));
-            named(&field, "High end of the scale", high);
-            field.on_hover_text("Drag or type: stock at the high end of the colours, and above");
+            named(&field, "Scale maximum", high);
+            field.on_hover_text("Drag or type: stock at the upper end of the colour scale, and above");
             if state.look.range.is_some() && ui.small_button("Fit scale").clicked() {
                 state.look.range = None;
             } else if (low, high) != before {
@@ -339,7 +339,7 @@ fn named(response: &egui::Response, name: &str, value: f32) {
     });
 }
 
-/// Where the section plane lies: which way, how far, which half.
+/// Controls of the section plane: orientation, offset, side.
 pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
     let Some(section) = &mut look.section else { return };
     let width = (rect.width() - 20.0).min(300.0);
@@ -360,7 +360,7 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
                     })
                     .response
                     .labelled_by(title.id);
-                ui.checkbox(&mut section.flipped, "Flip").on_hover_text("Leaves out the other half");
+                ui.checkbox(&mut section.flipped, "Flip").on_hover_text("Cuts away the other half");
                 close = ui.small_button("Close").clicked();
                 title
             })
@@ -374,7 +374,7 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
     }
 }
 
-/// Points and distances of a measurement.
+/// Points and distance of a measurement.
 pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], under: Option<glam::Vec3>) {
     let size = glam::vec2(rect.width(), rect.height());
     let place = |p: glam::Vec3| camera.project(p, size).map(|q| rect.min + egui::vec2(q.x, q.y));
@@ -400,13 +400,13 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
     painter.galley(back.min + egui::vec2(6.0, 3.0), galley, Color32::PLACEHOLDER);
 }
 
-/// Distance of two points with its parts, mm.
+/// Distance of two points with its components, mm.
 pub fn distance_words(a: glam::Vec3, b: glam::Vec3) -> String {
     let d = b - a;
     format!("{:.2} mm  Δx {:.2}  Δy {:.2}  Δz {:.2}", d.length(), d.x, d.y, d.z)
 }
 
-/// A line in the middle of the view, e.g. why there is no picture.
+/// A message in the middle of the view, e.g. why there is no picture.
 pub fn message(ui: &Ui, rect: Rect, text: &str) {
     let colour: Color32 = ui.visuals().weak_text_color();
     ui.painter_at(rect).text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(14.0), colour);

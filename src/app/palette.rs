@@ -1,10 +1,10 @@
-//! The palette: every command by its name, searched as one types.
+//! The command palette: search as you type over all commands.
 
 use egui::{Align2, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use super::command::Command;
 
-/// The palette while it is open.
+/// State of the command palette.
 #[derive(Debug, Default)]
 pub struct Palette {
     open: bool,
@@ -14,7 +14,7 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// Opens it, or closes it.
+    /// Opens or closes it.
     pub fn toggle(&mut self) {
         *self = Self { open: !self.open, fresh: true, ..Self::default() };
     }
@@ -24,7 +24,7 @@ impl Palette {
         self.open
     }
 
-    /// Draws it while it is open; returns the command that was chosen. `can`: whether a command makes sense now.
+    /// Draws it while it is open; returns the chosen command. `can`: whether a command is available now.
     pub fn show(&mut self, ui: &Ui, can: impl Fn(Command) -> bool) -> Option<Command> {
         if !self.open {
             return None;
@@ -41,7 +41,7 @@ impl Palette {
                     i.consume_key(none, Key::Enter),
                 )
             });
-            let hint = "Search a command";
+            let hint = "Search commands";
             let field =
                 ui.add(TextEdit::singleline(&mut self.words).hint_text(hint).desired_width(f32::INFINITY));
             field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, hint));
@@ -63,7 +63,7 @@ impl Palette {
             }
             ui.add_space(4.0);
             if found.is_empty() {
-                ui.label(RichText::new("No command is called that").weak());
+                ui.label(RichText::new("No matching command").weak());
             }
             ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
                 for (k, &command) in found.iter().enumerate() {
@@ -93,7 +93,8 @@ fn line(ui: &mut Ui, command: Command, chosen: bool, enabled: bool) -> egui::Res
     ui.add_enabled(enabled, button).on_hover_text(command.tip())
 }
 
-/// Commands that hold every word typed, in label or tip; those whose label begins with the first come first.
+/// Commands whose label or tip contains every typed word. Those whose label starts with the first word come
+/// first, then those whose label contains it.
 fn found(words: &str) -> Vec<Command> {
     let words: Vec<String> = words.to_lowercase().split_whitespace().map(str::to_owned).collect();
     let mut found: Vec<(usize, Command)> = Command::ALL
@@ -122,7 +123,7 @@ mod tests {
     fn words_find_commands_by_label_and_tip() {
         assert_eq!(found("").len(), Command::ALL.len() - 1, "all but the palette itself");
         assert_eq!(found("export").first(), Some(&Command::ExportCl));
-        assert_eq!(found("PLAN chan").first(), Some(&Command::Plan));
+        assert_eq!(found("CALC rough").first(), Some(&Command::Plan));
         assert!(found("conventional").contains(&Command::BeforeAfter), "tips count");
         assert!(found("no such thing").is_empty());
     }

@@ -1,5 +1,5 @@
-//! The 3D pictures: the renderer draws into a texture of our own, egui shows it as an image, and nothing
-//! is drawn again while nothing changed. Each side has a picture of its own, built when it is first shown.
+//! The 3D pictures: the renderer draws into its own texture, which egui shows as an image; unchanged pictures
+//! are not drawn again. Each side has its own picture, created when it is first shown.
 
 use std::sync::Arc;
 
@@ -25,30 +25,30 @@ use super::coming::ComingCutters;
 use super::planned::{Planned, Side};
 use super::view3d::Hit;
 
-/// What lies on the floor of the channel in work.
+/// Values on the floor of the current channel.
 #[derive(Clone, Debug)]
 pub enum FloorStock {
-    /// What the whole plan leaves.
+    /// Residual stock of the whole plan.
     Final,
-    /// What is left after some of its positions: heights per cell.
+    /// Stock after part of the positions: heights per cell, mm.
     Heights(Arc<Vec<f32>>),
-    /// How much more it leaves than another policy's plan.
+    /// Residual stock minus that of another policy's plan.
     MoreThan(AxisPolicy),
 }
 
-/// What a picture shows besides the part.
+/// Content of a picture besides the part.
 #[derive(Clone, Debug)]
 pub struct Content {
-    /// The plans.
+    /// The set of plans.
     pub planned: Arc<Planned>,
-    /// Which of them.
+    /// Policy of the shown plan.
     pub policy: AxisPolicy,
-    /// What lies on the floor.
+    /// Values on the floor.
     pub floor: FloorStock,
 }
 
 impl PartialEq for Content {
-    /// Plans and heights never change once they are there: the same place in memory is the same content.
+    /// Plans and heights are immutable, so pointer equality suffices.
     fn eq(&self, other: &Self) -> bool {
         let floor = match (&self.floor, &other.floor) {
             (FloorStock::Final, FloorStock::Final) => true,
@@ -60,7 +60,7 @@ impl PartialEq for Content {
     }
 }
 
-/// Meshes of a part: for still pictures, and for those in motion.
+/// Meshes of a part: fine for still pictures, coarse while the camera moves.
 #[derive(Clone, Debug)]
 pub struct PartMeshes {
     fine: Arc<PartMesh>,
@@ -83,7 +83,7 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Pictures on the window's device; builds nothing yet.
+    /// Pictures on the window's device; allocates nothing yet.
     pub fn new(egui: &RenderState) -> Self {
         let gpu = Gpu::from_parts(egui.device.clone(), egui.queue.clone(), egui.adapter.get_info());
         Self { egui: egui.clone(), gpu, mesh: None, sides: [None, None] }
@@ -100,12 +100,12 @@ impl Pictures {
         self.sides = [None, None];
     }
 
-    /// The part that is loaded.
+    /// The meshes of the loaded part.
     pub fn mesh(&self) -> Option<&PartMeshes> {
         self.mesh.as_ref()
     }
 
-    /// What the standard views aim at; `None` while no part is loaded.
+    /// Framing of the standard views; `None` while no part is loaded.
     pub fn framing(&self) -> Option<&Framing> {
         let with_sections = self.sides.iter().flatten().map(|picture| picture.scene.framing());
         with_sections
@@ -113,7 +113,8 @@ impl Pictures {
             .or(self.mesh.as_ref().map(|m| &m.fine.framing))
     }
 
-    /// Points across the floor of the channel in work at `s` with their normals; `None` while no part is loaded.
+    /// Points across the floor of the current channel at `s`, with their normals; `None` while no part is
+    /// loaded.
     pub fn floor_line(&self, s: f64) -> Option<Vec<(Vec3, Vec3)>> {
         self.mesh.as_ref().map(|mesh| mesh.fine.floor_line(s)).filter(|line| !line.is_empty())
     }
@@ -127,27 +128,27 @@ impl Pictures {
         slot.as_mut()
     }
 
-    /// A picture of triangles that are no part yet.
+    /// A picture of triangles that are not yet a part.
     pub fn loose(&self, mesh: PartMesh) -> Picture {
         let mesh = Arc::new(mesh);
         Picture::new(&self.egui, &self.gpu, &PartMeshes { fine: Arc::clone(&mesh), draft: mesh })
     }
 
-    /// Faults the device reported since the last look. Asks it first, so that a loss is known before anything is drawn.
+    /// Errors that the device reported since the last call. Polls it first, to detect a loss before drawing.
     pub fn take_errors(&self) -> Vec<String> {
-        // A device that fails says so in its errors.
+        // A failing device reports it through its errors.
         let _ = self.gpu.device.poll(wgpu::PollType::Poll);
         self.gpu.take_errors()
     }
 
-    /// Waits until the device has drawn what it was given; for measuring only.
+    /// Waits until the device has finished drawing; used for timing only.
     pub fn wait(&self) {
-        // A device that fails says so in its errors; there is nothing to measure then.
+        // A failing device reports it through its errors.
         let _ = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
     }
 }
 
-/// Everything a picture depends on besides what is loaded.
+/// Inputs of a drawn picture; a picture is drawn again when they change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Drawn {
     camera: Camera,
@@ -157,20 +158,20 @@ struct Drawn {
     generation: u64,
 }
 
-/// One picture.
+/// A picture of one side.
 pub struct Picture {
     egui: RenderState,
     gpu: Gpu,
-    /// Built when first needed: the window stands before the pipelines do.
+    /// Created at the first drawing, so that the window opens before the pipelines are built.
     renderer: Option<Renderer>,
     scene: Scene,
     content: Option<Content>,
     coming: Option<ComingCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
     borders: Vec<Segment>,
-    /// What the scene's floor shows, for the value under the cursor.
+    /// Floor grid and its shown values, for the value under the cursor.
     floor: Option<(Arc<FloorGrid>, Vec<f32>)>,
-    /// What egui knows the picture as, and which of the renderer's textures that is.
+    /// Texture id in egui, and the generation of the renderer's texture it refers to.
     texture: Option<(TextureId, u64)>,
     drawn: Option<Drawn>,
     generation: u64,
@@ -194,7 +195,7 @@ impl Picture {
         }
     }
 
-    /// Loads what is to be shown; does nothing where it is loaded already.
+    /// Loads the content; does nothing if it is loaded already.
     pub fn load(&mut self, content: Option<Content>) {
         if self.content == content {
             return;
@@ -221,7 +222,7 @@ impl Picture {
         });
         let floor = self.floor.as_ref().map(|(grid, heights)| (&**grid, heights.as_slice()));
         if self.shows_walls() {
-            // They stand where the floor would; it comes back when they go.
+            // Walls replace the floor; `load_flank` loads the floor again afterwards.
             self.content = content;
             self.generation += 1;
             return;
@@ -244,7 +245,7 @@ impl Picture {
         self.generation += 1;
     }
 
-    /// Shows curves of a flank plan, or none; does nothing where they are shown already.
+    /// Shows the passes of a flank plan, or none; does nothing if they are shown already.
     pub fn load_flank(&mut self, shown: Option<(Arc<FlankOutcome>, FlankColours)>) {
         let same = match (&self.flank, &shown) {
             (Some((a, colours)), Some((b, wanted))) => Arc::ptr_eq(a, b) && colours == wanted,
@@ -260,7 +261,7 @@ impl Picture {
         });
         self.scene.set_paths(&self.gpu, &lines.unwrap_or_default());
         if self.shows_walls() {
-            // The floor is to be loaded again.
+            // Forces the floor to be loaded again.
             self.scene.set_floor(&self.gpu, None, None);
             self.content = None;
         }
@@ -272,7 +273,7 @@ impl Picture {
         self.generation += 1;
     }
 
-    /// Lays a mesh over what is drawn, in the colours of its values, or nothing.
+    /// Draws a mesh over the scene, coloured by its values; `None` removes it.
     pub fn highlight(&mut self, mesh: Option<Mesh>) {
         match mesh {
             Some(mesh) => self.scene.set_values(&self.gpu, mesh),
@@ -281,12 +282,12 @@ impl Picture {
         self.generation += 1;
     }
 
-    /// What the standard views of it aim at.
+    /// Framing of the standard views.
     pub fn framing(&self) -> &Framing {
         self.scene.framing()
     }
 
-    /// Shows the cutters of a plan in the making in place of the plan's, or none of it.
+    /// Shows the preview cutters of a running plan instead of the plan's; `None`: no preview.
     pub fn load_coming(&mut self, coming: Option<&ComingCutters>) {
         let same = match (&self.coming, coming) {
             (Some(a), Some(b)) => Arc::ptr_eq(&a.plan, &b.plan) && a.judged == b.judged,
@@ -300,7 +301,7 @@ impl Picture {
         }
     }
 
-    /// Shows borders between sections as lines on the floor.
+    /// Shows section borders as lines on the floor.
     pub fn load_borders(&mut self, lines: Vec<Segment>) {
         if self.borders != lines {
             self.scene.set_borders(&self.gpu, &lines);
@@ -313,8 +314,8 @@ impl Picture {
         self.flank.as_ref().is_some_and(|(_, colours)| *colours == FlankColours::Walls)
     }
 
-    /// The image to show for a view of `size` physical pixels; draws only if something changed. While
-    /// `moving`, coarsely: a fast picture beats a smooth one under the hand.
+    /// The image for a view of `size` physical pixels; draws only if something changed. While `moving`, it
+    /// draws a coarse mesh without anti-aliasing, for speed.
     pub fn show(
         &mut self,
         camera: Camera,
@@ -350,17 +351,17 @@ impl Picture {
         self.texture.map(|(id, _)| id)
     }
 
-    /// Whether there is a picture at all.
+    /// Whether anything was drawn yet.
     pub fn has_drawn(&self) -> bool {
         self.drawn.is_some()
     }
 
-    /// Whether the picture on the screen is the fast one.
+    /// Whether the last picture was drawn coarsely.
     pub fn is_draft(&self) -> bool {
         self.drawn.is_some_and(|look| look.samples < 4)
     }
 
-    /// The same view in a size of its own, finely drawn.
+    /// The view drawn finely at `size` pixels.
     ///
     /// # Errors
     /// [`GpuError`] when the device fails.
@@ -372,12 +373,12 @@ impl Picture {
     ) -> Result<Pixels, GpuError> {
         let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&self.gpu));
         renderer.render(&self.gpu, &self.scene, camera, options, size.into(), 4);
-        // The texture on the screen is another one now.
+        // The renderer replaced the texture on the screen.
         self.drawn = None;
         renderer.read_rgba(&self.gpu)
     }
 
-    /// Position whose cutter is at a place of the view, in points from its corner.
+    /// Index of the position whose cutter is at `at`, in points from the view's corner.
     ///
     /// # Errors
     /// [`GpuError`] when the device fails.
@@ -392,21 +393,22 @@ impl Picture {
         renderer.pick(&self.gpu, &self.scene, camera, options, at, glam::vec2(size.x, size.y))
     }
 
-    /// What is at a place of the view, in points from its corner.
+    /// What the ray through `at` hits, in points from the view's corner.
     pub fn hit(&self, camera: &Camera, options: &SceneOptions, at: glam::Vec2, size: Vec2) -> Hit {
         let Some(pick) = self.scene.pick(camera, options, at, glam::vec2(size.x, size.y)) else {
             return Hit::default();
         };
-        // Inside the material there is no stock on the hub, and a cutter hides it.
+        // The cap of the section plane is inside the material: it has no residual stock.
         let on_hub = !pick.on_section && !self.shows_walls();
         let stock = if on_hub { self.stock_at(pick.point) } else { None };
         Hit { point: Some(pick.point), stock, deviation: pick.value, position: pick.position }
     }
 
-    /// Stock on the hub at a point of the hub, mm.
+    /// Stock on the hub near `point`, mm; `None` off the channel floor.
     pub fn stock_at(&self, point: Vec3) -> Option<f32> {
         let (grid, heights) = self.floor.as_ref()?;
-        // Every fourth cell either way finds the neighbourhood; the best cell is one of those around.
+        // Coarse-to-fine search for the nearest cell: every fourth cell in both directions, then those around
+        // the best.
         let far = |k: usize| Vec3::from_array(grid.points[k]).distance_squared(point);
         const STRIDE: usize = 4;
         let (mut best, mut nearest) = (None, f32::INFINITY);
@@ -422,7 +424,7 @@ impl Picture {
         let around = |k: usize, n: usize| k.saturating_sub(STRIDE)..(k + STRIDE + 1).min(n);
         let cells = around(i, grid.rows).flat_map(|i| around(j, grid.columns).map(move |j| (i, j)));
         let cell = cells.map(|(i, j)| i * grid.columns + j).min_by(|&a, &b| far(a).total_cmp(&far(b)))?;
-        // Further away than a few cells, the point is on another part of the wheel.
+        // Beyond a few cell widths the point is on another part of the wheel.
         let near = 16.0 * grid.areas[cell].max(1e-6);
         (far(cell) <= near && grid.floor[cell]).then(|| heights[cell]).filter(|h| h.is_finite())
     }

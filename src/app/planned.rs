@@ -1,4 +1,4 @@
-//! A plan with what the panels show of it, worked out once, off the UI thread.
+//! A plan with the data that the panels show, computed once, off the UI thread.
 
 use std::sync::Arc;
 
@@ -7,12 +7,12 @@ use crate::part::{AxisPolicy, Setup};
 use crate::plunge::{PlungePlan, Position};
 use crate::residual::{FloorGrid, ResidualField};
 
-/// Which of the two plans is shown.
+/// One of the two plans that are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Side {
     /// The conventional plan.
     Before,
-    /// The plan by the policy asked for.
+    /// The plan by the requested policy.
     #[default]
     After,
 }
@@ -26,7 +26,7 @@ impl Side {
         }
     }
 
-    /// Word on the switch.
+    /// Label on the switch.
     pub fn label(self) -> &'static str {
         match self {
             Self::Before => "Before",
@@ -35,21 +35,22 @@ impl Side {
     }
 }
 
-/// A finished plan.
+/// A finished plan with display data.
 #[derive(Clone, Debug)]
 pub struct Planned {
-    /// The setup as it was asked for: the plan is out of date when the edited one differs.
+    /// The setup as requested; the plan is stale when the edited setup differs.
     pub setup: Setup,
     /// The plan.
     pub outcome: Arc<PlanOutcome>,
-    /// Mean stock on the hub under each position's cutter, mm, by policy; NaN over no floor.
+    /// Mean residual stock on the hub under each position's cutter, mm, by policy; NaN without floor under
+    /// it.
     stock: Vec<(AxisPolicy, Vec<f32>)>,
-    /// Range of the colour scale that all policies share, mm.
+    /// Range of the colour scale, mm; the same for all policies.
     pub range: (f32, f32),
 }
 
 impl Planned {
-    /// Works out what the panels show.
+    /// Computes the display data of a plan.
     pub fn new(setup: Setup, outcome: PlanOutcome) -> Self {
         let under = |result: &PolicyResult| {
             let positions = result.plan.positions.iter();
@@ -70,7 +71,7 @@ impl Planned {
         self.stock.iter().any(|(known, _)| *known == policy)
     }
 
-    /// What a side shows where nobody chose.
+    /// Policy that a side shows unless the user chose another.
     pub fn default_policy(&self, side: Side) -> AxisPolicy {
         match side {
             Side::Before => self.outcome.before.plan.policy,
@@ -78,7 +79,7 @@ impl Planned {
         }
     }
 
-    /// Plan, field and summary of a policy; the "after" ones where it was not planned.
+    /// Plan, field and summary of a policy; those of the after side if it was not planned.
     pub fn result(&self, policy: AxisPolicy) -> &PolicyResult {
         let of = |result: &&PolicyResult| result.plan.policy == policy;
         self.outcome.policies().into_iter().find(of).unwrap_or(&self.outcome.after)
@@ -89,20 +90,20 @@ impl Planned {
         &self.result(policy).plan
     }
 
-    /// Mean stock on the hub under the cutter of position `index`, mm.
+    /// Mean residual stock on the hub under the cutter of position `index`, mm; NaN without floor under it.
     pub fn stock(&self, policy: AxisPolicy, index: usize) -> f32 {
         let of = self.stock.iter().find(|(known, _)| *known == policy);
         of.and_then(|(_, stock)| stock.get(index)).copied().unwrap_or(f32::NAN)
     }
 }
 
-/// Range of the scale: from none to the 98th percentile of what was cut, so that neither uncut
-/// floor nor one spike bleaches the rest; rounded up to a figure that reads well.
+/// Range of the colour scale: 0 to the 98th percentile over the machined floor, rounded up to a round value.
+/// Floor that is not machined and single spikes would otherwise flatten the colours.
 fn colour_range(grid: &FloorGrid, fields: [&ResidualField; 2]) -> (f32, f32) {
     let mut heights = Vec::new();
     for field in fields {
         let cells = field.heights.iter().zip(&grid.floor).zip(&grid.blank_heights);
-        // A sample is plenty for a percentile.
+        // Every seventh cell suffices for a percentile.
         heights.extend(cells.step_by(7).filter_map(|((&height, &floor), &blank)| {
             (floor && height.is_finite() && height < blank).then_some(height)
         }));
@@ -118,7 +119,7 @@ fn colour_range(grid: &FloorGrid, fields: [&ResidualField; 2]) -> (f32, f32) {
     (0.0, steps.iter().map(|s| s * decade).find(|&value| value >= top).unwrap_or(top))
 }
 
-/// Mean height over the floor cells under a cutter.
+/// Mean height of the floor cells under a cutter, mm.
 fn stock_under(outcome: &PlanOutcome, result: &PolicyResult, position: &Position) -> f32 {
     let (grid, field) = (&*outcome.grid, &result.field);
     let Some(radius) = result.plan.sections.get(position.section).map(|s| s.tool.radius() as f32) else {
@@ -136,7 +137,7 @@ fn stock_under(outcome: &PlanOutcome, result: &PolicyResult, position: &Position
     let near = |fraction: f64, n: usize| (fraction.clamp(0.0, 1.0) * (n - 1) as f64).round() as usize;
     let (i, j) = (near(position.s, grid.rows), near(position.lambda, grid.columns));
     let at = |i: usize, j: usize| grid.points[i * grid.columns + j];
-    // Cells to either side that the disc can reach, with room for tilt and curvature.
+    // Number of cells to either side within the disc, with a margin of 50 % for tilt and curvature.
     let reach = |a: [f32; 3], b: [f32; 3]| (1.5 * radius / distance(a, b).max(1e-3)).ceil() as usize;
     let i1 = if i + 1 < grid.rows { i + 1 } else { i - 1 };
     let j1 = if j + 1 < grid.columns { j + 1 } else { j - 1 };

@@ -1,4 +1,4 @@
-//! The menu under the pointer: what a right click in a 3D view offers.
+//! The context menu of a 3D view.
 
 use egui::{Popup, Ui};
 
@@ -10,10 +10,10 @@ use super::overlay;
 use super::view3d::pixel;
 use super::viewport::Pane;
 
-/// What can be done with the position under the pointer.
+/// Commands for the position under the pointer.
 const WITH_POSITION: [Command; 4] =
     [Command::ShowInTable, Command::OpenSection, Command::ScrubHere, Command::FlyToSelection];
-/// What can be done anywhere.
+/// Commands that do not need a position.
 const VIEWS: [Command; 7] = [
     Command::Fit,
     Command::ViewIso,
@@ -25,8 +25,8 @@ const VIEWS: [Command; 7] = [
 ];
 
 impl App {
-    /// Opens the menu at a right click, on the position under it if there is one, and does what is chosen from it.
-    /// A drag with the right button is no click.
+    /// Opens the context menu at a right click, selects the position under it, and runs the chosen command. A
+    /// drag with the right button is not a click.
     pub(super) fn point_menu(&mut self, panes: &[Pane], camera: &Camera) {
         let clicked = panes.iter().find_map(|pane| {
             let at = pane.response.interact_pointer_pos().filter(|_| pane.response.secondary_clicked())?;
@@ -41,7 +41,7 @@ impl App {
             if self.state.look.side != pane.side {
                 self.state.show(pane.side);
             }
-            // What the menu says of a position it says of the selected one.
+            // The menu's commands act on the selected position.
             if hit.position.is_some() {
                 self.state.look.select(hit.position);
             }
@@ -95,7 +95,7 @@ impl App {
         chosen
     }
 
-    /// Where a measurement begins: at the point of the menu, else at the tip of the selected position.
+    /// Start of a measurement: the right-clicked point, else the tip of the selected position, mm.
     pub(super) fn place_to_measure(&self) -> Option<glam::Vec3> {
         let tip =
             || self.state.selected().map(|p| glam::vec3(p.tip.x as f32, p.tip.y as f32, p.tip.z as f32));

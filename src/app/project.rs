@@ -1,5 +1,5 @@
-//! The project: what is open as a file and back, copies that survive a crash, and the question before something
-//! unsaved would be lost.
+//! The project: conversion to and from a file, recovery copies, and the question before unsaved changes are
+//! discarded.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -21,13 +21,13 @@ use super::look::REVEAL;
 use super::planned::Side;
 use super::state::{Problem, State};
 
-/// A copy is written this long after the last change.
+/// Delay of the recovery copy after the last change.
 const COPY_AFTER: Duration = Duration::from_secs(2);
 
-/// What waits until something unsaved is saved or given up.
+/// Action that waits until unsaved changes are saved or discarded.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Pending {
-    /// Begin anew.
+    /// Start a new project.
     New,
     /// Open a file.
     Open(PathBuf),
@@ -37,29 +37,29 @@ pub(super) enum Pending {
     Quit,
 }
 
-/// What is kept of the session besides the state.
+/// State of the session that is not part of [`State`].
 #[derive(Default)]
 pub(super) struct Session {
     home: Option<Home>,
-    /// What the copy on the disk holds.
+    /// Content of the recovery copy on disk.
     copied: Option<Edited>,
-    /// What was edited last, and when: copies wait until it rests.
+    /// Last seen content and the time of its change, s: a copy waits until it is stable.
     edited: Option<(Edited, f64)>,
     pending: Option<Pending>,
-    /// What to do once the project is written.
+    /// Action to run once the project is written.
     after_saving: Option<Pending>,
-    /// Set once closing is agreed.
+    /// Whether closing was confirmed.
     closing: bool,
 }
 
 impl Session {
-    /// Whether a question is open.
+    /// Whether the question about unsaved changes is open.
     pub(super) fn is_asking(&self) -> bool {
         self.pending.is_some()
     }
 }
 
-/// The project that is open; `None` while no part is.
+/// The open project; `None` while no part is open.
 fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
     let part = state.document.part.as_ref()?;
     let edited = &state.document.edited;
@@ -98,13 +98,13 @@ fn viewpoint(camera: &Camera) -> Viewpoint {
     }
 }
 
-/// What a project holds to be edited.
+/// Setup and variants of a project.
 pub(super) fn edited_of(project: &Project) -> Edited {
     let sets = project.sets.iter().map(|set| WhatIf { name: set.name.clone(), setup: set.setup.clone() });
     Edited { setup: project.setup.clone(), sets: sets.collect() }
 }
 
-/// Where a project's part is.
+/// Source of a project's part.
 pub(super) fn source_of(project: &Project) -> PartSource {
     match &project.part {
         PartPlace::File(path) => PartSource::File(path.clone()),
@@ -114,7 +114,7 @@ pub(super) fn source_of(project: &Project) -> PartSource {
 }
 
 impl App {
-    /// Keeps recent projects, copies that survive a crash and the user's habits in `folder`.
+    /// Sets the folder for recent projects, recovery copies and preferences, and reads them.
     pub fn set_home(&mut self, folder: PathBuf) {
         let home = Home::new(folder);
         self.state.recents = home.recents();
@@ -123,14 +123,14 @@ impl App {
         self.session.home = Some(home);
     }
 
-    /// Keeps how the user likes the window for the next start.
+    /// Stores the preferences for the next start.
     pub(super) fn note_habits(&self) {
         if let Some(home) = &self.session.home {
             home.note_habits(&Habits { mouse: self.state.look.mouse });
         }
     }
 
-    /// Does something that closes what is open: at once, or after the user was asked what becomes of it.
+    /// Runs an action that closes the open project; asks first if there are unsaved changes.
     pub(super) fn guarded(&mut self, ctx: &Context, pending: Pending) {
         if self.state.document.is_unsaved() {
             self.session.pending = Some(pending);
@@ -159,7 +159,7 @@ impl App {
         self.session.copied = None;
     }
 
-    /// Asks before the window closes over something unsaved.
+    /// Intercepts closing the window while there are unsaved changes.
     pub(super) fn watch_closing(&mut self, ctx: &Context) {
         if ctx.input(|input| input.viewport().close_requested()) && !self.session.closing {
             if self.state.document.is_unsaved() {
@@ -171,19 +171,19 @@ impl App {
         }
     }
 
-    /// Draws the question, while it is open.
+    /// Draws the question about unsaved changes, while it is open.
     pub(super) fn ask_unsaved(&mut self, ui: &Ui) {
         let Some(pending) = self.session.pending.clone() else { return };
         let (mut save, mut discard, mut cancel) = (false, false, false);
         let modal = Modal::new(egui::Id::unique("unsaved")).show(ui.ctx(), |ui| {
             ui.set_width(320.0);
             ui.label(RichText::new("Save the changes of this project?").strong());
-            ui.label("What is not saved is lost.");
+            ui.label("Unsaved changes will be lost.");
             ui.add_space(8.0);
             ui.horizontal(|ui| {
                 save = ui.button("Save").clicked();
-                discard = ui.button("Do not save").clicked();
-                cancel = ui.button("Keep working").clicked();
+                discard = ui.button("Don't save").clicked();
+                cancel = ui.button("Cancel").clicked();
             });
         });
         if save {
@@ -198,7 +198,7 @@ impl App {
         }
     }
 
-    /// Saves the project where it is, or asks where it should go.
+    /// Saves the project to its file, or asks for one.
     pub(super) fn save_project(&mut self, ctx: &Context) {
         match self.state.document.path.clone() {
             Some(path) => self.write_project(path),
@@ -206,7 +206,7 @@ impl App {
         }
     }
 
-    /// Name offered for the project.
+    /// Proposed file name of the project.
     pub(super) fn suggest_project(&self) -> String {
         let name = self.state.document.part.as_ref().map_or("project", |part| part.impeller.name.as_str());
         format!("{name}.{EXTENSION}")
@@ -221,7 +221,7 @@ impl App {
         }
     }
 
-    /// A project is on the disk.
+    /// Records that a project was written, and continues with the pending action.
     pub(super) fn note_saved(&mut self, ctx: &Context, path: PathBuf, edited: Edited) {
         self.note_recent(&path);
         self.state.document.note_saved(path, edited);
@@ -236,14 +236,14 @@ impl App {
         }
     }
 
-    /// Puts a project at the head of the recent ones.
+    /// Moves a project to the front of the recent projects.
     pub(super) fn note_recent(&mut self, path: &Path) {
         if let Some(home) = &self.session.home {
             self.state.recents = home.note_recent(path);
         }
     }
 
-    /// Puts everything a project holds besides part and setup in its place; the part is open already.
+    /// Restores figures, view and selection of a project whose part and setup are open already.
     pub(super) fn take_project(&mut self, path: PathBuf, project: &Project) {
         for set in &project.sets {
             if let Some(figures) = set.figures {
@@ -258,7 +258,7 @@ impl App {
             camera.projection = if v.parallel { Projection::Orthographic } else { Projection::Perspective };
             self.view.restore(camera);
         }
-        // The plan that follows keeps what it has of this.
+        // The next plan keeps the selection if it has that position.
         let Chosen { before, position, cut } = project.chosen;
         let look = &mut self.state.look;
         look.side = if before { Side::Before } else { Side::After };
@@ -267,17 +267,17 @@ impl App {
         let part = self.state.document.part.as_ref();
         if part.is_some_and(|part| part.hash != project.part_hash) {
             self.state.fault(Problem::new(
-                format!("{}: the part changed since the project was saved", path.display()),
-                "check setup and sets, then save the project again",
+                format!("{}: the part changed after the project was saved", path.display()),
+                "check setup and variants, then save the project again",
             ));
         }
         let recovered = self.state.recoverable.contains(&path);
         if recovered {
             self.state.document.path.clone_from(&project.original);
             self.state.document.mark_unsaved();
-            self.state.done("Recovered what the last session had not saved; save it to keep it");
+            self.state.done("Recovered unsaved changes of the last session; save the project to keep them");
             self.copy_now();
-            // Its content is this session's now, and in this session's copy.
+            // The content is now in this session's own recovery copy.
             if self.session.copied.is_some() {
                 self.drop_recoverable(&path);
             }
@@ -286,14 +286,14 @@ impl App {
         }
     }
 
-    /// Gives up what a session left behind.
+    /// Discards a recovery copy of another session.
     pub(super) fn drop_recoverable(&mut self, path: &Path) {
         self.state.recoverable.retain(|known| known != path);
-        // It may be gone already.
+        // The file may be gone already.
         let _ = std::fs::remove_file(path);
     }
 
-    /// Writes the copy that survives a crash, once the changes have come to rest. To be called once a frame.
+    /// Writes the recovery copy once the content is stable. Call once per frame.
     pub(super) fn keep_copy(&mut self, ctx: &Context) {
         if self.session.home.is_none() || !self.state.document.is_unsaved() {
             return;
@@ -319,7 +319,7 @@ impl App {
         }
     }
 
-    /// Writes the copy that survives a crash. Small, and so rare that the window may wait for it.
+    /// Writes the recovery copy, on the UI thread: it is small and written rarely.
     pub(super) fn copy_now(&mut self) {
         let Some(home) = &self.session.home else { return };
         let Some(mut project) = project(&self.state, self.view.current()) else { return };
@@ -327,7 +327,7 @@ impl App {
         match home.write_copy(&write_project(&project, home.copy())) {
             Ok(()) => self.session.copied = Some(self.state.document.edited.clone()),
             Err(error) => {
-                // Said once: the next try comes with the next change.
+                // Report the error once; the next change tries again.
                 self.session.copied = Some(self.state.document.edited.clone());
                 self.state.fault(Problem::from(&error));
             }

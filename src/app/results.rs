@@ -1,4 +1,4 @@
-//! What was computed: the latest good plan, and the figures of sets that were planned before.
+//! Results: the latest plans, and the figures of setups that were planned before.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::part::Setup;
 use super::coming::Coming;
 use super::planned::Planned;
 
-/// What a plan came to.
+/// Figures of a plan.
 fn figures_of(summary: &Summary) -> Figures {
     Figures {
         positions: summary.positions,
@@ -22,25 +22,25 @@ fn figures_of(summary: &Summary) -> Figures {
     }
 }
 
-/// Figures kept at most; the oldest go first.
+/// Maximum number of setups with stored figures; the oldest are dropped first.
 const MOST_FIGURES: usize = 64;
 
-/// Everything computed of the part that is open.
+/// Everything computed for the open part.
 #[derive(Debug, Default)]
 pub struct Results {
-    /// Latest good plan.
+    /// Latest successful plan.
     pub planned: Option<Arc<Planned>>,
-    /// What is known of the plan in the making, while there is one.
+    /// Preview of the running plan, if there is one.
     pub coming: Option<Arc<Coming>>,
-    /// Latest good flank plan.
+    /// Latest successful flank plan.
     pub flank: Option<Arc<FlankOutcome>>,
     figures: Vec<(Setup, Figures)>,
 }
 
 impl Results {
-    /// Takes a plan in, and notes its figures once it is finished.
+    /// Stores a plan, and its figures if it is finished.
     pub fn take(&mut self, planned: Planned) {
-        // What a cancel left of a plan is not what its setup comes to.
+        // Figures of a cancelled plan would be misleading.
         if !planned.is_unfinished() {
             self.note(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
         }
@@ -48,7 +48,7 @@ impl Results {
         self.coming = None;
     }
 
-    /// Notes what a setup comes to.
+    /// Stores the figures of a setup.
     pub fn note(&mut self, setup: Setup, figures: Figures) {
         self.figures.retain(|(known, _)| *known != setup);
         if self.figures.len() >= MOST_FIGURES {
@@ -57,7 +57,7 @@ impl Results {
         self.figures.push((setup, figures));
     }
 
-    /// What a setup came to, if it was planned.
+    /// Figures of a setup, if it was planned.
     pub fn figures(&self, setup: &Setup) -> Option<Figures> {
         self.figures.iter().find(|(known, _)| known == setup).map(|(_, figures)| *figures)
     }

@@ -1,5 +1,5 @@
-//! Starting the window: Vulkan only, a real card before the software driver, and a readable error
-//! where there is no display or no Vulkan.
+//! Starting the window: Vulkan only, hardware before the software driver, and a readable error if there is no
+//! display or no Vulkan.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,44 +13,48 @@ use super::App;
 use super::engine::Engine;
 use super::handover::WayOut;
 
-/// Name of the window's folder and of the window to the desktop.
+/// Application id: name of the data folder and of the window to the desktop.
 const APP_ID: &str = "vanecut";
 
-/// Why there is no window.
+/// Reason why the window did not open.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
-    /// Neither X11 nor Wayland.
+    /// Neither an X11 nor a Wayland display is set.
     #[error(
-        "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)"
+        "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or use the commands \
+         without a window (vanecut help)"
     )]
     NoDisplay,
-    /// There should be a display, but it does not answer.
+    /// The display does not respond.
     #[error(
-        "the display {0} cannot be opened; check DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)"
+        "the display {0} cannot be opened; check DISPLAY or WAYLAND_DISPLAY, or use the commands without \
+         a window (vanecut help)"
     )]
     DeadDisplay(String),
     /// No usable Vulkan driver.
     #[error(
-        "Vulkan does not start ({0}); install a driver (on Debian: apt install libvulkan1 mesa-vulkan-drivers)"
+        "Vulkan does not start ({0}); install a driver (on Debian: apt install libvulkan1 \
+         mesa-vulkan-drivers)"
     )]
     NoVulkan(String),
-    /// Anything else the window system says.
+    /// Any other error of the window system.
     #[error("the window does not open ({0}); see the README for the packages it needs")]
     Window(String),
-    /// The device was lost, and there is none to go on with.
+    /// The device was lost, and the window did not open again.
     #[error(
-        "the graphics device was lost ({reason}), and the window does not open again ({error}); the next start offers what was not saved"
+        "the graphics device was lost ({reason}), and the window does not open again ({error}); the next \
+         start offers to recover unsaved changes"
     )]
     Lost {
-        /// What the device said.
+        /// Error message of the device.
         reason: String,
-        /// Why there is no window.
+        /// Reason why the window did not open.
         error: String,
     },
 }
 
-/// Opens the window, with `initial` (a part or a setup file) in it, and returns when it is closed. When the graphics
-/// device is lost, it opens once more with the software driver, and everything is as it was.
+/// Opens the window with the file `initial`, and returns when it is closed. When the graphics device is lost,
+/// the window opens once more with the software driver and the same state.
 ///
 /// # Errors
 /// [`AppError`] when there is no display, no Vulkan, or the window system refuses.
@@ -82,7 +86,7 @@ pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
     again.map_err(|error| AppError::Lost { reason, error: error.to_string() })
 }
 
-/// Opens a window of `size` points, on the software driver alone if `software`, and returns when it is closed.
+/// Opens a window of `size` points, with the software driver if `software`, and returns when it is closed.
 fn open(
     size: Option<egui::Vec2>,
     software: bool,
@@ -108,15 +112,15 @@ fn has_display() -> bool {
     !display().is_empty()
 }
 
-/// What the environment names as display; empty when it names none.
+/// Display that the environment names; empty if none.
 fn display() -> String {
     let named = ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].iter().filter_map(std::env::var_os);
     let named: Vec<String> = named.map(|value| value.to_string_lossy().into_owned()).collect();
     named.into_iter().find(|value| !value.is_empty()).unwrap_or_default()
 }
 
-/// Vulkan only: without a Vulkan driver eframe would silently take OpenGL, which draws other pixels
-/// and has no compute.
+/// Device setup for Vulkan only: without a Vulkan driver eframe would silently use OpenGL, which draws
+/// different pixels and has no compute shaders.
 fn wgpu_setup(software: bool) -> WgpuSetupCreateNew {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     setup.instance_descriptor.backends = wgpu::Backends::VULKAN;

@@ -1,5 +1,5 @@
-//! What is worked out in the background for what is looked at: stock at a place of the timeline, and the section
-//! through the selected position.
+//! Background computations for the display: stock at a timeline position, and the sectional view through the
+//! selected position.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::latest::Latest;
 use super::planned::{Planned, Side};
 use super::state::State;
 
-/// A place in a plan: the first `count` positions, or position `count`.
+/// A request about a plan: its first `count` positions, or the position with index `count`.
 #[derive(Clone)]
 pub(super) struct Place {
     planned: Arc<Planned>,
@@ -25,7 +25,7 @@ impl PartialEq for Place {
     }
 }
 
-/// Stock at a place of the timeline, on the sides that are shown.
+/// Stock at the timeline position, for the visible sides.
 pub(super) struct Scrubbed(Latest<Vec<Place>, Vec<Arc<Vec<f32>>>>);
 
 impl Scrubbed {
@@ -39,7 +39,7 @@ impl Scrubbed {
         Self(Latest::new("scrub", ctx, move |places: &Vec<Place>| places.iter().map(after).collect()))
     }
 
-    /// Asks for what the timeline shows.
+    /// Requests the stock at the timeline position.
     pub(super) fn follow(&mut self, state: &State) {
         let places = state.look.cut.map(|count| {
             let sides = [Side::Before, Side::After].into_iter().filter(|&side| state.shows(side));
@@ -51,12 +51,12 @@ impl Scrubbed {
         self.0.follow(places);
     }
 
-    /// Whether something is on its way.
+    /// Whether a request is being computed.
     pub(super) fn is_busy(&self) -> bool {
         self.0.is_busy()
     }
 
-    /// Heights of a plan at the latest place that is ready; `None` before the first.
+    /// Heights per cell of a plan, mm, of the latest finished request; `None` before the first.
     pub(super) fn heights(&self, planned: &Arc<Planned>, policy: AxisPolicy) -> Option<Arc<Vec<f32>>> {
         let (places, heights) = self.0.answer()?;
         let of = |place: &Place| place.policy == policy && Arc::ptr_eq(&place.planned, planned);
@@ -64,7 +64,7 @@ impl Scrubbed {
     }
 }
 
-/// The section through the selected position.
+/// The sectional view through the selected position.
 pub(super) struct Inspected(Latest<Place, Option<Arc<SectionView>>>);
 
 impl Inspected {
@@ -80,7 +80,7 @@ impl Inspected {
         Self(Latest::new("section", ctx, look))
     }
 
-    /// Asks for the section through the selected position.
+    /// Requests the sectional view through the selected position.
     pub(super) fn follow(&mut self, state: &State) {
         let place = state.shown().zip(state.look.selected).map(|(shown, count)| Place {
             planned: Arc::clone(shown.planned),
@@ -90,12 +90,12 @@ impl Inspected {
         self.0.follow(place);
     }
 
-    /// Whether something is on its way.
+    /// Whether a request is being computed.
     pub(super) fn is_busy(&self) -> bool {
         self.0.is_busy()
     }
 
-    /// The latest section that is ready, and the position it goes through.
+    /// The latest finished sectional view, and the index of its position.
     pub(super) fn section(&self) -> Option<(usize, Arc<SectionView>)> {
         let (place, view) = self.0.answer()?;
         view.as_ref().map(|view| (place.count, Arc::clone(view)))

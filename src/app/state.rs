@@ -1,5 +1,4 @@
-//! The window's state in three rooms: what is edited, what was computed, how it is looked at; and the rules
-//! between them. No drawing.
+//! The window's state: the document, the results and the look, with the rules that connect them. No drawing.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,69 +17,69 @@ use super::planned::{Planned, Side};
 use super::results::Results;
 use super::theme::Condition;
 
-/// Positions a running timeline cuts in a second.
+/// Positions that a playing timeline cuts per second.
 pub const PLAY_RATE: f64 = 15.0;
 
-/// How a line of the status bar is meant.
+/// Kind of a status bar message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
     /// Something was done.
     Done,
-    /// Something did not work; the text says what to do.
+    /// Something failed; the text says what to do.
     Fault,
 }
 
-/// The latest message.
+/// A message of the status bar.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// How it is meant.
+    /// Kind of the message.
     pub tone: Tone,
     /// One line.
     pub text: String,
 }
 
-/// Everything but the drawing.
+/// The state of the window, apart from drawing.
 pub struct State {
     /// What is edited.
     pub document: Document,
     /// What was computed.
     pub results: Results,
-    /// How it is looked at.
+    /// How it is displayed.
     pub look: Look,
     /// Whether all policies are planned, for comparison.
     pub compare: bool,
-    /// Whether edits are planned as they come.
+    /// Whether every edit is planned at once.
     pub follow: bool,
-    /// What went wrong and was not dismissed yet, oldest first.
+    /// Problems not dismissed yet, oldest first.
     pub problems: Vec<Problem>,
-    /// Projects a session that ended badly left behind.
+    /// Recovery copies of sessions that ended without closing.
     pub recoverable: Vec<PathBuf>,
-    /// Projects opened lately, latest first.
+    /// Recently opened projects, latest first.
     pub recents: Vec<PathBuf>,
     /// Latest message.
     pub notice: Option<Notice>,
-    /// What is being opened.
+    /// Part that is being opened.
     pub opening: Option<PartSource>,
 }
 
-/// Something that went wrong.
+/// A problem shown until it is dismissed or solved.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// What, and where.
+    /// What is wrong, and where.
     pub what: String,
-    /// What to do about it; empty where nothing can be done.
+    /// What to do about it; may be empty.
     pub cure: String,
-    /// Whether it is of the plan, and gone with the next one that succeeds.
+    /// Whether planning caused it; the next successful plan removes it.
     pub of_plan: bool,
 }
 
 impl Problem {
-    /// One that stays until it is dismissed.
+    /// A problem that stays until it is dismissed.
     pub fn new(what: impl Into<String>, cure: impl Into<String>) -> Self {
         Self { what: what.into(), cure: cure.into(), of_plan: false }
     }
 
-    /// One of the plan.
+    /// A problem of planning, which the next successful plan removes.
     pub fn of_plan(what: impl Into<String>, cure: impl Into<String>) -> Self {
         Self { of_plan: true, ..Self::new(what, cure) }
     }
@@ -93,7 +92,7 @@ impl From<&InputError> for Problem {
     }
 }
 
-/// Problems kept at most.
+/// Maximum number of problems kept.
 const MOST_PROBLEMS: usize = 5;
 
 impl Default for State {
@@ -116,9 +115,9 @@ impl Default for State {
 /// A plan that is shown.
 #[derive(Clone, Copy, Debug)]
 pub struct Shown<'a> {
-    /// The plans it is one of.
+    /// The set of plans it belongs to.
     pub planned: &'a Arc<Planned>,
-    /// Which one.
+    /// Policy of the plan.
     pub policy: AxisPolicy,
 }
 
@@ -128,14 +127,14 @@ impl<'a> Shown<'a> {
         self.planned.plan(self.policy)
     }
 
-    /// Mean stock on the hub under a position's cutter, mm.
+    /// Mean residual stock on the hub under a position's cutter, mm.
     pub fn stock(&self, position: usize) -> f32 {
         self.planned.stock(self.policy, position)
     }
 }
 
 impl State {
-    /// Whether the setup was edited after the plan that is shown was asked for.
+    /// Whether the setup was edited after the last plan was requested.
     pub fn out_of_date(&self) -> bool {
         self.results
             .planned
@@ -143,7 +142,7 @@ impl State {
             .is_some_and(|planned| !planned.setup.same_but_for_flank(&self.document.edited.setup))
     }
 
-    /// Takes a part in with what belongs to it; the plan of another part goes.
+    /// Replaces the open part and its document; results of the previous part are dropped.
     pub fn open(&mut self, part: OpenPart, edited: Edited, path: Option<PathBuf>) {
         self.document.begin(part, edited, path);
         self.results = Results::default();
@@ -152,7 +151,7 @@ impl State {
         self.notice = None;
     }
 
-    /// Closes what is open.
+    /// Closes the open part.
     pub fn close(&mut self) {
         self.document = Document::default();
         self.results = Results::default();
@@ -161,8 +160,8 @@ impl State {
         self.notice = None;
     }
 
-    /// Takes a plan in. The selection stays where the new plan still has that position. What a cancel left of a plan takes
-    /// no finished one's place of the same setup.
+    /// Stores a plan. The selection is kept if the new plan has that position. An unfinished plan does not
+    /// replace a finished one of the same setup.
     pub fn take_plan(&mut self, planned: Planned) {
         let unfinished = planned.is_unfinished();
         let has_better =
@@ -176,17 +175,17 @@ impl State {
         self.problems.retain(|problem| !problem.of_plan);
         self.notice = None;
         if unfinished {
-            self.done("Planning cancelled: the best so far, not finished; plan again (F5)");
+            self.done("Calculation cancelled: the best so far, not finished; recalculate (F5)");
         }
     }
 
-    /// Planning was cancelled, and nothing new came of it.
+    /// Reports that planning was cancelled without a new plan.
     pub fn plan_cancelled(&mut self) {
-        let kept = if self.results.planned.is_some() { "; the plan before stays" } else { "" };
-        self.done(format!("Planning cancelled{kept}"));
+        let kept = if self.results.planned.is_some() { "; the last plan is kept" } else { "" };
+        self.done(format!("Calculation cancelled{kept}"));
     }
 
-    /// Takes a flank plan in, and shows it.
+    /// Stores a flank plan and shows it.
     pub fn take_flank(&mut self, outcome: FlankOutcome) {
         self.results.flank = Some(Arc::new(outcome));
         self.look.flank.shown = true;
@@ -194,7 +193,8 @@ impl State {
         self.notice = None;
     }
 
-    /// Greatest over- or undercut of the walls, mm, while the view shows it in place of the stock on the hub.
+    /// Largest over- or undercut of the walls, mm, while the view shows the walls instead of the stock on the
+    /// hub.
     pub fn shown_deviation(&self) -> Option<f32> {
         let look = self.look.flank;
         let plan =
@@ -202,12 +202,12 @@ impl State {
         Some((plan.max_overcut().max(plan.max_undercut()) as f32).max(1e-3))
     }
 
-    /// Whether the flank plan was made with other allowances, another cutter or other fields than there are now.
+    /// Whether allowances, tool or flank fields were edited after the flank plan was requested.
     pub fn flank_is_stale(&self) -> bool {
         let Some(outcome) = &self.results.flank else { return false };
         let now = &self.document.edited.setup;
         let mut asked = outcome.setup.clone();
-        // What was chosen for the plan is no difference.
+        // A tool that was chosen automatically does not count as a difference.
         if now.flank.tool.is_none() {
             asked.flank.tool = None;
         }
@@ -216,26 +216,26 @@ impl State {
             || !now.tools.is_empty() && !now.tools.contains(&outcome.plan.tool)
     }
 
-    /// Policy that a side shows; the default where the plan has no other.
+    /// Policy that a side shows; `None` before there is a plan.
     pub fn policy(&self, side: Side) -> Option<AxisPolicy> {
         self.on(side).map(|shown| shown.policy)
     }
 
-    /// Plan on a side: that of the plan in the making once it is finished there, till then the one before.
+    /// Plan on a side: the running task's once that side is finished, otherwise the last whole plan.
     pub fn on(&self, side: Side) -> Option<Shown<'_>> {
         let coming = self.results.coming.as_ref().and_then(|coming| coming.planned.as_ref());
         let finished = coming.zip(self.awaited(side)).filter(|(planned, policy)| planned.has(*policy));
         finished.map(|(planned, policy)| Shown { planned, policy }).or_else(|| self.before_edit(side))
     }
 
-    /// The last whole plan on a side, older than the setup while another is in the making.
+    /// The last whole plan on a side; it may be older than the setup.
     pub fn before_edit(&self, side: Side) -> Option<Shown<'_>> {
         let planned = self.results.planned.as_ref()?;
         let wished = self.look.policies[side as usize].filter(|&policy| planned.has(policy));
         Some(Shown { planned, policy: wished.unwrap_or_else(|| planned.default_policy(side)) })
     }
 
-    /// Policy that a side waits for while a plan is in the making.
+    /// Policy that a side will show when the running task finishes.
     fn awaited(&self, side: Side) -> Option<AxisPolicy> {
         let coming = self.results.coming.as_ref()?;
         let default = match side {
@@ -245,7 +245,7 @@ impl State {
         Some(self.look.policies[side as usize].unwrap_or(default))
     }
 
-    /// Cutters of the plan in the making that a side shows in place of those of the plan before.
+    /// Preview cutters that a side shows instead of those of the last plan.
     pub fn coming_on(&self, side: Side) -> Option<&ComingCutters> {
         let (coming, policy) = self.results.coming.as_ref().zip(self.awaited(side))?;
         if coming.planned.as_ref().is_some_and(|planned| planned.has(policy)) {
@@ -260,12 +260,12 @@ impl State {
         self.on(side).is_some_and(stale)
     }
 
-    /// Whether a side is on the screen.
+    /// Whether a side is visible.
     pub fn shows(&self, side: Side) -> bool {
         self.look.arrangement != Arrangement::One || self.look.side == side
     }
 
-    /// Plan that is shown, and that table and section speak of.
+    /// Plan of the active side, which table and sectional view describe.
     pub fn shown(&self) -> Option<Shown<'_>> {
         self.on(self.look.side)
     }
@@ -275,12 +275,12 @@ impl State {
         self.shown()?.plan().positions.get(self.look.selected?)
     }
 
-    /// Number of positions of the plan that is shown.
+    /// Number of positions of the shown plan.
     pub fn position_count(&self) -> usize {
         self.shown().map_or(0, |shown| shown.plan().positions.len())
     }
 
-    /// Shows the other side, and there the same number if it exists.
+    /// Makes `side` active; the selection is kept if that plan has the position.
     pub fn show(&mut self, side: Side) {
         self.look.side = side;
         self.keep_within_plan();
@@ -288,7 +288,7 @@ impl State {
 
     /// Ends of the colour scale, mm.
     pub fn range(&self) -> (f32, f32) {
-        // The plan in the making does not move the scale of the one before.
+        // A running task does not change the scale of the last plan.
         let fitting = || {
             let first = || self.on(self.look.side).map(|shown| shown.planned.range);
             self.results.planned.as_ref().map(|planned| planned.range).or_else(first).unwrap_or((0.0, 1.0))
@@ -302,7 +302,7 @@ impl State {
         self.look.cut = self.look.cut.map(|cut| cut.min(count));
     }
 
-    /// Positions that pass the filter, in the order of the table.
+    /// Positions that pass the filter, in table order.
     pub fn rows(&self) -> Vec<usize> {
         let Some(shown) = self.shown() else { return Vec::new() };
         let plan = shown.plan();
@@ -321,7 +321,7 @@ impl State {
                     Column::Diameter => plan.sections.get(p.section).map_or(0.0, |s| s.tool.diameter),
                     Column::Alpha => p.alpha,
                     Column::Contact => p.contact.depth,
-                    // No floor under the cutter: at the end that nobody looks for.
+                    // Without floor under the cutter: sort as the smallest.
                     Column::Hub => Some(shown.stock(k)).filter(|s| s.is_finite()).map_or(-1.0, f64::from),
                 };
                 (key, k)
@@ -335,7 +335,7 @@ impl State {
         rows.into_iter().map(|(_, k)| k).collect()
     }
 
-    /// Brings the selected position into sight in the table, past the filter if that hides it.
+    /// Scrolls the table to the selected position; clears a filter that hides it.
     pub fn show_in_table(&mut self) {
         if self.look.selected.is_some_and(|k| !self.rows().contains(&k)) {
             self.look.filter = Filter::All;
@@ -343,7 +343,7 @@ impl State {
         self.look.reveal_selection = REVEAL;
     }
 
-    /// Selects the row `step` below the selected one, as the table is filtered and sorted; it ends at the ends.
+    /// Selects the row `step` below the selected one in table order, clamped to the first and last row.
     pub fn step_row(&mut self, step: isize) {
         let rows = self.rows();
         let Some(last) = rows.len().checked_sub(1) else { return };
@@ -355,7 +355,7 @@ impl State {
         self.look.visit(rows.get(next).copied());
     }
 
-    /// Selects the next interferential position in cutting order, or the one before; around the end.
+    /// Selects the next or previous interfering plunge in cutting order, with wrap-around.
     pub fn step_fault(&mut self, forward: bool) {
         let Some(shown) = self.shown() else { return };
         let positions = shown.plan().positions.iter().enumerate();
@@ -370,8 +370,8 @@ impl State {
         self.look.visit(Some(next));
     }
 
-    /// Moves the timeline by `step` positions and selects what is cut last there. Where it stood at the end with
-    /// a position selected, it starts from that.
+    /// Moves the timeline by `step` positions and selects the position cut last. From the end it starts at
+    /// the selected position, if there is one.
     pub fn step_cut(&mut self, step: isize) {
         let count = self.position_count();
         if count == 0 {
@@ -384,7 +384,7 @@ impl State {
         self.set_cut(Some(now.saturating_add_signed(step).min(count)));
     }
 
-    /// Puts the timeline after `cut` positions; `None`: the end, with the selection as it is.
+    /// Sets the timeline to after `cut` positions; `None`: the end, with the selection unchanged.
     pub fn set_cut(&mut self, cut: Option<usize>) {
         let count = self.position_count();
         self.look.cut = cut.map(|cut| cut.min(count));
@@ -394,7 +394,7 @@ impl State {
         }
     }
 
-    /// Starts the timeline, from the blank where it stands at the end, or stops it. `time` in seconds.
+    /// Starts or stops playing; starts from the blank when the timeline is at the end. `time` in seconds.
     pub fn play(&mut self, time: f64) {
         if self.look.playing.take().is_some() || self.position_count() == 0 {
             return;
@@ -405,7 +405,7 @@ impl State {
         self.look.playing = Some(time);
     }
 
-    /// Moves a running timeline on; returns the seconds until it moves again.
+    /// Advances a playing timeline; returns the seconds until its next step.
     pub fn advance(&mut self, time: f64) -> Option<f64> {
         let since = self.look.playing?;
         let steps = ((time - since) * PLAY_RATE).floor().clamp(0.0, 1e6);
@@ -419,12 +419,12 @@ impl State {
         self.look.playing.map(|since| (since + 1.0 / PLAY_RATE - time).max(0.0))
     }
 
-    /// Says that something was done.
+    /// Reports success in the status bar.
     pub fn done(&mut self, text: impl Into<String>) {
         self.notice = Some(Notice { tone: Tone::Done, text: text.into() });
     }
 
-    /// Says that something did not work; it stays to be read until it is dismissed or mended.
+    /// Reports a problem; it stays until it is dismissed or solved.
     pub fn fault(&mut self, problem: Problem) {
         let text = if problem.cure.is_empty() {
             problem.what.clone()

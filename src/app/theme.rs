@@ -1,13 +1,14 @@
-//! Design tokens: every colour and size of the window, declared once, for light and dark.
+//! Design tokens: every colour and size of the window, for light and dark.
 //!
-//! States use the Okabe–Ito set, which every eye tells apart, and never stand without a word or a mark.
+//! States use the Okabe-Ito palette, which is safe for colour-blind users; each also has a word or a mark
+//! shape.
 
 use egui::{Color32, Context, CornerRadius, Stroke, Theme, Visuals};
 
 pub use crate::plunge::plan::Condition;
 
 impl Condition {
-    /// Colour of the mark: bluish green, orange, vermilion.
+    /// Colour of the mark: bluish green, orange or vermilion.
     pub fn mark(self) -> Color32 {
         match self {
             Self::Sound => Color32::from_rgb(0, 158, 115),
@@ -29,12 +30,12 @@ impl Condition {
     }
 }
 
-/// The one accent: selection, links, the button that goes on.
+/// Accent colour: selection, links, primary button.
 pub fn accent(visuals: &Visuals) -> Color32 {
     if visuals.dark_mode { Color32::from_rgb(86, 160, 220) } else { Color32::from_rgb(0, 98, 160) }
 }
 
-/// Fill of the button that goes on; its text is white in both themes.
+/// Fill of the primary button; its text is white in both themes.
 pub const PRIMARY: Color32 = Color32::from_rgb(0, 98, 160);
 
 /// Background of the 3D view.
@@ -42,31 +43,32 @@ pub fn view_background(visuals: &Visuals) -> Color32 {
     if visuals.dark_mode { Color32::from_gray(30) } else { Color32::from_rgb(232, 234, 237) }
 }
 
-/// Backing of text that floats over the 3D view.
+/// Backing of controls and text over the 3D view.
 pub fn overlay(visuals: &Visuals) -> Color32 {
     visuals.panel_fill.gamma_multiply(0.88)
 }
 
-/// Colour of stock at `fraction` of the range, 0…1 (cividis, as in the 3D view).
+/// Colour of stock at `fraction` of the range, 0…1 (cividis colour map, as in the 3D view).
 pub fn stock(fraction: f64) -> Color32 {
     let c = colorous::CIVIDIS.eval_continuous(fraction.clamp(0.0, 1.0));
     Color32::from_rgb(c.r, c.g, c.b)
 }
 
-/// Colour of a difference at `fraction` of its range, 0…1; none in the middle (as in the 3D view).
+/// Colour of a difference at `fraction` of its range, 0…1 (diverging map, neutral in the middle, as in the 3D
+/// view).
 pub fn difference(fraction: f64) -> Color32 {
     let c = colorous::PURPLE_ORANGE.eval_continuous(1.0 - fraction.clamp(0.0, 1.0));
     Color32::from_rgb(c.r, c.g, c.b)
 }
 
-/// Widest left and right panels start with, points.
+/// Initial width of the left panel, points.
 pub const LEFT_WIDTH: f32 = 252.0;
-/// See [`LEFT_WIDTH`].
+/// Initial width of the right panel, points.
 pub const RIGHT_WIDTH: f32 = 296.0;
 /// Height of a table row, points.
 pub const ROW_HEIGHT: f32 = 19.0;
 
-/// Gives both themes their colours and spacing.
+/// Applies colours and spacing to both themes.
 pub fn apply(ctx: &Context) {
     for theme in [Theme::Dark, Theme::Light] {
         ctx.style_mut_of(theme, |style| {
@@ -98,7 +100,7 @@ pub fn apply(ctx: &Context) {
             style.spacing.item_spacing = egui::vec2(6.0, 4.0);
             style.spacing.button_padding = egui::vec2(6.0, 2.0);
             style.spacing.combo_width = 120.0;
-            // Nothing fades or slides: the picture is exact as soon as it is there, and idle means idle.
+            // No animations: every frame is final, and an idle window draws nothing.
             style.animation_time = 0.0;
         });
     }

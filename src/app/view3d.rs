@@ -7,21 +7,21 @@ use crate::gpu::view::{Framing, View};
 
 use super::mouse::{Gesture, MousePreset};
 
-/// Camera and cursor of the 3D view.
+/// Camera state of the 3D view.
 #[derive(Debug, Default)]
 pub struct View3d {
     camera: Option<Camera>,
-    /// Standard view to take at the next look, when the size of the picture is known.
+    /// Standard view to apply in the next frame, when the size of the picture is known.
     wanted: Option<View>,
-    /// The last standard view and the camera it gave.
+    /// The last standard view and its camera.
     standard: Option<(View, Camera)>,
-    /// Point the current drag turns about or holds, mm.
+    /// Point that the current drag orbits around or holds, mm.
     grabbed: Option<glam::Vec3>,
     aspect: f32,
     flight: Option<Flight>,
 }
 
-/// The camera on its way somewhere.
+/// An animated transition of the camera.
 #[derive(Clone, Copy, Debug)]
 struct Flight {
     from: Camera,
@@ -30,45 +30,45 @@ struct Flight {
     start: f64,
 }
 
-/// Seconds a flight takes: long enough to be followed, too short to be waited for.
+/// Duration of a camera transition, s.
 const FLIGHT: f64 = 0.22;
 
-/// What the ray under the cursor meets.
+/// What the ray under the cursor hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hit {
     /// Point on the part, mm.
     pub point: Option<glam::Vec3>,
     /// Stock on the hub there, mm.
     pub stock: Option<f32>,
-    /// What is left on a wall there above the blade allowance, mm, while the walls are shown.
+    /// Stock on the wall there above the blade allowance, mm, while the walls are shown.
     pub deviation: Option<f32>,
-    /// Position whose cutter is in front.
+    /// Index of the position whose cutter is hit.
     pub position: Option<usize>,
 }
 
-/// Points of dragging that double or halve the distance.
+/// Points of dragging that double or halve the camera distance.
 const DRAG_PER_OCTAVE: f32 = 160.0;
-/// Points of scrolling that double or halve the distance.
+/// Points of scrolling that double or halve the camera distance.
 const SCROLL_PER_OCTAVE: f32 = 240.0;
 
 impl View3d {
-    /// Forgets the camera: the next part gets a fresh one.
+    /// Drops the camera: the next part gets the isometric view.
     pub fn reset(&mut self) {
         self.camera = None;
         self.wanted = Some(View::Iso);
     }
 
-    /// The camera as it stands.
+    /// The current camera.
     pub fn current(&self) -> Option<Camera> {
         self.camera
     }
 
-    /// Takes a standard view.
+    /// Requests a standard view.
     pub fn look(&mut self, view: View) {
         self.wanted = Some(view);
     }
 
-    /// Puts the camera back where it was, e.g. from a project.
+    /// Restores a camera, e.g. from a project.
     pub fn restore(&mut self, camera: Camera) {
         self.camera = Some(camera);
         self.wanted = None;
@@ -76,8 +76,8 @@ impl View3d {
         self.flight = None;
     }
 
-    /// Flies until a sphere about `center` fills a good part of the picture. From behind `facing`, the side it is to
-    /// be seen from, the camera comes around.
+    /// Starts a transition to a view that a sphere around `center` fills. `facing` is the direction the
+    /// target faces; a camera behind it moves around to the front. `time` in seconds.
     pub fn fly_to(&mut self, center: glam::Vec3, radius: f32, facing: glam::Vec3, time: f64) {
         let Some(from) = self.camera else { return };
         let mut to = from;
@@ -88,7 +88,7 @@ impl View3d {
         self.flight = Some(Flight { from, to, start: time });
     }
 
-    /// Looks at what is in the middle of the picture from `direction`, at the same distance.
+    /// Looks at the same target from `direction`, at the same distance.
     pub fn look_from(&mut self, direction: glam::Vec3) {
         self.flight = None;
         if let Some(camera) = &mut self.camera {
@@ -96,7 +96,7 @@ impl View3d {
         }
     }
 
-    /// Moves on; `true` while a flight goes on.
+    /// Advances the transition (smoothstep); `true` while it runs. `time` in seconds.
     pub fn advance(&mut self, time: f64) -> bool {
         let Some(flight) = self.flight else { return false };
         let share = ((time - flight.start) / FLIGHT).clamp(0.0, 1.0) as f32;
@@ -117,7 +117,7 @@ impl View3d {
         }
     }
 
-    /// Brings the whole wheel into view from where the camera looks now.
+    /// Fits the whole wheel into the view, keeping the view direction.
     pub fn fit(&mut self, framing: &Framing) {
         let aspect = self.aspect;
         if let Some(camera) = &mut self.camera {
@@ -125,8 +125,8 @@ impl View3d {
         }
     }
 
-    /// The camera for a picture of `size` points, after a standard view that was asked for. A standard view that
-    /// nobody has moved since fits the picture again when its shape changes.
+    /// The camera for a picture of `size` points; applies a requested standard view. A standard view that was
+    /// not moved since is fitted again when the aspect ratio changes.
     pub fn camera(&mut self, framing: &Framing, size: Vec2) -> Camera {
         let aspect = size.x / size.y.max(1.0);
         let reshaped = aspect != self.aspect;
@@ -148,8 +148,8 @@ impl View3d {
         camera
     }
 
-    /// Lets the mouse move the camera as `preset` says; returns where it was clicked. `hit` is asked only when something begins under
-    /// the cursor.
+    /// Moves the camera by mouse according to `preset`; returns the point of a click. `hit` is called only
+    /// when a drag, a scroll or a double-click starts.
     pub fn mouse(
         &mut self,
         ui: &Ui,
@@ -204,12 +204,12 @@ impl View3d {
     }
 }
 
-/// A place of the window, in points from the corner of the view.
+/// Point of the window, in points from the corner of the view `rect`.
 pub fn pixel(rect: Rect, at: Pos2) -> glam::Vec2 {
     glam::vec2(at.x - rect.min.x, at.y - rect.min.y)
 }
 
-/// The area of a view, with its accessible name.
+/// Allocates the area of a view, with its accessible name.
 pub fn area(ui: &mut Ui, rect: Rect, name: &str) -> Response {
     let response = ui.interact(rect, ui.scope_id().with(name), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));

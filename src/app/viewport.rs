@@ -1,4 +1,4 @@
-//! The middle of the window: one or two 3D views under one camera, and what floats over them.
+//! The middle of the window: one or two 3D views with one camera, and the controls over them.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,10 +26,10 @@ use super::state::State;
 use super::theme;
 use super::view3d::{self, Hit, pixel};
 
-/// A still picture becomes smooth this long after the last move.
+/// Delay after the last camera move until the fine picture is drawn.
 const SMOOTH_AFTER: Duration = Duration::from_millis(150);
 
-/// What the screen adds to a picture.
+/// Properties of the screen that a picture depends on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Glass {
     /// Physical pixels per point.
@@ -40,12 +40,12 @@ pub(super) struct Glass {
     pub size: egui::Vec2,
 }
 
-/// Where a side is drawn.
+/// A view of one side.
 pub(super) struct Pane {
     pub(super) side: Side,
-    /// Where its mouse and its labels are.
+    /// Area of mouse input and labels; the camera's picture fills it.
     pub(super) rect: Rect,
-    /// Part of `rect` that shows it.
+    /// Visible part of `rect`.
     pub(super) visible: Rect,
     pub(super) response: Response,
 }
@@ -70,7 +70,7 @@ impl App {
         };
         let panes = self.panes(ui, whole);
         let Some(framing) = self.pictures.as_ref().and_then(|pictures| pictures.framing().cloned()) else {
-            overlay::message(ui, whole, "This device draws no 3D view; everything else works");
+            overlay::message(ui, whole, "This device cannot draw the 3D view; everything else works");
             return;
         };
         let size = panes[0].rect.size();
@@ -121,13 +121,13 @@ impl App {
         }
     }
 
-    /// The border of the wipe, to be dragged; returns where it is.
+    /// The draggable divider of the wipe; returns its x coordinate.
     fn wipe_handle(&mut self, ui: &mut Ui, whole: Rect) -> f32 {
         let x = egui::lerp(whole.left()..=whole.right(), self.state.look.wipe);
         let at = Rect::from_center_size(egui::pos2(x, whole.center().y), egui::vec2(10.0, whole.height()));
         let response = ui.interact(at, ui.scope_id().with("wipe"), Sense::drag());
         let share = f64::from(self.state.look.wipe);
-        response.widget_info(|| egui::WidgetInfo::slider(true, share, "Border of the wipe"));
+        response.widget_info(|| egui::WidgetInfo::slider(true, share, "Wipe divider"));
         if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             let share = (at.x - whole.left()) / whole.width().max(1.0);
             self.state.look.wipe = share.clamp(0.02, 0.98);
@@ -177,7 +177,7 @@ impl App {
         let flank = self.shown_flank();
         let borders = self.border_segments(ui.visuals());
         let coming = self.state.coming_on(pane.side);
-        // The next stage comes soon.
+        // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || coming.is_some();
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
@@ -186,7 +186,7 @@ impl App {
         picture.load(content);
         picture.load_coming(coming);
         picture.load_borders(borders);
-        // The very first picture is a fast one too: something to see comes before something smooth.
+        // The first picture is coarse, too, to appear sooner.
         let moving = moving || !picture.has_drawn();
         let scale = ui.pixels_per_point();
         let size = [(pane.rect.width() * scale).round() as u32, (pane.rect.height() * scale).round() as u32];
@@ -199,7 +199,7 @@ impl App {
         }
     }
 
-    /// What a side's picture shows of the plan.
+    /// Plan content of a side's picture.
     pub(super) fn content(&self, side: Side) -> Option<Content> {
         let shown = self.state.on(side)?;
         // Plans of different setups have different floors.
@@ -218,13 +218,13 @@ impl App {
         Some(Content { planned: Arc::clone(shown.planned), policy: shown.policy, floor })
     }
 
-    /// Curves of the flank plan that the views show.
+    /// Flank plan and colouring that the views show; `None` while it is hidden.
     pub(super) fn shown_flank(&self) -> Option<(Arc<FlankOutcome>, FlankColours)> {
         let look = self.state.look.flank;
         self.state.results.flank.clone().filter(|_| look.shown).map(|outcome| (outcome, look.colours))
     }
 
-    /// What floats over the views.
+    /// Draws the controls over the views.
     fn over(&mut self, ui: &mut Ui, whole: Rect, panes: &[Pane], camera: Camera) {
         let values = self.values_under_cursor(panes, &camera);
         if panes.len() > 1 {
@@ -276,14 +276,14 @@ impl App {
         }
     }
 
-    /// Shares the middle in this way, or not any more where it did.
+    /// Switches to an arrangement, or back to one view if it is active.
     pub(super) fn arrange(&mut self, arrangement: Arrangement) {
         let look = &mut self.state.look;
         look.arrangement = if look.arrangement == arrangement { Arrangement::One } else { arrangement };
         self.hover = None;
     }
 
-    /// Values under the cursor; asked for again only when the cursor or the picture moved.
+    /// Values under the cursor; cached until cursor, side or camera changes.
     fn values_under_cursor(&mut self, panes: &[Pane], camera: &Camera) -> Values {
         let at = |pane: &&Pane| {
             let at = pane.response.hover_pos().filter(|_| !pane.response.dragged())?;
@@ -317,7 +317,7 @@ impl App {
         }
     }
 
-    /// Brings the selected position into view, unless it is there already.
+    /// Zooms to the selected position.
     pub(super) fn fly_to_selection(&mut self, time: f64) {
         let Some(shown) = self.state.shown() else { return };
         let Some(position) = self.state.selected() else { return };
@@ -328,7 +328,7 @@ impl App {
         self.view.fly_to(center, 5.0 * radius as f32, axis, time);
     }
 
-    /// What the renderer is told of a side.
+    /// Render options of a side.
     pub(super) fn options(&self, side: Side) -> SceneOptions {
         let (state, look) = (&self.state, &self.state.look);
         let layers = look.layers;
@@ -338,7 +338,7 @@ impl App {
         let count = state.on(side).map_or(0, |shown| shown.plan().positions.len());
         SceneOptions {
             show_hub: layers.hub,
-            // The blades would hide what lies on them.
+            // The blades would hide the wall values.
             show_blades: layers.blades && walls.is_none(),
             show_shroud: layers.shroud,
             show_cutters: if layers.cutters { CutterFilter::All } else { CutterFilter::Hidden },
@@ -366,7 +366,7 @@ impl App {
     }
 }
 
-/// What is under the cursor, and where it was asked for.
+/// Cached hit under the cursor, with the inputs it was computed for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hover {
     at: Pos2,
@@ -376,7 +376,7 @@ pub(super) struct Hover {
     other: Option<f32>,
 }
 
-/// The plane in the frame of the part; `None` where there is no position to lay it through.
+/// The section plane in the part's frame; `None` if it needs a position and there is none.
 fn section_plane(state: &State, section: Section) -> Option<SectionPlane> {
     let part = &state.document.part.as_ref()?.impeller;
     let (normal, through) = match section.across {

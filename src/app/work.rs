@@ -1,4 +1,4 @@
-//! What runs in the background, and what becomes of it.
+//! Background tasks: opening, planning, writing, and the handling of their results.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,24 +26,24 @@ use super::project::{Pending, edited_of, source_of};
 use super::roles::{Untold, asked_in_words};
 use super::state::Problem;
 
-/// What to open.
+/// A task of the opening thread.
 #[derive(Clone)]
 pub(super) enum OpenTask {
-    /// A project; with another source of its part than the one it names, if there is one.
+    /// A project; optionally with another source of its part.
     Project(PathBuf, Option<PartSource>),
     /// A part, a setup, or both.
     Files {
         part: Option<PartSource>,
         setup: Option<PathBuf>,
-        /// What keys absent from the setup mean as long as no part comes with it.
+        /// Values of keys absent from the setup, unless a part is opened with it.
         defaults: Box<Setup>,
     },
-    /// The nodes of a mesh file, to be told apart by hand.
+    /// The nodes of a mesh file, for the roles dialog.
     Nodes(PartSource),
 }
 
 impl OpenTask {
-    /// The same with another source of the part.
+    /// The same task with another source of the part.
     pub(super) fn with_part(self, source: PartSource) -> Self {
         match self {
             Self::Project(path, _) => Self::Project(path, Some(source)),
@@ -53,17 +53,20 @@ impl OpenTask {
     }
 }
 
-/// What was opened.
+/// Result of an opening task.
 #[derive(Default)]
 pub(super) struct Opened {
     part: Option<(OpenPart, PartMeshes)>,
     setup: Option<(PathBuf, Setup)>,
     project: Option<(PathBuf, Project)>,
-    /// A mesh file whose nodes are to be told apart first.
+    /// A mesh file whose nodes need roles first.
     untold: Option<Untold>,
 }
 
-/// Opens what is asked for. A mesh file of which no part can be made comes back with its nodes and the reason.
+/// Runs an opening task. A mesh file that is not a valid part is returned with its nodes and the error.
+///
+/// # Errors
+/// [`InputError`] when a file cannot be read or is invalid.
 fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, InputError> {
     let (source, setup, project) = match task {
         OpenTask::Project(path, instead) => {
@@ -100,7 +103,7 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
                 .and_then(|(path, said)| Untold::read(path, &said, task.clone(), Some(&error)).ok());
             match nodes {
                 Some(untold) => Ok(Opened { untold: Some(untold), ..Opened::default() }),
-                // What is wrong lies deeper than in its roles.
+                // Roles cannot solve this error.
                 None => Err(error),
             }
         }
@@ -113,19 +116,19 @@ pub(super) struct Work {
     planner: Worker<PlanTask, Planned, JobError>,
     flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     writer: Worker<WriteTask, Written, InputError>,
-    /// Where the planner leaves what it knows so far.
+    /// Slot through which the planner passes its preview.
     coming: Slot,
-    /// What was asked of the planner last.
+    /// The last request to the planner.
     asked: Option<Asked>,
-    /// Number of the last task of the planner.
+    /// Number of the planner's last task.
     tasks: u64,
 }
 
-/// How often progress moves on the screen while something runs.
+/// Interval at which the progress display is updated.
 pub(super) const PROGRESS_EVERY: Duration = Duration::from_millis(60);
 
 impl Work {
-    /// Starts the threads; each end repaints the window.
+    /// Starts the threads; each finished task repaints the window.
     pub(super) fn new(engine: &Engine, ctx: &egui::Context) -> Self {
         let repaint = || {
             let ctx = ctx.clone();
@@ -152,7 +155,7 @@ impl Work {
         }
     }
 
-    /// Gives up planning.
+    /// Cancels planning and drops the results.
     pub(super) fn planner_cancel(&mut self) {
         self.planner.cancel();
         let _ = self.planner.take_end();
@@ -161,18 +164,18 @@ impl Work {
         self.asked = None;
     }
 
-    /// Whether a plan is being made.
+    /// Whether the planner is running.
     pub(super) fn is_planning(&self) -> bool {
         self.planner.is_busy()
     }
 
-    /// What runs, and how far it is.
+    /// Name and progress (0…1) of the running task.
     pub(super) fn running(&self) -> Option<(&'static str, f64)> {
         let opening = self.opener.progress().map(|fraction| ("Opening", fraction));
-        let what = if self.planner.is_stopping() { "Judging" } else { "Planning" };
+        let what = if self.planner.is_stopping() { "Checking" } else { "Calculating" };
         let planning = || self.planner.progress().map(|fraction| (what, fraction));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
-        let curves = || self.flanker.progress().map(|fraction| ("Planning flank curves", fraction));
+        let curves = || self.flanker.progress().map(|fraction| ("Calculating flank", fraction));
         opening.or_else(planning).or_else(curves).or_else(writing)
     }
 }
@@ -194,7 +197,7 @@ impl App {
         self.work.opener.submit(task);
     }
 
-    /// Opens a file for what it is: project, setup or part.
+    /// Opens a project, setup or part, depending on the file.
     pub(super) fn open_file(&mut self, path: PathBuf) {
         if files::is_project(&path) {
             self.submit_open(OpenTask::Project(path, None));
@@ -205,12 +208,12 @@ impl App {
         }
     }
 
-    /// Plans with the setup as it stands.
+    /// Plans with the current setup.
     pub(super) fn plan(&mut self) {
         self.submit_plan(false);
     }
 
-    /// Plans; a draft knows one policy and has a coarser field, for plans that a hand on a slider makes obsolete soon.
+    /// Plans. A draft has one policy and a coarse field: while a slider moves, it is soon replaced.
     fn submit_plan(&mut self, draft: bool) {
         let Some(part) = &self.state.document.part else { return };
         self.state.notice = None;
@@ -231,7 +234,8 @@ impl App {
         self.work.planner.submit(task);
     }
 
-    /// Plans edits as they come, while the user wants that. `held`: a mouse button is down, so that more will come.
+    /// Plans edits automatically if auto-update is on. `held`: a mouse button is down, so that more edits
+    /// will follow.
     pub(super) fn follow_edits(&mut self, held: bool) {
         let (true, Some(asked)) = (self.state.follow, &self.work.asked) else { return };
         let same = asked.setup.same_but_for_flank(&self.state.document.edited.setup);
@@ -239,8 +243,8 @@ impl App {
         if same && enough {
             return;
         }
-        // A plan that is nearly there is worth more than another beginning; and nothing would ever be seen if each
-        // movement of the hand began anew before the first stage was there.
+        // While a slider is held, let the task finish if it is past half way. Also wait for its first checked
+        // stage: otherwise continuous movement would restart planning before anything is shown.
         let worth_waiting = self.work.planner.progress().is_some_and(|fraction| {
             let told = self
                 .state
@@ -255,7 +259,7 @@ impl App {
         }
     }
 
-    /// Takes in what the planner knows so far; nothing of a task that has ended or is not the last.
+    /// Stores the latest preview; previews of finished or superseded tasks are dropped.
     fn collect_coming(&mut self) {
         let coming = self.work.coming.take().filter(|coming| coming.task == self.work.tasks);
         if !self.work.planner.is_busy() {
@@ -265,15 +269,15 @@ impl App {
         }
     }
 
-    /// Stops what the user waits for; of a plan the best so far comes, unless this is the second time. Writing is over in a
-    /// moment and is left to end.
+    /// Stops opening and planning; the planner returns its best plan so far, or nothing at the second call.
+    /// Writing takes a moment and is not cancelled.
     pub(super) fn cancel(&mut self) {
         self.work.opener.cancel();
         self.work.planner.stop();
         self.work.flanker.cancel();
     }
 
-    /// Plans flank curves with the setup as it stands.
+    /// Plans flank milling passes with the current setup.
     pub(super) fn plan_flank(&mut self) {
         let Some(part) = &self.state.document.part else { return };
         self.state.notice = None;
@@ -289,15 +293,15 @@ impl App {
                     self.state.take_flank(outcome);
                 }
             }
-            End::Cancelled | End::Failed(JobError::Cancelled) => self.state.done("Flank curves cancelled"),
+            End::Cancelled | End::Failed(JobError::Cancelled) => self.state.done("Calculation cancelled"),
             End::Failed(JobError::Setup(fault)) => {
                 self.state.fault(Problem::of_plan(fault.what, fault.cure));
             }
-            End::Broken(what) => self.state.fault(broken("Planning flank curves", &what)),
+            End::Broken(what) => self.state.fault(broken("Flank calculation", &what)),
         }
     }
 
-    /// Takes in what the threads have finished.
+    /// Handles the results of finished tasks.
     pub(super) fn collect(&mut self, ctx: &egui::Context) {
         if let Some((_, end)) = self.work.opener.take_end() {
             self.state.opening = None;
@@ -312,7 +316,7 @@ impl App {
         if let Some((_, end)) = self.work.planner.take_end() {
             match end {
                 End::Done(planned) => {
-                    // A part that was opened meanwhile has a plan of its own on the way.
+                    // Drop the plan of a part that was replaced meanwhile.
                     let part = self.state.document.part.as_ref();
                     if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &planned.outcome.part)) {
                         self.state.take_plan(planned);
@@ -322,7 +326,7 @@ impl App {
                 End::Failed(JobError::Setup(fault)) => {
                     self.state.fault(Problem::of_plan(fault.what, fault.cure));
                 }
-                End::Broken(what) => self.state.fault(broken("Planning", &what)),
+                End::Broken(what) => self.state.fault(broken("Calculation", &what)),
             }
         }
         self.collect_coming();
@@ -345,23 +349,23 @@ impl App {
         self.collect_device_faults(ctx);
     }
 
-    /// Takes in what the graphics device reports.
+    /// Handles errors reported by the graphics device.
     pub(super) fn collect_device_faults(&mut self, ctx: &egui::Context) {
         let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
         let lost = errors.iter().find(|error| error.starts_with(LOST));
         let Some(error) = lost.or(errors.last()) else { return };
         let line = error.lines().next().unwrap_or_default();
-        // Whatever becomes of the device, the work stays.
+        // Save the work first, whatever happens to the device.
         self.copy_now();
         if lost.is_some() && self.leave(ctx, line) {
             return;
         }
         let problem = Problem::new(
             format!("The graphics device reports: {line}"),
-            "save the project and start again with VANECUT_GPU=software",
+            "save the project and restart with VANECUT_GPU=software",
         );
         if lost.is_some() {
-            // The window itself may have nothing left to draw on.
+            // The window itself may not be able to draw any more.
             eprintln!("vanecut: {}; {}", problem.what, problem.cure);
             self.pictures = None;
             self.hover = None;
@@ -380,15 +384,15 @@ impl App {
         if let Some((part, mesh)) = part {
             self.roles.close();
             self.work.planner_cancel();
-            // Choices that no file holds yet are something to lose.
+            // Roles that are not stored in a file yet count as unsaved changes.
             let chosen = matches!(part.source, PartSource::Mesh(..))
                 && project.as_ref().is_none_or(|(_, project)| source_of(project) != part.source);
             let same = chosen && part.source.file().is_some_and(|(path, _)| self.is_of_open_part(path));
-            // Cutters and limits of another part would only mislead: its setup goes with it.
+            // Tools and limits of another part would mislead, so its setup is dropped with it.
             let edited = match (&project, &setup) {
                 (Some((_, project)), _) => edited_of(project),
                 (None, Some((_, setup))) => Edited { setup: setup.clone(), ..Edited::default() },
-                // The same file with other roles: what was set for it still holds.
+                // The same file with other roles keeps its setup.
                 (None, None) if same => self.state.document.edited.clone(),
                 (None, None) => Edited { setup: part.defaults.clone(), ..Edited::default() },
             };
@@ -415,13 +419,13 @@ impl App {
         if let Some((path, project)) = project {
             self.take_project(path, &project);
         }
-        // The first plan of a part comes by itself.
+        // The first plan of a part starts automatically.
         if new_part || self.state.results.planned.is_none() {
             self.plan();
         }
     }
 
-    /// Goes on once a file was chosen: reads or writes it in the background.
+    /// Reads or writes a chosen file in the background.
     pub fn file_chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         match purpose {
             Purpose::OpenPart | Purpose::OpenProject => self.guarded(ctx, Pending::Open(path)),
@@ -450,17 +454,17 @@ impl App {
     }
 }
 
-/// What was asked of the planner.
+/// A request to the planner.
 struct Asked {
     setup: Setup,
     compare: bool,
     draft: bool,
 }
 
-/// A panic of the program, told so that it can be reported.
+/// Problem message for a panic of a background task.
 fn broken(what: &str, message: &str) -> Problem {
     Problem::of_plan(
-        format!("{what} broke down ({message})"),
-        "change the setup or report this with the part file",
+        format!("{what} failed unexpectedly ({message})"),
+        "change the setup, or report this with the part file",
     )
 }

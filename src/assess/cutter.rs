@@ -1,9 +1,11 @@
-//! The largest cylinder between two walls: how thick a cutter may be, with the best axis it can have.
+//! The largest cylinder between two walls: the maximum tool diameter with the best axis.
 //!
 //! The axis runs from a point on the hub at given s to a point on the shroud. Free are the angles of both
-//! ends about Z and the s of the upper end, that is both leans and the tilt along the flow. Both ends stay between the
-//! walls: in a wrapped passage a climb would otherwise leave it over their ends, into open space. Beyond the trailing
-//! edge the walls run on straight, so that at the rim the cutter is that of the passage too.
+//! ends about Z and the s of the upper end. Both ends stay between the walls: in a wrapped passage the ascent
+//! could otherwise move the axis past the ends of the walls, into open space. Beyond the trailing edge the
+//! walls are extended straight, so that the result at the rim is that of the passage as well.
+//!
+//! Each start is improved by damped Newton ascent of a smooth minimum (log-sum-exp) of the clearances.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -17,16 +19,16 @@ pub struct LargestCutter {
     pub s: f64,
     /// Diameter, mm.
     pub diameter: f64,
-    /// Width of the passage on the hub at s across its course, mm: the largest ball between the walls with its centre
-    /// there. No cutter is larger.
+    /// Width of the passage on the hub at s, mm: the diameter of the largest ball between the walls with its
+    /// centre there, an upper bound on the diameter.
     pub section_width: f64,
-    /// Foot of the axis on the hub.
+    /// Foot of the axis on the hub, in the frame of the part.
     pub foot: Point,
-    /// Unit axis, hub → shroud.
+    /// Unit axis, hub → shroud, in the frame of the part.
     pub axis: Vector,
 }
 
-/// Two facing walls, ready for the search.
+/// Two facing walls, prepared for the search.
 #[derive(Debug)]
 pub struct WallPair<'a> {
     part: &'a Impeller,
@@ -34,21 +36,21 @@ pub struct WallPair<'a> {
     walls: [FacingWall; 2],
 }
 
-/// A wall with its nose, as it runs on beyond its trailing edge.
+/// A wall with its nose, extended beyond its trailing edge.
 #[derive(Debug)]
 struct FacingWall {
-    /// The blade side; without a round tail it runs on itself.
+    /// The blade side; without a round tail extended itself.
     whole: SideProbe,
-    /// The flank of a side with a round tail, from its middle on.
+    /// The second half of the flank of a side with a round tail, extended.
     flank: Option<SideProbe>,
     /// +1 where ∂S/∂u × ∂S/∂v points into the passage.
     sign: f64,
 }
 
 impl FacingWall {
-    /// `ahead` is the sign of the angle about Z in which the passage lies.
+    /// `ahead` is the sign of the angle about Z from the wall into the passage.
     fn new(side: &BladeSide, flank: &BladeSide, ahead: f64) -> Self {
-        // Against the circumference a blade is never so steep that this sign is in doubt.
+        // A blade is never so steep to the circumference that this sign is ambiguous.
         let (p, pu, pv) = side.derivatives(0.5, 0.5);
         let around = Vector::new(-p.y, p.x, 0.0) * ahead;
         let sign = if pu.cross(&pv).dot(&around) < 0.0 { -1.0 } else { 1.0 };
@@ -61,7 +63,7 @@ impl FacingWall {
         }
     }
 
-    /// The side nearest to what `distance` measures.
+    /// The nearer of side and flank, by `distance`.
     fn nearest(&self, distance: impl Fn(&SideProbe) -> Nearest) -> (&BladeSide, Nearest) {
         let whole = (self.whole.side(), distance(&self.whole));
         let flank = self.flank.as_ref().map(|probe| (probe.side(), distance(probe)));
@@ -72,10 +74,10 @@ impl FacingWall {
     }
 }
 
-/// An axis by what is free: angle of the foot, angle of the upper end, s of the upper end.
+/// The free parameters of an axis: angle of the foot, angle of the upper end, s of the upper end.
 type Axis = Vector3<f64>;
 
-/// Clearance of an axis from a third of a wall, mm, and how it answers to the three freedoms, each
+/// Signed clearance of an axis from a third of a wall, mm, and its gradient in the three parameters, each
 /// measured in mm at the end it moves.
 #[derive(Clone, Copy, Debug)]
 struct Clearance {
@@ -83,20 +85,21 @@ struct Clearance {
     slope: Vector3<f64>,
 }
 
-/// The walls in thirds of their height: in each the nearest place moves steadily with the axis.
+/// The walls in thirds of their height: within a third the nearest point moves smoothly with the axis.
 const THIRDS: [(f64, f64); 3] = [(0.0, 0.34), (0.34, 0.67), (0.67, 1.0)];
-/// Where the upper end starts, as s ahead of the foot: between overhanging walls there is more than one best axis.
+/// Starts of the s of the upper end, relative to the foot: between overhanging walls there are several local
+/// optima.
 const STARTS: [f64; 3] = [0.0, 0.25, -0.25];
-/// Where it starts between the walls.
+/// Starts of the upper end between the walls.
 const STARTS_ACROSS: [f64; 3] = [0.5, 0.2, 0.8];
-/// How far from that of the foot the s of the upper end may be.
+/// Maximum difference of s between upper end and foot.
 const MOST_TILT: f64 = 0.4;
-/// How far walls run on beyond the trailing edge, in u.
+/// Length of the extension of the walls beyond the trailing edge, in u.
 const RUN_ON: f64 = 0.4;
 
 impl<'a> WallPair<'a> {
-    /// The walls of `passage`; `low` (a suction side) and `high` (a pressure side) are their blade sides, noses
-    /// included.
+    /// The walls of `passage`. `low` (a suction side) and `high` (a pressure side) are their blade sides
+    /// including noses.
     pub fn new(part: &'a Impeller, passage: &'a Passage, low: &BladeSide, high: &BladeSide) -> Self {
         let ahead = part.pitch().signum();
         let [low_flank, high_flank] = [0, 1].map(|k| passage.walls[k].side());
@@ -104,9 +107,8 @@ impl<'a> WallPair<'a> {
         Self { part, passage, walls }
     }
 
-    /// The largest cylinder whose axis stands on the hub at `s`, the best of climbs that begin upright or leaning
-    /// over towards either end of the channel or either wall. `None` where a wall does not reach, or when not even a
-    /// line fits.
+    /// The largest cylinder with the foot of its axis on the hub at `s`, the best of several starts. `None`
+    /// where a wall does not extend to `s`, or when not even a line fits.
     pub fn largest(&self, s: f64) -> Option<LargestCutter> {
         let walls = self.passage.wall_angles(self.part, s, 0.0)?;
         let foot = 0.5 * (walls[0] + walls[1]);
@@ -120,7 +122,8 @@ impl<'a> WallPair<'a> {
         let (clearance, axis) =
             starts.map(|start| self.best_from(s, walls, start)).max_by(|a, b| a.0.total_cmp(&b.0))?;
         let (foot, _, direction) = self.line(s, &axis);
-        // Over the end of a wall an axis may stay clear of it for want of anything to be near to.
+        // Past the end of a wall an axis could be clear of it only because nothing is near: bound the
+        // clearance by that of the foot.
         let clearance = clearance.min(self.room_at(&foot));
         let section_width = self.section_width(s, walls).max(2.0 * clearance);
         let diameter = 2.0 * clearance;
@@ -133,20 +136,20 @@ impl<'a> WallPair<'a> {
         distance(&self.walls[0]).min(distance(&self.walls[1]))
     }
 
-    /// Diameter of the largest ball between the walls with its centre on the hub at `s`, mm. Golden section search: the
-    /// distance to the nearer wall falls towards either of them.
+    /// Diameter of the largest ball between the walls with its centre on the hub at `s`, mm. Golden section
+    /// search: the distance to the nearer wall decreases towards either of them.
     fn section_width(&self, s: f64, [low, high]: [f64; 2]) -> f64 {
         let hub = self.part.hub.point(s);
         let room = |share: f64| -self.room_at(&hub.at_angle(low + share * (high - low)));
         -2.0 * search::minimum(room, 0.0, 1.0, 1e-6).1
     }
 
-    /// `axis` with its ends between the walls, given the angles of the walls at the foot.
+    /// `axis` with its ends clamped between the walls, given the angles of the walls at the foot.
     fn held_between(&self, s: f64, foot: [f64; 2], axis: Axis) -> Axis {
         let between = |angle: f64, [a, b]: [f64; 2]| angle.clamp(a.min(b), a.max(b));
         let upper = axis.z.clamp(s - MOST_TILT, s + MOST_TILT);
         let top = self.passage.wall_angles(self.part, upper, 1.0);
-        // Angles of the walls may differ from those of the climb by whole turns.
+        // Angles of the walls may differ from those of the axis by whole turns.
         let top = top.map(|[low, high]| {
             let near = axis.y + wrap_angle(0.5 * (low + high) - axis.y) - 0.5 * (low + high);
             [low + near, high + near]
@@ -154,15 +157,15 @@ impl<'a> WallPair<'a> {
         Axis::new(between(axis.x, foot), top.map_or(axis.y, |walls| between(axis.y, walls)), upper)
     }
 
-    /// Climbs from an axis to one whose least clearance is largest; returns that clearance and the axis.
+    /// Local maximum of the minimum clearance from a start axis; returns that clearance and the axis.
     ///
-    /// The least of six clearances has kinks, so a smooth minimum takes its place that is sharpened step by step.
-    /// The clearance returned is the true one.
+    /// The minimum of six clearances has kinks, so a smooth minimum is maximised instead, sharpened in
+    /// stages. The returned clearance is the exact one.
     fn best_from(&self, s: f64, walls: [f64; 2], start: Axis) -> (f64, Axis) {
         let mut axis = self.held_between(s, walls, start);
         let mut here = self.clearances(s, &axis);
         let mut best = (least(&here), axis);
-        // Millimetres to the units of the freedoms.
+        // Units of the parameters per millimetre.
         let unit = Vector3::new(
             1.0 / self.part.hub.point(s).r.max(1e-6),
             1.0 / self.part.shroud.point(s).r.max(1e-6),
@@ -219,7 +222,7 @@ impl<'a> WallPair<'a> {
             let up = (near.point - foot).dot(&direction).max(0.0);
             let away = foot + direction * up - near.point;
             let (_, pu, pv) = side.derivatives(near.u, near.v);
-            // Beyond the wall the clearance counts below zero.
+            // Beyond the wall the clearance is negative.
             let inside = (pu.cross(&pv) * self.walls[wall].sign).dot(&away) >= 0.0;
             let sign = if inside { 1.0 } else { -1.0 };
             let unit = away.try_normalize(1e-12).unwrap_or_else(Vector::zeros) * sign;
@@ -240,14 +243,14 @@ fn least(clearances: &[Clearance; 6]) -> f64 {
     clearances.iter().map(|c| c.distance).fold(f64::INFINITY, f64::min)
 }
 
-/// −ln Σ exp(−k·c) / k: below the least clearance by at most ln 6 / k.
+/// −ln Σ exp(−k·c) / k: below the minimum clearance by at most ln 6 / k.
 fn smooth_least(clearances: &[Clearance; 6], sharpness: f64) -> f64 {
     let least = least(clearances);
     let sum: f64 = clearances.iter().map(|c| (-sharpness * (c.distance - least)).exp()).sum();
     least - sum.ln() / sharpness
 }
 
-/// Damped Newton step of the smooth minimum, in mm, from the slopes of the clearances.
+/// Damped Newton step of the smooth minimum, in mm, from the gradients of the clearances.
 fn ascent(clearances: &[Clearance; 6], sharpness: f64, damping: f64) -> Option<Vector3<f64>> {
     let least = least(clearances);
     let weights = clearances.map(|c| (-sharpness * (c.distance - least)).exp());

@@ -1,11 +1,11 @@
-//! Depth, width and largest cutter along a passage (paper C, section I.C and D).
+//! Depth, width and largest cutter along a passage [assessment paper, sections I.C and I.D].
 
 use rayon::prelude::*;
 
 use super::cutter::{LargestCutter, WallPair};
 use crate::part::{BladeSide, Channel, Impeller, Passage, PassageWidth, SideProbe, Wall};
 
-/// Which passage.
+/// A passage of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Between two main blades.
@@ -16,8 +16,8 @@ pub enum Place {
     BesidePressure,
 }
 
-/// Width at one station, mm: nearest distance between the walls on the hub, half way up and on the shroud.
-/// `None` ahead of the splitter, or where a wall does not reach.
+/// Width at one station, mm: minimum distance between the walls on the hub, at mid height and on the shroud.
+/// `None` ahead of the splitter, or where a wall does not extend to s.
 #[derive(Clone, Copy, Debug)]
 pub struct WidthStation {
     /// s.
@@ -26,35 +26,36 @@ pub struct WidthStation {
     pub width: [Option<f64>; 3],
 }
 
-/// What was measured along one passage.
+/// Measures along one passage.
 #[derive(Clone, Debug)]
 pub struct PassageMeasure {
     /// Which passage.
     pub place: Place,
-    /// Widths along s; of the full channel also where a splitter divides it.
+    /// Widths along s; for the full channel also where a splitter divides it.
     pub widths: Vec<WidthStation>,
-    /// Largest cutters along s, where a cutter meets just these two walls: of a divided channel ahead of the splitter.
+    /// Largest cutters along s, where only these two walls bound them: in a divided channel ahead of the
+    /// splitter.
     pub cutters: Vec<LargestCutter>,
 }
 
 impl PassageMeasure {
-    /// Every width that was measured, mm.
+    /// All measured widths, mm.
     pub fn all_widths(&self) -> impl Iterator<Item = f64> + '_ {
         self.widths.iter().flat_map(|station| station.width).flatten()
     }
 }
 
-/// Stations for widths and depths.
+/// Number of steps between stations for widths and depths.
 const WIDTH_STEPS: usize = 100;
-/// Stations for cutters.
+/// Number of steps between stations for cutters.
 const CUTTER_STEPS: usize = 20;
 
 fn stations(steps: usize) -> impl IndexedParallelIterator<Item = f64> {
     (0..steps + 1).into_par_iter().map(move |i| i as f64 / steps as f64)
 }
 
-/// Depth along s, (s, mm): the height of the wall between corresponding points on hub and shroud, of the
-/// higher wall of the channel.
+/// Depth along s, as (s, mm): the height of the higher wall of the channel between corresponding points on
+/// hub and shroud.
 pub fn depths(part: &Impeller, channel: &Channel) -> Vec<(f64, f64)> {
     stations(WIDTH_STEPS)
         .filter_map(|s| {
@@ -68,11 +69,11 @@ pub fn depths(part: &Impeller, channel: &Channel) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// A passage with what bounds it.
+/// A passage with its bounds.
 struct Bounded<'a> {
     place: Place,
     passage: &'a Passage,
-    /// Its walls as they are, noses included: a suction side and a pressure side.
+    /// Its walls including noses: a suction side and a pressure side.
     sides: [&'a BladeSide; 2],
     /// s at which it begins, on the hub and on the shroud.
     start: [f64; 2],
@@ -124,8 +125,8 @@ fn measured(part: &Impeller, bounded: &Bounded<'_>) -> PassageMeasure {
     }
 }
 
-/// Distances from the points of `wall` at each `u` and `v` (row by row of u) to the nearest place of the wall
-/// that it faces, mm.
+/// Distances from the points of `wall` at each `u` and `v` (row by row of u) to the nearest point of the wall
+/// it faces, mm.
 pub fn wall_widths(wall: &BladeSide, facing: &BladeSide, u: &[f64], v: &[f64]) -> Vec<f64> {
     let facing = SideProbe::new(facing, 0.0, 1.0);
     let row = |&u: &f64| v.iter().map(|&v| facing.nearest_to_point(&wall.point(u, v)).distance).collect();

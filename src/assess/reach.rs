@@ -1,19 +1,20 @@
-//! Which floor a cutter reaches, and from which side (paper C, section I.D and fig. 6).
+//! Which floor the tools reach, and from which side [assessment paper, section I.D and fig. 6].
 //!
-//! A place of the hub floor is a *centre* when a cutter can stand on it: there is an axis whose cylinder keeps the blade
-//! allowance from every blade side, whose column stays out of the hub further up, and whose holder clears the blades
-//! and the turned blank, in which the neighbouring channels may still be solid. Floor is *reached* where the bottom of
-//! a cutter on some centre covers it.
+//! A point of the hub floor is a *centre* when a tool can be placed on it: there is an axis whose cylinder
+//! keeps the blade allowance from every blade side, whose cutter stays out of the hub further up, and whose
+//! holder clears the blades and the turned blank, in which the neighbouring channels may still be solid.
+//! Floor is *reached* where the bottom of a tool on some centre covers it.
 //!
-//! An axis comes **from the outlet** when it leans by [`LEAN`] or more from the hub normal of its foot towards the outlet
-//! (α ≤ −[`LEAN`]): cutter and spindle stand on the outlet's side. It comes **from the inlet** when it leans as much
-//! towards the inlet. An axis along the normal reaches a place too, but from neither side. Tilts run to `max_tilt`
-//! both ways; sideways the axis is laid between the walls and pushed off the one it comes too near to.
-//! Rows that are fed from the outlet inwards want axes that lean towards the inlet, and the other way round: where a
-//! place is had from one side only, the map tells which feed can work.
+//! An axis comes **from the outlet** when it is inclined by [`LEAN`] or more from the hub normal of its foot
+//! towards the outlet (α ≤ −[`LEAN`]), so that the spindle is on the side of the outlet. It comes **from the
+//! inlet** when it is inclined as much towards the inlet. An axis along the normal reaches a point too, but
+//! from neither side. Inclinations along the flow range to `max_tilt` in both directions; across the flow the
+//! axis is interpolated between the walls and pushed off the one it is too near to. Rows that are cut from
+//! the outlet inwards need axes inclined towards the inlet, and vice versa: where a point is reached from one
+//! side only, the map shows which cutting direction can work.
 //!
-//! The lift that a tilted bottom needs over a curved hub is a matter of the stock it leaves, not of reach, and
-//! is not asked for here.
+//! The lift of a tilted tool bottom over a curved hub leaves stock but does not affect reach, so it is not
+//! included.
 
 use rayon::prelude::*;
 
@@ -21,36 +22,36 @@ use super::stand::Surroundings;
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::{Channel, Impeller, Passage, Tool};
 
-/// A stretch of the channel and the cutter that is to work in it.
+/// A section of the channel and its tool.
 #[derive(Clone, Debug)]
 pub struct Stretch<'a> {
     /// s at the outlet end.
     pub from: f64,
     /// s at the inlet end.
     pub to: f64,
-    /// The cutter.
+    /// The tool.
     pub tool: &'a Tool,
 }
 
-/// What bounds the axes.
+/// Limits of the axes.
 #[derive(Clone, Copy, Debug)]
 pub struct ReachLimits {
     /// Stock that stays on the hub, mm.
     pub hub_allowance: f64,
     /// Stock that stays on the blades, mm.
     pub blade_allowance: f64,
-    /// Largest angle between axis and hub normal along the flow, rad.
+    /// Maximum angle between axis and hub normal along the flow, rad.
     pub max_tilt: f64,
 }
 
-/// From where a place can be had.
+/// The sides from which a point is reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sides {
     /// From the outlet.
     pub outlet: bool,
     /// From the inlet.
     pub inlet: bool,
-    /// From either side, or with an axis along the hub normal.
+    /// From either side, or with an axis near the hub normal.
     pub any: bool,
 }
 
@@ -77,16 +78,16 @@ impl Sides {
     }
 }
 
-/// A piece of the floor.
+/// A cell of the floor.
 #[derive(Clone, Copy, Debug)]
 pub struct FloorCell {
     /// λ of its middle, across the full channel.
     pub lambda: f64,
     /// Angle of its middle about Z, rad.
     pub theta: f64,
-    /// mm².
+    /// Area, mm².
     pub area: f64,
-    /// From where its middle is reached.
+    /// The sides from which its middle is reached.
     pub reached: Sides,
 }
 
@@ -104,7 +105,7 @@ impl FloorCell {
 pub struct FloorRow {
     /// s.
     pub s: f64,
-    /// The cells of all passages that are there.
+    /// The cells of all passages at this s.
     pub cells: Vec<FloorCell>,
 }
 
@@ -119,16 +120,16 @@ pub struct ReachMap {
 const ROWS: usize = 40;
 /// Cells across a passage.
 const COLUMNS: usize = 24;
-/// Places across a passage that are tried as centres, its middle among them; the borders between them are found
-/// by bisection.
+/// Number of points across a passage that are tested as centres, its middle among them; the borders between
+/// them are found by bisection.
 const CENTRES: usize = 15;
 /// Bisections of a border: to 1/500 of the passage.
 const BORDER_STEPS: usize = 5;
-/// Least lean of an axis that comes from one side, and step of the tilts tried, rad.
+/// Minimum inclination of an axis that comes from one side, and step of the inclinations tested, rad.
 pub const LEAN: f64 = 7.5 * std::f64::consts::PI / 180.0;
 
 impl ReachMap {
-    /// Map of the floor of `channel`.
+    /// The map of the floor of `channel`.
     pub fn new(part: &Impeller, channel: &Channel, stretches: &[Stretch<'_>], limits: &ReachLimits) -> Self {
         let surroundings = Surroundings::new(part, channel, limits);
         let rows_of = |row: usize| (row as f64 + 0.5) / ROWS as f64;
@@ -143,7 +144,7 @@ impl ReachMap {
             .collect();
         let mut centres = Vec::new();
         for (row, here) in strips.iter().enumerate() {
-            // Where the splitter begins, passages of one row have no successors in the next.
+            // Where the splitter begins, the passages of one row have no successors in the next.
             let next = strips.get(row + 1).filter(|next| next.len() == here.len());
             for (k, strip) in here.iter().enumerate() {
                 centres.extend(strip.centres(next.map(|next| &next[k])));
@@ -164,7 +165,7 @@ impl ReachMap {
         Self { rows }
     }
 
-    /// Share of the floor, by area, whose sides are as `wanted`; NaN without floor.
+    /// Share of the floor, by area, whose sides satisfy `wanted`; NaN without floor.
     pub fn share(&self, wanted: impl Fn(Sides) -> bool) -> f64 {
         self.share_between(f64::INFINITY, f64::NEG_INFINITY, wanted)
     }
@@ -184,7 +185,7 @@ impl ReachMap {
 }
 
 impl FloorRow {
-    /// Share of the row, by area, whose sides are as `wanted`; NaN without floor.
+    /// Share of the row, by area, whose sides satisfy `wanted`; NaN without floor.
     pub fn share(&self, wanted: impl Fn(Sides) -> bool) -> f64 {
         share(self.cells.iter(), wanted)
     }
@@ -201,7 +202,7 @@ fn share<'c>(cells: impl Iterator<Item = &'c FloorCell>, wanted: impl Fn(Sides) 
     had / all
 }
 
-/// A line on the hub on which a cutter can stand everywhere; its ends may be the same point.
+/// A line on the hub whose points are all centres; its ends may coincide.
 struct Centres {
     ends: [Point; 2],
     radius: f64,
@@ -209,7 +210,7 @@ struct Centres {
 }
 
 impl Centres {
-    /// Whether the bottom of a cutter on the line covers `point`.
+    /// Whether the bottom of a tool on the line covers `point`.
     fn cover(&self, point: &Point) -> bool {
         let (along, to) = (self.ends[1] - self.ends[0], point - self.ends[0]);
         let share = (to.dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
@@ -224,14 +225,14 @@ struct Strip {
     walls: [f64; 2],
     /// Area of a cell, mm².
     cell_area: f64,
-    /// Radius of the cutter there, mm.
+    /// Radius of the tool there, mm.
     radius: f64,
-    /// Places that were tried, by λ across the passage, with the sides from which a cutter can stand there. In between
-    /// the sides that both neighbours share hold.
+    /// Tested points, by λ across the passage, with the sides from which a tool can be placed there. Between
+    /// two of them the sides common to both apply.
     places: Vec<(f64, Sides)>,
 }
 
-/// The passages that are there at `s` on the hub.
+/// The passages at `s` on the hub.
 fn passages_at(channel: &Channel, s: f64) -> &[Passage] {
     match channel.splitter_s {
         Some([hub, _]) if s >= hub => &channel.beside_splitter,
@@ -240,7 +241,8 @@ fn passages_at(channel: &Channel, s: f64) -> &[Passage] {
 }
 
 impl Strip {
-    /// Tries `tool` across `passage` at `s`; without a tool nothing stands there. `None` where a wall does not reach.
+    /// Tests `tool` across `passage` at `s`; without a tool there are no centres. `None` where a wall does
+    /// not extend to `s`.
     fn new(
         part: &Impeller,
         passage: &Passage,
@@ -267,8 +269,8 @@ impl Strip {
         self.hub.at_angle(self.theta(lambda))
     }
 
-    /// Places of this strip on which a cutter can stand, each with the line to its neighbour on the `next` strip of the
-    /// passage: beside a wall that runs oblique to the rows, cutters between the rows cover what those on them do not.
+    /// Centres of this strip, each with the line to its neighbour on the `next` strip of the passage: beside
+    /// a wall oblique to the rows, tools between the rows cover floor that those on them do not.
     fn centres(&self, next: Option<&Self>) -> Vec<Centres> {
         let free = |strip: &Self| -> Vec<(f64, Sides)> {
             strip.places.iter().filter(|(_, sides)| sides.any).copied().collect()
@@ -292,7 +294,7 @@ impl Strip {
         centres
     }
 
-    /// From where a cutter can stand at `lambda`, by the places tried.
+    /// The sides from which a tool can be placed at `lambda`, by the tested points.
     fn sides(&self, lambda: f64) -> Sides {
         let above = self.places.partition_point(|(at, _)| *at < lambda);
         match (above.checked_sub(1).and_then(|below| self.places.get(below)), self.places.get(above)) {
@@ -301,7 +303,7 @@ impl Strip {
         }
     }
 
-    /// The cells outside the blade allowance, with what the cutters on `centres` reach of them.
+    /// The cells outside the blade allowance, with the sides from which tools on `centres` reach them.
     fn cells(
         &self,
         centres: &[Centres],
@@ -312,7 +314,7 @@ impl Strip {
         let cell = |j: usize| {
             let lambda = (j as f64 + 0.5) / COLUMNS as f64;
             let point = self.point(lambda);
-            // Only beside a wall is there anything to measure.
+            // The exact distance is needed only beside a wall.
             let beside = lambda.min(1.0 - lambda) * across < 4.0 * limits.blade_allowance;
             if beside && surroundings.blade_distance(&point) < limits.blade_allowance {
                 return None;
@@ -325,9 +327,10 @@ impl Strip {
     }
 }
 
-/// Places across a passage with what `sides_at` says of them: evenly spaced, and both sides of every border between them.
+/// Points across a passage with the result of `sides_at`: evenly spaced, and both sides of every border
+/// between them.
 fn tried(sides_at: impl Fn(f64) -> Sides) -> Vec<(f64, Sides)> {
-    // Nothing stands on the walls themselves.
+    // No tool fits on the walls themselves.
     let mut places = vec![(0.0, Sides::default())];
     for k in 1..=CENTRES + 1 {
         let lambda = k as f64 / (CENTRES + 1) as f64;

@@ -1,7 +1,7 @@
-//! Twisting and bending degree of a blade (paper C, section I.B, fig. 1 and 2).
+//! Twist and bow of a blade (twisting and bending degree in [assessment paper, section I.B, fig. 1 and 2]).
 //!
-//! Both are taken on the camber surface, the mean of suction and pressure side at equal (u, v): on the
-//! sides themselves the nose would win.
+//! Both are taken on the camber surface, the mean of suction and pressure side at equal (u, v): on the sides
+//! themselves the nose would dominate.
 
 use crate::geometry::{Point, Vector};
 use crate::part::Blade;
@@ -11,33 +11,34 @@ use crate::part::Blade;
 pub struct BladeShape {
     /// Twist of the camber lines, evenly spaced from hub to tip.
     pub twists: Vec<Twist>,
-    /// Largest turn of the camber surface's normal from hub to tip, rad: 0 for cylindrical blades, whose twisting degree
-    /// is that of any line that runs across the axis.
+    /// Maximum turn of the normal of the camber surface from hub to tip, rad: 0 for cylindrical blades, whose
+    /// twist is only the angle of their lines to the axis.
     pub turn: f64,
-    /// Bend at the place of the greatest offset.
+    /// Bow where its offset is greatest.
     pub bend: Bend,
-    /// Bend at the place of the greatest angle between the chords.
+    /// Bow where the angle between its chords is greatest.
     pub sharpest_bend: Bend,
 }
 
-/// Twist of one camber line LE → TE. Angles count from the rotation axis, 0 along it to π/2 across it, rad.
+/// Twist of one camber line LE → TE. Angles are to the rotation axis, 0 along it to π/2 across it, rad.
 #[derive(Clone, Copy, Debug)]
 pub struct Twist {
     /// v of the line, hub 0 to tip 1.
     pub v: f64,
-    /// Larger angle of the two chords.
+    /// Twist: the larger angle of the two chords, rad.
     pub degree: f64,
-    /// Angles of the chords, LE → split and split → TE.
+    /// Angles of the chords LE → split and split → TE, rad.
     pub chords: [f64; 2],
-    /// Where the line is split, at its largest curvature: fraction of its length from the LE.
+    /// Where the line is split, at its maximum curvature: fraction of its length from the LE.
     pub split: f64,
-    /// Largest angle of the tangent. It does not jump where two places are equally curved.
+    /// Maximum angle of the tangent, rad. Unlike the twist it does not jump where two points have equal
+    /// curvature.
     pub largest_tangent: f64,
-    /// Where that is, fraction of the length.
+    /// Where that is, as a fraction of the length.
     pub largest_tangent_at: f64,
 }
 
-/// Bend of one curve hub → tip at mid span.
+/// Bow of one curve hub → tip at mid span.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bend {
     /// u of the curve.
@@ -48,16 +49,16 @@ pub struct Bend {
     pub angle: f64,
 }
 
-/// Share of a camber line left out at both ends when looking for curvature and tangents: noses and blunt edges are
-/// more curved than any blade.
+/// Share of a camber line left out at both ends in the search for curvature and tangents: noses and blunt
+/// edges are more curved than any blade.
 const TRIM: f64 = 0.05;
-/// Lines hub → tip. The split jumps from line to line where two places are equally curved, and the degree
-/// with it by some degrees: the maximum needs lines on both sides of the jump.
+/// Lines from hub to tip. The split jumps from line to line where two points have equal curvature, and the
+/// twist with it by some degrees: the maximum needs lines on both sides of the jump.
 const LINES: usize = 20;
 /// Points along a line.
 const STEPS: usize = 400;
-/// Curvature is the turn over so many steps before and after a place, 1 % of the blade: the noise of digitised
-/// points does not decide.
+/// Curvature is the turn over this many steps before and after a point, 1 % of the blade, so that noise of
+/// digitised points does not decide.
 const WINDOW: usize = 4;
 /// Curves hub → tip.
 const CURVES: usize = 40;
@@ -74,7 +75,7 @@ impl BladeShape {
         Self { twists, turn, bend: most(|b| b.offset), sharpest_bend: most(|b| b.angle) }
     }
 
-    /// The most twisted line: its degree is that of the blade.
+    /// The most twisted line; its twist is that of the blade.
     pub fn most_twisted(&self) -> Option<&Twist> {
         self.twists.iter().max_by(|a, b| a.degree.total_cmp(&b.degree))
     }
@@ -94,7 +95,8 @@ fn from_axis(d: Vector) -> f64 {
     d.x.hypot(d.y).atan2(d.z.abs())
 }
 
-/// Points of the camber line at `v`, LE → TE, each with the length up to it; into `line`. Returns the whole length.
+/// Writes the points of the camber line at `v`, LE → TE, each with the length up to it, into `line`. Returns
+/// the whole length.
 fn camber_line(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> f64 {
     line.clear();
     let mut length = 0.0;
@@ -106,8 +108,8 @@ fn camber_line(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> f64 {
     length
 }
 
-/// Angle of the tangent along the camber line at `v`: (fraction of the length from the LE, rad from the axis), ends
-/// trimmed as for the largest tangent.
+/// Angle of the tangent along the camber line at `v`, as (fraction of the length from the LE, rad to the
+/// axis), with the ends trimmed.
 pub fn tangents(blade: &Blade, v: f64) -> Vec<(f64, f64)> {
     let mut line = Vec::with_capacity(STEPS + 1);
     let length = camber_line(blade, v, &mut line);
@@ -146,7 +148,7 @@ fn twist(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> Twist {
             (twist.largest_tangent, twist.largest_tangent_at) = (tangent, at);
         }
     }
-    // The chords run from end to end of the blade, as in the paper; only the search was trimmed.
+    // The chords run from end to end of the blade as in the paper; only the search is trimmed.
     twist.chords = [from_axis(step(0, split)), from_axis(step(split, STEPS))];
     twist.degree = twist.chords[0].max(twist.chords[1]);
     twist

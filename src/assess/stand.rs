@@ -1,14 +1,16 @@
-//! Whether a cutter can stand on a place of the floor: an axis at a given tilt along the flow, laid between the walls
-//! and pushed off the one it comes too near to, with its column clear of the hub and its holder of everything.
+//! Whether a tool can be placed on a point of the floor: for a given inclination along the flow, the axis is
+//! interpolated between the walls and pushed off the one it is too near to. The cutter must clear the hub,
+//! and the holder everything.
 
 use super::reach::{LEAN, ReachLimits, Sides};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about};
 use crate::part::{Blank, Channel, Impeller, Passage, SideProbe, Tool};
 
-/// Pushes of an axis between the walls before it counts as blocked.
+/// Maximum number of pushes of an axis between the walls before it counts as blocked.
 const PUSHES: usize = 5;
 
-/// An axis in the meridional plane, to be laid between the walls: where it aims, and the walls' angles there.
+/// An inclination of the axis in the meridional plane: the point it passes through, and the angles of the
+/// walls there.
 struct Aim {
     /// Point on the axis about as high as the shroud.
     top: Meridional,
@@ -16,14 +18,14 @@ struct Aim {
     walls: [f64; 2],
 }
 
-/// The aims of one place in s; those towards one side least tilted first.
+/// The inclinations at one s; those towards one side in ascending order.
 pub struct Aims {
     upright: Option<Aim>,
     outlet: Vec<Aim>,
     inlet: Vec<Aim>,
 }
 
-/// Everything a cutter can run into.
+/// All collision geometry of a tool.
 pub struct Surroundings<'a> {
     part: &'a Impeller,
     sides: Vec<SideProbe>,
@@ -32,7 +34,7 @@ pub struct Surroundings<'a> {
 }
 
 impl<'a> Surroundings<'a> {
-    /// Of a cutter in `channel`.
+    /// The collision geometry of `channel`.
     pub fn new(part: &'a Impeller, channel: &Channel, limits: &ReachLimits) -> Self {
         Self {
             part,
@@ -55,7 +57,7 @@ impl<'a> Surroundings<'a> {
             .at_angle(walls[0] + lambda * (walls[1] - walls[0]))
     }
 
-    /// What to aim at from `s`, both ways.
+    /// The inclinations at `s`, towards both sides.
     pub fn aims(&self, passage: &Passage, s: f64) -> Aims {
         let hub = self.part.hub.at(s);
         let depth = hub.point.distance(self.part.shroud.point(s));
@@ -75,10 +77,11 @@ impl<'a> Surroundings<'a> {
         Aims { upright: aim(0.0), outlet: towards(-1.0), inlet: towards(1.0) }
     }
 
-    /// From where `tool` can stand at `lambda` between `walls`, the angles of the walls on the hub at `s`.
+    /// The sides from which `tool` can be placed at `lambda` between `walls`, the angles of the walls on the
+    /// hub at `s`.
     pub fn sides_at(&self, aims: &Aims, s: f64, walls: [f64; 2], lambda: f64, tool: &Tool) -> Sides {
         let foot = self.foot(s, walls, lambda);
-        // Across the hub a wall is never further off than along the circumference.
+        // The distance along the circumference is an upper bound on the distance from a wall.
         let around = lambda.min(1.0 - lambda) * (walls[1] - walls[0]).abs() * foot.x.hypot(foot.y);
         if around < tool.radius() + self.limits.blade_allowance {
             return Sides::default();
@@ -88,7 +91,7 @@ impl<'a> Surroundings<'a> {
         Sides { outlet, inlet, any: outlet || inlet || aims.upright.as_ref().is_some_and(stands) }
     }
 
-    /// Whether a cutter stands at `foot` with an axis that leans as `aim` along the flow.
+    /// Whether a tool can be placed at `foot` with an axis inclined as `aim` along the flow.
     fn stands(&self, foot: &Point, aim: &Aim, lambda: f64, tool: &Tool) -> bool {
         let mut theta = aim.walls[0] + lambda * (aim.walls[1] - aim.walls[0]);
         let mut last = 0.0;
@@ -98,7 +101,7 @@ impl<'a> Surroundings<'a> {
             let Some(push) = self.push(&tool.placed(*foot, axis), &top) else {
                 return self.column_clears_hub(foot, &axis, tool) && self.holder_clears(foot, &axis, tool);
             };
-            // Pushed just clear of one wall and too near to the other: there is no room between them.
+            // Pushed clear of one wall and too near to the other: no axis fits between them.
             if !push.is_finite() || push.abs() > self.part.pitch().abs() || push * last < 0.0 {
                 return false;
             }
@@ -108,8 +111,8 @@ impl<'a> Surroundings<'a> {
         false
     }
 
-    /// By what angle the upper end `top` of an axis must turn about Z to clear a blade side that is too near; `None`
-    /// where all are clear, NaN where turning does not help.
+    /// Angle about Z by which the upper end `top` of an axis must turn to clear a blade side that is too
+    /// near, rad. `None` where all sides are clear, NaN where turning does not help.
     fn push(&self, cutter: &CutterSolid, top: &Point) -> Option<f64> {
         const MARGIN: f64 = 1e-3;
         let wanted = self.limits.blade_allowance;
@@ -125,7 +128,7 @@ impl<'a> Surroundings<'a> {
         Some(if share > 0.02 { (wanted - near.distance + MARGIN) / gain } else { f64::NAN })
     }
 
-    /// Whether the cutter stays out of the hub above its bottom: a leaning column may meet the hub again.
+    /// Whether the cutter stays out of the hub above its bottom: when inclined it may meet the hub again.
     fn column_clears_hub(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
         let curve = self.part.hub.curve();
         let radius = tool.radius();
@@ -138,7 +141,7 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Whether the holder clears blades, hub and the turned blank.
+    /// Whether the holder clears the blades, the hub and the turned blank.
     fn holder_clears(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
         let holder = tool.holder(*foot, *axis);
         let radius = holder.radius;

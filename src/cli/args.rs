@@ -1,4 +1,4 @@
-//! What may be typed.
+//! Command-line arguments.
 
 use std::path::PathBuf;
 
@@ -18,20 +18,20 @@ pub struct Arguments {
     pub file: Option<PathBuf>,
 }
 
-/// What to do.
+/// Subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Plunge plan of a part: plan.json and plunge.apt
     Plan(PlanArgs),
     /// Flank plan of a part, layer by layer: flank.json and flank.apt
     Flank(FlankArgs),
-    /// Machinability of a part: twist, bend, depth, width, largest cutter, reach
+    /// Machinability of a part: twist, bow, depth, width, largest cutter, reach
     Assess(AssessArgs),
     /// Check any APT program against a part
     Verify(VerifyArgs),
-    /// Picture of a part or of a plan.json, without a window
+    /// Picture of a part, a plan.json or a flank.json, without a window
     Render(RenderArgs),
-    /// Parts from format to format; a part or a plan to a glTF scene
+    /// Convert a part to another format, or a part or plan to a glTF scene
     Convert(ConvertArgs),
     /// Throughput of the kernels on this machine
     Bench(BenchArgs),
@@ -40,26 +40,27 @@ pub enum Command {
 /// `vanecut bench`.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// About how many positions the largest plan has by which growth is measured; 100000 takes many minutes
+    /// Approximate number of positions of the largest plan in the growth measurement; 100000 takes many
+    /// minutes
     #[arg(long, value_name = "N", default_value_t = 4000)]
     pub positions: usize,
 }
 
-/// What to know of a part that is a mesh.
+/// Options for parts given as meshes.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Meshes")]
 pub struct MeshArgs {
     /// Role of a node by its name: hub, shroud, blade, splitter or ignore; may be repeated
     #[arg(long = "role", value_name = "NODE=ROLE", value_parser = role)]
     pub roles: Vec<(String, Role)>,
-    /// Unit of the file's numbers: mm, cm, m or in; absent: metres
+    /// Unit of the file's lengths: mm, cm, m or in; absent: metres
     #[arg(long)]
     pub unit: Option<Unit>,
     /// Axis of rotation in the file: x, y or z; absent: found from the hub
     #[arg(long, value_name = "AXIS")]
     pub rotation_axis: Option<Axis>,
-    /// Sense of rotation seen from the inlet, cw or ccw: the side of the blades that leads is the pressure side; absent:
-    /// what the file says, or told from the blades' wrap
+    /// Sense of rotation seen from the inlet, cw or ccw; the leading side of a blade is its pressure side.
+    /// Absent: from the file, or inferred from the wrap of the blades
     #[arg(long, value_name = "SENSE")]
     pub rotation: Option<Rotation>,
     /// Number of main blades, where the file holds only one
@@ -68,7 +69,7 @@ pub struct MeshArgs {
 }
 
 impl MeshArgs {
-    /// As a reader takes it.
+    /// The options in the form that readers take.
     pub fn options(&self) -> MeshOptions {
         MeshOptions {
             roles: self.roles.clone(),
@@ -80,7 +81,7 @@ impl MeshArgs {
     }
 }
 
-/// `NODE=ROLE`; a node's name may hold `=` too.
+/// Parses `NODE=ROLE`; the node's name may contain `=`.
 fn role(text: &str) -> Result<(String, Role), String> {
     let (node, role) = text.rsplit_once('=').ok_or("give NODE=ROLE, such as Body3=hub")?;
     Ok((node.to_owned(), role.parse()?))
@@ -96,19 +97,19 @@ pub struct PlanArgs {
     /// Setup file; `-` reads it from standard input
     #[arg(long)]
     pub setup: Option<PathBuf>,
-    /// conventional, monotone, minimal or staircase; absent: what the setup says
+    /// Axis policy: conventional, monotone, minimal or staircase; absent: from the setup
     #[arg(long)]
     pub axis: Option<String>,
-    /// How many channels the program cuts: a number, or all
+    /// Number of channels that the program cuts, or all
     #[arg(long, default_value = "1")]
     pub channels: String,
-    /// Folder for plan.json and plunge.apt
+    /// Directory for plan.json and plunge.apt
     #[arg(short, long, default_value = ".")]
     pub output: PathBuf,
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
-    /// Write report.html with pictures as well
+    /// Also write report.html with pictures
     #[arg(long)]
     pub report: bool,
 }
@@ -123,10 +124,10 @@ pub struct FlankArgs {
     /// Setup file; `-` reads it from standard input
     #[arg(long)]
     pub setup: Option<PathBuf>,
-    /// isoparametric, layers, regions or balanced; absent: what the setup says
+    /// Strategy: isoparametric, layers, regions or balanced; absent: from the setup
     #[arg(long)]
     pub scheme: Option<String>,
-    /// Folder for flank.json and flank.apt
+    /// Directory for flank.json and flank.apt
     #[arg(short, long, default_value = ".")]
     pub output: PathBuf,
     /// Print one JSON object instead of a table
@@ -141,13 +142,13 @@ pub struct AssessArgs {
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// Setup file with the tools whose reach is asked for; `-` reads it from standard input
+    /// Setup file with the tools whose reach is computed; `-` reads it from standard input
     #[arg(long)]
     pub setup: Option<PathBuf>,
     /// Print one JSON object instead of tables
     #[arg(long)]
     pub json: bool,
-    /// Folder for pictures and curves; absent: none are drawn
+    /// Directory for pictures and charts; absent: none are written
     #[arg(short, long)]
     pub output: Option<PathBuf>,
 }
@@ -176,26 +177,26 @@ pub struct RenderArgs {
     pub source: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// PNG to write
+    /// PNG file to write
     #[arg(short, long)]
     pub output: PathBuf,
     /// Width x height in pixels
     #[arg(long, default_value = "1280x800")]
     pub size: String,
-    /// iso, front, top, channel or section:K
+    /// View: iso, front, top, channel or section:K
     #[arg(long, default_value = "iso")]
     pub view: String,
-    /// residual, interference or plain; absent: residual for a plan, plain for a part. Of a flank plan: layer, region,
-    /// feed or walls; absent: layer
+    /// Colours: residual, interference or plain; absent: residual for a plan, plain for a part.
+    /// For a flank plan: layer, region, feed or walls; absent: layer
     #[arg(long)]
     pub show: Option<String>,
-    /// State after this many positions; of a flank plan with --show feed, moves
+    /// State after this many positions; for a flank plan with --show feed, moves
     #[arg(long)]
     pub at: Option<usize>,
-    /// Cutters: all, faulty or none; absent: what suits --show
+    /// Cutters: all, faulty or none; absent: chosen by --show
     #[arg(long)]
     pub cutters: Option<String>,
-    /// Ends of the colour scale of --show residual, mm, as LOW:HIGH; absent: fitted to the plan
+    /// Range of the colour scale of --show residual, mm, as LOW:HIGH; absent: fitted to the plan
     #[arg(long)]
     pub range: Option<String>,
     /// Also draw the shroud
@@ -204,7 +205,7 @@ pub struct RenderArgs {
     /// Dark background
     #[arg(long)]
     pub dark: bool,
-    /// No background: transparent where nothing is
+    /// Transparent background
     #[arg(long)]
     pub transparent: bool,
     /// Also draw the colour scale
@@ -221,7 +222,7 @@ pub struct ConvertArgs {
     pub mesh: MeshArgs,
     /// File to write: .toml, .glb or .gltf
     pub output: PathBuf,
-    /// Largest distance of triangles from the surfaces, mm
+    /// Chord error: largest distance of triangles from the surfaces, mm
     #[arg(long, default_value_t = 0.01)]
     pub chord_error: f64,
     /// One node per cutter, for viewers without EXT_mesh_gpu_instancing

@@ -12,7 +12,7 @@ use crate::assess::{Assessment, BladeMeasure};
 use crate::job::resolve;
 use crate::part::{Channel, Impeller, Setup};
 
-/// A part, assessed, and the setup whose tools were asked for.
+/// A part with its assessment and the setup with the tools.
 struct Found<'a> {
     part: &'a Impeller,
     channel: &'a Channel,
@@ -20,7 +20,10 @@ struct Found<'a> {
     assessment: &'a Assessment,
 }
 
-/// Assesses, draws, prints.
+/// Assesses a part, writes pictures if requested, prints the figures.
+///
+/// # Errors
+/// [`Failure::Input`] when an input is invalid, [`Failure::Work`] when pictures cannot be drawn.
 pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
     let (_, part) = open::part(&args.part, &args.mesh)?;
@@ -31,7 +34,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     let channel = Channel::of(&part);
     let (setup, no_reach) = match resolve(&opened.setup, &part, &channel) {
         Ok(resolved) => (resolved.setup, None),
-        // A part for which there is no standard cutter can be measured all the same.
+        // A part without a suitable standard cutter can still be measured.
         Err(fault) if args.setup.is_none() => (opened.setup.clone(), Some(fault)),
         Err(fault) => return Err(opened.failure(&fault)),
     };
@@ -52,7 +55,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
         say(&format!("{}\n", Value::Object(map)))
     } else {
         let reach =
-            no_reach.map_or_else(|| reach_lines(&found), |fault| format!("reach: not asked, {fault}\n"));
+            no_reach.map_or_else(|| reach_lines(&found), |fault| format!("reach: not computed, {fault}\n"));
         say(&format!("{}{reach}{drawn}", tables(&found)))
     }
 }
@@ -67,10 +70,10 @@ fn stretches(setup: &Setup) -> Vec<Stretch<'_>> {
         .collect()
 }
 
-/// A way to come to the floor: its key in JSON, and whether a place can be had so.
+/// A class of access to the floor: its key in JSON, and whether a point is accessible in this class.
 type Way = (&'static str, fn(Sides) -> bool);
 
-/// In the order of the tables.
+/// The classes of access, in the order of the tables.
 const WAYS: [Way; 4] = [
     ("reached", |s| s.any),
     ("from_outlet", |s| s.outlet),
@@ -110,7 +113,7 @@ fn object(found: &Found) -> Map<String, Value> {
     map
 }
 
-/// What the blades of an assessment are called, in their order.
+/// Names of the blades of an assessment, in their order.
 pub const BLADE_NAMES: [&str; 2] = ["main", "splitter"];
 
 fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
@@ -139,7 +142,7 @@ fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
     })
 }
 
-/// What a passage is called in JSON.
+/// JSON key of a passage.
 fn place_key(place: Place) -> &'static str {
     match place {
         Place::Full => "full",
@@ -161,7 +164,8 @@ fn passage_object(passage: &PassageMeasure) -> Value {
         .map(|c| {
             let (foot, axis): ([f64; 3], [f64; 3]) = (c.foot.into(), c.axis.into());
             json!({
-                "s": c.s, "diameter": c.diameter, "section_width": c.section_width, "foot": foot, "axis": axis,
+                "s": c.s, "diameter": c.diameter, "section_width": c.section_width,
+                "foot": foot, "axis": axis,
             })
         })
         .collect();
@@ -220,7 +224,8 @@ fn tables(found: &Found) -> String {
         if part.splitters.is_empty() { "" } else { " and as many splitters" },
         2.0 * part.rim_radius()
     );
-    text += "blade     twisting °  at span  split at  turn °  tangent ° hub / mid / tip  bending mm  bending °  envelope gap mm\n";
+    text += "blade        twist °  at span  split at  turn °  tangent ° hub / mid / tip      \
+             bow mm      bow °  envelope gap mm\n";
     for (blade, name) in a.blades.iter().zip(BLADE_NAMES) {
         let shape = &blade.shape;
         let (v, split) = shape.most_twisted().map_or((f64::NAN, f64::NAN), |t| (t.v, t.split));
@@ -235,21 +240,23 @@ fn tables(found: &Found) -> String {
             blade.envelope_gap(),
         );
     }
-    text += "twisting: angle of the camber line's chords to the rotation axis (paper C)\n\
-             turn: of the blade's normal from hub to tip; about 0 where blades are cylindrical\n";
+    text += "twist: angle of the camber line's chords to the rotation axis (twisting degree)\n\
+             turn: rotation of the blade's normal from hub to tip; about 0 for cylindrical blades\n";
     for passage in &a.passages {
         text += &format!("\n{}\n{}", place_words(passage.place), passage_table(passage, &a.depths));
     }
     let (narrow, wide) = a.width_range();
     text += &format!(
-        "\ndepth up to {:.2} mm, width {narrow:.2} to {wide:.2} mm, largest cutter along the whole channel D {:.2}\n",
+        "\ndepth up to {:.2} mm, width {narrow:.2} to {wide:.2} mm, \
+         largest cutter along the whole channel D {:.2}\n",
         a.depth(),
         a.largest_cutter()
     );
     text
 }
 
-/// Depth, widths and largest cutter of a passage at every tenth of s, and at the station of the smallest cutter.
+/// Table of depth, widths and largest cutter of a passage at every tenth of s and at the station of the
+/// smallest cutter.
 fn passage_table(passage: &PassageMeasure, depths: &[(f64, f64)]) -> String {
     let mut text = String::from(
         "   s  depth mm  width mm hub / middle / tip  across its course mm  largest cutter mm\n",
@@ -285,7 +292,8 @@ fn reach_lines(found: &Found) -> String {
     let mut line = |name: String, tool: String, overhang: String, shares: [f64; 4]| {
         let [any, outlet, inlet, both] = shares.map(|x| 100.0 * x);
         text += &format!(
-            "{name:<13}  {tool:<6}  {overhang:>11}  {any:>15.1}  {outlet:>13.1}  {inlet:>12.1}  {both:>11.1}\n"
+            "{name:<13}  {tool:<6}  {overhang:>11}  \
+             {any:>15.1}  {outlet:>13.1}  {inlet:>12.1}  {both:>11.1}\n"
         );
     };
     for s in stretches(found.setup) {

@@ -1,4 +1,4 @@
-//! Pictures and curves of an assessment, and a page that shows them.
+//! Pictures and charts of an assessment, and the HTML page that shows them.
 
 use std::path::Path;
 
@@ -22,19 +22,23 @@ use crate::residual::{FloorGrid, FloorSource};
 
 /// Size of the pictures, pixels.
 const SIZE: UVec2 = UVec2::new(900, 640);
-/// Cells of the floor along s and λ.
+/// Number of floor cells along s and along λ.
 const FLOOR_CELLS: usize = 256;
-/// Lines of a wall along u and v where its width is measured.
+/// Number of wall lines along u and v at which the width is measured.
 const WALL_LINES: (usize, usize) = (120, 16);
 
-/// A file of the page: its name, its bytes, what it shows.
+/// A file of the page: its name, its bytes and its caption.
 struct Shown {
     name: &'static str,
     bytes: Vec<u8>,
     caption: String,
 }
 
-/// Draws everything into `folder`; returns the lines that say so.
+/// Writes all pictures and the page into `folder`; returns a line for the user.
+///
+/// # Errors
+/// [`Failure::Work`] when there is no graphics device or drawing fails, [`Failure::Input`] when the files
+/// cannot be written.
 pub fn write(
     folder: &Path,
     part: &Impeller,
@@ -55,7 +59,7 @@ pub fn write(
         files.push(Shown {
             name: "reach.png",
             bytes: picture(reach_mesh(part, channel, setup, map), (0.0, 3.0))?,
-            caption: "Floor the cutters reach. Dark blue: not at all; grey: from the inlet only; \
+            caption: "Floor reached by the cutters. Dark blue: not reached; grey: from the inlet only; \
                       sand: from the outlet only; yellow: from both sides."
                 .to_owned(),
         });
@@ -65,7 +69,7 @@ pub fn write(
         name: "width.png",
         bytes: picture(width, (least, most))?,
         caption: format!(
-            "Distance to the facing wall, {least:.1} mm (dark) to {most:.1} mm (bright) and more."
+            "Distance to the opposite wall, {least:.1} mm (dark) to {most:.1} mm (bright) and more."
         ),
     });
     let (gaps, most) = envelope_mesh(part, assessment);
@@ -92,7 +96,7 @@ pub fn write(
     let mut written: Vec<_> = files.iter().map(|f| (folder.join(f.name), &f.bytes[..])).collect();
     written.push((folder.join("assess.html"), page.as_bytes()));
     write_together(&written)?;
-    Ok(format!("wrote {} and what it shows\n", folder.join("assess.html").display()))
+    Ok(format!("wrote {} and its pictures\n", folder.join("assess.html").display()))
 }
 
 fn page(part: &Impeller, files: &[Shown]) -> String {
@@ -100,7 +104,8 @@ fn page(part: &Impeller, files: &[Shown]) -> String {
     let figure = |f: &Shown| {
         let caption = escaped(&f.caption);
         format!(
-            "<figure><img src=\"{}\" width=\"720\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n",
+            "<figure><img src=\"{}\" width=\"720\" alt=\"{caption}\">\
+             <figcaption>{caption}</figcaption></figure>\n",
             f.name
         )
     };
@@ -112,7 +117,8 @@ fn page(part: &Impeller, files: &[Shown]) -> String {
     )
 }
 
-/// Four classes of floor: 0 not reached, 1 from the inlet, 2 from the outlet, 3 both; upright only lies in the middle.
+/// Floor mesh with the class of access as value: 0 not reached, 1 from the inlet, 1.5 only near the hub
+/// normal, 2 from the outlet, 3 from both.
 fn reach_mesh(part: &Impeller, channel: &Channel, setup: &Setup, map: &ReachMap) -> Mesh {
     let blank = Blank::of(part, 0.0);
     let source = FloorSource { part, channel, blank: &blank, stock: &setup.stock, cutters: &[] };
@@ -134,12 +140,12 @@ fn reach_mesh(part: &Impeller, channel: &Channel, setup: &Setup, map: &ReachMap)
         map.nearest(grid.s_of_row(cell / grid.columns), lambda).map_or(0.0, |c| class(c.reached))
     };
     let values: Vec<f32> = (0..grid.points.len()).map(value).collect();
-    // These are no heights: no cell is as high as the blank.
+    // The values are not heights, so no cell may count as uncut.
     grid.blank_heights.fill(f32::INFINITY);
     floor_mesh(&grid, &values, FINE).unwrap_or_default()
 }
 
-/// The walls of the channel in work: each with its back and the wall it faces.
+/// The walls of the active channel: each with the other side of its blade and the opposite wall.
 fn walls<'a>(part: &'a Impeller, next: &'a Blade) -> Vec<[&'a BladeSide; 3]> {
     let (suction, pressure) = (&part.main.suction, &next.pressure);
     match part.splitters.first() {
@@ -153,7 +159,8 @@ fn walls<'a>(part: &'a Impeller, next: &'a Blade) -> Vec<[&'a BladeSide; 3]> {
     }
 }
 
-/// The walls with their distances to the facing walls, and a range that one end does not ruin.
+/// Mesh of the walls with the distances to the opposite walls, and a range from minimum to 95th percentile,
+/// mm.
 fn width_mesh(part: &Impeller) -> (Mesh, f32, f32) {
     let (u, v) = (even(WALL_LINES.0), even(WALL_LINES.1));
     let next = part.main.rotated(part.pitch());
@@ -169,7 +176,7 @@ fn width_mesh(part: &Impeller) -> (Mesh, f32, f32) {
     (mesh, at(0), at(95).max(at(0) + 1e-3))
 }
 
-/// The walls with the gaps of their envelopes, and the greatest of them.
+/// Mesh of the walls with the gaps to their envelopes, and the largest gap, mm.
 fn envelope_mesh(part: &Impeller, assessment: &Assessment) -> (Mesh, f32) {
     let turned = part.main.rotated(part.pitch());
     let mut mesh = Mesh::default();
@@ -221,7 +228,7 @@ fn passage_chart(assessment: &Assessment) -> Chart {
     }
 }
 
-/// Narrowest width along s.
+/// Narrowest width (mm) along s.
 fn narrowest(passage: &PassageMeasure) -> Vec<(f64, f64)> {
     let least = |width: [Option<f64>; 3]| width.into_iter().flatten().reduce(f64::min);
     passage.widths.iter().filter_map(|w| Some((w.s, least(w.width)?))).collect()

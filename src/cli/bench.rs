@@ -18,10 +18,11 @@ use crate::plunge::Planner;
 use crate::plunge::slotting::DepthSurface;
 use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 
-/// Runs of each measurement; the median counts.
+/// Runs per measurement, of which the median is reported.
 const RUNS: usize = 5;
 
-/// Cutters of 30, 16 and 8 mm, sharp, as in the wheel's published plan: what is measured does not change with the library.
+/// Sharp cutters of 30, 16 and 8 mm, as in the wheel's published plan. Fixed tools make the measurement
+/// independent of the tool library.
 fn three_tools() -> Vec<Tool> {
     [30.0, 16.0, 8.0]
         .into_iter()
@@ -38,7 +39,7 @@ fn three_tools() -> Vec<Tool> {
         .collect()
 }
 
-/// A minimal plan of the measured part.
+/// Plans the measured part by the policy `minimal`.
 fn minimal(outcome: &PlanOutcome) {
     let channel = Channel::of(&outcome.part);
     let planner = Planner::new(&outcome.part, &channel, &outcome.setup);
@@ -46,8 +47,8 @@ fn minimal(outcome: &PlanOutcome) {
     std::hint::black_box(plan.is_ok());
 }
 
-/// How long the window waits for a minimal plan and its fields after one slider moved: what it moved decides what is
-/// stale. And for the first plan that it shows meanwhile.
+/// Measures how long the window waits for a minimal plan and its fields after one slider moved, which depends
+/// on what becomes stale, and for the preview shown meanwhile.
 fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
     let job = PlanJob::default();
     let mut request = PlanRequest {
@@ -74,11 +75,11 @@ fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
             };
             let _ = job.run_telling(&request, &Monitor::default(), Listener::new(&listen));
         });
-        line(&format!("  again, {what} moved"), seconds)?;
+        line(&format!("  replanned, {what} changed"), seconds)?;
         let mut firsts = firsts.into_inner().unwrap_or_else(PoisonError::into_inner);
         firsts.sort_by(f64::total_cmp);
         match firsts.get(firsts.len() / 2) {
-            Some(&first) => line("    before that the axes found last, judged", first),
+            Some(&first) => line("    preview from the last axes (warm start)", first),
             None => Ok(()),
         }
     };
@@ -92,6 +93,10 @@ fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
 }
 
 /// Measures on the largest sample part and prints the medians.
+///
+/// # Errors
+/// [`Failure::Input`] when `--positions` is out of range, [`Failure::Work`] when planning or the device
+/// fails.
 pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     bench_growth::check(args.positions)?;
     let wheel = describe("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
@@ -121,7 +126,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     let plan = &outcome.after.plan;
     let hub = DepthSurface::new(part.hub.curve(), 0.5);
     line(
-        "10,000 slotting depths",
+        "10,000 drop-cutter depths",
         median(|| {
             (0..10_000usize).into_par_iter().for_each(|k| {
                 let p = &plan.positions[k % plan.positions.len()];
@@ -166,7 +171,10 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A sample part that comes with the program, built.
+/// Builds a sample part that is included in the program.
+///
+/// # Errors
+/// [`Failure`] when the sample is not a valid part, which is a bug.
 pub(super) fn sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Failure> {
     build(&describe(name, text)?)
 }
@@ -175,13 +183,16 @@ fn describe(name: &str, text: &[u8]) -> Result<PartDescription, Failure> {
     Ok(read_part_bytes(name, text, "toml")?)
 }
 
-/// A part that is made from a sample, built.
+/// Builds a part derived from a sample.
+///
+/// # Errors
+/// [`Failure::Work`] when it is not a valid impeller.
 pub(super) fn build(description: &PartDescription) -> Result<Arc<Impeller>, Failure> {
     let part = Impeller::build(description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?;
     Ok(Arc::new(part))
 }
 
-/// A mesh of about a million triangles opened as a part.
+/// Measures opening a mesh of about a million triangles as a part.
 fn mesh(part: &Impeller) -> Result<(), Failure> {
     let shape = Tessellation::new(part, &Fineness { chord_error: 0.007, ..Fineness::default() });
     let triangles = shape.triangles() + (part.blade_count - 1) * shape.main.triangles();
@@ -195,6 +206,7 @@ fn mesh(part: &Impeller) -> Result<(), Failure> {
     )
 }
 
+/// Median wall-clock time of `work`, s, after one warm-up run.
 pub(super) fn median(mut work: impl FnMut()) -> f64 {
     work();
     let mut seconds: Vec<f64> = (0..RUNS)
@@ -208,6 +220,10 @@ pub(super) fn median(mut work: impl FnMut()) -> f64 {
     seconds[RUNS / 2]
 }
 
+/// Prints one row of the table.
+///
+/// # Errors
+/// [`Failure::Work`] when standard output cannot be written.
 pub(super) fn line(what: &str, seconds: f64) -> Result<(), Failure> {
     say(&format!("{what:<62} {:>7.1} ms\n", 1e3 * seconds))
 }

@@ -1,4 +1,4 @@
-//! Times of the flank planner.
+//! Benchmarks of the flank planner.
 
 use super::bench::{line, median, sample};
 use super::{Failure, say};
@@ -9,10 +9,13 @@ use crate::job::flank::{FlankJob, FlankRequest};
 use crate::monitor::Monitor;
 use crate::part::{Channel, Setup};
 
-/// Depths of layers over which growth is measured, mm: the curves' points grow as they fall.
+/// Layer depths for the growth measurement, mm: the smaller the depth, the more points the passes have.
 const DEPTHS: [f64; 4] = [6.0, 3.0, 1.5, 0.75];
 
 /// Measures on the sample wheel with splitters and prints the medians.
+///
+/// # Errors
+/// [`Failure::Work`] when planning fails.
 pub fn lines() -> Result<(), Failure> {
     let part = sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
     let channel = Channel::of(&part);
@@ -26,7 +29,7 @@ pub fn lines() -> Result<(), Failure> {
         source.plan(&monitor).map_err(|error| Failure::Work(error.to_string()))
     };
     line(
-        "flank curves of one channel with splitters: all four schemes",
+        "flank passes of one channel with splitters: all 4 strategies",
         median(|| {
             let _ = schemes(&setup);
         }),
@@ -39,20 +42,20 @@ pub fn lines() -> Result<(), Failure> {
         let seconds = median(|| {
             let _ = schemes(&setup);
         });
-        line(&format!("  the same, {count} curve points"), seconds)?;
+        line(&format!("  the same, {count} pass points"), seconds)?;
         points.push(((count as f64).ln(), seconds.ln()));
     }
-    say(&format!("{:<62} {:>10.2}\n", "  time grows with curve points to the power of", slope(&points)))?;
+    say(&format!("{:<62} {:>10.2}\n", "  time grows with pass points to the power of", slope(&points)))?;
     let request = FlankRequest { part: part.clone(), setup: Setup::default() };
     line(
-        "flank plan of one channel with splitters, program and all",
+        "flank plan of one channel with splitters, with program",
         median(|| {
             let _ = FlankJob::default().run(&request, &monitor);
         }),
     )
 }
 
-/// Slope of the line that fits points best.
+/// Slope of the least-squares line through points (x, y).
 pub fn slope(points: &[(f64, f64)]) -> f64 {
     let count = points.len() as f64;
     let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / count, m.1 + p.1 / count));

@@ -1,4 +1,4 @@
-//! How many pictures a second the 3D view draws while it is dragged.
+//! Benchmark of the 3D view: frame rate while it is still and while it is dragged.
 
 use std::f32::consts::TAU;
 
@@ -13,7 +13,10 @@ use crate::job::PlanOutcome;
 /// Pictures per measurement.
 const PICTURES: u32 = 12;
 
-/// Turns the wheel with its whole plan, as the hand does, in a view of 1280 × 800.
+/// Rotates the wheel with its whole plan in a view of 1280 × 800 pixels and prints the medians.
+///
+/// # Errors
+/// [`Failure::Work`] when standard output cannot be written.
 pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     let size = UVec2::new(1280, 800);
     let mut scene = Scene::new(gpu, &outcome.part).with_draft(gpu, &PartMesh::draft(&outcome.part));
@@ -30,7 +33,7 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
                 for _ in 0..PICTURES {
                     camera.yaw += TAU / 180.0;
                     renderer.render(gpu, &scene, &camera, &options, size, if draft { 1 } else { 4 });
-                    // One picture at a time, as on the screen.
+                    // Wait for each picture, as on the screen.
                     let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
                 }
             }) / f64::from(PICTURES);
@@ -38,7 +41,7 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
             let positions = plan.positions.len();
             let rate = 1.0 / seconds;
             line(
-                &format!("view {what}, {of}, {positions} cutters, 1280 × 800: {rate:.0} a second"),
+                &format!("view {what}, {of}, {positions} cutters, 1280 × 800: {rate:.0} per second"),
                 seconds,
             )?;
         }

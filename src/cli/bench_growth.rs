@@ -1,5 +1,6 @@
-//! How the work grows with the positions of a plan: a wheel with more and more hub under channels that stay as deep, planned
-//! with the same cutters and steps, so that positions grow with its area while those around each of them stay as many.
+//! Growth of planning time with the number of positions. Wheels of growing hub area with channels of constant
+//! depth are planned with the same cutters and steps, so that the number of positions grows with the area
+//! while the number of neighbours of each position stays constant.
 
 use std::time::Instant;
 
@@ -17,14 +18,17 @@ use crate::plunge::sections::MAX_POSITIONS;
 use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 use crate::verify::verify;
 
-/// Least number of positions that says something beside the wheel as it is.
+/// Minimum number of positions for a meaningful comparison with the original wheel.
 const LEAST: usize = 2000;
-/// Positions grow by no more than this from wheel to wheel.
+/// Largest ratio of position counts between consecutive wheels.
 const RATIO: f64 = 4.0;
-/// Cells of the residual field along s and λ.
+/// Number of cells of the residual field along s and along λ.
 const FIELD_CELLS: usize = 512;
 
-/// Whether growth can be measured up to so many positions.
+/// Checks that growth can be measured up to `positions`.
+///
+/// # Errors
+/// [`Failure::Input`] when `positions` is out of range.
 pub fn check(positions: usize) -> Result<(), Failure> {
     if (LEAST..=MAX_POSITIONS).contains(&positions) {
         return Ok(());
@@ -32,16 +36,20 @@ pub fn check(positions: usize) -> Result<(), Failure> {
     Err(Failure::Input(format!("--positions {positions} is out of range; give {LEAST} to {MAX_POSITIONS}")))
 }
 
-/// What is measured of a plan.
-const WHAT: [&str; 4] = ["planned", "judged", "written", "verified"];
+/// Measured steps of a plan.
+const WHAT: [&str; 4] = ["planned", "evaluated", "written", "verified"];
 
-/// Plans wheels like `part` with more and more hub by the sections of `setup`, until a plan has about `most` positions.
-/// Prints the times of each, and the power of the positions that they grow with.
+/// Plans wheels like `part` of growing hub area with the sections of `setup`, until a plan has about `most`
+/// positions. Prints the times, and the exponents with which they grow with the number of positions.
+///
+/// # Errors
+/// [`Failure::Work`] when planning or verification fails.
 pub fn run(part: &Impeller, setup: &Setup, most: usize) -> Result<(), Failure> {
-    say("minimal plan of one channel of wheels with more and more hub, seconds:\n")?;
+    say("minimal plan of one channel of wheels of growing hub area, seconds:\n")?;
     let mut all = vec![measure(&spread(part, 1.0), setup)?];
     let steps = ((most as f64 / all[0].0 as f64).ln() / RATIO.ln()).ceil().max(2.0) as u32;
-    // A larger wheel has more positions by about its area; by how much more the last two tell.
+    // The number of positions grows about with the square of the size; the exponent is re-estimated from the
+    // last two.
     let (mut size, mut power) = (1.0, 2.0);
     for left in (1..=steps).rev() {
         let before = all[all.len() - 1].0 as f64;
@@ -62,7 +70,7 @@ pub fn run(part: &Impeller, setup: &Setup, most: usize) -> Result<(), Failure> {
     say("\n")
 }
 
-/// Positions of a plan, and how long each of [`WHAT`] took, s.
+/// Number of positions of a plan, and the time of each step of [`WHAT`], s.
 fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), Failure> {
     let failed = |what: &dyn std::fmt::Display| Failure::Work(format!("the growing wheel: {what}"));
     let part = build(wheel)?;
@@ -92,17 +100,18 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
     lap(3);
     let [planned, judged, written, verified] = seconds;
     say(&format!(
-        "  D {:<6.0} {:>7} positions   planned {planned:>7.2}   judged {judged:>6.2}   written {written:>5.2}   verified {verified:>6.2}   {:>4} of 1000 uncut, {} faults{}\n",
+        "  D {:<6.0} {:>7} positions   planned {planned:>7.2}   evaluated {judged:>6.2}   \
+         written {written:>5.2}   verified {verified:>6.2}   {:>4} of 1000 uncut, {} faults{}\n",
         2.0 * part.rim_radius(),
         summary.positions,
         (1000.0 * summary.uncut_share).round(),
         verdict.faults.len(),
-        memory().map(|mb| format!("   {mb} MB at most")).unwrap_or_default(),
+        memory().map(|mb| format!("   peak {mb} MB")).unwrap_or_default(),
     ))?;
     Ok((summary.positions, seconds))
 }
 
-/// Most memory the program has had until now, MB, where the system tells.
+/// Peak memory of the process, MB, if the system reports it.
 fn memory() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,15 +1,15 @@
-//! The wheel that grows for the growth benchmark.
+//! Scaled wheels for the growth benchmark.
 
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::description::{BladeDescription, CurveDescription};
 use crate::part::{Blade, BladeSide, Impeller, PartDescription};
 
-/// Points of a meridional curve, and sections of a blade.
+/// Number of points of a meridional curve, and of span sections of a blade.
 const CURVE_POINTS: usize = 160;
 const SECTIONS: usize = 5;
 
-/// A wheel like `part` with a hub `factor` times as long and as wide, while channels stay as deep and blades as thick and
-/// leaning as they are: more of the same for the cutters that suit `part`.
+/// A wheel like `part` whose hub is `factor` times as long and as wide, with channels of the same depth and
+/// blades of the same thickness and lean, so that the cutters for `part` suit it.
 pub fn spread(part: &Impeller, factor: f64) -> PartDescription {
     let (hub, shroud) = (part.hub.s_range(), part.shroud.s_range());
     let (from, to) = (hub.0.max(shroud.0), hub.1.min(shroud.1));
@@ -52,7 +52,7 @@ pub fn spread(part: &Impeller, factor: f64) -> PartDescription {
     }
 }
 
-/// The place midway between both sides of a blade at its foot, and its angle about Z.
+/// The point midway between both sides of a blade at the hub, and its angle about Z (rad).
 fn camber_foot(blade: &Blade, u: f64) -> (Meridional, f64) {
     let [a, b] = [&blade.suction, &blade.pressure].map(|side| side.point(u, 0.0));
     let (low, high) = (a.y.atan2(a.x), b.y.atan2(b.x));
@@ -85,7 +85,7 @@ mod tests {
             for s in [0.1, 0.5, 0.9] {
                 let depth = |part: &Impeller| part.hub.point(s).distance(part.shroud.point(s));
                 assert!((depth(&grown) / depth(&part) - 1.0).abs() < 0.05, "{factor}: {}", depth(&grown));
-                // Thick and leaning as before.
+                // Thickness and lean of the blades are unchanged.
                 let side =
                     |part: &Impeller, v: f64| part.main.suction.point(s, v) - part.main.pressure.point(s, v);
                 for v in [0.0, 1.0] {

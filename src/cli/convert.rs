@@ -1,4 +1,4 @@
-//! `vanecut convert`: parts from format to format, plans to scenes.
+//! `vanecut convert`: converts parts between formats, and parts and plans to glTF scenes.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use crate::part::{Blank, Channel, Impeller, PartDescription};
 use crate::residual::surface::fitting_range;
 use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 
-/// What is written, by extension.
+/// Output format, by extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Format {
     Native,
@@ -25,7 +25,7 @@ enum Format {
     Gltf,
 }
 
-/// What is read.
+/// Content of the input file.
 enum Content {
     Part(Box<(PartDescription, Impeller)>),
     Plan(Box<StoredPlan>),
@@ -33,6 +33,9 @@ enum Content {
 }
 
 /// Reads one file and writes another.
+///
+/// # Errors
+/// [`Failure::Input`] when an argument or the input is invalid, or the output cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let format = format_of(&args.output)?;
     if !(args.chord_error.is_finite() && (1e-4..=10.0).contains(&args.chord_error)) {
@@ -43,11 +46,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     }
     let content = read(&args.input, &args.mesh)?;
     if same_file(&args.input, &args.output) {
-        return Err(Failure::at(
-            &name_of(&args.output),
-            0,
-            "is the file that is read; name another file to write",
-        ));
+        return Err(Failure::at(&name_of(&args.output), 0, "is the input file; name another file to write"));
     }
     let (description, part) = match &content {
         Content::Part(part) => (&part.0, &part.1),
@@ -80,7 +79,7 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
             let what = if other.is_empty() {
                 "has no extension, so its format is unknown".to_owned()
             } else {
-                format!("`.{other}` is no format that is written")
+                format!("`.{other}` is not an output format")
             };
             Err(Failure::at(&name_of(path), 0, &format!("{what}; give a .toml, .glb or .gltf file")))
         }
@@ -105,7 +104,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// The stock is measured anew, as `vanecut render` does.
+/// Scene of a plan. The residual stock is recomputed, as by `vanecut render`.
 fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -> GltfScene {
     let StoredPlan { part, setup, plan, .. } = stored;
     let channel = Channel::of(part);
@@ -137,12 +136,13 @@ fn write_scene(scene: &GltfScene, path: &Path, format: Format) -> Result<(), Fai
         return Ok(write_whole(path, &scene.glb())?);
     }
     let binary = path.with_extension("bin");
-    // Of an earlier run it is one of a pair; else it may belong to another file.
+    // Beside an existing .gltf file the buffer is from an earlier run; otherwise it may belong to another
+    // file.
     if binary.exists() && !path.exists() {
         return Err(Failure::at(
             &name_of(&binary),
             0,
-            "is there already, and the triangles would go there; name another file, or a .glb",
+            "exists already and would be overwritten by the buffer; name another file, or a .glb",
         ));
     }
     let (text, bytes) = scene.gltf(&uri_of(&binary));
@@ -150,7 +150,7 @@ fn write_scene(scene: &GltfScene, path: &Path, format: Format) -> Result<(), Fai
     Ok(write_together(&files)?)
 }
 
-/// The name of a file as a URI beside it.
+/// The file name of `path` as a relative URI, percent-encoded.
 fn uri_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let plain = |b: u8| b.is_ascii_alphanumeric() || b"-._~".contains(&b);

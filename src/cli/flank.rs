@@ -19,7 +19,11 @@ use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::part::{FlankScheme, Impeller};
 use crate::verify::counted;
 
-/// Plans, writes the files, prints the figures.
+/// Plans, writes the files and prints the figures.
+///
+/// # Errors
+/// [`Failure::Input`] when an input is invalid; [`Failure::Work`] when planning is cancelled, nothing can be
+/// cut, or the program has faults.
 pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
     let mut setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
@@ -67,17 +71,17 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     )))
 }
 
-/// Regions of a channel.
+/// Number of regions of a channel.
 fn region_count(part: &Impeller) -> usize {
     if part.splitters.is_empty() { 1 } else { 3 }
 }
 
-/// Distance of neighbouring curves on the lowest layer, mm.
+/// Stepover on the lowest layer, mm.
 fn interval(plan: &FlankPlan) -> f64 {
     plan.curves.layers.first().map_or(f64::NAN, |layer| layer.interval)
 }
 
-/// Length of curves that no axis reaches, mm.
+/// Length of passes that were left out, mm.
 fn left_out(plan: &FlankPlan) -> f64 {
     plan.left_out.iter().map(|stretch| stretch.length).sum()
 }
@@ -146,7 +150,7 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("link_time", number(plan.times.link_time));
     put("rapid_time", number(plan.times.rapid_time));
     put("time_estimate", number(plan.times.total()));
-    // The isoparametric layers are measured only where they are asked for.
+    // Gaps of the isoparametric strategy are measured only if it is the chosen one.
     let measured = |s: FlankScheme| s != FlankScheme::Isoparametric || s == scheme;
     let by_scheme: Map<String, Value> = FlankScheme::ALL
         .iter()
@@ -193,7 +197,7 @@ fn text(outcome: &FlankOutcome) -> String {
     let (part, plan) = (&outcome.part, &outcome.plan);
     let curves = &plan.curves;
     let mut text = format!(
-        "{}: {} layers, {} region{}, {} curves; cutter D {} R {}, {:.3} mm between curves at the hub\n",
+        "{}: {} layers, {} region{}, {} passes; cutter D {} R {}, stepover {:.3} mm at the hub\n",
         part.name,
         curves.layers.len(),
         region_count(part),
@@ -206,7 +210,7 @@ fn text(outcome: &FlankOutcome) -> String {
     if let Some(reason) = &plan.reason {
         text += &format!("cutter: {reason}\n");
     }
-    text += "scheme         curves     length mm   of isoparametric   widest gap   wide area %\n";
+    text += "strategy       passes     length mm   of isoparametric   widest gap   wide area %\n";
     for scheme in FlankScheme::ALL {
         let figures = &curves.totals[scheme as usize];
         let measured = scheme != FlankScheme::Isoparametric || scheme == curves.scheme;
@@ -228,26 +232,28 @@ fn text(outcome: &FlankOutcome) -> String {
         );
     }
     text += &format!(
-        "floor {:.1} mm, seams {:.1} mm: {} is {:.3} of floor and half the seams\n",
+        "floor {:.1} mm, seams {:.1} mm: {} is {:.3} times floor plus half the seams\n",
         curves.floor_length,
         curves.seam_length,
         curves.scheme.name(),
         curves.totals[curves.scheme as usize].length / (curves.floor_length + 0.5 * curves.seam_length),
     );
     text += &format!(
-        "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept; their twist forces {:.4} mm either way on a straight edge of that radius, in the strip that one layer forms\n",
+        "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept; \
+         twist alone forces ±{:.4} mm on a straight cutting edge, in the strip of one layer\n",
         outcome.max_overcut(),
         plan.max_undercut(),
         plan.forced_deviation(),
     );
     if let Some(verdict) = &outcome.verdict {
         text += &format!(
-            "{:.2} % of the floor keep more than the allowed error\n",
+            "{:.2} % of the floor keeps more stock than the allowed scallop height\n",
             100.0 * verdict.uncovered.share()
         );
     }
     text += &format!(
-        "{} positions, {} fixed axes; {:.0} mm cut, {:.0} mm links and approaches, {:.0} mm rapid: {:.1} + {:.1} + {:.1} min\n",
+        "{} positions, {} fixed axes; {:.0} mm cut, {:.0} mm links and approaches, {:.0} mm rapid: \
+         {:.1} + {:.1} + {:.1} min\n",
         plan.positions(),
         plan.axes.len(),
         plan.times.cut_length,
@@ -259,7 +265,8 @@ fn text(outcome: &FlankOutcome) -> String {
     );
     let feeds = &plan.feeds;
     text += &format!(
-        "feeds, mm/min: {:.0} beside curves that are cut, {:.0} in full stock, {:.0} along walls, {:.0} ramping down\n",
+        "feed rates, mm/min: {:.0} beside earlier passes, {:.0} in full stock, {:.0} along walls, \
+         {:.0} ramping down\n",
         feeds.step, feeds.slot, feeds.wall, feeds.ramp,
     );
     for height in &curves.empty {
@@ -267,7 +274,7 @@ fn text(outcome: &FlankOutcome) -> String {
     }
     for left in &plan.left_out {
         text +=
-            &format!("left out: {:.1} mm of curves of layer {}, {}\n", left.length, left.layer + 1, left.why);
+            &format!("left out: {:.1} mm of passes of layer {}, {}\n", left.length, left.layer + 1, left.why);
     }
     text
 }

@@ -1,5 +1,5 @@
-//! The command line: the same jobs as the window, results to files and stdout, faults as one line
-//! on stderr. Exit 0 done, 1 the work itself failed, 2 bad input or arguments.
+//! The command line: the same jobs as the window. Results go to files and stdout, errors as one line to
+//! stderr. Exit code 0: success, 1: the command failed, 2: bad input or arguments.
 
 mod args;
 mod assess;
@@ -28,17 +28,17 @@ use clap::Parser;
 use crate::formats::InputError;
 use args::{Arguments, Command};
 
-/// How a command ends badly.
+/// Error of a command.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// The work itself failed: exit 1.
+    /// The command failed: exit code 1.
     Work(String),
-    /// Bad input or arguments: exit 2.
+    /// Bad input or arguments: exit code 2.
     Input(String),
 }
 
 impl Failure {
-    /// Bad input at a line of a file (0: no line).
+    /// Bad input at a line of a file (0: no line number).
     pub fn at(file: &str, line: usize, what: &str) -> Self {
         let line = if line > 0 { format!(":{line}") } else { String::new() };
         Self::Input(format!("{file}{line}: {what}"))
@@ -51,7 +51,10 @@ impl From<InputError> for Failure {
     }
 }
 
-/// Prints to standard output. A reader that has had enough is no fault.
+/// Prints to standard output. A closed pipe (EPIPE) is not an error.
+///
+/// # Errors
+/// [`Failure::Work`] when standard output cannot be written for another reason.
 pub(crate) fn say(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -62,14 +65,14 @@ pub(crate) fn say(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// One line on stderr, whatever `what` quotes.
+/// Prints one line to stderr, with control characters in `what` replaced by spaces.
 fn complain(what: &str) {
     let line: String = what.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    // Nobody is left to be told when stderr is gone.
+    // A closed stderr is ignored.
     let _ = writeln!(std::io::stderr(), "vanecut: {line}");
 }
 
-/// What clap found wrong, in one line: the fault, then its tip.
+/// An error of clap as one line: the fault, then its tip.
 fn usage_fault(error: &clap::Error) -> String {
     let text = error.to_string();
     let said: Vec<&str> = text
@@ -87,7 +90,7 @@ fn usage_fault(error: &clap::Error) -> String {
     }
 }
 
-/// Runs the command line of this process.
+/// Parses the arguments of this process and runs the command; returns the exit code.
 pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,

@@ -1,4 +1,4 @@
-//! Opening what the command line names.
+//! Reads the files named on the command line.
 
 use std::io::Read;
 use std::path::Path;
@@ -14,7 +14,10 @@ use crate::plunge::sections::SetupFault;
 /// How messages name standard input.
 const STANDARD_INPUT: &str = "standard input";
 
-/// Reads, trims and checks a part.
+/// Reads and builds a part, and prints its notes to stderr.
+///
+/// # Errors
+/// [`Failure::Input`] when the file cannot be read or does not describe an impeller.
 pub fn part(path: &Path, mesh: &MeshArgs) -> Result<(PartDescription, Impeller), Failure> {
     let description = read_part_with(path, &mesh.options())?;
     let part = Impeller::build(&description)
@@ -25,23 +28,27 @@ pub fn part(path: &Path, mesh: &MeshArgs) -> Result<(PartDescription, Impeller),
     Ok((description, part))
 }
 
-/// A setup and where it came from.
+/// A setup with its source, for error messages.
 pub struct OpenSetup {
     /// The setup.
     pub setup: Setup,
-    /// Name for messages: the part's where there is no setup file.
+    /// Name for messages; that of the part if there is no setup file.
     name: String,
     bytes: Vec<u8>,
 }
 
 impl OpenSetup {
-    /// The failure for a fault that came up while planning, with the line of the setup file.
+    /// The failure for a setup fault found while planning, with the line of the setup file.
     pub fn failure(&self, fault: &SetupFault) -> Failure {
         Failure::at(&self.name, line_of(&self.bytes, &fault.place), &fault.to_string())
     }
 }
 
-/// Reads the setup for `part` of the file `part_path`; none given means the defaults of the part, `-` standard input.
+/// Reads the setup for `part`, which was read from `part_path`. Without a path the part's defaults are used;
+/// `-` reads standard input.
+///
+/// # Errors
+/// [`Failure::Input`] when the setup cannot be read or is invalid.
 pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<OpenSetup, Failure> {
     let defaults = Setup::for_part(part);
     let Some(path) = path else {
@@ -53,12 +60,15 @@ pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<O
 }
 
 /// Name for messages and bytes of a file, or of standard input for `-`.
+///
+/// # Errors
+/// [`Failure::Input`] when it cannot be read.
 pub fn named_bytes(path: &Path) -> Result<(String, Vec<u8>), Failure> {
     if path != Path::new("-") {
         return Ok((name_of(path), read_bytes(path)?));
     }
     let mut bytes = Vec::new();
-    // One byte more than a reader takes, so that it can say what is too large.
+    // One byte over the limit, so that the reader can report that the input is too large.
     std::io::stdin()
         .lock()
         .take(MAX_BYTES as u64 + 1)

@@ -23,7 +23,11 @@ use crate::verify::{PlungeReport, counted, report_plunges};
 /// Cells of the residual field along s and λ.
 pub const FIELD_CELLS: usize = 512;
 
-/// Plans, writes the files, prints the figures.
+/// Plans, writes the files and prints the figures.
+///
+/// # Errors
+/// [`Failure::Input`] when an input is invalid; [`Failure::Work`] when planning is cancelled, the plan is
+/// unfinished, does not converge, or its program has faults.
 pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
     let setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
@@ -45,7 +49,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     if args.report {
         render::write_report(&args.output, &outcome)?;
     }
-    // What is reported is what was written, read and judged as `verify` does.
+    // The report is that of the program as written: read back and verified as by `vanecut verify`.
     let name = apt.display().to_string();
     let written = read_apt_bytes(&name, program.as_bytes())?;
     let channel = Channel::of(&outcome.part);
@@ -69,7 +73,10 @@ fn program_of(outcome: &PlanOutcome, channels: usize) -> Result<ClProgram, Failu
     Ok(ClProgram::of_plan(&part.name, &plan))
 }
 
-/// The shared job, with progress on a terminal.
+/// Runs the planning job, with progress on a terminal.
+///
+/// # Errors
+/// [`Failure::Work`] when cancelled, [`Failure::Input`] when part and setup are incompatible.
 pub fn outcome(
     part: Impeller,
     setup: &OpenSetup,
@@ -99,20 +106,26 @@ fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
     }
 }
 
-/// Tells before the work what [`make_folder`] could only tell after it.
+/// Checks the output directory before planning, so that [`make_folder`] does not fail only after it.
+///
+/// # Errors
+/// [`Failure::Input`] when `folder` exists and is not a directory.
 pub fn check_folder(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
-        let what = "is no folder; give one that can be written";
+        let what = "is not a directory; give one that can be written";
         return Err(Failure::at(&folder.display().to_string(), 0, what));
     }
     Ok(())
 }
 
-/// Makes the folder that output goes to.
+/// Creates the output directory.
+///
+/// # Errors
+/// [`Failure::Input`] when it cannot be created.
 pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| {
         Failure::Input(format!(
-            "{}: the folder cannot be made ({e}); give one that can be written",
+            "{}: the directory cannot be created ({e}); give one that can be written",
             folder.display()
         ))
     })
@@ -136,10 +149,10 @@ fn object(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> serd
     map
 }
 
-/// The plan with the figures of the program that was written from it.
+/// Figures of the plan, taken from its written program where possible.
 fn written<'a>(outcome: &'a PlanOutcome, report: &PlungeReport, channels: usize) -> Figures<'a> {
     let one = Figures::of_result(&outcome.after, &outcome.grid);
-    // Only the planner knows what blades block, in one channel as in all.
+    // A program does not contain blocked positions; their number is the same in every channel.
     let with_blocked = |s: &Summary, one: &Summary| Summary { blocked: one.blocked * channels, ..s.clone() };
     let sections = report.sections.iter().zip(&one.sections);
     Figures {
@@ -189,11 +202,11 @@ fn tables(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args: &
     text
 }
 
-/// The work has failed when `verify` would find a fault in the program, the plan did not come to rest, or was stopped.
+/// Fails when the plan was stopped, its program has faults, or the planning loop did not converge.
 fn judge(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Result<(), Failure> {
     let plan = &outcome.after.plan;
     if plan.is_unfinished() {
-        let what = "stopped: the plan is unfinished, and what was written says so; plan again for all of it";
+        let what = "stopped: the plan is unfinished, and so marked in the files; plan again to complete it";
         return Err(Failure::Work(what.to_owned()));
     }
     let faults = &report.verdict.faults;
@@ -206,7 +219,7 @@ fn judge(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Result<(),
         )));
     }
     if !plan.settled {
-        let what = "the plan does not hold (the loop did not come to rest); use smaller cutters or steps";
+        let what = "the planning loop did not converge; use smaller cutters or steps";
         return Err(Failure::Work(what.to_owned()));
     }
     Ok(())

@@ -1,17 +1,17 @@
-//! Line charts as SVG: curves along the channel, for reports.
+//! Line charts as SVG, for reports.
 
-/// A curve.
+/// A curve of a chart.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
-    /// (x, y), in order of x.
+    /// (x, y), sorted by x.
     pub points: Vec<(f64, f64)>,
-    /// Colour and dash, by index into the styles; series that belong together share the colour.
+    /// Index into the colours; related series share a colour.
     pub colour: usize,
-    /// Solid, dashed, dotted.
+    /// Index into the dash styles: solid, dashed, dotted.
     pub dash: usize,
-    /// A place on the curve to mark.
+    /// A point of the curve to mark.
     pub mark: Option<(f64, f64)>,
 }
 
@@ -20,15 +20,15 @@ pub struct Series {
 pub struct Chart {
     /// Heading.
     pub title: String,
-    /// What the x axis says.
+    /// Label of the x axis.
     pub x_label: String,
-    /// What the y axis says.
+    /// Label of the y axis.
     pub y_label: String,
     /// The curves.
     pub series: Vec<Series>,
 }
 
-/// Okabe–Ito: the same for every eye.
+/// Okabe–Ito palette, safe for colour-blind viewers.
 const COLOURS: [&str; 6] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"];
 const DASHES: [&str; 3] = ["", " stroke-dasharray=\"9 4\"", " stroke-dasharray=\"2 4\""];
 const SIZE: (f64, f64) = (900.0, 460.0);
@@ -36,7 +36,7 @@ const SIZE: (f64, f64) = (900.0, 460.0);
 const FIELD: (f64, f64, f64, f64) = (70.0, 40.0, 600.0, 405.0);
 
 impl Chart {
-    /// The chart as a whole SVG file. x runs from 0 to 1, y from 0 to just above the highest value.
+    /// The chart as a complete SVG file. x runs from 0 to 1, y from 0 to just above the highest value.
     pub fn svg(&self) -> String {
         let (left, top, right, bottom) = FIELD;
         let highest = self.series.iter().flat_map(|s| &s.points).map(|p| p.1).fold(0.0, f64::max);
@@ -46,7 +46,8 @@ impl Chart {
         let y = |value: f64| bottom - value / y_max * (bottom - top);
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
-             font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n\
+             font-family=\"sans-serif\" font-size=\"13\">\n\
+             <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n\
              <text x=\"{left}\" y=\"24\" font-size=\"16\">{}</text>\n",
             escaped(&self.title),
             w = SIZE.0,
@@ -105,7 +106,7 @@ impl Chart {
     }
 }
 
-/// A round step that divides 0 to `highest` into four to ten parts.
+/// Smallest step of 1, 2 or 5 times a power of ten that divides 0…`highest` into at most ten parts.
 fn tick_step(highest: f64) -> f64 {
     let decade = 10f64.powf((highest / 10.0).log10().floor());
     [1.0, 2.0, 5.0, 10.0]
@@ -115,7 +116,7 @@ fn tick_step(highest: f64) -> f64 {
         .unwrap_or(10.0 * decade)
 }
 
-/// Text as it may stand in SVG and HTML.
+/// Escapes text for SVG and HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

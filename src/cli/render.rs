@@ -1,4 +1,4 @@
-//! `vanecut render`, and the pictures of a report.
+//! `vanecut render`, and the pictures of `report.html`.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ use crate::plunge::PlungePlan;
 use crate::residual::surface::fitting_range;
 use crate::residual::{FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of};
 
-/// Largest picture, pixels a side.
+/// Largest side of a picture, pixels.
 const MAX_SIDE: u32 = 8192;
 
 impl From<GpuError> for Failure {
@@ -32,6 +32,10 @@ impl From<GpuError> for Failure {
 }
 
 /// Draws one picture.
+///
+/// # Errors
+/// [`Failure::Input`] when an argument or the input is invalid or the file cannot be written,
+/// [`Failure::Work`] when drawing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let size = parse_size(&args.size)?;
     let view: View = args.view.parse().map_err(|e| Failure::Input(format!("--view: {e}")))?;
@@ -70,7 +74,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         (stored.part, Some((stored.setup, stored.plan)))
     } else {
         let (_, part) = open::part(&args.source, &args.mesh)?;
-        // A part alone is drawn as it is; with plan colours asked for, it is planned with the defaults.
+        // A part is drawn without a plan unless the options need one; it is then planned with the defaults.
         if colours == FloorColours::Plain && args.at.is_none() && args.cutters.is_none() {
             (part, None)
         } else {
@@ -126,6 +130,9 @@ fn picture(
 }
 
 /// One picture of a scene as a PNG file in memory, with its colour scale if `legend`.
+///
+/// # Errors
+/// [`Failure::Work`] when the device or the encoder fails.
 pub fn draw(
     gpu: &Gpu,
     renderer: &mut Renderer,
@@ -147,20 +154,23 @@ pub fn draw(
 fn parse_size(word: &str) -> Result<UVec2, Failure> {
     let side = |s: &str| s.parse::<u32>().ok().filter(|n| (1..=MAX_SIDE).contains(n));
     word.split_once(['x', 'X']).and_then(|(w, h)| Some(UVec2::new(side(w)?, side(h)?))).ok_or_else(|| {
-        Failure::Input(format!("--size {word}: no picture size; give WIDTHxHEIGHT up to {MAX_SIDE}"))
+        Failure::Input(format!("--size {word}: not a picture size; give WIDTHxHEIGHT up to {MAX_SIDE}"))
     })
 }
 
-/// Pictures that are to be compared need the same colour scale.
+/// Parses LOW:HIGH, mm: pictures can be compared only with the same colour scale.
 fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
     let ends = word.split_once(':').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
     let usable = |(low, high): &(f32, f32)| low.is_finite() && high.is_finite() && low < high;
     ends.filter(usable).ok_or_else(|| {
-        Failure::Input(format!("--range {word}: no colour scale; give LOW:HIGH in mm, as 0.5:4"))
+        Failure::Input(format!("--range {word}: not a colour scale; give LOW:HIGH in mm, such as 0.5:4"))
     })
 }
 
-/// `report.html` with its pictures beside it: both plans over one colour scale.
+/// Writes `report.html` with its pictures beside it: both plans with the same colour scale.
+///
+/// # Errors
+/// [`Failure::Work`] when drawing fails, [`Failure::Input`] when a file cannot be written.
 pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure> {
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
@@ -179,7 +189,8 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
             let file = format!("{name}_{show}.png");
             write_whole(&folder.join(&file), &png)?;
             figures += &format!(
-                "<figure><img src=\"{file}\" width=\"450\" alt=\"{name}, {show}\"><figcaption>{name}: {show}</figcaption></figure>\n"
+                "<figure><img src=\"{file}\" width=\"450\" alt=\"{name}, {show}\">\
+                 <figcaption>{name}: {show}</figcaption></figure>\n"
             );
         }
     }
@@ -188,9 +199,10 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
     let table = report::table(rows);
     let html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: plunge plan</title>\n\
-         <style>body{{font-family:sans-serif;margin:2em;max-width:1000px}}figure{{display:inline-block;margin:4px}}</style>\n\
+         <style>body{{font-family:sans-serif;margin:2em;max-width:1000px}}\
+         figure{{display:inline-block;margin:4px}}</style>\n\
          <h1>{name}: plunge plan</h1>\n<pre>{table}\n{clear}{blocked}</pre>\n\
-         <p>Colours of stock on the hub: {low:.2} mm (dark) to {high:.2} mm (bright).</p>\n{figures}</html>\n",
+         <p>Stock on the hub: {low:.2} mm (dark) to {high:.2} mm (bright).</p>\n{figures}</html>\n",
         name = escaped(&outcome.part.name),
         table = escaped(&table),
         clear = escaped(&report::clearances(&outcome.after.summary, 1)),

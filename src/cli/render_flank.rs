@@ -9,8 +9,11 @@ use crate::formats::flank_file::StoredFlank;
 use crate::gpu::flank::{FlankColours, lines, wall_deviations};
 use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
 
-/// The curves of a flank plan by layer or region, or its moves by their feed (`--show feed`), as a PNG file in
-/// memory; or what the cutter leaves on the walls (`--show walls`). `--at` shows that many moves only.
+/// PNG file of a flank plan: passes coloured by layer or region, moves by feed rate (`--show feed`), or walls
+/// by the residual stock (`--show walls`). `--at` limits the number of moves.
+///
+/// # Errors
+/// [`Failure::Input`] for an unknown `--show`, [`Failure::Work`] when drawing fails.
 pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -> Result<Vec<u8>, Failure> {
     let colours: FlankColours = match &args.show {
         Some(word) => word.parse().map_err(|e| Failure::Input(format!("--show: {e}")))?,
@@ -24,7 +27,7 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     let options = SceneOptions {
         map,
         range_mm: (-most, most),
-        // The blades would hide what lies on them.
+        // The blades would hide the coloured walls that lie on them.
         show_blades: walls.is_none(),
         show_shroud: args.shroud,
         transparent: args.transparent,

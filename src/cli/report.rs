@@ -1,4 +1,4 @@
-//! What commands print: the JSON object that other programs rely on, and tables for people.
+//! Output of the commands: JSON objects for programs, and tables for users.
 
 use serde_json::{Map, Value, json};
 
@@ -8,12 +8,12 @@ use crate::plunge::{Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped};
 use crate::residual::FloorGrid;
 use crate::verify::{Fault, PlungeReport};
 
-/// A number, or null where there is none.
+/// A number, or null if it is not finite.
 pub fn number(x: f64) -> Value {
     if x.is_finite() { json!(x) } else { Value::Null }
 }
 
-/// The keys of contact and residual layer.
+/// The keys of contact and residual stock.
 fn decisive(s: &Summary) -> Map<String, Value> {
     let mut map = Map::new();
     map.insert("interferential".into(), json!(s.interferential));
@@ -26,7 +26,7 @@ fn decisive(s: &Summary) -> Map<String, Value> {
     map
 }
 
-/// The first keys of every object: the part, and how many of its `channels` are cut, where any is.
+/// The first keys of every object: the part, and the number of `channels` cut, if any.
 pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
     let mut map = Map::new();
     map.insert("part".into(), json!(part.name));
@@ -38,23 +38,23 @@ pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
     map
 }
 
-/// A plan with its figures, and those of its sections.
+/// A plan with its figures and those of its sections.
 #[derive(Clone, Debug)]
 pub struct Figures<'a> {
     /// The plan.
     pub plan: &'a PlungePlan,
-    /// Its figures.
+    /// Figures of the whole plan.
     pub summary: Summary,
-    /// Those of each of its sections.
+    /// Figures of each section.
     pub sections: Vec<Summary>,
-    /// Number of rows, of all channels.
+    /// Number of rows in all channels.
     pub rows: usize,
-    /// Whether it was planned here: how its axes were found is known.
+    /// Whether the plan comes from the planner, not from a program: figures of the planning are available.
     pub planned: bool,
 }
 
 impl<'a> Figures<'a> {
-    /// Of a plan of one channel.
+    /// Figures of a plan of one channel.
     pub fn of_result(result: &'a PolicyResult, grid: &FloorGrid) -> Self {
         let section = |index| Summary::of_section(&result.plan, grid, &result.field, index);
         let sections = (0..result.plan.sections.len()).map(section).collect();
@@ -62,7 +62,7 @@ impl<'a> Figures<'a> {
         Self { plan: &result.plan, summary: result.summary.clone(), sections, rows, planned: true }
     }
 
-    /// Of a program.
+    /// Figures of a verified program.
     pub fn of_program(report: &'a PlungeReport) -> Self {
         Self {
             plan: &report.verdict.plan,
@@ -73,13 +73,13 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// The sections that are cut, with their places in the plan and their figures.
+    /// The sections that are cut, with their indices in the plan and their figures.
     fn cut(&self) -> impl Iterator<Item = (usize, &SectionPlan, &Summary)> {
         let sections = self.plan.sections.iter().zip(&self.sections).enumerate();
         sections.filter(|(_, (section, _))| section.is_cut()).map(|(index, (section, s))| (index, section, s))
     }
 
-    /// A value that only the planner knows.
+    /// A value that only a planned result has; null for a program.
     fn planners(&self, value: impl FnOnce() -> Value) -> Value {
         if self.planned { value() } else { Value::Null }
     }
@@ -89,7 +89,7 @@ fn rows_of(plan: &PlungePlan) -> usize {
     plan.sections.iter().map(|section| section.rows).sum()
 }
 
-/// What every plan and program prints: the keys of CONTRACT that describe one. `reasons` say why each section was chosen.
+/// The JSON object of a plan or program; `reasons` say why each section was chosen.
 pub fn plan_object(
     part: &Impeller,
     channels: usize,
@@ -119,7 +119,7 @@ pub fn plan_object(
     map
 }
 
-/// Residual and contact keys of a plan, with its sections: for `before` and `policies`.
+/// Contact and residual keys of a plan with its sections, for the keys `before` and `policies`.
 pub fn compared(figures: &Figures, reasons: &[Option<String>]) -> Value {
     let mut map = decisive(&figures.summary);
     map.insert("positions".into(), json!(figures.summary.positions));
@@ -149,7 +149,7 @@ fn by_section(figures: &Figures, reasons: &[Option<String>]) -> Value {
     Value::Array(figures.cut().map(object).collect())
 }
 
-/// The list `faults` of `--json`; `what` is the older name of `message`.
+/// The list `faults` of `--json`; `what` is the older name of `message`, kept for compatibility.
 pub fn fault_list(faults: &[Fault]) -> Value {
     let one = |f: &Fault| {
         let value = f.value.map_or(Value::Null, number);
@@ -158,7 +158,7 @@ pub fn fault_list(faults: &[Fault]) -> Value {
     Value::Array(faults.iter().map(one).collect())
 }
 
-/// `n channels`.
+/// Text for the number of channels of a program.
 pub fn channels_text(count: usize) -> String {
     if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }
 }
@@ -173,7 +173,8 @@ fn feed_word(feed: Feed) -> &'static str {
 /// Table of plans under their names, section by section.
 pub fn table<'a>(rows: impl Iterator<Item = (&'a str, Figures<'a>)>) -> String {
     let mut text = String::from(
-        "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  uncut %  out of reach %  blocked\n",
+        "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  \
+         uncut %  inaccessible %  blocked\n",
     );
     for (name, figures) in rows {
         let whole = (String::from("all"), String::new(), &figures.summary);
@@ -183,7 +184,8 @@ pub fn table<'a>(rows: impl Iterator<Item = (&'a str, Figures<'a>)>) -> String {
         for (section, tool, s) in parts.chain([whole]) {
             let blocked = if figures.planned { s.blocked.to_string() } else { "-".to_owned() };
             text += &format!(
-                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  {:>7.1}  {:>14.1}  {blocked:>7}\n",
+                "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  \
+                 {:>7.1}  {:>14.1}  {blocked:>7}\n",
                 s.positions,
                 s.interferential,
                 s.max_contact_depth,
@@ -197,7 +199,7 @@ pub fn table<'a>(rows: impl Iterator<Item = (&'a str, Figures<'a>)>) -> String {
     text
 }
 
-/// How many positions of a plan (or of one section) something keeps from the axis that would leave the least.
+/// Number of positions of a plan (or of one section) whose axis is limited, per cause; see [`Held`].
 fn held_back(plan: &PlungePlan, section: Option<usize>) -> [(Held, usize); 3] {
     Held::ALL.map(|held| {
         let ours = |p: &&Position| p.held == Some(held) && section.is_none_or(|s| p.section == s);
@@ -214,24 +216,25 @@ fn held_object(counts: &[(Held, usize)]) -> Value {
     )
 }
 
-/// Says what keeps positions from the axis that would leave the least; empty where nothing does.
+/// Text on the positions with a limited axis and on those lifted to keep the core free; empty if there are
+/// none.
 pub fn held(plan: &PlungePlan) -> String {
     let counts = held_back(plan, None);
     let lifted = plan.positions.iter().filter(|p| p.lift > 0.02).count();
     let mut text = String::new();
     if counts.iter().any(|(_, count)| *count > 0) {
         let words: Vec<String> =
-            counts.iter().map(|(held, count)| format!("{count} by {}", held.words())).collect();
-        text += &format!("held back from the axis that leaves least: {}\n", words.join(", "));
+            counts.iter().map(|(held, count)| format!("{count} limited by {}", held.words())).collect();
+        text += &format!("positions not at the axis that leaves least: {}\n", words.join(", "));
     }
     if lifted > 0 {
         let most = plan.positions.iter().map(|p| p.lift).fold(0.0, f64::max);
-        text += &format!("stop short for the core to be free: {lifted} positions, by up to {most:.2} mm\n");
+        text += &format!("stopped short to keep the core free: {lifted} positions, by up to {most:.2} mm\n");
     }
     text
 }
 
-/// Why each section was chosen, where the setup did not give it.
+/// Text on why each section was chosen, for sections not given by the setup.
 pub fn reasons(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
     let mut text = String::new();
     for (section, reason) in plan.sections.iter().zip(reasons).filter(|(section, _)| section.is_cut()) {
@@ -264,7 +267,7 @@ pub fn added(plan: &PlungePlan) -> String {
     text
 }
 
-/// Clearances, axis change and time of a program of `channels` channels.
+/// Text on clearances, axis change, lengths and time of a program of `channels` channels.
 pub fn clearances(s: &Summary, channels: usize) -> String {
     format!(
         "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; axis change up to {:.1}° within a row\n\
@@ -280,17 +283,17 @@ pub fn clearances(s: &Summary, channels: usize) -> String {
     )
 }
 
-/// Notes, one a line.
+/// Notes, one per line.
 pub fn notes(notes: &[String]) -> String {
     notes.iter().map(|note| format!("{note}\n")).collect()
 }
 
-/// How the loop of the planner ended.
+/// Text on the convergence of the planning loop.
 pub fn rounds(plan: &PlungePlan) -> String {
-    format!("{} rounds, {}\n", plan.rounds, if plan.settled { "settled" } else { "NOT settled" })
+    format!("{} iterations, {}\n", plan.rounds, if plan.settled { "converged" } else { "NOT converged" })
 }
 
-/// Names every blocked position of a plan, section by section, and counts those that were left out.
+/// Text that lists the blocked positions of each section and counts those left out.
 pub fn blocked(plan: &PlungePlan) -> String {
     let mut text = String::new();
     for (index, section) in plan.sections.iter().enumerate() {

@@ -15,16 +15,19 @@ use crate::part::{Channel, Impeller};
 use crate::plunge::sections::check_part;
 use crate::verify::{Fault, PlungeReport, is_flank, report_plunges, verify_flank};
 
-/// Faults printed one by one before the rest is only counted.
+/// Number of faults that are printed; further ones are only counted.
 const MAX_SHOWN: usize = 20;
 
-/// Checks, prints what was found; exit 1 when there is a fault.
+/// Verifies a program and prints the findings.
+///
+/// # Errors
+/// [`Failure::Input`] when an input is invalid, [`Failure::Work`] when the program has faults.
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
     let (_, part) = open::part(&args.part, &args.mesh)?;
     if args.program == Path::new("-") && args.setup.as_deref() == Some(Path::new("-")) {
         return Err(Failure::Input(
-            "standard input cannot be setup and program; give one as a file".to_owned(),
+            "standard input cannot be both setup and program; give one as a file".to_owned(),
         ));
     }
     let opened = open::setup(args.setup.as_deref(), &args.part, &part)?;
@@ -55,7 +58,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             text += &format!("{name}:{}: {}\n", fault.line, fault.what);
         }
         if faults.len() > MAX_SHOWN {
-            text += &format!("… and {} faults more\n", faults.len() - MAX_SHOWN);
+            text += &format!("… and {} more faults\n", faults.len() - MAX_SHOWN);
         }
         say(&text)?;
     }
@@ -66,7 +69,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
 }
 
-/// The object of a plunge program.
+/// The JSON object of a plunge program.
 fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
     let mut map = report::plan_object(part, report.verdict.channels, &Figures::of_program(report), &[]);
     map.insert("kind".into(), json!("plunge"));
@@ -85,7 +88,7 @@ fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
     map
 }
 
-/// The same for people.
+/// The text report of a plunge program.
 fn plunge_text(report: &PlungeReport) -> String {
     let mut text = report::table([("program", Figures::of_program(report))].into_iter());
     text += &report::clearances(&report.summary, report.verdict.channels);

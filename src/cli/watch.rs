@@ -1,4 +1,4 @@
-//! Long work on the command line: its progress on a terminal, and Ctrl+C.
+//! Runs a job from the command line, with progress on a terminal and Ctrl+C handling.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -7,21 +7,21 @@ use std::time::Duration;
 
 use crate::monitor::Monitor;
 
-/// Exit code of a program that Ctrl+C ends at once, as shells count it.
+/// Exit code after a second Ctrl+C: 128 + SIGINT, the convention of shells.
 const INTERRUPTED: i32 = 130;
 
-/// Runs a job, with its progress on a terminal. Ctrl+C asks the job to end with what it has found, a second one ends the
-/// program at once.
+/// Runs a job, with its progress on a terminal. The first Ctrl+C stops the job, which keeps the best result
+/// found so far; a second one ends the program at once.
 pub fn watched<T>(job: impl FnOnce(&Monitor) -> T) -> T {
     let monitor = Arc::new(Monitor::default());
     let asked = Arc::clone(&monitor);
-    // Where there can be no handler, Ctrl+C ends the program as ever.
+    // If no handler can be set, Ctrl+C ends the program as by default.
     let _ = ctrlc::set_handler(move || {
         if asked.is_stopped() {
             std::process::exit(INTERRUPTED);
         }
         asked.stop();
-        eprintln!("\nstopping with what is found; Ctrl+C again ends at once");
+        eprintln!("\nstopping, keeping the result so far; Ctrl+C again ends at once");
     });
     let done = AtomicBool::new(false);
     std::thread::scope(|scope| {

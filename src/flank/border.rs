@@ -1,5 +1,5 @@
-//! The walls of the channel on a layer, and the fans of geodesics that leave them at right angles: where a fan has gone a
-//! certain way lies the true offset of the wall.
+//! The walls of the channel on a layer, and the fans of geodesics that leave them at right angles: the end
+//! points of all geodesics of one length form the true offset of the wall (geodesic parallel).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -10,12 +10,13 @@ use crate::part::{BladeSide, Channel, Impeller};
 /// A wall as a line on the layer.
 #[derive(Clone, Debug)]
 pub struct Border {
-    /// The wall within the channel and its extension beyond both ends, in order of the rays.
+    /// The wall within the channel, extended beyond both ends, in the order of the rays.
     pub points: Vec<LayerPoint>,
-    /// Where rays leave, and under which heading (rad): at right angles to the wall, into the passage; round about a
-    /// nose several from one place. None leaves from an extension ahead of a nose.
+    /// Start point and heading (rad) of each ray: at right angles to the wall, into the passage. At a nose
+    /// several rays share a start point. No ray starts on an extension ahead of a nose.
     rays: Vec<(LayerPoint, f64)>,
-    /// x of the foremost point that sends out rays round about it, mm; −∞ where the extension ahead of it is a wall too.
+    /// x of the foremost point with rays in all directions, mm; −∞ where the extension ahead of the wall has
+    /// rays as well.
     pub nose: f64,
 }
 
@@ -26,7 +27,8 @@ pub struct Borders {
     pub low: Border,
     /// At λ = 1.
     pub high: Border,
-    /// Around the splitter, from its trailing edge along the side that faces `low`, round the nose and back.
+    /// The outline of the splitter, from its trailing edge along the side that faces `low`, round the nose
+    /// and back.
     pub splitter: Option<Splitter>,
 }
 
@@ -41,29 +43,29 @@ pub struct Splitter {
     pub sides: [Vec<LayerPoint>; 2],
 }
 
-/// Lines u at which a flank is traced.
+/// Lines of constant u at which a flank is traced.
 const FLANK_LINES: usize = 80;
-/// Lines u of each side of a splitter, denser towards its nose.
+/// Lines of constant u of each side of a splitter, denser towards its nose.
 const NOSED_LINES: usize = 70;
-/// A wall that turns by more than this between two points sends out more than one ray there, rad.
+/// Turn of a wall between two points above which several rays leave from there, rad.
 const RAY_TURN: f64 = 0.12;
-/// Lines u round the nose of a main blade.
+/// Lines of constant u round the nose of a main blade.
 const NOSE_LINES: usize = 24;
-/// Greatest angle to the meridian of an extension ahead of a leading edge where a geodesic would turn back, rad.
+/// Largest angle to the meridian of an extension ahead of a leading edge where a geodesic would turn back,
+/// rad.
 const MOST_LEAN: f64 = 60.0 * PI / 180.0;
 /// Spacing of the points of an extension, mm.
 const EXTENSION_STEP: f64 = 2.0;
 
 impl Border {
-    /// A wall through `points`, round a nose; rays leave to the left of it as seen from the side of the channel: towards
-    /// growing heading.
+    /// A wall through `points`. Rays leave to the left of the line for a `side` of 1, to the right for −1.
     fn new(layer: &Layer, points: Vec<LayerPoint>, side: f64) -> Self {
         Self { nose: f64::NEG_INFINITY, rays: rays_of(layer, &points, side), points }
     }
 
-    /// A main blade's wall, extended to `points`, x growing with them. `wall` is what of it sends out rays, from the foremost
-    /// point of its nose on; round about that point they leave in all directions up to straight upstream: ahead of a leading
-    /// edge no wall bounds the channel, and its offsets are arcs round the nose.
+    /// A main blade's wall, extended to `points` with growing x. Rays leave `wall` only, from the foremost
+    /// point of its nose on. At that point they fan out up to straight upstream: ahead of the leading edge no
+    /// wall bounds the channel, so its offsets are arcs round the nose.
     fn with_nose(layer: &Layer, points: Vec<LayerPoint>, wall: &[LayerPoint], side: f64) -> Self {
         let mut rays = rays_of(layer, wall, side);
         if let Some(&(nose, heading)) = rays.first() {
@@ -76,12 +78,12 @@ impl Border {
         Self { points, rays, nose }
     }
 
-    /// The places all rays have reached after `length` mm.
+    /// End points of all rays after `length` mm: the offset of the wall.
     pub fn offset(&self, layer: &Layer, length: f64) -> Vec<LayerPoint> {
         self.rays.iter().map(|&(p, heading)| layer.geodesic(p, heading, length).0).collect()
     }
 
-    /// Rows of places after each of the `lengths`, which grow.
+    /// End points of all rays for each of the ascending `lengths` (mm), one row per length.
     pub fn fan(&self, layer: &Layer, lengths: &[f64]) -> Vec<Vec<LayerPoint>> {
         let mut rows = vec![Vec::with_capacity(self.rays.len()); lengths.len()];
         for &(start, heading) in &self.rays {
@@ -95,13 +97,14 @@ impl Border {
         rows
     }
 
-    /// y of the border at `x`, where x grows along it; the nearest end's beyond them.
+    /// y of the wall at `x`; beyond its ends that of the nearer end. x grows along the wall.
     pub fn y_at(&self, x: f64) -> f64 {
         y_at(&self.points, x)
     }
 }
 
-/// Rays at right angles to the line through `points`, to the left of it for a `side` of 1, to the right for −1.
+/// Rays at right angles to the line through `points`, to the left of it for a `side` of 1, to the right for
+/// −1.
 fn rays_of(layer: &Layer, points: &[LayerPoint], side: f64) -> Vec<(LayerPoint, f64)> {
     let headings: Vec<f64> = points.windows(2).map(|p| layer.heading(p[0], p[1])).collect();
     let mut rays = Vec::with_capacity(points.len() + 32);
@@ -109,7 +112,8 @@ fn rays_of(layer: &Layer, points: &[LayerPoint], side: f64) -> Vec<(LayerPoint, 
         let before = if i > 0 { headings[i - 1] } else { headings[0] };
         let after = before + wrap_angle(headings.get(i).copied().unwrap_or(before) - before);
         let turn = after - before;
-        // Away from the passage the wall opens a gap between two rays; towards it they cross, and one does.
+        // Where the wall turns away from the passage, two neighbouring rays would leave a gap: fan out. Where
+        // it turns towards the passage they cross, and one ray is enough.
         let count = if -turn * side > RAY_TURN { (turn.abs() / RAY_TURN).ceil() as usize } else { 0 };
         if count > 0 {
             for k in 0..=count {
@@ -128,7 +132,7 @@ fn rays_of(layer: &Layer, points: &[LayerPoint], side: f64) -> Vec<(LayerPoint, 
     rays
 }
 
-/// y of a line at `x`, where x grows along it; the nearest end's beyond them.
+/// y of a line at `x`; beyond its ends that of the nearer end. x grows along the line.
 pub fn y_at(line: &[LayerPoint], x: f64) -> f64 {
     let after = line.partition_point(|p| p.x < x);
     if after == 0 {
@@ -142,15 +146,15 @@ pub fn y_at(line: &[LayerPoint], x: f64) -> f64 {
 }
 
 impl Borders {
-    /// The walls of `channel` on `layer`, each extended as a geodesic `beyond` mm beyond the layer's ends, and further
-    /// where its rays need that to reach over the whole channel. They are taken
-    /// `raised` mm above the layer: with the height of a ball's centre, next to which it keeps its distance from them. `None`
-    /// where a wall does not cross the layer.
+    /// The walls of `channel` on `layer`, each extended as a geodesic by `beyond` mm past the ends of the
+    /// layer, and further where its rays need that to cover the whole channel. They are traced `raised` mm
+    /// above the layer: at the height of the centre of a ball end, whose distance from the wall is what
+    /// counts. `None` where a wall does not cross the layer.
     pub fn of(part: &Impeller, channel: &Channel, layer: &Layer, beyond: f64, raised: f64) -> Option<Self> {
         let [a, b] = &channel.full.walls;
         let low = flank(layer, a.side(), raised)?;
         let high = flank(layer, b.side(), raised)?;
-        // The wall at λ = 1 follows the other within a pitch.
+        // The wall at λ = 1 is within one pitch after the other.
         let middle = 0.5 * (layer.from + layer.to);
         let gap = y_at(&high, middle) - y_at(&low, middle);
         let pitch = part.pitch().abs();
@@ -190,7 +194,7 @@ impl Borders {
 }
 
 impl Borders {
-    /// Whether rays leave the main blades round their noses.
+    /// Whether the main blades have rays round their noses.
     pub fn have_noses(&self) -> bool {
         self.low.points.first().is_some_and(|p| p.x < self.low.nose)
     }
@@ -204,14 +208,14 @@ fn flank(layer: &Layer, side: &BladeSide, raised: f64) -> Option<Vec<LayerPoint>
         growing(layer.trace(side, lines, 0.0, raised))
     };
     let fits = |line: &Vec<LayerPoint>| line.len() >= 3 && line[1].x < layer.to;
-    // A layer that ends beside the nose lies where the flank runs on straight before it.
+    // A layer that ends beside the nose meets only the straight extension ahead of the flank.
     let line = Some(traced(first, last))
         .filter(fits)
         .or_else(|| Some(traced(first - 0.2, first + 0.1)).filter(fits))?;
     Some(until(line, layer.to))
 }
 
-/// Points up to the first beyond `to`, and that one.
+/// Points up to and including the first beyond `to`.
 fn until(points: Vec<LayerPoint>, to: f64) -> Vec<LayerPoint> {
     let end = points.iter().position(|p| p.x >= to).map_or(points.len(), |i| i + 1);
     let mut points = points;
@@ -219,7 +223,7 @@ fn until(points: Vec<LayerPoint>, to: f64) -> Vec<LayerPoint> {
     points
 }
 
-/// The points without those at which x does not grow.
+/// Drops the points at which x does not grow.
 fn growing(points: Vec<LayerPoint>) -> Vec<LayerPoint> {
     let mut kept: Vec<LayerPoint> = Vec::with_capacity(points.len());
     for p in points {
@@ -230,7 +234,8 @@ fn growing(points: Vec<LayerPoint>) -> Vec<LayerPoint> {
     kept
 }
 
-/// The nose of a `blade` ahead of the first point of its `flank` on the layer, from its foremost point on, x growing.
+/// The nose of a `blade` ahead of the first point of its `flank` on the layer, from its foremost point on,
+/// with growing x.
 fn nose(
     layer: &Layer,
     blade: &BladeSide,
@@ -248,14 +253,15 @@ fn nose(
     points
 }
 
-/// How far ahead of a line its extension runs to be `reach` mm beyond the layer's end, mm, and under which heading it begins.
+/// Length (mm) and initial heading (rad) of the extension ahead of a line that ends `reach` mm beyond the end
+/// of the layer.
 fn ahead_of(layer: &Layer, line: &[LayerPoint], reach: f64) -> (f64, f64) {
     let back = end_heading(layer, [line[0], line[1], line[2]]);
     ((line[0].x - layer.from).max(0.0) / (-back.cos()).max(0.3) + reach, back)
 }
 
-/// Whether a geodesic ahead of a line turns back within `reach` mm of the layer's end: ahead of strongly wrapped walls, on a
-/// layer that narrows, it runs through the channel.
+/// Whether a geodesic ahead of a line turns back within `reach` mm of the end of the layer. Ahead of strongly
+/// wrapped walls, on a layer that narrows, it does and would run through the channel.
 fn turns_back(layer: &Layer, line: &[LayerPoint], reach: f64) -> bool {
     let (length, mut heading) = ahead_of(layer, line, reach);
     let steps = (length / EXTENSION_STEP).ceil().max(1.0);
@@ -266,8 +272,8 @@ fn turns_back(layer: &Layer, line: &[LayerPoint], reach: f64) -> bool {
     })
 }
 
-/// The line, running on beyond its ends until `reach` mm beyond the layer's: as a geodesic, which ahead of the leading edge
-/// leans from the meridian by no more than `most_lean` (rad).
+/// The line, extended by geodesics until `reach` mm beyond both ends of the layer. Ahead of the leading edge
+/// the heading is kept within `most_lean` (rad) of the meridian.
 fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2], most_lean: f64) -> Vec<LayerPoint> {
     let n = line.len();
     let (behind, back) = ahead_of(layer, line, reach[0]);
@@ -297,14 +303,15 @@ fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2], most_lean: f64)
     points
 }
 
-/// Heading under which a line goes on beyond its end, the first of three points: the slope of the parabola through them.
+/// Heading (rad) at which a line continues beyond its end, the first of three points: the slope of the
+/// parabola through them.
 fn end_heading(layer: &Layer, [end, next, third]: [LayerPoint; 3]) -> f64 {
     let (outer, inner) = (layer.heading(next, end), layer.heading(third, next));
     let (a, b) = (layer.step(end, next), layer.step(next, third));
     outer + wrap_angle(outer - inner) * a / (a + b).max(1e-12)
 }
 
-/// The splitter's outline on the layer; `None` where the layer ends before its nose.
+/// The outline of the splitter on the layer; `None` where the layer ends before its nose.
 fn outline(
     layer: &Layer,
     blade: &crate::part::Blade,
@@ -352,7 +359,7 @@ fn outline(
     })
 }
 
-/// Points up to the first beyond `to`, nose first.
+/// Points from the nose up to and including the first beyond `to`.
 fn cut_at(points: Vec<LayerPoint>, to: f64) -> Vec<LayerPoint> {
     let mut points = points;
     let foremost = (0..points.len()).min_by(|&a, &b| points[a].x.total_cmp(&points[b].x)).unwrap_or(0);

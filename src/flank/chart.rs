@@ -1,25 +1,26 @@
-//! A chart of a layer: nodes over the channel with their geodesic distances from the walls.
+//! A chart of a layer: a grid over the channel with geodesic distances from the walls at its nodes.
 //!
-//! Distances come from the fans of the walls: between two neighbouring rays and two rows the distance is linear, and a
-//! node keeps the least that any such cell gives it, so that it holds behind focal points too.
+//! The distances come from the fans of the walls. Between two neighbouring rays and two lengths the distance
+//! is interpolated linearly over two triangles. A node keeps the minimum over all triangles that hold it, so
+//! the field is right behind focal points as well, where rays cross.
 
 use super::border::{Border, Borders, y_at};
 use super::layer::{Layer, LayerPoint};
 
-/// Which wall.
+/// A wall of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WallName {
-    /// At λ = 0, a main blade's suction side.
+    /// At λ = 0: the suction side of a main blade.
     Low,
-    /// At λ = 1, a main blade's pressure side.
+    /// At λ = 1: the pressure side of a main blade.
     High,
     /// The splitter between them.
     Splitter,
 }
 
 impl WallName {
-    /// All of them.
+    /// All walls.
     pub const ALL: [Self; 3] = [Self::Low, Self::High, Self::Splitter];
 
     fn index(self) -> usize {
@@ -27,35 +28,36 @@ impl WallName {
     }
 }
 
-/// Part of a channel (paper B, fig. 6).
+/// A region of the channel [flank paper, fig. 6].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Region {
-    /// From the inlet to the splitter's leading edge; the whole channel without one.
+    /// From the inlet to the splitter's leading edge; without a splitter the whole channel.
     Inlet,
-    /// Beside the splitter, at the main blade's suction side.
+    /// Beside the splitter, at the suction side of the main blade.
     LowSide,
-    /// Beside the splitter, at the main blade's pressure side.
+    /// Beside the splitter, at the pressure side of the main blade.
     HighSide,
 }
 
-/// Nodes of a layer and what is known there.
+/// A grid over a layer with a distance field per wall.
 #[derive(Debug)]
 pub struct Chart<'a> {
     /// The layer.
     pub layer: &'a Layer,
     /// Its walls.
     pub borders: &'a Borders,
-    /// Distances from the walls that count as free, mm.
+    /// Least distance of the tool axis from a wall, mm.
     pub clear: f64,
     rows: Vec<Row>,
     columns: usize,
     step: f64,
-    /// By wall, row by row, mm; infinite where no ray comes.
+    /// Distance fields by wall, row by row, mm; infinite where no ray arrives.
     distances: [Vec<f64>; 3],
-    /// By wall, where its rays are after `clear`, `clear` + `interval`, `clear` + 2 `interval`, … mm.
+    /// Offsets by wall: end points of its rays after `clear`, `clear` + `interval`, `clear` + 2 `interval`, …
+    /// mm.
     offsets: [Vec<Vec<LayerPoint>>; 3],
-    /// Distance between neighbouring offsets, mm.
+    /// Stepover: distance between neighbouring offsets, mm.
     pub interval: f64,
 }
 
@@ -77,23 +79,24 @@ impl Row {
     }
 }
 
-/// One node.
+/// A node of a chart.
 #[derive(Clone, Copy, Debug)]
 pub struct Node {
-    /// Where it is.
+    /// Its position.
     pub point: LayerPoint,
-    /// Area it stands for, mm²: less at the edge of what the cutter's axis may reach, 0 beyond.
+    /// Area that it represents, mm²: reduced at the limit of the tool axis, 0 beyond.
     pub free_area: f64,
-    /// Place in the chart.
+    /// Index in the chart, row by row.
     pub index: usize,
 }
 
-/// Most nodes along and across; finer charts would only cost.
+/// Maximum number of nodes along and across; finer charts gain nothing.
 const MAX_NODES: usize = 1200;
 
 impl<'a> Chart<'a> {
-    /// Nodes about `spacing` mm apart over the layer and `beyond` mm beyond its ends; `clear` mm from a wall counts as
-    /// free. Rays are followed by steps of `interval` mm, the first of them `clear` long.
+    /// A chart with nodes about `spacing` mm apart over the layer and `beyond` mm past its ends. `clear` is
+    /// the least distance of the tool axis from a wall. The first offset of a wall is `clear` from it, the
+    /// others follow at steps of `interval` (all mm).
     pub fn new(
         layer: &'a Layer,
         borders: &'a Borders,
@@ -130,7 +133,7 @@ impl<'a> Chart<'a> {
         let lengths: Vec<f64> = std::iter::once(0.0)
             .chain((0..).map(|k| clear + interval * f64::from(k)).take_while(|l| *l < widest + interval))
             .collect();
-        // The walls themselves: the first rays leave between two nodes.
+        // The rays start between two nodes: set the distance on the walls themselves.
         for i in 0..chart.rows.len() {
             if chart.rows[i].x >= borders.low.nose {
                 chart.distances[0][i * columns] = 0.0;
@@ -149,7 +152,8 @@ impl<'a> Chart<'a> {
         chart
     }
 
-    /// Nodes inside the splitter, and those next to its outline that lie before its first row of places.
+    /// Sets the distance to 0 inside the splitter and at the nodes next to its outline that no ray's triangle
+    /// holds.
     fn close_splitter(&mut self) {
         let Some(splitter) = &self.borders.splitter else { return };
         let field = &mut self.distances[WallName::Splitter.index()];
@@ -167,7 +171,7 @@ impl<'a> Chart<'a> {
         }
     }
 
-    /// Fills in the distances from one wall.
+    /// Computes the distance field and the offsets of one wall.
     fn spread(&mut self, index: usize, wall: &Border, lengths: &[f64]) {
         let fan = wall.fan(self.layer, lengths);
         let places: Vec<Vec<(f64, f64)>> =
@@ -186,12 +190,12 @@ impl<'a> Chart<'a> {
         self.offsets[index] = fan.into_iter().skip(1).collect();
     }
 
-    /// True offsets of a wall, `clear` mm from it and then by steps of the interval.
+    /// True offsets of a wall: the first `clear` from it, the others at steps of the stepover.
     pub fn offsets(&self, wall: WallName) -> &[Vec<LayerPoint>] {
         &self.offsets[wall.index()]
     }
 
-    /// Row and column of a point, as fractions.
+    /// Fractional row and column of a point.
     fn place(&self, p: LayerPoint) -> (f64, f64) {
         let at = (p.x - self.rows[0].x) / self.step;
         let last = self.rows.len() - 1;
@@ -235,7 +239,7 @@ impl<'a> Chart<'a> {
         }
     }
 
-    /// Distance of a point from a wall, mm; infinite where none of its rays comes, or there is no such wall.
+    /// Distance of a point from a wall, mm; infinite where no ray of it arrives or the wall does not exist.
     pub fn distance(&self, wall: WallName, p: LayerPoint) -> f64 {
         let (row, column) = self.place(p);
         let field = &self.distances[wall.index()];
@@ -246,11 +250,11 @@ impl<'a> Chart<'a> {
         let at = |i: usize, j: usize| field[i * self.columns + j];
         let (a, b, c, d) = (at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1));
         let value = (1.0 - s) * ((1.0 - t) * a + t * b) + s * ((1.0 - t) * c + t * d);
-        // Next to where no ray comes a mean would be none.
+        // Next to a node that no ray reaches the mean would be infinite.
         if value.is_finite() { value } else { a.min(b).min(c).min(d) }
     }
 
-    /// Where a point lies; `None` inside the splitter.
+    /// Region of a point; `None` inside the splitter.
     pub fn region(&self, p: LayerPoint) -> Option<Region> {
         let Some(splitter) = &self.borders.splitter else { return Some(Region::Inlet) };
         if p.x < splitter.nose.x {
@@ -265,7 +269,7 @@ impl<'a> Chart<'a> {
         }
     }
 
-    /// Where a point lies; inside the splitter the region beside its nearer side.
+    /// Region of a point; inside the splitter the region beside its nearer side.
     pub fn nearest_region(&self, p: LayerPoint) -> Region {
         self.region(p).unwrap_or_else(|| {
             let y = |side: usize| self.borders.splitter.as_ref().map_or(p.y, |s| y_at(&s.sides[side], p.x));
@@ -273,14 +277,14 @@ impl<'a> Chart<'a> {
         })
     }
 
-    /// Whether a point lies between the walls of the channel or their extensions.
+    /// Whether a point is between the walls of the channel or their extensions.
     pub fn is_between(&self, p: LayerPoint) -> bool {
         let (_, column) = self.place(p);
         (0.0..=(self.columns - 1) as f64).contains(&column)
     }
 
-    /// By how much a point is free of all walls, mm: at 0 the cutter's axis is at the least distance. Negative inside
-    /// the splitter and beyond the walls.
+    /// Distance of a point from the nearest wall beyond the least allowed one, mm. Negative where the tool
+    /// axis would be too near to a wall, inside the splitter and beyond the walls.
     pub fn freedom(&self, p: LayerPoint) -> f64 {
         if self.region(p).is_none() {
             return -self.clear;
@@ -291,7 +295,7 @@ impl<'a> Chart<'a> {
         WallName::ALL.iter().map(|&w| self.distance(w, p)).fold(f64::INFINITY, f64::min) - self.clear
     }
 
-    /// All nodes within the layer that the cutter's axis may reach.
+    /// All nodes within the layer that the tool axis may reach.
     pub fn free_nodes(&self) -> Vec<Node> {
         let mut nodes = Vec::new();
         for (i, row) in self.rows.iter().enumerate() {
@@ -317,7 +321,7 @@ impl<'a> Chart<'a> {
         nodes
     }
 
-    /// Distance of every node from the nearest of the `curves`, mm, where it is below `reach`; infinite elsewhere.
+    /// Distance of every node from the nearest of the `curves`, mm; infinite where it is not below `reach`.
     pub fn nearest_curve<'c>(&self, curves: impl Iterator<Item = &'c [LayerPoint]>, reach: f64) -> Vec<f64> {
         let mut nearest = vec![f64::INFINITY; self.rows.len() * self.columns];
         for curve in curves {
@@ -331,7 +335,7 @@ impl<'a> Chart<'a> {
         nearest
     }
 
-    /// Squared distances from one short straight piece.
+    /// Updates the squared distances with those from one short straight segment.
     fn stamp(&self, nearest: &mut [f64], a: LayerPoint, b: LayerPoint, reach: f64) {
         let row_of = |x: f64| (x - self.rows[0].x) / self.step;
         let first = row_of(a.x.min(b.x) - reach).ceil().max(0.0) as usize;
@@ -360,7 +364,7 @@ impl<'a> Chart<'a> {
         }
     }
 
-    /// Length of the lines on which two walls are equally near, within the layer and where the cutter's axis may be, mm.
+    /// Length of the lines equidistant from two walls, within the layer and where the tool axis may be, mm.
     pub fn seam_length(&self) -> f64 {
         let mut length = 0.0;
         let mut last: Vec<(usize, usize, LayerPoint)> = Vec::new();
@@ -389,7 +393,7 @@ impl<'a> Chart<'a> {
             for (a, b, p) in &here {
                 let before = last.iter().filter(|(c, d, _)| c == a && d == b).map(|(_, _, q)| *q);
                 let step = before.map(|q| self.layer.step(q, *p)).fold(f64::INFINITY, f64::min);
-                // A seam that begins here has run half a row already.
+                // A seam that begins in this row has run half a row already.
                 length += if step.is_finite() { step } else { 0.5 * self.step };
             }
             last = here;
@@ -397,7 +401,7 @@ impl<'a> Chart<'a> {
         length
     }
 
-    /// The pieces of `line` on which `keep` is not negative, cut where it passes zero.
+    /// The pieces of `line` on which `keep` is not negative, cut at its zeros.
     pub fn clip(&self, line: &[LayerPoint], keep: impl Fn(LayerPoint) -> f64) -> Vec<Vec<LayerPoint>> {
         let mut pieces: Vec<Vec<LayerPoint>> = Vec::new();
         let mut open: Vec<LayerPoint> = Vec::new();
@@ -421,7 +425,7 @@ impl<'a> Chart<'a> {
     }
 }
 
-/// Where between `a` and `b` the sign changes: by halving, as what is kept may jump.
+/// Where between `a` and `b` the sign changes, by bisection: `keep` may be discontinuous.
 fn crossing(a: LayerPoint, b: LayerPoint, a_is_kept: bool, keep: &impl Fn(LayerPoint) -> f64) -> LayerPoint {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..24 {

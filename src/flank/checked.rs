@@ -1,4 +1,4 @@
-//! Leaves out of a program what a check of all its moves finds fault with: pieces of passes, or ways over a layer.
+//! Removes from a program what a check of all its moves rejects: pieces of passes, or the links of a layer.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,33 +9,38 @@ use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Tool;
 
-/// A move that must not be made.
+/// A move that the check rejects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MoveFault {
-    /// Its index.
+    /// Index in the program.
     pub index: usize,
-    /// What is wrong with it, for people.
+    /// What is wrong with it, as a message.
     pub why: &'static str,
 }
 
-/// Finds fault with moves of a cutter.
+/// Checks the moves of a tool and returns the rejected ones, or [`Cancelled`].
 pub type Check<'a> = dyn FnMut(&Tool, &[FlankMove], &Monitor) -> Result<Vec<MoveFault>, Cancelled> + 'a;
 
-/// A program that was checked.
+/// A program after the check.
 pub(super) struct Checked {
     pub(super) moves: Vec<FlankMove>,
     pub(super) left_out: Vec<LeftOut>,
-    /// What no leaving out has cured.
+    /// Faults that remain after the last iteration.
     pub(super) faults: Vec<MoveFault>,
 }
 
-/// Rounds in which pieces of passes are left out, and then whole passes.
+/// Iterations that remove pieces of passes; later ones remove whole passes.
 const ROUNDS_OF_PIECES: usize = 6;
-/// Rounds after which a layer on which a way from pass to pass is at fault has none any more.
+/// Iterations after which a layer with a rejected link loses all its links.
 const ROUNDS_OF_LINKS: usize = 2;
+/// Maximum number of iterations.
 const ROUNDS: usize = 24;
 
-/// The program of `layers`, given in cutting order, without what `check` finds fault with.
+/// The program of `layers`, given in cutting order, without what `check` rejects: iterates removal and check.
+/// `extension` is the length of lead-in and lead-out, mm.
+///
+/// # Errors
+/// When the monitor is cancelled.
 pub(super) fn checked(
     path: &PathMaker,
     layers: &mut [LayerPasses],
@@ -56,17 +61,18 @@ pub(super) fn checked(
     }
 }
 
-/// What is to be left out of a pass.
+/// What to remove from a pass.
 #[derive(Default)]
 struct Cuts {
-    /// Indices of the positions at which ways to the next one begin that are not gone, and why.
+    /// Moves to remove, each by the index of the position it begins at, with the reason.
     ways: BTreeMap<usize, &'static str>,
-    /// The whole pass, and why.
+    /// The reason for removing the whole pass.
     whole: Option<&'static str>,
     unlinked: bool,
 }
 
-/// Takes the moves with `faults` out of the passes that they come from, or, after some rounds, these passes.
+/// Removes the moves with `faults` from the passes that they come from, or, after some iterations, these
+/// passes.
 fn leave_out(
     layers: &mut [LayerPasses],
     program: &Program,
@@ -115,7 +121,7 @@ fn leave_out(
     }
 }
 
-/// Puts what a cut leaves of a pass back onto its layer.
+/// Puts the remaining pieces of a pass back onto its layer.
 fn pieces_without(
     layer: &mut LayerPasses,
     pass: Pass,
@@ -151,7 +157,7 @@ fn pieces_without(
         }
         let piece = &pass.positions[first..=k];
         let why = why.unwrap_or(last_why);
-        // A piece shorter than the way to its neighbour is not worth the way down to it.
+        // A piece shorter than the stepover is not worth an approach.
         if piece.len() < 2 || length(piece) < layer.interval {
             note(length(piece), why);
         } else {
@@ -176,7 +182,7 @@ fn pieces_without(
     }
 }
 
-/// Where the positions of a pass stand on its layer.
+/// Layer points of the positions of a pass.
 fn places(layer: &LayerPasses, pass: &Pass) -> Vec<LayerPoint> {
     let mut y = pass.ends[0].y;
     let place = |(tip, axis): &(Point, Vector)| {
@@ -187,7 +193,7 @@ fn places(layer: &LayerPasses, pass: &Pass) -> Vec<LayerPoint> {
     pass.positions.iter().map(place).collect()
 }
 
-/// Way of the tip, mm.
+/// Path length of the tip, mm.
 fn length(positions: &[(Point, Vector)]) -> f64 {
     positions.windows(2).map(|w| (w[1].0 - w[0].0).norm()).sum()
 }

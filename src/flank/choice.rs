@@ -1,33 +1,35 @@
-//! The cutter of a flank plan: the one that the setup names. Otherwise the thickest cutter that leaves room for curves side
-//! by side, or a thicker one where that is too short.
+//! The choice of the tool of a flank plan: the one that the setup names, otherwise the thickest that leaves
+//! room for passes side by side, or a thicker one where that is too short.
 
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Setup, Tool};
 use crate::plunge::sections::{SetupFault, SetupPlace, tool_of};
 
-/// A cutter is at most this share of the narrowest passage thick, so that it does not cut at both walls at once.
+/// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
+/// walls at once.
 const THICKEST: f64 = 0.5;
-/// The same where none of these is long enough to reach the hub with its holder outside.
+/// The same where no tool within it is long enough to reach the hub with its holder outside.
 const THICKEST_FOR_LENGTH: f64 = 0.7;
-/// Of the thinnest cutter, or of the narrowest place, that allowances must leave so that a cutter is asked for.
+/// If the allowances leave less than this share of the thinnest tool or of the narrowest width, the message
+/// suggests a smaller allowance.
 const LEAST_ROOM: f64 = 0.1;
-/// The overhang exceeds the channel's depth by this factor: axes lean.
+/// The overhang exceeds the channel's depth by this factor, as axes are inclined.
 const OVERHANG_MARGIN: f64 = 1.15;
-/// Places along a passage at which its width is measured.
+/// Stations along a passage at which its width is measured.
 const STATIONS: usize = 24;
 
-/// A cutter, and why it was chosen; `None` where the setup names it.
+/// A tool, and why it was chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChosenTool {
-    /// The cutter.
+    /// The tool.
     pub tool: Tool,
-    /// One line for people.
+    /// The reason as one line of text; `None` where the setup names the tool.
     pub reason: Option<String>,
 }
 
-/// The cutter for `setup`: by number, else from its tools, else from `library`.
+/// The tool for `setup`: by its number, otherwise from its tools, otherwise from `library`.
 ///
 /// # Errors
-/// When the number is none of the setup's or the library's, or no cutter fits between the blades.
+/// When neither the setup nor the library has a tool of that number, or no tool fits between the blades.
 pub fn choose_tool(
     part: &Impeller,
     channel: &Channel,
@@ -49,7 +51,7 @@ pub fn choose_tool(
     let thickest =
         |fits: &dyn Fn(&&Tool) -> bool| tools.iter().filter(fits).map(|t| t.diameter).max_by(f64::total_cmp);
     let least = tools.iter().map(|t| t.diameter).fold(f64::INFINITY, f64::min);
-    // Where not even the thinnest gets through everywhere it cuts what it reaches.
+    // Where not even the thinnest tool passes the narrowest width it still cuts the wider part.
     let reaches = widest > least + 2.0 * setup.stock.blade_allowance;
     let diameter = thickest(&|t| easy(t))
         .or_else(|| thickest(&|t| room(t) >= 0.0))
@@ -57,11 +59,11 @@ pub fn choose_tool(
     let Some(diameter) = diameter else {
         return Err(no_room([width, widest], least, setup.stock.blade_allowance));
     };
-    // Of several lengths the shortest that reaches the hub with the holder outside, else the longest.
+    // Of several lengths the shortest that reaches the hub with the holder outside, otherwise the longest.
     let wanted = OVERHANG_MARGIN * depth;
     let same = || tools.iter().filter(|t| t.diameter == diameter);
     let reach = same().map(|t| t.overhang.min(wanted)).fold(0.0, f64::max);
-    // Where that is too short: the thinnest of the thicker ones that are longer.
+    // Where that is too short: the thinnest of the thicker tools that reach further.
     let longer = tools
         .iter()
         .filter(|t| t.diameter > diameter && t.diameter <= THICKEST_FOR_LENGTH * width && room(t) >= 0.0)
@@ -89,7 +91,7 @@ pub fn choose_tool(
     Ok(ChosenTool { tool: tool.clone(), reason: Some(reason) })
 }
 
-/// Says that no cutter fits into a channel whose narrowest and widest places are so wide, mm.
+/// The error that no tool fits into a channel of this narrowest and widest width, mm.
 fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> SetupFault {
     let left = widest - 2.0 * allowance;
     let cure = if left > thinnest.min(narrowest) * LEAST_ROOM {
@@ -101,13 +103,14 @@ fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> Setu
     };
     SetupFault::new(
         format!(
-            "no cutter fits between the blades: the narrowest place is {narrowest:.2} mm wide, the widest {widest:.2} mm, the thinnest cutter D {thinnest}, and {allowance} mm stay on either blade"
+            "no cutter fits between the blades: the channel is {narrowest:.2} to {widest:.2} mm wide, the \
+             thinnest cutter is D {thinnest}, and the blade allowance is {allowance} mm on each side"
         ),
         cure,
     )
 }
 
-/// Least and greatest distance between the walls of the channel, beside the splitter where there is one, mm.
+/// Minimum and maximum distance between the walls of the channel, beside the splitter where there is one, mm.
 fn widths(part: &Impeller, channel: &Channel) -> [f64; 2] {
     let along = |passage: &Passage, from: f64, to: f64| {
         let width = PassageWidth::new(part, passage);
@@ -126,7 +129,7 @@ fn widths(part: &Impeller, channel: &Channel) -> [f64; 2] {
         .fold(along(&channel.full, 0.0, nose), |a, b| [a[0].min(b[0]), f64::max(a[1], b[1])])
 }
 
-/// Greatest height of the channel above the hub, mm.
+/// Maximum height of the channel above the hub, mm.
 fn deepest(part: &Impeller) -> f64 {
     let at = |i: i32| {
         let s = f64::from(i) / 40.0;

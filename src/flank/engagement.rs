@@ -1,27 +1,28 @@
-//! Which passes of a layer run through full stock, and which beside one that is cut.
+//! Which passes of a layer run through full stock, and which beside one that is already cut.
 
 use crate::geometry::{Point, Vector};
 use crate::part::Tool;
 
-/// The passes of a layer that are cut, as ways of the centre of the cutter's corner: it does not move with the axis, as
-/// the tip does.
+/// The passes of a layer that are already cut, as paths of the centre of the tool's corner: unlike the tip it
+/// does not depend on the axis.
 pub(super) struct CutPasses {
     corner_radius: f64,
-    /// How near a pass beside another is to it, mm.
+    /// Distance below which a pass counts as beside another, mm.
     beside: f64,
     ways: Vec<Way>,
 }
 
 struct Way {
     points: Vec<Point>,
-    /// Ball that holds them.
+    /// Centre of a bounding ball.
     middle: Point,
     radius: f64,
 }
 
-/// Intervals within which a pass runs beside another: what fans leave between them is wider than one in places.
+/// Maximum distance of passes beside each other, in stepovers: gaps between fans exceed one stepover in some
+/// spots.
 const BESIDE: f64 = 1.3;
-/// Places of a pass that are looked at.
+/// Number of sampled positions of a pass.
 const SAMPLES: usize = 12;
 
 impl CutPasses {
@@ -34,7 +35,7 @@ impl CutPasses {
         positions.iter().map(move |(tip, axis)| tip + axis * up)
     }
 
-    /// Counts a pass as cut.
+    /// Adds a pass to those already cut.
     pub(super) fn add(&mut self, positions: &[(Point, Vector)]) {
         let points: Vec<Point> = self.way(positions).collect();
         let Some(&middle) = points.get(points.len() / 2) else { return };
@@ -42,7 +43,7 @@ impl CutPasses {
         self.ways.push(Way { points, middle, radius });
     }
 
-    /// Whether most of a pass runs beside none that is cut.
+    /// Whether most of a pass runs beside no pass that is cut.
     pub(super) fn are_far_from(&self, positions: &[(Point, Vector)]) -> bool {
         let stride = (positions.len() / SAMPLES).max(1);
         let (mut far, mut all) = (0, 0);
@@ -91,7 +92,7 @@ mod tests {
         cut.add(&line(0.0));
         assert!(!cut.are_far_from(&line(2.0)), "one interval away");
         assert!(cut.are_far_from(&line(6.0)), "three intervals away");
-        // Another axis over the same way is no other way.
+        // Another axis along the same path gives the same corner path.
         let lean = Vector::new(0.0, 0.6, 0.8);
         let leaning: Vec<_> = line(2.0).iter().map(|(tip, axis)| (tip + (axis - lean) * 3.0, lean)).collect();
         assert!(!cut.are_far_from(&leaning));

@@ -1,10 +1,11 @@
-//! Fixed orientation for the inner curves of a region (DESIGN section 6): as few runs of stations as possible, in each of
-//! which one axis, constant in the frame of the part, is free of collision.
+//! Fixed axes for the inner passes of a region: as few runs of stations as possible, each with one axis,
+//! constant in the frame of the part, that is free of collision.
 //!
-//! A station has contacts of the cutter on a layer, side by side across the region. Axes that suit all contacts of a
-//! station are looked for on a grid of directions; a run goes on as long as one of them suits the next station too, which
-//! makes the number of runs the least for that grid. Where the grid ends a run, directions between its nodes are tried.
-//! The quick distances of [`scene`] decide in the search; the axis of each run is then measured against the true surfaces.
+//! A station is a set of contacts of the tool on a layer, side by side across the region. Axes that suit all
+//! contacts of a station are searched on a grid of directions. Greedy extension: a run continues while one of
+//! its axes suits the next station as well, which minimises the number of runs for that grid. Where the grid
+//! ends a run, directions between its nodes are tried. The search uses the fast approximate distances of
+//! [`scene`]; the axis of each run is then checked against the true surfaces.
 
 mod scene;
 mod search;
@@ -16,26 +17,26 @@ use crate::plunge::slotting::DepthSurface;
 use scene::{BladePoints, Cone, DistanceTable, Least, Near, Shape};
 use search::Greedy;
 
-/// Where a cutter touches a layer.
+/// Contact of a tool with a layer.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
-    /// Point of the layer.
+    /// Point of the layer, in the frame of the part.
     pub point: Point,
     /// Unit normal of the layer there, out of the stock.
     pub normal: Vector,
 }
 
-/// What bounds the axes.
+/// Limits of the axes.
 #[derive(Clone, Copy, Debug)]
 pub struct FixedAxisLimits {
     /// Stock that stays on the hub, mm.
     pub hub_allowance: f64,
     /// Stock that stays on the blades, mm.
     pub blade_allowance: f64,
-    /// How far above a contact stock may still stand beside it, mm: the depth of the layer in work. What is above that is
-    /// cut, as layers are cut from the top down.
+    /// Height above a contact up to which stock may remain beside it, mm: the depth of the current layer. The
+    /// layers above are cut before.
     pub standing: f64,
-    /// Largest angle between an axis and the layer's normal, rad.
+    /// Maximum angle between an axis and the normal of the layer, rad.
     pub max_tilt: f64,
 }
 
@@ -48,48 +49,48 @@ pub struct FixedRun {
     pub to: usize,
     /// Unit axis, towards the holder, in the frame of the part.
     pub axis: Vector,
-    /// Least distance of the cutters of the run to the finished blades, mm.
+    /// Minimum distance of the cutter from the finished blades over the run, mm.
     pub clearance: f64,
 }
 
-/// What keeps a cutter from a contact.
+/// Why an axis cannot be used at a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
     /// A blade is too near to the cutter.
     Blade,
-    /// The hub is too near to it.
+    /// The hub is too near to the cutter.
     Hub,
     /// The holder meets a blade or the hub.
     Holder,
-    /// The holder meets stock that still stands.
+    /// The holder meets uncut stock.
     Stock,
     /// The axis would tilt too far.
     Tilt,
-    /// Every contact of the station has an axis, but there is none for all.
+    /// Every contact of the station has an axis, but they have none in common.
     NoCommonAxis,
 }
 
-/// Contacts of a station that have no axis. They belong to no run.
+/// Contacts of a station without an axis. They belong to no run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unreachable {
     /// The station.
     pub station: usize,
-    /// Which of its contacts, all of them for [`Obstacle::NoCommonAxis`].
+    /// Indices of the contacts; all of them for [`Obstacle::NoCommonAxis`].
     pub contacts: Vec<usize>,
-    /// What stands in the way of the axis that comes nearest to being free.
+    /// The obstacle of the axis that comes nearest to being free.
     pub why: Obstacle,
 }
 
-/// Axes of a region.
+/// Fixed axes of a region.
 #[derive(Clone, Debug, Default)]
 pub struct FixedAxes {
-    /// The runs, in order. A run may span stations, or contacts of them, that are named as unreachable.
+    /// The runs, in order. A run may span stations or contacts that are listed as unreachable.
     pub runs: Vec<FixedRun>,
-    /// What no axis reaches.
+    /// Contacts without an axis.
     pub unreachable: Vec<Unreachable>,
 }
 
-/// Finds fixed axes of one cutter in one channel.
+/// Searches fixed axes of one tool in one channel.
 #[derive(Debug)]
 pub struct FixedAxisSearch<'a> {
     tool: &'a Tool,
@@ -101,38 +102,38 @@ pub struct FixedAxisSearch<'a> {
     shape: Shape,
 }
 
-/// A contact with what axes of a cone can run into there.
+/// A contact with the points that axes of a cone may collide with there.
 #[derive(Debug)]
 struct Place {
     contact: Contact,
-    /// Centre of the corner that touches.
+    /// Centre of the corner that touches the layer.
     centre: Point,
-    /// How far above the hub stock may stand, mm.
+    /// Height above the hub up to which stock may remain, mm.
     top: f64,
     cone: Cone,
     near: Near,
 }
 
-/// How much an axis has to spare at a contact, mm, and what is nearest.
+/// Clearance of an axis at a contact beyond what it needs, mm, and the nearest obstacle.
 #[derive(Clone, Copy, Debug)]
 struct Spare {
     amount: f64,
     by: Obstacle,
 }
 
-/// Greatest angle between a fixed axis and the layer's normal, rad.
+/// Maximum angle between a fixed axis and the normal of the layer, rad.
 pub const MAX_TILT: f64 = 65.0 * std::f64::consts::PI / 180.0;
-/// Distances from the hub are met to this in the end, mm.
+/// Tolerance of the final check of the distance from the hub, mm.
 const HUB_TOLERANCE: f64 = 1e-4;
-/// The table of distances from the hub is good to this, mm.
+/// Error bound of the table of distances from the hub, mm.
 const HUB_SLACK: f64 = 0.05;
-/// Heights of the column at which its distance from the hub is looked at.
+/// Number of heights along the cutter at which its distance from the hub is evaluated.
 const HUB_HEIGHTS: usize = 4;
-/// Places of the holder's rim at which its distance from the blank is looked at.
+/// Number of points on the holder's rim at which its distance from the blank is evaluated.
 const RIM_POINTS: usize = 8;
 
 impl<'a> FixedAxisSearch<'a> {
-    /// For `tool` in `channel`, whose surfaces are those of `finished`, cut from `blank`.
+    /// A search for `tool` in `channel`, cut from `blank`. `finished` holds the surfaces of the channel.
     pub fn new(
         finished: &'a FinishedPart<'a>,
         channel: &Channel,
@@ -153,19 +154,20 @@ impl<'a> FixedAxisSearch<'a> {
         }
     }
 
-    /// The runs of `stations`, contacts of the cutter on a layer in order along a region. `layer` is the surface of the
-    /// layer offset by the corner radius: cutters with a flat bottom are lifted until they do not cut into it.
+    /// The runs of `stations`, sets of contacts of the tool on a layer in order along a region. `layer` is
+    /// the surface of the layer offset by the corner radius: tools with a flat bottom are lifted until they
+    /// do not cut into it.
     pub fn runs(&self, stations: &[Vec<Contact>], layer: &DepthSurface) -> FixedAxes {
         Greedy::new(self, layer, stations.to_vec()).run()
     }
 
-    /// What keeps every axis from `contact`; `None` where one is free. See [`Self::runs`] for `layer`.
+    /// The obstacle of every axis at `contact`; `None` where an axis is free. See [`Self::runs`] for `layer`.
     pub fn blocked(&self, contact: &Contact, layer: &DepthSurface) -> Option<Obstacle> {
         Greedy::new(self, layer, Vec::new()).blocked(&self.place(contact, None))
     }
 
-    /// Tip of the cutter with `axis` at `contact`: touching it, and lifted along the axis where the bottom would cut into
-    /// `layer` (see [`Self::runs`]).
+    /// Tip of the tool with `axis` at `contact`: in contact, and lifted along the axis where the bottom would
+    /// cut into `layer` (see [`Self::runs`]).
     pub fn tip(&self, contact: &Contact, axis: &Vector, layer: &DepthSurface) -> Point {
         let tip = self.tool.tip_at_contact(&contact.point, &contact.normal, axis);
         if self.tool.radius() - self.tool.corner_radius < 1e-9 {
@@ -177,7 +179,7 @@ impl<'a> FixedAxisSearch<'a> {
         }
     }
 
-    /// A contact ready for axes of `cone`; `None`: for all it may have.
+    /// Prepares a contact for axes of `cone`; `None` for all axes it may have.
     fn place(&self, contact: &Contact, cone: Option<Cone>) -> Place {
         let cone = cone.unwrap_or(Cone { axis: contact.normal, angle: self.limits.max_tilt });
         let centre = contact.point + contact.normal * self.tool.corner_radius;
@@ -186,7 +188,8 @@ impl<'a> FixedAxisSearch<'a> {
         Place { contact: *contact, centre, top: self.top(&centre), cone, near }
     }
 
-    /// What `axis` has to spare at `place`, by the quick distances. Below `enough` it may be anything below.
+    /// Spare clearance of `axis` at `place` by the fast distances, mm. Stops early below `enough`: the result
+    /// is then only an upper bound.
     fn spare(&self, place: &Place, axis: &Vector, enough: f64) -> Spare {
         let along = place.contact.normal.dot(axis);
         let tilt = along.clamp(-1.0, 1.0).acos();
@@ -211,7 +214,7 @@ impl<'a> FixedAxisSearch<'a> {
         {
             return spare;
         }
-        // A leaning column may meet the hub again.
+        // An inclined cutter may meet the hub again further up.
         let bottom = place.centre + offset;
         let (from, to) = (2.0 * self.tool.radius(), self.tool.overhang);
         let allowance = self.tool.radius() + self.limits.hub_allowance + HUB_SLACK;
@@ -231,15 +234,15 @@ impl<'a> FixedAxisSearch<'a> {
         spare
     }
 
-    /// Least height of the end of a holder above stock that stands up to `top` mm above the hub, as far as there is any of the
-    /// blank, or less where it is surely enough, mm.
+    /// Minimum height of the end of a holder above stock that is up to `top` mm high above the hub and within
+    /// the blank, mm; where that is surely enough, a lower bound.
     fn above_stock(&self, end: &Point, axis: &Vector, top: f64) -> f64 {
         let height = |p: &Point| {
             let off_blank = self.blank.at(p);
             if off_blank > 2.0 * HUB_SLACK { off_blank } else { off_blank.max(self.hub.at(p) - top) }
         };
         let (middle, radius) = (height(end), 0.5 * self.tool.holder_diameter());
-        // No place is nearer than the middle by more than it is away from it.
+        // No point of the rim is nearer than the centre by more than the radius.
         if middle > radius + 2.0 * HUB_SLACK {
             return middle - radius;
         }
@@ -248,8 +251,8 @@ impl<'a> FixedAxisSearch<'a> {
         (0..RIM_POINTS).map(|k| height(&place(k))).fold(middle, f64::min)
     }
 
-    /// What the holder of the cutter with `axis` meets when the tip is at `tip`: a blade or the stock that stays on it, or the
-    /// layer in work. Of the layers above nothing stands.
+    /// What the holder meets for a tool with `axis` and its tip at `tip`: a blade with its allowance, or the
+    /// current layer. The layers above are cut before.
     pub fn holder_meets(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
         let holder = self.tool.holder(tip, axis);
         if !self.finished.clears(&holder, self.limits.blade_allowance) {
@@ -259,7 +262,8 @@ impl<'a> FixedAxisSearch<'a> {
         (self.above_stock(&holder.tip, &axis, top) < HUB_SLACK).then_some(Obstacle::Stock)
     }
 
-    /// What keeps the cutter with the tip at `tip` away: a blade too near to it, or what [`Self::beside_blades`] finds.
+    /// What the tool collides with at `tip`: a blade too near to the cutter, or what [`Self::beside_blades`]
+    /// finds.
     pub fn meets(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
         if !self.finished.clears(&self.tool.placed(tip, axis), self.limits.blade_allowance) {
             return Some(Obstacle::Blade);
@@ -267,7 +271,8 @@ impl<'a> FixedAxisSearch<'a> {
         self.beside_blades(tip, axis)
     }
 
-    /// What keeps a cutter that is clear of the blades away from `tip`: the hub too near to it, or what its holder meets.
+    /// What a tool whose cutter is clear of the blades collides with at `tip`: the hub, or what its holder
+    /// meets.
     pub fn beside_blades(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
         let limit = self.limits.hub_allowance - HUB_TOLERANCE;
         let near_hub = |near: bool| near && self.finished.hub_clearance(&self.tool.placed(tip, axis)) < limit;
@@ -277,7 +282,7 @@ impl<'a> FixedAxisSearch<'a> {
         self.holder_meets(tip, axis)
     }
 
-    /// Whether the hub may be nearer to the cutter than its allowance, by the quick distances along its axis.
+    /// Whether the hub may be nearer to the cutter than its allowance, by the fast distances along its axis.
     fn is_near_hub(&self, tip: Point, axis: Vector) -> bool {
         let (corner, radius) = (self.tool.corner_radius, self.tool.radius());
         let reach = radius + self.limits.hub_allowance + 2.0 * HUB_SLACK;
@@ -289,13 +294,17 @@ impl<'a> FixedAxisSearch<'a> {
         })
     }
 
-    /// How far above the hub stock may stand beside a cutter whose corner is centred at `centre`, mm.
+    /// Height above the hub up to which stock may remain beside a tool whose corner is centred at `centre`,
+    /// mm.
     fn top(&self, centre: &Point) -> f64 {
         self.hub.at(centre) - self.tool.corner_radius + self.limits.standing
     }
 
-    /// Whether the cutter with `axis` is free at `contact`, measured: `Ok` with the least distance to a blade, or `least` if
-    /// it is not below that.
+    /// Checks the tool with `axis` at `contact` against the true surfaces; returns the minimum distance from
+    /// a blade, mm, but at most `least`.
+    ///
+    /// # Errors
+    /// The obstacle, if the tool is not free.
     fn measured(
         &self,
         contact: &Contact,

@@ -1,18 +1,19 @@
-//! How far neighbouring curves may stand apart: cutter, allowed error and curvature of the surface (paper B, step 2 of
-//! the new tool path curves).
+//! Stepover: the distance between neighbouring passes, by tool, scallop height and curvature of the surface
+//! [flank paper, step 2 of the new tool path curves].
 
 use crate::part::Tool;
 
 /// Radius of curvature beyond which a surface counts as flat, mm.
 const FLAT_RADIUS: f64 = 1e9;
 
-/// Largest distance between neighbouring curves, mm along the surface, at which no more than `allowed_error` mm stays
-/// between them above a surface with the normal curvature `bulge` (1/mm, positive where it is convex) across the
-/// curves. The cutter stands along the normal. At most its diameter; 0 when nothing is allowed.
+/// Stepover: the largest distance between neighbouring passes, mm along the surface, at which the scallop
+/// between them is at most `allowed_error` mm high. `bulge` is the normal curvature of the surface across the
+/// passes, 1/mm, positive where it is convex. The tool axis is along the normal. The result is at most the
+/// tool diameter, and 0 for a scallop height of 0.
 ///
-/// Seen across the curves the surface is a circle of radius 1/`bulge`. Half way between two positions, at arc length a
-/// from each, the point `allowed_error` above it is on the cutter: a ball, the rounded corner of a bull end, or the
-/// flat bottom.
+/// Across the passes the surface is taken as a circle of radius 1/`bulge`. Half way between two positions, at
+/// arc length a from each, the point `allowed_error` above the surface is on the cutter: on a ball, on the
+/// rounded corner of a bull end, or on the flat bottom. Solved for a by bisection.
 pub fn interval(tool: &Tool, allowed_error: f64, bulge: f64) -> f64 {
     let (flat, corner) = (tool.radius() - tool.corner_radius, tool.corner_radius);
     // Height of the cutter's profile at x from its axis.
@@ -21,7 +22,7 @@ pub fn interval(tool: &Tool, allowed_error: f64, bulge: f64) -> f64 {
         corner - (corner * corner - out * out).sqrt()
     };
     let radius = if bulge.abs() * FLAT_RADIUS < 1.0 { FLAT_RADIUS.copysign(bulge) } else { 1.0 / bulge };
-    // Height of the cutter above the point that the allowed error leaves at arc length a.
+    // Height of the cutter above the top of the scallop at arc length a.
     let above = |a: f64| {
         let half = (0.5 * a / radius).sin();
         let turn = a / radius;
@@ -102,6 +103,6 @@ mod tests {
         let bull = interval(&tool(10.0, 1.0), 0.25, 0.0);
         let corner = 4.0 + (2.0f64 * 0.25 - 0.0625).sqrt();
         assert!((bull - 2.0 * corner).abs() < 1e-6, "{bull}");
-        assert!(interval(&tool(10.0, 5.0), 0.0, 0.01) < 1e-12, "nothing is allowed");
+        assert!(interval(&tool(10.0, 5.0), 0.0, 0.01) < 1e-12, "zero scallop height");
     }
 }

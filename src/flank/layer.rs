@@ -1,7 +1,7 @@
-//! A layer: a surface of revolution through the channel, and how walls and geodesics run on it.
+//! A layer: a surface of revolution through the channel, with walls and geodesics on it.
 //!
-//! Points of a layer are (x, y): arc length along its meridional curve, mm, and angle about the rotation axis, rad,
-//! counted so that it grows from the wall at λ = 0 to the one at λ = 1.
+//! Points of a layer are (x, y): arc length along its meridional curve, mm, and angle about the rotation
+//! axis, rad, which grows from the wall at λ = 0 to the one at λ = 1.
 
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search, wrap_angle};
 use crate::part::{BladeSide, Impeller};
@@ -16,41 +16,40 @@ pub struct LayerPoint {
 }
 
 impl LayerPoint {
-    /// The point at `share` of the way to `other`.
+    /// Linear interpolation from here (`share` = 0) to `other` (1).
     pub fn lerp(self, other: Self, share: f64) -> Self {
         Self { x: self.x + (other.x - self.x) * share, y: self.y + (other.y - self.y) * share }
     }
 }
 
-/// A surface of revolution on which curves are planned.
+/// A surface of revolution on which passes are planned.
 #[derive(Clone, Debug)]
 pub struct Layer {
     curve: MeridionalCurve,
-    /// Arc lengths at which the channel begins (leading edge) and ends: at the rim, or where the layer leaves it at the
-    /// shroud.
+    /// Arc length at which the channel begins (leading edge), mm.
     pub from: f64,
-    /// See `from`.
+    /// Arc length at which it ends, mm: at the rim, or where the layer leaves the channel at the shroud.
     pub to: f64,
-    /// Height above the hub, mm; of an isoparametric layer that at the leading edge.
+    /// Height above the hub, mm; for an isoparametric layer its height at the leading edge.
     pub height: f64,
-    /// ±1: angles about the axis grow with y, or fall.
+    /// +1 where angles about the axis grow with y, −1 where they fall.
     turn: f64,
 }
 
-/// Points of the meridional curve of a layer; the curve between them is a C2 spline.
+/// Number of points of the meridional curve of a layer; a C2 spline joins them.
 const CURVE_POINTS: usize = 120;
-/// How far before the leading edge a layer follows the hub at most, in lengths of the layer.
+/// Maximum length of the layer upstream of the leading edge, as a share of its length.
 const UPSTREAM: f64 = 0.2;
-/// Where less than this is left of the length of the hub, the layer's curve ends: further in the hub bends too much.
+/// Least length of the offset per length of the hub: where the hub bends more, the layer ends.
 const LEAST_STRETCH: f64 = 0.05;
-/// A layer shorter than this, mm, is none.
+/// Least length of a layer, mm.
 const LEAST_LENGTH: f64 = 1e-3;
 
 impl Layer {
     /// The layer `height` mm above the hub; `None` where the channel is nowhere that deep.
     pub fn at_height(part: &Impeller, height: f64) -> Option<Self> {
         let hub = part.hub.curve();
-        // From the leading edge's line to the rim's, found along the offset of the hub.
+        // Ends where the offset of the hub crosses the straight lines of the leading edge and of the rim.
         let at = |t: f64| hub.offset_derivative(t, height).0;
         let beyond = |a: Meridional, b: Meridional| {
             move |p: Meridional| (b.r - a.r) * (p.z - a.z) - (b.z - a.z) * (p.r - a.r)
@@ -61,7 +60,7 @@ impl Layer {
         let reach = 2.0 * height + 0.1 * (end - start);
         let mut from = border(|t| inlet(at(t)), start, reach);
         let to = border(|t| outlet(at(t)), end, reach);
-        // Where the offset folds over itself it is no surface any more.
+        // Where the offset folds over itself it is not a valid surface.
         let count = 400;
         let shroud = part.shroud.curve();
         let depth_left = |t: f64| {
@@ -95,7 +94,7 @@ impl Layer {
         if !inside || last - from < LEAST_LENGTH {
             return None;
         }
-        // Before the leading edge the layer follows the hub on, as far as there is one.
+        // Upstream of the leading edge the layer follows the hub as far as that extends.
         let mut ahead = 0;
         let step = (last - from) / CURVE_POINTS as f64;
         let most = (UPSTREAM * CURVE_POINTS as f64) as usize;
@@ -111,7 +110,7 @@ impl Layer {
         Self::through(part, &points, ahead, outer, height)
     }
 
-    /// The layer at the fraction `eta` of the way from hub to shroud, nowhere lower above the hub than `least`, mm.
+    /// The layer at the fraction `eta` from hub to shroud, but nowhere less than `least` mm above the hub.
     pub fn isoparametric(part: &Impeller, eta: f64, least: f64) -> Option<Self> {
         let hub = part.hub.curve();
         let step = 1.0 / CURVE_POINTS as f64;
@@ -129,7 +128,7 @@ impl Layer {
         Self::through(part, &points, ahead, outer, height)
     }
 
-    /// Through `points`, of which `ahead` lie before the leading edge.
+    /// The layer through `points`, of which `ahead` are upstream of the leading edge.
     fn through(
         part: &Impeller,
         points: &[Meridional],
@@ -146,7 +145,7 @@ impl Layer {
         (to - from > LEAST_LENGTH).then(|| Self { curve, from, to, height, turn: part.pitch().signum() })
     }
 
-    /// Distance from the rotation axis at `x`, mm, and its slope.
+    /// Distance from the rotation axis at `x`, mm, and its derivative in x.
     #[inline]
     pub fn radius(&self, x: f64) -> (f64, f64) {
         let (p, d) = self.curve.offset_derivative(x, 0.0);
@@ -165,8 +164,8 @@ impl Layer {
         (here.point.at_angle(theta), here.normal.direction_at_angle(theta))
     }
 
-    /// Where `point` stands over the layer, y next to `near`, and how high above it, mm; beyond its ends the layer runs on
-    /// straight. `guess` is an x close to it.
+    /// Projection of `point` onto the layer, with y next to `near`, and its height above the layer, mm.
+    /// Beyond its ends the layer is extended straight. `guess` is an x near the result.
     pub fn place(&self, point: &Point, near: f64, guess: Option<f64>) -> (LayerPoint, f64) {
         let m = Meridional::of(point);
         let length = self.curve.length();
@@ -185,39 +184,39 @@ impl Layer {
         (LayerPoint { x: x + along, y }, dr * here.normal.r + dz * here.normal.z)
     }
 
-    /// Length of the short way from `a` to `b`, mm: straight where r is that of its middle.
+    /// Length of a short segment from `a` to `b`, mm: of the chord with the radius at its middle.
     #[inline]
     pub fn step(&self, a: LayerPoint, b: LayerPoint) -> f64 {
         let (r, _) = self.radius(0.5 * (a.x + b.x));
         norm2(b.x - a.x, r * (b.y - a.y))
     }
 
-    /// Length of a chain of short ways, mm.
+    /// Length of a polyline of short segments, mm.
     pub fn length(&self, points: &[LayerPoint]) -> f64 {
         points.windows(2).map(|p| self.step(p[0], p[1])).sum()
     }
 
-    /// Normal curvature of the layer across a direction that leans from the meridian by `slope` (rad), 1/mm, positive
-    /// where it is convex towards the channel: cos²β·n_r/r + sin²β·κ of the meridian.
+    /// Normal curvature of the layer across a direction at angle β = `slope` (rad) to the meridian, 1/mm,
+    /// positive where the layer is convex towards the channel: cos²β·n_r/r + sin²β·κ of the meridian (Euler).
     pub fn bulge_across(&self, x: f64, slope: f64) -> f64 {
         let here = self.curve.at(x);
         let (sin, cos) = slope.sin_cos();
         cos * cos * here.normal.r / here.point.r.max(1e-9) - sin * sin * here.curvature
     }
 
-    /// Greatest normal curvature of the layer at `x` in any direction, 1/mm, whichever way it bends.
+    /// Largest absolute normal curvature of the layer at `x` in any direction, 1/mm.
     pub fn sharpest_bend(&self, x: f64) -> f64 {
         let here = self.curve.at(x);
         (here.normal.r / here.point.r.max(1e-9)).abs().max(here.curvature.abs())
     }
 
-    /// The meridional curve of the layer, run on straight by `beyond` mm at both ends, through points about `step` mm
-    /// apart.
+    /// The meridional curve of the layer, extended straight by `beyond` mm at both ends, through points about
+    /// `step` mm apart.
     pub fn run_on(&self, beyond: f64, step: f64) -> MeridionalCurve {
         let (from, to) = (self.from - beyond, self.to + beyond);
         let count = ((to - from) / step).ceil().clamp(64.0, 600.0) as usize;
         let at = |k: usize| self.curve.point(from + (to - from) * k as f64 / count as f64);
-        // Towards the axis it ends before it gets there.
+        // The extension ends before it reaches the rotation axis.
         let points: Vec<Meridional> =
             (0..=count).map(at).filter(|p| p.r > 1e-3 * self.radius(self.from).0.max(1.0)).collect();
         let middle = self.curve.at(0.5 * (self.from + self.to));
@@ -228,10 +227,10 @@ impl Layer {
         MeridionalCurve::through(&points).facing(outer)
     }
 
-    /// Follows a geodesic from `start` under `heading` (rad from the meridian towards growing y) for `length` mm. Ends
-    /// early where the layer comes too near to the axis.
+    /// End point and heading of the geodesic from `start` with `heading` (rad from the meridian towards
+    /// growing y) after `length` mm. Classical fourth-order Runge–Kutta.
     pub fn geodesic(&self, start: LayerPoint, heading: f64, length: f64) -> (LayerPoint, f64) {
-        // A hundredth of the radius of curvature a step keeps the fourth order scheme within nanometres.
+        // Steps of 1/25 of the radius keep the fourth-order scheme accurate to nanometres.
         let longest = (0.04 * self.radius(start.x).0).max(1e-6);
         let steps = (length.abs() / longest).ceil().max(1.0);
         let h = length / steps;
@@ -253,14 +252,15 @@ impl Layer {
         (LayerPoint { x, y }, psi)
     }
 
-    /// Angle from the meridian of the short way from `a` to `b`, rad.
+    /// Angle of a short segment from `a` to `b` to the meridian, rad.
     pub fn heading(&self, a: LayerPoint, b: LayerPoint) -> f64 {
         let (r, _) = self.radius(0.5 * (a.x + b.x));
         (r * (b.y - a.y)).atan2(b.x - a.x)
     }
 
-    /// Where the lines u of a blade side are `raised` mm above the layer, as points of the layer below them (no higher than the
-    /// side's tip) with y next to `near`; lines that do not reach it are left out.
+    /// Points at which the lines of constant `u` of a blade side are `raised` mm above the layer (at most as
+    /// high as the tip of the side), projected onto the layer, with y next to `near`. Lines that do not reach
+    /// it are skipped.
     pub fn trace(
         &self,
         side: &BladeSide,
@@ -280,8 +280,8 @@ impl Layer {
         points
     }
 
-    /// The crossing of line u `raised` mm above the layer; where the side ends below that, its tip, or the crossing with the
-    /// layer itself.
+    /// The crossing of line u `raised` mm above the layer; where the side ends below that height, its tip, or
+    /// the crossing with the layer itself.
     fn beside(
         &self,
         side: &BladeSide,
@@ -332,7 +332,7 @@ impl Layer {
     }
 }
 
-/// Root of `f` nearest to `around`, looked for within `reach` of it; `around` where there is none.
+/// Root of `f` nearest to `around`, bracketed by a scan within `reach` of it; `around` where there is none.
 fn border(f: impl Fn(f64) -> f64, around: f64, reach: f64) -> f64 {
     let here = f(around);
     if here == 0.0 {

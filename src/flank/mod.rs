@@ -1,20 +1,21 @@
-//! The flank region planner (paper B): layers of constant depth, regions, and curves that are true offsets of the walls.
+//! The flank milling planner [flank paper]: layers of constant depth, regions, and passes that are true
+//! offsets of the walls.
 //!
-//! | file | holds |
+//! | file | contents |
 //! |---|---|
-//! | [`choice`] | the cutter |
-//! | [`interval`] | distance of neighbouring curves |
-//! | [`layer`] | the surfaces, geodesics on them |
-//! | [`border`] | the walls on a layer, and the fans that leave them |
-//! | [`chart`] | distances from the walls over a layer |
-//! | [`schemes`] | curves: isoparametric, by layers, by regions, balanced |
-//! | [`curves`] | all layers of a channel, and how the schemes compare |
-//! | [`wall`] | cutters beside the walls: the axes of the curves along them |
-//! | [`fixed_axis`] | axes of the inner curves: as few as are free of collision |
-//! | `passes` | from curves to positions of the cutter |
+//! | [`choice`] | choice of the tool |
+//! | [`interval`] | stepover from scallop height, tool and curvature |
+//! | [`layer`] | layer surfaces and geodesics on them |
+//! | [`border`] | the walls on a layer and the fans of geodesics that leave them |
+//! | [`chart`] | distance fields of the walls over a layer |
+//! | [`schemes`] | strategies: isoparametric, by layers, by regions, balanced |
+//! | [`curves`] | passes on all layers of a channel, and figures to compare the strategies |
+//! | [`wall`] | tool axes of the passes along walls, fitted to the wall |
+//! | [`fixed_axis`] | tool axes of inner passes: fewest fixed axes that are free of collision |
+//! | `passes` | tool positions along the passes |
 //! | `engagement` | which passes run through full stock |
-//! | [`checked`] | what a check of the whole program finds fault with, left out |
-//! | [`path`] | order, links and flights: from positions to a program |
+//! | [`checked`] | removal of the moves that a check of the whole program rejects |
+//! | [`path`] | order, links and rapids: from passes to a program |
 //! | [`plan`] | the whole plan, stage by stage |
 
 pub mod border;

@@ -1,11 +1,11 @@
-//! From curves to positions of the cutter.
+//! From curves on a layer to passes: positions of the tool.
 //!
-//! | file | holds |
+//! | file | contents |
 //! |---|---|
-//! | `stretches` | curves by regions |
-//! | `inner` | inner curves, under fixed axes that turn towards those of the walls near them |
-//! | `along_wall` | curves along walls, with the axes fitted to the walls |
-//! | `nose` | the way round a splitter's nose |
+//! | `stretches` | curves split by regions |
+//! | `inner` | inner passes under fixed axes, blended towards those of near walls |
+//! | `along_wall` | passes along walls with the axes fitted to them |
+//! | `nose` | the pass round the nose of a splitter |
 
 mod along_wall;
 mod inner;
@@ -26,51 +26,53 @@ use crate::plunge::slotting::DepthSurface;
 use along_wall::{Milled, Placed};
 use stretches::{Stretch, stretches};
 
-/// Positions stand so far off the layer that the straight ways between them do not cut into it, mm.
+/// Positions are raised by this above the layer, mm, so that the straight moves between them do not cut into
+/// it.
 const CHORD: f64 = 0.005;
-/// Greatest turn of the axis from one position to the next, rad: a little less than 5°.
+/// Maximum turn of the axis from one position to the next, rad: a little less than 5°.
 const MAX_STEP_TURN: f64 = 4.8 * std::f64::consts::PI / 180.0;
-/// Where the axis turns by more than this from one position to the next a pass ends, rad.
+/// Turn of the axis from one position to the next at which a pass ends, rad.
 const JUMP: f64 = 15.0 * std::f64::consts::PI / 180.0;
-/// Steps along inner curves at least and at most, mm.
+/// Minimum and maximum step along inner passes, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
 
-/// A stretch of curves that is not cut, and why.
+/// A length of passes that is not cut, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
     /// Layer, 0 at the hub.
     pub layer: usize,
     /// Region.
     pub region: Region,
-    /// Length of the curves there, mm.
+    /// Length of the passes there, mm.
     pub length: f64,
-    /// What stands in the way.
+    /// The reason, as a message.
     pub why: &'static str,
 }
 
-/// What a layer is cut with.
+/// The passes of a layer.
 pub struct LayerAxes {
-    /// One for each curve, or more where the axis changes on its way.
+    /// One per curve, or more where the axis jumps along it.
     pub passes: Vec<Pass>,
-    /// Fixed axes of the inner curves.
+    /// Fixed axes of the inner passes.
     pub axes: Vec<RegionAxis>,
-    /// What is not cut.
+    /// Lengths that are not cut.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Makes the passes of one plan.
+/// Inputs to make the passes of one plan.
 pub struct PassMaker<'a> {
     part: &'a Impeller,
     tool: &'a Tool,
     setup: &'a Setup,
     walls: &'a [MilledWall],
     search: FixedAxisSearch<'a>,
-    /// The surfaces that must not be cut.
+    /// The finished surfaces, which must not be cut.
     finished: &'a FinishedPart<'a>,
 }
 
 impl<'a> PassMaker<'a> {
-    /// For `tool` in `channel`, whose surfaces are those of `finished`, out of `blank`, with its `walls` fitted.
+    /// A maker for `tool` in `channel`, cut from `blank`. `finished` holds the surfaces of the channel,
+    /// `walls` the axes fitted to them.
     pub fn new(
         finished: &'a FinishedPart<'a>,
         channel: &'a Channel,
@@ -95,12 +97,12 @@ impl<'a> PassMaker<'a> {
         }
     }
 
-    /// What keeps cutter or holder from a place.
+    /// What the cutter or the holder collides with at a position; `None` if it is free.
     pub fn in_the_way(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
         self.search.meets(tip, axis)
     }
 
-    /// Passes of one layer, on whose `surface`, offset by the corner radius, the cutter rests.
+    /// Passes of one layer. `surface` is the layer offset by the corner radius, on which the tool rests.
     pub fn layer(
         &self,
         number: usize,
@@ -129,12 +131,13 @@ impl<'a> PassMaker<'a> {
     }
 }
 
-/// Whether a place lies beyond `layer`, at the inlet, the rim, or above the shroud, by half of an `extension` (mm).
+/// Whether a layer point is beyond `layer`, at the inlet, the rim, or above the shroud, by at least half of
+/// `extension` (mm).
 pub(super) fn is_open(layer: &Layer, p: LayerPoint, extension: f64) -> bool {
     p.x <= layer.from - 0.5 * extension || p.x >= layer.to + 0.5 * extension
 }
 
-/// One layer in work.
+/// Inputs to make the passes of one layer.
 struct OnLayer<'a> {
     maker: &'a PassMaker<'a>,
     layer: &'a Layer,
@@ -146,7 +149,7 @@ struct OnLayer<'a> {
 }
 
 impl OnLayer<'_> {
-    /// Whether a place lies beyond the part, at the inlet, the rim, or above the shroud.
+    /// Whether a layer point is beyond the part, at the inlet, the rim, or above the shroud.
     fn is_open(&self, p: LayerPoint) -> bool {
         is_open(self.layer, p, self.maker.setup.flank.extension_of(self.maker.tool))
     }
@@ -156,7 +159,7 @@ impl OnLayer<'_> {
         Contact { point, normal }
     }
 
-    /// Notes a length of curves as not cut.
+    /// Records a length of passes (mm) as not cut.
     fn leave_out(&self, made: &mut LayerAxes, region: Region, length: f64, why: &'static str) {
         if length <= 0.0 {
             return;
@@ -167,8 +170,8 @@ impl OnLayer<'_> {
         }
     }
 
-    /// Adds the passes through `placed`: one, or more where the axis jumps, with positions between those from which to which
-    /// it turns far.
+    /// Adds the passes through `placed`: one, or several where the axis jumps. Positions are inserted where
+    /// the axis turns far from one to the next.
     fn push_passes(
         &self,
         (role, region, group): (Role, Region, usize),
@@ -191,7 +194,7 @@ impl OnLayer<'_> {
         }
     }
 
-    /// The line with so many points that the straight ways between them stay within [`CHORD`] of the layer.
+    /// The line with points added so that the straight moves between them stay within [`CHORD`] of the layer.
     fn dense(&self, line: &[LayerPoint]) -> Vec<LayerPoint> {
         let mut points = vec![line[0]];
         for w in line.windows(2) {

@@ -1,10 +1,11 @@
-//! From curves to a program: positions of the cutter along every curve, their order, and the ways between them.
+//! From passes to a program: the order of the passes and the moves between them.
 //!
-//! Layers are cut from the top down, and in a layer region by region: first the inner curves of each fixed axis, side by
-//! side and to and fro, then the curves along the walls. A curve begins at an end that lies beyond the part where it has
-//! one, else the cutter ramps down along it. Between curves the cutter goes on over the layer under feed where that is
-//! short and free, else it leaves along its axis, flies above the blank, and comes down again. Each curve has one feed, by
-//! what stands beside it: stock on both sides, a curve that is cut, or a wall.
+//! Layers are cut from the top down, a layer region by region: first the inner passes of each fixed axis,
+//! zigzag from side to side, then the passes along the walls. A pass begins at an end beyond the part if it
+//! has one; otherwise the tool ramps down along it. Between passes the tool links over the layer at feed rate
+//! where that is short and free of collision. Otherwise it retracts along its axis, moves in rapid above the
+//! blank, and comes down again. Each pass has one feed rate, by its engagement: full stock on both sides,
+//! beside a cut pass, or along a wall.
 
 use super::chart::Region;
 use super::engagement::CutPasses;
@@ -17,127 +18,127 @@ use crate::plunge::choice::estimate::RAPID_FEED;
 use crate::plunge::flight::Flight;
 use crate::plunge::retract::{NearBottom, RetractSurface, bottom_clearance, pulled_clear};
 
-/// How a move is made.
+/// Kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MoveKind {
-    /// At rapid speed, above the blank or along the cutter's own way out.
+    /// Rapid: above the blank, or retracting along the tool axis.
     Rapid,
-    /// Down to the beginning of a curve, or along it while still descending, under feed.
+    /// At feed rate down to the start of a pass, or along it while still descending.
     Approach,
-    /// Along a curve.
+    /// Along a pass.
     Cut,
-    /// From one curve to the next over the layer, under feed.
+    /// At feed rate over the layer from one pass to the next.
     Link,
 }
 
-/// A straight move to a position.
+/// A straight move to a position, in the frame of the part.
 #[derive(Clone, Copy, Debug)]
 pub struct FlankMove {
-    /// How.
+    /// Kind of the move.
     pub kind: MoveKind,
-    /// Tip of the cutter at its end.
+    /// Tip of the tool at its end.
     pub tip: Point,
     /// Unit axis, tip → holder.
     pub axis: Vector,
-    /// mm/min; of a rapid what the estimate of time takes it for.
+    /// Feed rate, mm/min; for a rapid the speed that the time estimate assumes.
     pub feed: f64,
-    /// Layer it belongs to, 0 at the hub.
+    /// Its layer, 0 at the hub.
     pub layer: usize,
-    /// Region it belongs to.
+    /// Its region.
     pub region: Region,
-    /// Whether the curve is one along a wall.
+    /// Whether it belongs to a pass along a wall.
     pub wall: bool,
 }
 
-/// One uninterrupted cut: a curve, or a piece of it under one axis.
+/// One continuous cut: a whole pass curve, or a piece of it with one fixed axis.
 #[derive(Clone, Debug)]
 pub struct Pass {
-    /// What the curve is for.
+    /// Purpose of the pass.
     pub role: Role,
-    /// Where it lies.
+    /// Its region.
     pub region: Region,
-    /// Which of the region's fixed axes; walls come last.
+    /// Index of the fixed axis within the region; passes along walls come last.
     pub group: usize,
-    /// Tip and axis along it.
+    /// Tip and unit axis (tip → holder) along it, in the frame of the part.
     pub positions: Vec<(Point, Vector)>,
-    /// Both ends on the layer.
+    /// Layer points of both ends.
     pub ends: [LayerPoint; 2],
-    /// Whether the ends lie beyond the part.
+    /// Whether the ends are beyond the part.
     pub open: [bool; 2],
-    /// Whether it may be reached from another pass over the layer; else the cutter comes down to it from above.
+    /// Whether a link over the layer may lead to it; otherwise the tool approaches from above.
     pub linked: bool,
 }
 
-/// Where a move of a program comes from.
+/// The pass that a move of a program belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin {
     /// Index of the layer in cutting order.
     pub layer: usize,
-    /// Index of the pass on it: the one that the move is on, leads to, or in a retract comes from.
+    /// Index of the pass on that layer: the one that the move follows or leads to, or that a retract leaves.
     pub pass: usize,
-    /// Index of the position of the pass that it leads to, and of the one it comes from along the pass, if it does.
+    /// Index of the position of the pass at the end of the move.
     pub to: usize,
-    /// See `to`.
+    /// Index of the position at its start, for a move along the pass.
     pub from: Option<usize>,
 }
 
-/// Moves, each with where it comes from.
+/// Moves with their origins.
 #[derive(Clone, Debug, Default)]
 pub struct Program {
     /// The moves.
     pub moves: Vec<FlankMove>,
-    /// As many origins.
+    /// One origin per move.
     pub origins: Vec<Origin>,
 }
 
-/// Angle under which the cutter ramps down along a curve, rad.
+/// Ramp angle along a pass, rad.
 const RAMP: f64 = 3.0 * std::f64::consts::PI / 180.0;
-/// Longest piece of a curve that a ramp runs to and fro on, mm.
+/// Maximum length of the piece of a pass over which a ramp goes to and fro, mm.
 const RAMP_LENGTH: f64 = 25.0;
-/// Greatest turn of the axis on a link, rad.
+/// Maximum turn of the axis on a link, rad.
 const MOST_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Spacing of positions along a link, mm.
 const LINK_STEP: f64 = 0.5;
-/// Greatest turn of the axis between them, rad: the far end of a long cutter swings by half a millimetre.
+/// Maximum turn of the axis between them, rad: the far end of a long tool then swings by half a millimetre.
 const LINK_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
-/// Rounds in which the ends of a flight are raised until it is clear.
+/// Maximum number of iterations that raise the ends of a rapid until it is clear.
 const MAX_ROUNDS: usize = 30;
 
-/// Flights keep so much more than the safety distance, mm: of a bottom that is near to the blank in two places, the nearer
-/// one may change unseen between two looks.
+/// Added to the safety distance of rapids, mm: where the tool bottom is near the blank at two points, the
+/// nearer one may swap between two samples.
 const FLIGHT_MARGIN: f64 = 0.05;
 
-/// What a program is written with.
+/// Inputs of the program.
 pub struct PathMaker<'a> {
-    /// The cutter.
+    /// The tool.
     pub tool: &'a Tool,
-    /// Feeds by engagement.
+    /// Feed rates by engagement.
     pub feeds: FlankFeeds,
-    /// The blank, to fly above.
+    /// The blank, which rapids clear.
     pub blank: &'a Blank,
-    /// Distance of the cutter above the blank before a rapid, mm.
+    /// Clearance of the tool above the blank before a rapid, mm.
     pub safety_distance: f64,
-    /// Depth of a layer, mm: what a ramp goes down.
+    /// Depth of a layer, mm: the height of a ramp.
     pub layer_depth: f64,
 }
 
-/// Tells of a place of a layer, and the tip and axis of a cutter over it, whether cutter and holder are free.
+/// Whether cutter and holder are free of collision, for a layer point and the tip and axis of a tool there.
 pub type Fits<'a> = dyn Fn(LayerPoint, Point, Vector) -> bool + Sync + 'a;
 
-/// A layer's passes and what they run on.
+/// The passes of a layer, and the layer.
 pub struct LayerPasses<'a> {
     /// Number of the layer, 0 at the hub.
     pub number: usize,
     /// The surface.
     pub layer: &'a Layer,
-    /// Distance of neighbouring curves, mm.
+    /// Stepover, mm.
     pub interval: f64,
-    /// Of the cutter, mm.
+    /// Corner radius of the tool, mm.
     pub corner_radius: f64,
-    /// In any order.
+    /// The passes, in any order.
     pub passes: Vec<Pass>,
-    /// Whether a cutter over a place of the layer, and its holder, keep clear of the part.
+    /// Collision check for links.
     pub fits: Box<Fits<'a>>,
 }
 
@@ -145,7 +146,7 @@ impl PathMaker<'_> {
     /// The program of all `layers`, given in cutting order.
     ///
     /// # Errors
-    /// When the work is cancelled.
+    /// When the monitor is cancelled.
     pub fn program(&self, layers: &[LayerPasses], monitor: &Monitor) -> Result<Program, Cancelled> {
         let top = RetractSurface::new(self.blank, self.safety_distance + self.tool.corner_radius);
         let mut writer = Writer {
@@ -158,7 +159,7 @@ impl PathMaker<'_> {
         };
         for (index, layer) in layers.iter().enumerate() {
             let mut rest: Vec<(usize, &Pass)> = layer.passes.iter().enumerate().collect();
-            // Regions inlet first, in each the inner curves by axis and then the walls, side by side.
+            // Regions from the inlet on; in each the inner passes by axis, then the walls, side by side.
             rest.sort_by(|(_, a), (_, b)| {
                 let key = |p: &Pass| (p.region as usize, matches!(p.role, Role::Wall(_)), p.group);
                 let side = |p: &Pass| p.ends[0].y + p.ends[1].y;
@@ -176,7 +177,7 @@ impl PathMaker<'_> {
         Ok(Program { moves: writer.moves, origins: writer.origins })
     }
 
-    /// Feed along a pass, after others of its layer are cut.
+    /// Feed rate along a pass, mm/min, after those of `cut` on its layer.
     fn feed_of(&self, pass: &Pass, cut: &CutPasses) -> f64 {
         let feeds = &self.feeds;
         let slots = cut.are_far_from(&pass.positions);
@@ -193,11 +194,11 @@ struct Writer<'a> {
     maker: &'a PathMaker<'a>,
     top: RetractSurface<'a>,
     moves: Vec<FlankMove>,
-    /// As many.
+    /// One per move.
     origins: Vec<Origin>,
-    /// Where the cutter stands on a layer: at the end of which pass.
+    /// Layer number and layer point of the tool after a pass.
     at: Option<(usize, LayerPoint)>,
-    /// Moves that end above the beginning of a pass and come from above the end of another.
+    /// Indices of the rapids from above the end of a pass to above the start of the next.
     flights: Vec<usize>,
 }
 
@@ -207,9 +208,9 @@ impl Writer<'_> {
         self.origins.push(origin);
     }
 
-    /// Writes `pass`, the `number`th of the layer of an index.
+    /// Writes `pass`, given the indices of its layer and of itself.
     fn cut(&mut self, layer: &LayerPasses, pass: &Pass, (index, number): (usize, usize), feed: f64) {
-        // Begin where the cutter is, else at an end beyond the part.
+        // Start where the tool is, otherwise at an end beyond the part.
         let open_end = usize::from(!pass.open[0] && pass.open[1]);
         let link = if pass.linked { self.link(layer, pass, open_end, feed) } else { None };
         let reversed = link.as_ref().map_or(open_end, |(_, end)| *end) == 1;
@@ -257,8 +258,8 @@ impl Writer<'_> {
         self.at = Some((layer.number, pass.ends[last]));
     }
 
-    /// The way from where the cutter is to an end of `pass` over the layer, and which one; `None` when it is not free, turns
-    /// the axis far, or takes longer than the flight to the end `flown_to`.
+    /// The link over the layer from the current position to an end of `pass`, and which end. `None` when it
+    /// is not free, turns the axis too far, or takes longer than the rapid to the end `flown_to`.
     fn link(
         &self,
         layer: &LayerPasses,
@@ -287,7 +288,7 @@ impl Writer<'_> {
         })
     }
 
-    /// Positions from one place of the layer to another, if they are free.
+    /// Positions of a link from one layer point to another; `None` if it is not free.
     fn way(
         &self,
         layer: &LayerPasses,
@@ -300,7 +301,7 @@ impl Writer<'_> {
             let (contact, normal) = layer.layer.point_and_normal(p);
             tool.tip_at_contact(&contact, &normal, axis)
         };
-        // What both ends keep from the layer the way between them keeps as well.
+        // Interpolate the offset of both ends from the layer.
         let offset = [from.tip - plain(at, &from.axis), target.0 - plain(to, &target.1)];
         let turn = from.axis.angle(&target.1);
         let count = (long / LINK_STEP).max(turn / LINK_TURN).ceil().max(1.0) as usize;
@@ -315,7 +316,7 @@ impl Writer<'_> {
             .collect()
     }
 
-    /// Time out of the part, over it, and down again to a position, min.
+    /// Estimated time to retract, move in rapid and approach a position, min.
     fn flight_time(&self, from: (Point, Vector), to: (Point, Vector), open: bool, feed: f64) -> f64 {
         let (up, down) = (self.above(from), self.above(to));
         let flown = (up - from.0).norm() + (down - up).norm();
@@ -323,8 +324,8 @@ impl Writer<'_> {
         flown / RAPID_FEED + (down - to.0).norm() / feed + ramp
     }
 
-    /// Down along the first piece of a curve, to and fro, from the height of the layer above: positions, and
-    /// over which of the curve's each is.
+    /// Ramp down to and fro along the first piece of a pass, from the height of the layer above: positions,
+    /// each with the index of the pass position below it.
     fn ramp(&self, positions: &[(Point, Vector)]) -> Vec<((Point, Vector), usize)> {
         let mut along = vec![0.0];
         for pair in positions.windows(2) {
@@ -354,12 +355,12 @@ impl Writer<'_> {
             let (tip, axis) = positions[at];
             way.push(((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis), at));
         }
-        // Back to the beginning at full depth.
+        // Back to the start at full depth.
         way.extend((1..at).rev().map(|k| (positions[k], k)));
         way
     }
 
-    /// Out along the axis until the bottom is clear of the blank.
+    /// Retracts along the axis until the bottom of the tool is clear of the blank.
     fn leave(&mut self) {
         let Some(&last) = self.moves.last() else { return };
         if last.kind != MoveKind::Rapid {
@@ -378,7 +379,10 @@ impl Writer<'_> {
         pulled_clear(&cutter, bottom_clearance(&cutter, blank), blank, self.maker.safety_distance).0
     }
 
-    /// Raises both ends of every flight until the bottom stays clear of the blank all the way.
+    /// Raises both ends of every rapid until the bottom of the tool stays clear of the blank all along.
+    ///
+    /// # Errors
+    /// When the monitor is cancelled.
     fn raise_flights(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
         let flights = std::mem::take(&mut self.flights);
         for round in 0..MAX_ROUNDS {
@@ -399,7 +403,7 @@ impl Writer<'_> {
                 break;
             }
         }
-        // A flight that was not raised ends where the way down begins.
+        // A rapid that was not raised ends where the approach begins.
         let repeats = |k: usize| {
             let [a, b] = [&self.moves[k - 1], &self.moves[k]];
             b.kind == MoveKind::Rapid && a.tip == b.tip && a.axis == b.axis
@@ -410,7 +414,8 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// By how much the bottom comes too near to the blank on the way to move `k`, mm; 0 and less where it does not.
+    /// Missing clearance of the tool bottom above the blank on the rapid to move `k`, mm; not positive where
+    /// it is clear.
     fn lacking(&self, k: usize) -> f64 {
         let PathMaker { tool, blank, .. } = *self.maker;
         let [from, to] = [k - 1, k].map(|k| (self.moves[k].tip, self.moves[k].axis));
@@ -421,25 +426,25 @@ impl Writer<'_> {
     }
 }
 
-/// Lengths of a program and how long it takes.
+/// Lengths and times of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Times {
-    /// Along curves, mm.
+    /// Length along passes, mm.
     pub cut_length: f64,
-    /// Under feed between curves and down to them, mm.
+    /// Length of links and approaches, mm.
     pub link_length: f64,
-    /// In rapid, mm.
+    /// Length of rapids, mm.
     pub rapid_length: f64,
-    /// Time along curves, s.
+    /// Time along passes, s.
     pub cut_time: f64,
     /// Time of links and approaches, s.
     pub link_time: f64,
-    /// Time in rapid at 10 m/min, s.
+    /// Time of rapids at 10 m/min, s.
     pub rapid_time: f64,
 }
 
 impl Times {
-    /// Of `moves` at their feeds; accelerations are left out.
+    /// Lengths and times of `moves` at their feed rates, without accelerations.
     pub fn of(moves: &[FlankMove]) -> Self {
         let mut times = Self::default();
         for pair in moves.windows(2) {
@@ -455,7 +460,7 @@ impl Times {
         times
     }
 
-    /// Time of the whole program, s.
+    /// Total time of the program, s.
     pub fn total(&self) -> f64 {
         self.cut_time + self.link_time + self.rapid_time
     }

@@ -1,4 +1,4 @@
-//! The whole flank plan of a channel: curves, the cutter along them, and the program.
+//! The flank plan of a channel: passes, tool positions along them, and the program.
 
 use std::sync::Arc;
 
@@ -19,97 +19,99 @@ use crate::plunge::slotting::DepthSurface;
 
 use super::chart::WallName;
 
-/// Overcuts that the axes along a wall may make, mm: the first with which the undercut stays small, or else the least.
+/// Allowed overcuts of the axes along a wall, mm: the first with a small undercut is used; if none has one,
+/// the smallest.
 const WALL_TOLERANCES: [f64; 3] = [5e-4, 0.0025, 0.0045];
 /// Undercut that counts as small, mm.
 const MOST_UNDERCUT: f64 = 0.005;
-/// Greatest distance between positions along a wall, mm, and how far the way between them may be off the wall's bend.
+/// Maximum distance between positions along a wall, mm, and maximum chord error of the straight moves between
+/// them, mm.
 const WALL_STEP: f64 = 4.0;
 const WALL_CHORD: f64 = 5e-4;
 
 /// One side of a blade, milled with the flank of the cutter.
 #[derive(Clone, Debug)]
 pub struct MilledWall {
-    /// Of which wall.
+    /// The wall.
     pub wall: WallName,
-    /// The passage beside it.
+    /// The region beside it.
     pub region: Region,
-    /// Axes along it, and what they leave.
+    /// Axes along it, and the deviation they leave.
     pub axes: WallAxes,
 }
 
-/// A fixed axis of the inner curves.
+/// A fixed axis of the inner passes.
 #[derive(Clone, Copy, Debug)]
 pub struct RegionAxis {
     /// Layer, 0 at the hub.
     pub layer: usize,
     /// Region.
     pub region: Region,
-    /// From where to where along the layer, mm.
+    /// Start of its range along the layer, mm.
     pub from: f64,
-    /// See `from`.
+    /// End of its range along the layer, mm.
     pub to: f64,
-    /// Unit axis, tip → holder.
+    /// Unit axis, tip → holder, in the frame of the part.
     pub axis: Vector,
-    /// Least distance of the cutter from the blades, mm.
+    /// Minimum distance of the cutter from the blades, mm.
     pub clearance: f64,
 }
 
 /// A flank plan of one channel.
 #[derive(Clone, Debug)]
 pub struct FlankPlan {
-    /// The cutter.
+    /// The tool.
     pub tool: Tool,
     /// Why it was chosen; `None` where the setup names it.
     pub reason: Option<String>,
-    /// The curves and how the schemes compare.
+    /// The layers with their curves, and the comparison of strategies.
     pub curves: Arc<FlankCurves>,
-    /// The walls.
+    /// The walls with their fitted axes.
     pub walls: Arc<Vec<MilledWall>>,
     /// Fixed axes by layer and region.
     pub axes: Vec<RegionAxis>,
-    /// Stretches of curves that no axis reaches.
+    /// Lengths of passes that no axis reaches.
     pub left_out: Vec<LeftOut>,
     /// The program.
     pub moves: Vec<FlankMove>,
-    /// What is wrong with it all the same.
+    /// Faults that remain in the program.
     pub faults: Vec<MoveFault>,
-    /// Feeds by engagement.
+    /// Feed rates by engagement.
     pub feeds: FlankFeeds,
     /// Lengths and times.
     pub times: Times,
 }
 
 impl FlankPlan {
-    /// Greatest cut below the blade allowance along the walls, mm.
+    /// Maximum overcut: depth cut below the blade allowance along the walls, mm.
     pub fn max_overcut(&self) -> f64 {
         self.walls.iter().map(|w| w.axes.max_overcut).fold(0.0, f64::max)
     }
 
-    /// Greatest stock left above the blade allowance along the walls, mm.
+    /// Maximum undercut: stock left above the blade allowance along the walls, mm.
     pub fn max_undercut(&self) -> f64 {
         self.walls.iter().map(|w| w.axes.max_undercut).fold(0.0, f64::max)
     }
 
-    /// Greatest deviation that twist and bow of the walls force on a straight edge, mm.
+    /// Maximum deviation that twist and bow of the walls force on a straight edge, mm.
     pub fn forced_deviation(&self) -> f64 {
         self.walls.iter().map(|w| w.axes.forced).fold(0.0, f64::max)
     }
 
-    /// Number of positions under feed.
+    /// Number of positions at feed rate.
     pub fn positions(&self) -> usize {
         self.moves.iter().filter(|m| m.kind != super::path::MoveKind::Rapid).count()
     }
 }
 
-/// Stages of the last plan, with what they were made from: what has not changed is not made again.
+/// Stages of the last plan with their inputs, reused while these have not changed.
 #[derive(Debug, Default)]
 pub struct FlankStages {
     curves: Option<(Setup, Tool, Arc<FlankCurves>)>,
     walls: Option<(WallInputs, Tool, Arc<Vec<MilledWall>>)>,
 }
 
-/// The parts of a setup that curves depend on; others do not make them stale.
+/// The setup reduced to what the curves depend on; changes of the rest do not make them stale.
 fn curve_inputs(setup: &Setup) -> Setup {
     let mut flank = setup.flank.clone();
     (flank.feed, flank.slot_feed, flank.wall_feed, flank.ramp_feed) = (None, None, None, None);
@@ -119,10 +121,10 @@ fn curve_inputs(setup: &Setup) -> Setup {
     Setup { stock, flank, ..Setup::default() }
 }
 
-/// What the axes along the walls depend on.
+/// Cache key of the axes along the walls: reduced setup and heights of the layers, mm.
 type WallInputs = (Setup, Vec<f64>);
 
-/// The parts of a setup that the axes along the walls depend on, and the heights of the layers.
+/// The setup reduced to what the axes along the walls depend on, and the heights of the layers, mm.
 fn wall_inputs(setup: &Setup, curves: &FlankCurves) -> WallInputs {
     let mut inputs = curve_inputs(setup);
     let (extension, scheme) = (inputs.flank.extension, inputs.flank.scheme);
@@ -134,12 +136,12 @@ fn wall_inputs(setup: &Setup, curves: &FlankCurves) -> WallInputs {
     (inputs, curves.layers.iter().map(|l| l.layer.height).collect())
 }
 
-/// Plans one channel of `part` with the cutter chosen; `stages` of an earlier plan of the same part are used again
-/// where nothing they depend on has changed. What `check` finds fault with in the program is left out of it.
+/// Plans one channel of `part` with the chosen tool. The `stages` of an earlier plan of the same part are
+/// reused where their inputs have not changed. Moves that `check` rejects are removed from the program.
 ///
 /// # Errors
-/// [`FlankError::Cancelled`] soon after `monitor` is told so, [`FlankError::Setup`] when part and setup do not go
-/// together.
+/// [`FlankError::Cancelled`] soon after `monitor` is cancelled; [`FlankError::Setup`] when the setup does not
+/// suit the part.
 pub fn plan(
     part: &Impeller,
     channel: &Channel,
@@ -209,7 +211,7 @@ pub fn plan(
             }),
         });
     }
-    // From the top down.
+    // Cutting order is from the top down.
     layers.reverse();
     let feeds = setup.flank.feeds_of(tool);
     let path = PathMaker {
@@ -242,20 +244,20 @@ pub fn plan(
     })
 }
 
-/// Spacing of the nodes of the charts that links are planned on, mm.
+/// Node spacing of the charts for links, mm.
 const LINK_SPACING: f64 = 1.0;
-/// A link may come so much nearer to a wall than a curve, mm: the coarse chart errs by less.
+/// A link may come nearer to a wall than a pass by this, mm: the error of the coarse chart is smaller.
 const LINK_SLACK: f64 = 0.05;
 
-/// Spacing of the points that the surface a cutter rests on is drawn through, mm.
+/// Spacing of the points of the surface that the tool rests on, mm.
 const GROUND_STEP: f64 = 0.5;
 
-/// How far the surface a cutter rests on runs beyond a layer, mm.
+/// Length by which the surface that the tool rests on extends beyond a layer, mm.
 fn ground_beyond(setup: &Setup, tool: &Tool) -> f64 {
     setup.flank.extension_of(tool) + 4.0 * tool.radius()
 }
 
-/// All walls of the channel, fitted.
+/// All walls of the channel with axes fitted to them.
 fn milled_walls(
     finished: &FinishedPart,
     channel: &Channel,

@@ -1,8 +1,9 @@
-//! Flank milling of a wall (DESIGN section 6): a cylinder beside a blade side, position by position.
+//! Flank milling of a wall: tool axes along a blade side, position by position.
 //!
-//! Every position is fitted to the true surface; then the swept surface is judged, and positions between which it cuts
-//! too deep are moved off the wall. Each layer has axes of its own: they fit the strip of the wall that it forms, up to where
-//! the flank begins on the layer above, and do not cut what is formed above it.
+//! Every position is fitted to the true surface. Then the swept surface is evaluated, and positions between
+//! which it cuts too deep are moved off the wall. Each layer has axes of its own: they fit the strip of the
+//! wall that the layer forms, up to where the flank begins on the layer above, and do not cut what is formed
+//! above it.
 
 mod fit;
 mod places;
@@ -21,113 +22,117 @@ use strip::Strip;
 pub use swept::DeviationMap;
 use swept::{Column, deviations, push_off};
 
-/// How a wall is to be milled. All lengths mm.
+/// Parameters of the milling of a wall. All lengths in mm.
 #[derive(Clone, Debug)]
 pub struct WallMilling<'a> {
-    /// The cutter.
+    /// The tool.
     pub tool: &'a Tool,
     /// Stock that stays on the blades.
     pub blade_allowance: f64,
-    /// Stock that stays on the hub: below it, and below the cutter's corner, nothing of the wall is cut.
+    /// Stock that stays on the hub: below it, and below the corner of the cutter, the wall is not cut.
     pub hub_allowance: f64,
-    /// How far the pass reaches beyond either end of the wall.
+    /// Length of the pass beyond either end of the wall.
     pub extension: f64,
-    /// Greatest distance between stations.
+    /// Maximum distance between stations.
     pub step: f64,
-    /// How far the straight way between two stations may be off the wall's bend; sets their distance where it is smaller.
+    /// Maximum chord error of the straight move between two stations; it reduces their distance where the
+    /// wall bends.
     pub chord_error: f64,
 }
 
-/// What stands in the way of a position.
+/// The blade side that a position is too near to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
     /// Index of the blade side in [`Channel::sides`].
     pub side: usize,
-    /// Where on it the cutter is nearest, LE 0 to TE 1.
+    /// u of the nearest point on it, LE 0 to TE 1.
     pub u: f64,
-    /// See `u`; hub 0 to tip 1.
+    /// v of that point, hub 0 to tip 1.
     pub v: f64,
     /// Distance there, mm; negative where the cutter cuts the blade.
     pub distance: f64,
 }
 
-/// One position of the cutter beside the wall.
+/// One position of the tool beside the wall, in the frame of the part.
 #[derive(Clone, Copy, Debug)]
 pub struct WallStation {
-    /// u of the wall at which the position was fitted; beyond 0…1 where the wall runs on.
+    /// u of the wall at which the position was fitted; beyond 0…1 on the extensions of the wall.
     pub u: f64,
     /// s of the foot of the axis on the hub.
     pub s: f64,
-    /// Point of the axis next to the hub.
+    /// Point of the axis near the hub.
     pub foot: Point,
     /// Unit axis, towards the holder.
     pub axis: Vector,
-    /// Tip of the cutter, lowered until it rests on the layer; `None` where it misses it.
+    /// Tip of the tool, lowered along the axis until it rests on the layer; `None` where it misses the layer.
     pub tip: Option<Point>,
-    /// The least that the greatest deviation of any straight edge from the strip of the wall that this layer forms can be
-    /// here, mm, if it does not cut the wall above by more: what twist and bow force.
+    /// Forced deviation, mm: the minimax deviation of a straight edge from the strip of the wall that this
+    /// layer forms, not cutting the wall above by more. Twist and bow force it.
     pub forced: f64,
-    /// What the cutter comes too near to there: another wall, a nose.
+    /// What the cutter is too near to: another wall, or a nose.
     pub blocked: Option<Obstacle>,
 }
 
-/// The positions of a cutter along a wall, from before its leading edge to beyond its end, and what they leave.
+/// The tool positions along a wall, from before its leading edge to beyond its end, and the deviation they
+/// leave.
 #[derive(Clone, Debug)]
 pub struct WallAxes {
-    /// The positions, inlet to outlet, by layers, hub first.
+    /// Positions from inlet to outlet, by layer, hub first.
     by_layer: Vec<Vec<WallStation>>,
-    /// Swept deviation over the flank; nose and blunt trailing edge are not part of it.
+    /// Swept deviation over the flank, without nose and blunt trailing edge.
     pub map: DeviationMap,
-    /// Greatest cut below the allowance, mm.
+    /// Maximum overcut: depth cut below the allowance, mm.
     pub max_overcut: f64,
-    /// Greatest stock left above the allowance, mm.
+    /// Maximum undercut: stock left above the allowance, mm.
     pub max_undercut: f64,
-    /// Greatest deviation that the wall forces at a position on it, mm: no straight edge stays within less, either way.
+    /// Maximum forced deviation at a position on the wall, mm: no straight edge stays within less on both
+    /// sides.
     pub forced: f64,
 }
 
-/// Share of the height of a wall above which no strip begins: it would be too narrow to tell a direction.
+/// Share of the height of a wall above which no strip begins: it would be too narrow to define a direction.
 const MOST_UNFORMED: f64 = 0.9;
-/// Rows of a map to a strip, where a wall is highest.
+/// Rows of a map per strip, where a wall is highest.
 const ROWS_PER_STRIP: usize = 4;
-/// Greatest tilt of an axis along the feed from the plain offset, rad.
+/// Maximum angle of an axis along the feed to the plain offset, rad.
 const MOST_TILT: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Turn between neighbouring axes that cannot come from the wall, rad.
+/// Turn between neighbouring axes that the wall cannot cause, rad: a jump between two local optima.
 const JUMP: f64 = 2.0 * MOST_TURN;
-/// Rounds of moving positions off the wall between which the swept cutter cuts too deep.
+/// Maximum number of iterations that move positions off the wall where the swept cutter cuts too deep.
 const CORRECTIONS: usize = 8;
-/// Distances are met to this, mm, and stay clear of the limit by three times as much.
+/// Tolerance of distances, mm.
 const SETTLED: f64 = 1e-5;
-/// See [`SETTLED`].
+/// Distance kept from the limit, mm.
 const MARGIN: f64 = 3.0 * SETTLED;
-/// Greatest turn of the axis between stations, rad.
+/// Maximum turn of the axis between stations, rad.
 const MOST_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
-/// A wall with positions fitted to it, before it is decided how deep they may cut.
+/// A wall with positions fitted to it, before the allowed overcut is chosen.
 pub struct WallFit<'a> {
     finished: &'a FinishedPart<'a>,
     milling: &'a WallMilling<'a>,
     face: Face<'a>,
     /// u of the positions.
     places: Vec<f64>,
-    /// What the cutter rests on.
+    /// Surfaces that the tool rests on, hub first.
     layers: &'a [DepthSurface<'a>],
-    /// By layers, or one that all share.
+    /// One strip per layer, or one that all layers share.
     strips: Vec<Strip>,
 }
 
-/// Positions along a wall that cut no more than a tolerance below the allowance, and what they leave.
+/// Positions along a wall that cut at most a tolerance below the allowance, and the deviation they leave.
 pub struct SweptWall {
     tolerance: f64,
-    /// By strips.
+    /// Axes by strips.
     lines: Vec<Vec<Line>>,
     /// Swept deviation over the flank.
     pub map: DeviationMap,
 }
 
 impl<'a> WallFit<'a> {
-    /// Positions along `wall` (0 or 1) of `passage`, between the surfaces of `finished`, for each of the `layers`, hub first,
-    /// whose surfaces are offset by the corner radius. `None` where the wall has no direction to follow.
+    /// Fits positions along `wall` (0 or 1) of `passage`, between the surfaces of `finished`, for each of the
+    /// `layers`, hub first, which are offset by the corner radius. `None` where the spacing of stations
+    /// cannot be computed.
     pub fn new(
         finished: &'a FinishedPart<'a>,
         passage: &'a Passage,
@@ -160,8 +165,8 @@ impl<'a> WallFit<'a> {
                 }
                 strips
             }
-            // A strongly bowed wall has several best tilts, between which neighbours jump, and the best for its strips turn far
-            // from layer to layer: all layers share plain axes.
+            // A strongly bowed wall has several locally best tilts, between which neighbours jump, and the
+            // best for its strips turn far from layer to layer: use plain axes, shared by all layers.
             None => {
                 whole.fitted = whole.fitted_to(&face, &places, None, 0.0);
                 vec![whole]
@@ -170,8 +175,8 @@ impl<'a> WallFit<'a> {
         Some(Self { finished, milling, face, places, layers, strips })
     }
 
-    /// The least that the greatest deviation from the wall can be at the positions on it, mm: no straight edge stays within less
-    /// of its strip, either way, without cutting the wall above it as much.
+    /// Forced deviation of the wall, mm: the maximum over its positions of the minimax deviation of a
+    /// straight edge from its strip, not cutting the wall above by more.
     pub fn forced(&self) -> f64 {
         let (from, to) = self.flank_range();
         let on_wall = |(u, _): &(&f64, &Fitted)| (from..=to).contains(*u);
@@ -182,13 +187,13 @@ impl<'a> WallFit<'a> {
         self.strips.iter().map(levels).fold(0.0, f64::max)
     }
 
-    /// u at which the flank begins and ends, its rounded ends left out.
+    /// u at which the flank begins and ends, without its rounded ends.
     fn flank_range(&self) -> (f64, f64) {
         self.face.side.u_range()
     }
 
-    /// The positions moved along the wall's normals, so that the swept cutter cuts no more than `tolerance` mm below the
-    /// allowance. With none, all that a straight edge cannot do is left.
+    /// The positions moved along the wall's normals, so that the swept cutter cuts at most `tolerance` mm
+    /// below the allowance. With a tolerance of 0 the whole forced deviation is left as stock.
     pub fn swept(&self, tolerance: f64) -> SweptWall {
         let (face, places) = (&self.face, &self.places);
         let columns = self.columns();
@@ -219,13 +224,13 @@ impl<'a> WallFit<'a> {
             }
             lines.push(strip_lines);
         }
-        // Below the cutter's corner its flank leaves nothing and takes nothing.
+        // Below the corner of the cutter its flank neither leaves nor removes stock.
         deviation.iter_mut().filter(|d| d.is_infinite()).for_each(|d| *d = 0.0);
         let u = columns.iter().map(|column| column.u).collect();
         SweptWall { tolerance, lines, map: DeviationMap { u, v: rows, deviation } }
     }
 
-    /// Of the map: at the stations on the wall, and half way between them.
+    /// Columns of the map: at the stations on the wall, and half way between them.
     fn columns(&self) -> Vec<Column> {
         let (from, to) = self.flank_range();
         let on_wall = |column: &Column| (from..=to).contains(&column.u);
@@ -233,7 +238,7 @@ impl<'a> WallFit<'a> {
         halves.map(|k| Column::half(&self.places, k)).filter(on_wall).collect()
     }
 
-    /// Of the map: from the lowest that is formed anywhere up to the tip.
+    /// Rows of the map (v): from the lowest that any strip forms up to the tip.
     fn rows(&self) -> Vec<f64> {
         let at_stations = self.columns().into_iter().filter(|column| column.share == 0.0);
         let lows = at_stations.flat_map(|c| self.strips.iter().map(move |strip| strip.low[c.station]));
@@ -242,15 +247,15 @@ impl<'a> WallFit<'a> {
         evenly(lowest, 1.0, (ROWS_PER_STRIP * self.strips.len() + 1).max(least))
     }
 
-    /// The positions with what stands in their way.
+    /// The positions with their obstacles.
     pub fn axes(&self, swept: SweptWall) -> WallAxes {
         let by_layer: Vec<_> = (0..self.layers.len()).map(|k| self.stations(k, &swept)).collect();
         let [max_overcut, max_undercut] = self.extremes(&swept.map, &by_layer);
         WallAxes { by_layer, forced: self.forced(), max_overcut, max_undercut, map: swept.map }
     }
 
-    /// Greatest overcut and undercut of a map where a cutter comes: on some layer whose strip holds the place nothing stands in
-    /// its way.
+    /// Maximum overcut and undercut of a map, mm, over the points that some layer cuts: one whose strip holds
+    /// the point and whose positions there are free.
     fn extremes(&self, map: &DeviationMap, by_layer: &[Vec<WallStation>]) -> [f64; 2] {
         let free = |layer: usize, station: usize| {
             let station = by_layer[layer].get(station);
@@ -294,13 +299,13 @@ impl<'a> WallFit<'a> {
 }
 
 impl WallAxes {
-    /// The positions on a layer, 0 at the hub.
+    /// The positions on a layer, numbered from 0 at the hub.
     pub fn stations(&self, layer: usize) -> &[WallStation] {
         self.by_layer.get(layer).map_or(&[], Vec::as_slice)
     }
 }
 
-/// The nearest of the sides that `cutter` comes nearer to than `wanted`.
+/// The nearest of the sides to which `cutter` is nearer than `wanted` (mm).
 fn obstacle(probes: &[SideProbe], cutter: &CutterSolid, wanted: f64) -> Option<Obstacle> {
     let near = |(side, probe): (usize, &SideProbe)| {
         let near = probe.nearest_below(cutter, wanted)?;

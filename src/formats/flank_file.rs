@@ -1,4 +1,4 @@
-//! `flank.json`: a flank plan with everything needed to show it again, part and setup included.
+//! `flank.json`: a flank plan with everything needed to display it again, including part and setup.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,13 +14,13 @@ use crate::geometry::Point;
 use crate::part::{FlankScheme, Impeller, PartDescription, Setup};
 use crate::plunge::choice::estimate::RAPID_FEED;
 
-/// Version of the file; readers refuse newer ones.
+/// Version of the file format; newer files are rejected.
 const VERSION: u32 = 1;
-/// Positions and points are written to this, mm.
+/// Steps per mm to which positions and points are rounded.
 const DECIMALS: f64 = 1e6;
-/// Axes are written to this.
+/// Steps per unit to which axis components are rounded.
 const AXIS_DECIMALS: f64 = 1e9;
-/// Feeds are written to this, mm/min.
+/// Steps per mm/min to which feed rates are rounded.
 const FEED_DECIMALS: f64 = 1e3;
 
 #[derive(Serialize, Deserialize)]
@@ -28,25 +28,25 @@ struct FlankFile {
     vanecut_flank: u32,
     /// The part in the native format.
     part: String,
-    /// The setup with the cutter filled in.
+    /// The setup in its file format, with the chosen tool filled in.
     setup: String,
     scheme: FlankScheme,
-    /// Feed along curves beside others, mm/min.
+    /// Feed rate along passes beside one that is already cut, mm/min.
     feed: f64,
     layers: Vec<LayerFile>,
     #[serde(default)]
     walls: Vec<WallFile>,
     moves: Vec<MoveFile>,
-    /// Of each move, mm/min; older files have one feed for all that are not rapid.
+    /// Feed rate of each move, mm/min; older files have one feed rate for all moves that are not rapid.
     #[serde(default)]
     feeds: Vec<f64>,
 }
 
 #[derive(Serialize, Deserialize)]
 struct LayerFile {
-    /// mm above the hub.
+    /// Height above the hub, mm.
     height: f64,
-    /// Distance of neighbouring curves, mm.
+    /// Stepover between neighbouring passes, mm.
     interval: f64,
     curves: Vec<CurveFile>,
 }
@@ -65,61 +65,61 @@ struct WallFile {
     region: Region,
     u: Vec<f64>,
     v: Vec<f64>,
-    /// Line by line of u, mm: stock above the blade allowance, negative below it.
+    /// Deviation, row by row of u, mm: stock above the blade allowance, negative below it.
     deviation: Vec<f64>,
 }
 
-/// What the cutter leaves on a wall, swept along it.
+/// What the swept cutter leaves on a wall.
 #[derive(Clone, Debug)]
 pub struct ShownWall {
     /// Which wall.
     pub wall: WallName,
     /// The passage beside it.
     pub region: Region,
-    /// Stock above the blade allowance.
+    /// Stock above the blade allowance, mm.
     pub map: DeviationMap,
 }
 
-/// kind, layer, region, along a wall, tip, axis.
+/// Kind, layer, region, whether it runs along a wall, tip (mm), axis (unit vector).
 type MoveFile = (MoveKind, usize, Region, bool, [f64; 3], [f64; 3]);
 
-/// A curve as it is shown.
+/// A pass as it is displayed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShownCurve {
-    /// Layer, 0 at the hub.
+    /// Layer index, 0 at the hub.
     pub layer: usize,
-    /// Where its middle lies.
+    /// Region of its middle.
     pub region: Region,
     /// Whether it runs along a wall.
     pub wall: bool,
-    /// Its points on the layer, mm.
+    /// Its points on the layer, in the part frame, mm.
     pub points: Vec<Point>,
 }
 
 /// A flank plan read back.
 #[derive(Debug)]
 pub struct StoredFlank {
-    /// The part as it was.
+    /// Description of the part when the plan was made.
     pub description: PartDescription,
-    /// The part, built.
+    /// The part built from it.
     pub part: Impeller,
     /// The setup the plan was made with.
     pub setup: Setup,
-    /// Its scheme.
+    /// Strategy of the passes.
     pub scheme: FlankScheme,
-    /// Feed along curves beside others, mm/min.
+    /// Feed rate along passes beside one that is already cut, mm/min.
     pub feed: f64,
     /// Number of layers.
     pub layers: usize,
-    /// The curves of all layers.
+    /// The passes of all layers.
     pub curves: Vec<ShownCurve>,
-    /// What it leaves on the walls.
+    /// Deviation of the milled walls.
     pub walls: Vec<ShownWall>,
-    /// The program.
+    /// All moves in cutting order.
     pub moves: Vec<FlankMove>,
 }
 
-/// The curves of a plan as they are shown.
+/// The passes of a plan as they are displayed.
 pub fn shown_curves(plan: &FlankPlan) -> Vec<ShownCurve> {
     let layers = plan.curves.layers.iter().enumerate();
     layers
@@ -134,7 +134,7 @@ pub fn shown_curves(plan: &FlankPlan) -> Vec<ShownCurve> {
         .collect()
 }
 
-/// The walls of a plan as they are shown.
+/// The milled walls of a plan as they are displayed.
 pub fn shown_walls(plan: &FlankPlan) -> Vec<ShownWall> {
     let shown = |w: &MilledWall| ShownWall { wall: w.wall, region: w.region, map: w.axes.map.clone() };
     plan.walls.iter().map(shown).collect()
@@ -144,7 +144,7 @@ fn rounded(coordinates: [f64; 3], decimals: f64) -> [f64; 3] {
     coordinates.map(|x| (x * decimals).round() / decimals)
 }
 
-/// Text of a flank plan file.
+/// Writes a flank plan file (JSON); lengths in mm, feed rates in mm/min, part frame.
 pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPlan) -> String {
     let curves = shown_curves(plan);
     let layers = plan.curves.layers.iter().enumerate().map(|(number, layer)| LayerFile {
@@ -199,22 +199,22 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
     text
 }
 
-/// Whether the bytes look like a flank plan file rather than a plunge plan.
+/// Whether the bytes look like a flank plan file rather than a plunge plan file.
 pub fn is_flank(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(64)];
     head.windows(15).any(|w| w == b"\"vanecut_flank\"")
 }
 
-/// Reads a flank plan file; `name` stands for it in messages.
+/// Reads a flank plan file; `name` is the file name used in messages.
 ///
 /// # Errors
-/// What is wrong and where, when the bytes are no flank plan file of a known version.
+/// When the bytes are not a flank plan file of a supported version, or hold unusable values.
 pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputError> {
     let file: FlankFile = serde_json::from_slice(bytes).map_err(|e| {
         InputError::new(
             name,
             e.line(),
-            format!("this is no flank plan file ({e})"),
+            format!("this is not a flank plan file ({e})"),
             "give a flank.json that `vanecut flank` wrote",
         )
     })?;

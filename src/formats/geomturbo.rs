@@ -1,7 +1,7 @@
-//! geomTurbo parts: text, one statement a line, in nested blocks; rotation axis Z.
+//! geomTurbo parts: text, one statement per line, in nested blocks; rotation axis Z.
 //!
 //! ```text
-//! UNITS Meters                       metres when absent
+//! UNITS Meters                       default: metres
 //! UNITS-FACTOR 1
 //! NI_BEGIN CHANNEL
 //!   NI_BEGIN basic_curve
@@ -13,17 +13,17 @@
 //!       0.1 0.2
 //!     NI_END zrcurve
 //!   NI_END basic_curve
-//!   NI_BEGIN channel_curve hub       also: shroud
+//!   NI_BEGIN channel_curve hub       or shroud
 //!     VERTEX CURVE_P hub_1 0         from start (0) …
 //!     VERTEX CURVE_P hub_1 1         … to end (1); 1 then 0 runs backwards
 //!   NI_END channel_curve hub
 //! NI_END CHANNEL
-//! NI_BEGIN nirow                     only the first one counts
+//! NI_BEGIN nirow                     only the first row is read
 //!   PERIODICITY 12
 //!   NI_BEGIN NIBlade                 main blade, then splitters
 //!     NI_BEGIN nibladegeometry
-//!       units 1                      against the file's unit
-//!       number_of_blades 12          PERIODICITY when absent
+//!       units 1                      relative to the file's unit
+//!       number_of_blades 12          default: PERIODICITY
 //!       suction                      and pressure, in either order
 //!       SECTIONAL
 //!       2                            number of sections, hub → tip
@@ -32,7 +32,7 @@
 //!       +110                         number of points, LE → TE
 //! ```
 //!
-//! Keywords in any case; unknown keys and blocks are skipped.
+//! Keywords are case-insensitive; unknown keys and blocks are skipped.
 
 use std::collections::HashMap;
 
@@ -41,7 +41,7 @@ use super::source::{self, JOINT, MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, 
 use crate::geometry::Point;
 use crate::part::{BladeDescription, CurveDescription, Meridional, PartDescription};
 
-/// Reads a geomTurbo part. `file` is the name that messages use; its stem names the part.
+/// Reads a geomTurbo part. `file` is the file name used in messages; its stem is the part's name.
 pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputError> {
     let source = Source { file };
     let text = source::text(source, bytes)?;
@@ -79,20 +79,20 @@ impl<'a> Lines<'a> {
         self.source.fault(self.line, what, cure)
     }
 
-    /// A count such as `+100`.
+    /// Reads a count such as `+100`.
     fn count(&mut self, what: &str) -> Result<usize, InputError> {
         let text = self.need(&format!("the number of {what}"))?;
         let token = text.split_whitespace().next().unwrap_or_default();
         match token.trim_start_matches('+').parse::<usize>() {
             Ok(count) if count <= MAX_POINTS => Ok(count),
             _ => Err(self.fault(
-                format!("{} is no number of {what}", shown(token)),
+                format!("{} is not a valid number of {what}", shown(token)),
                 format!("give a whole number from 0 to {MAX_POINTS}"),
             )),
         }
     }
 
-    /// `count` lines of `N` numbers.
+    /// Reads `count` lines of `N` numbers.
     fn rows<const N: usize>(&mut self, count: usize) -> Result<Vec<[f64; N]>, InputError> {
         self.points += count;
         if self.points > MAX_POINTS {
@@ -137,14 +137,14 @@ fn split(text: &str) -> (String, &str) {
     (word.to_ascii_lowercase(), rest.trim())
 }
 
-/// A curve of the channel: its pieces and where it stands.
+/// A channel curve: its vertices (curve name, at its end, line) and the line of its block.
 #[derive(Default)]
 struct Chain {
     vertices: Vec<(String, bool, usize)>,
     line: usize,
 }
 
-/// A blade in the file's unit.
+/// A blade in the file's unit; `blades` is the number of blades and its line.
 struct RawBlade {
     line: usize,
     unit: f64,
@@ -153,7 +153,7 @@ struct RawBlade {
     pressure: Vec<Vec<Point>>,
 }
 
-/// What has been found so far, in the file's unit.
+/// What has been read so far, in the file's unit.
 #[derive(Default)]
 struct Found {
     unit: Option<f64>,
@@ -235,7 +235,7 @@ impl Found {
         self.chains.entry(name.to_owned()).or_insert_with(|| Chain { vertices: Vec::new(), line });
     }
 
-    /// `CURVE_P name 0|1`
+    /// Reads a vertex `CURVE_P name 0|1` of a channel curve.
     fn vertex(&mut self, lines: &Lines<'_>, chain: &str, rest: &str) -> Result<(), InputError> {
         let (kind, rest) = split(rest);
         let Some(chain) = self.chains.get_mut(chain).filter(|_| kind == "curve_p") else { return Ok(()) };
@@ -244,7 +244,7 @@ impl Found {
             Ok(0.0) => false,
             Ok(1.0) => true,
             _ => {
-                let what = format!("{} is no end of a curve", shown(end));
+                let what = format!("{} is not an end of a curve", shown(end));
                 return Err(lines.fault(what, "give 0 (start) or 1 (end)"));
             }
         };
@@ -252,7 +252,7 @@ impl Found {
         Ok(())
     }
 
-    /// The inside of a `nibladegeometry` block, to its end.
+    /// Reads the inside of a `nibladegeometry` block, to its end.
     fn blade(&mut self, lines: &mut Lines<'_>) -> Result<(), InputError> {
         let mut blade =
             RawBlade { line: lines.line, unit: 1.0, blades: None, suction: Vec::new(), pressure: Vec::new() };
@@ -286,7 +286,7 @@ impl Found {
 
     fn part(self, source: Source<'_>) -> Result<PartDescription, InputError> {
         let metres = match (self.unit, self.factor) {
-            // A factor that only repeats the unit ("Millimeters", 0.001) counts once.
+            // A factor that only repeats the unit ("Millimeters", 0.001) is applied once.
             (Some(unit), Some(factor)) if (unit / factor - 1.0).abs() < 1e-6 => unit,
             (unit, factor) => unit.unwrap_or(1.0) * factor.unwrap_or(1.0),
         };
@@ -314,7 +314,7 @@ impl Found {
         })
     }
 
-    /// A channel curve chained from its basic curves.
+    /// Chains a channel curve from its basic curves, in mm.
     fn channel_curve(
         &self,
         source: Source<'_>,
@@ -341,9 +341,9 @@ impl Found {
         };
         let mut vertices = chain.vertices.iter().peekable();
         while let Some((curve, start, line)) = vertices.next() {
-            // A basic_curve without points is legal and adds nothing.
+            // A basic_curve without points is valid and adds nothing.
             let basic = self.curves.get(curve).ok_or_else(|| {
-                let what = format!("the {name} names the curve {}, which is not there", shown(curve));
+                let what = format!("the {name} names the curve {}, which does not exist", shown(curve));
                 source.fault(*line, what, "name a basic_curve of the CHANNEL block")
             })?;
             let end = vertices.next_if(|(next, _, _)| next == curve).map(|(_, end, _)| *end);
@@ -385,7 +385,7 @@ impl RawBlade {
     }
 }
 
-/// One side of a blade: `SECTIONAL`, the number of sections, the sections.
+/// Reads one side of a blade: `SECTIONAL`, the number of sections, the sections.
 fn side(lines: &mut Lines<'_>) -> Result<Vec<Vec<Point>>, InputError> {
     let kind = lines.need("the blade's sections")?;
     if !kind.eq_ignore_ascii_case("SECTIONAL") {
@@ -418,15 +418,15 @@ fn side(lines: &mut Lines<'_>) -> Result<Vec<Vec<Point>>, InputError> {
     Ok(sections)
 }
 
-/// A scale: greater than 0.
+/// Reads a unit factor greater than 0.
 fn scale(lines: &Lines<'_>, text: &str) -> Result<f64, InputError> {
     match source::number(text) {
         Ok(x) if x > 0.0 => Ok(x),
-        _ => Err(lines.fault(format!("{} is no unit", shown(text)), "give a number greater than 0")),
+        _ => Err(lines.fault(format!("{} is not a valid unit", shown(text)), "give a number greater than 0")),
     }
 }
 
-/// Metres in the unit that a word names.
+/// Length in metres of the named unit.
 fn unit_in_metres(lines: &Lines<'_>, text: &str) -> Result<f64, InputError> {
     match text.to_ascii_lowercase().as_str() {
         "m" | "meter" | "meters" | "metre" | "metres" => Ok(1.0),
@@ -436,7 +436,7 @@ fn unit_in_metres(lines: &Lines<'_>, text: &str) -> Result<f64, InputError> {
         "ft" | "foot" | "feet" => Ok(0.3048),
         _ => {
             Err(lines
-                .fault(format!("{} is no known unit", shown(text)), "give Meters, Millimeters or Inches"))
+                .fault(format!("{} is not a known unit", shown(text)), "give Meters, Millimeters or Inches"))
         }
     }
 }

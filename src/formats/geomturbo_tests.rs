@@ -1,6 +1,6 @@
 use super::*;
 
-/// A small valid file: two basic curves for the hub (the second runs backwards), two blades.
+/// A small valid file: two basic curves for the hub (the second in reverse), two rows.
 pub const SAMPLE: &str = "GEOMETRY TURBO
 VERSION 5.5
 UNITS Meters

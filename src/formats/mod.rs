@@ -1,9 +1,9 @@
 //! Readers and writers: part files, setup, CL programs, plans.
 //!
-//! One file per format; [`part_file`] picks the reader by extension. Whatever a file holds, a reader
-//! answers with a value or an [`InputError`]: no panic, no endless loop, no memory beyond a small
-//! multiple of the file. Limits: 64 MiB a file, 1,000,000 points, 1,000 blades, |x| ≤ 1,000,000 mm;
-//! of meshes 512 MiB and 8,000,000 triangles.
+//! One file per format; [`part_file`] picks the reader by extension. For any input, a reader returns
+//! a value or an [`InputError`]: it does not panic or loop endlessly, and its memory is a small
+//! multiple of the file size. Limits: 64 MiB per file, 1,000,000 points, 1,000 blades,
+//! |x| ≤ 1,000,000 mm; for meshes 512 MiB and 8,000,000 triangles.
 
 pub mod apt;
 pub mod flank_file;
@@ -28,12 +28,12 @@ pub use part_file::{read_part, read_part_bytes, read_part_with};
 pub use setup_file::{axis_policy, flank_scheme, read_setup, read_setup_bytes, read_setup_over, write_setup};
 pub use write::write_whole;
 
-/// A fault in something a user gave us. Shown as `FILE:LINE: what; cure`.
+/// An error in user input. Displayed as `FILE:LINE: what; cure`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct InputError {
-    /// File as the user named it; empty when the fault is in no file.
+    /// File as the user named it; empty when the error is not in a file.
     pub file: String,
-    /// 1-based line, 0 when there is none.
+    /// 1-based line number; 0 when there is none.
     pub line: usize,
     /// What is wrong.
     pub what: String,
@@ -42,7 +42,7 @@ pub struct InputError {
 }
 
 impl InputError {
-    /// A fault at `line` of `file` (0: no line).
+    /// An error at `line` of `file` (0: no line).
     pub fn new(file: &str, line: usize, what: impl Into<String>, cure: impl Into<String>) -> Self {
         Self { file: file.to_owned(), line, what: what.into(), cure: cure.into() }
     }

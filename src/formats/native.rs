@@ -1,4 +1,4 @@
-//! Our own part file, in TOML; lengths in mm, angles in degrees, rotation axis Z.
+//! The native part file, in TOML; lengths in mm, angles in degrees, rotation axis Z.
 //!
 //! ```toml
 //! name = "impeller"
@@ -16,7 +16,7 @@
 //! [[splitter.span]]                      # splitters, as [main]; several under [[splitter]] headers
 //! ```
 //!
-//! Instead of `span` tables a blade may hold `[[main.section]]` tables with `suction` and
+//! Instead of `span` tables, a blade may have `[[main.section]]` tables with `suction` and
 //! `pressure`, lists of `[x, y, z]` points from leading to trailing edge.
 
 use std::fmt::Write;
@@ -27,7 +27,7 @@ use super::table::{At, Document, Range, Rows, Section, degrees_text, quoted};
 use crate::geometry::Point;
 use crate::part::{BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription};
 
-/// Reads a native part. `file` is the name that messages use; its stem names a part without `name`.
+/// Reads a native part. `file` is the file name used in messages; its stem names a part without `name`.
 pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputError> {
     let document = Document::new(file, bytes)?;
     let tree = document.parse()?;
@@ -58,7 +58,7 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputErr
     })
 }
 
-/// `[[splitter]]` tables, or one splitter written as `[splitter]` or only as `[[splitter.span]]`.
+/// The `[[splitter]]` tables, or the single splitter written as `[splitter]` or `[[splitter.span]]`.
 fn splitters<'t>(root: &Section<'t>) -> Result<Vec<Section<'t>>, InputError> {
     if let Ok(Some(one)) = root.table("splitter") {
         return Ok(vec![one]);
@@ -126,7 +126,7 @@ fn spline(table: &Section<'_>, name: &str, control: Vec<Meridional>) -> Result<C
             let cure = format!("give {wanted} (degree {degree}), or leave `knots` out");
             return Err(table.fault_at(knots.at, what, cure));
         }
-        // The domain runs from knot `degree` to knot `control.len()`.
+        // The domain of a B-spline runs from knot `degree` to knot `control.len()`.
         let domain = knots.value.get(control.len()).zip(knots.value.get(degree)).map(|(b, a)| b - a);
         if !knots.value.is_sorted() || domain.is_none_or(|d| d <= 0.0) {
             let cure = "give them in rising order, or leave `knots` out";
@@ -220,7 +220,7 @@ fn camber(tables: &[Section<'_>], points: &mut usize) -> Result<Vec<CamberSpan>,
     Ok(spans)
 }
 
-/// Values at fractions from LE to TE, the fractions rising from 0 to 1.
+/// Reads (fraction, value) rows from LE to TE; fractions increase within 0…1.
 fn stations(
     table: &Section<'_>,
     key: &str,
@@ -254,8 +254,8 @@ fn stations(
     Ok(stations)
 }
 
-/// Writes a part as a native file; reading it gives the same part but for line numbers and the last
-/// bit of angles. Lengths in mm, angles in degrees.
+/// Writes a part as a native file (mm, degrees). Reading it back gives the same part except for line
+/// numbers and the last bit of angles.
 pub fn write_native(part: &PartDescription) -> String {
     let mut out = String::new();
     push(&mut out, format_args!("name = {}\nblades = {}\n", quoted(&part.name), part.blade_count));
@@ -269,7 +269,7 @@ pub fn write_native(part: &PartDescription) -> String {
     out
 }
 
-/// `write!` to a `String` cannot fail.
+/// Appends formatted text; `write!` to a `String` cannot fail.
 fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
     let _ = out.write_fmt(text);
 }

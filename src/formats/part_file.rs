@@ -1,4 +1,4 @@
-//! Opens a part by its extension, whatever its format.
+//! Opens a part file of any format, by its extension.
 
 use std::path::Path;
 
@@ -9,13 +9,19 @@ use crate::part::PartDescription;
 
 const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .glb or .gltf file";
 
-/// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, or a mesh, `.glb` or
-/// `.gltf`. The extension's case does not matter. Lengths come out in mm, angles in rad.
+/// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, or a
+/// mesh, `.glb` or `.gltf`. The extension is case-insensitive. The result is in mm and rad, about Z.
+///
+/// # Errors
+/// When the file cannot be read, its extension is unknown, or it does not describe a part.
 pub fn read_part(path: &Path) -> Result<PartDescription, InputError> {
     read_part_with(path, &MeshOptions::default())
 }
 
-/// As [`read_part`], with what a user says about a mesh; other formats need none of it.
+/// As [`read_part`], with the user's options for a mesh; other formats ignore them.
+///
+/// # Errors
+/// As [`read_part`].
 pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescription, InputError> {
     let name = name_of(path);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -27,8 +33,11 @@ pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescript
     }
 }
 
-/// Reads a part from the bytes of its one file; `ext` is `toml`, `geomTurbo`, `glb` or `gltf` in any case.
-/// `name` is the file name that messages use, its stem the name of a part that has none.
+/// Reads a part from the bytes of a single file; `ext` is `toml`, `geomTurbo`, `glb` or `gltf` in any
+/// case. `name` is the file name used in messages; its stem names a part without a name.
+///
+/// # Errors
+/// When the bytes do not describe a part in that format, or the format needs several files.
 pub fn read_part_bytes(name: &str, bytes: &[u8], ext: &str) -> Result<PartDescription, InputError> {
     match ext.to_lowercase().as_str() {
         "toml" => native::read(name, bytes),
@@ -48,7 +57,7 @@ fn unknown(name: &str, extension: &str) -> InputError {
     let what = match extension {
         "" => "has no extension, so its format is unknown".to_owned(),
         "curve" => "is one piece of a TurboGrid part".to_owned(),
-        other => format!("`.{other}` is no part format"),
+        other => format!("`.{other}` is not a part format"),
     };
     InputError::new(name, 0, what, CAN_OPEN)
 }

@@ -1,4 +1,4 @@
-//! `plan.json`: a plunge plan with everything needed to show it again, part and setup included.
+//! `plan.json`: a plunge plan with everything needed to display it again, including part and setup.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ use crate::plunge::{
     Blocked, CoreContact, Dropped, Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped,
 };
 
-/// Version of the file; readers refuse newer ones.
+/// Version of the file format; newer files are rejected.
 const VERSION: u32 = 1;
 
 #[derive(Serialize, Deserialize)]
@@ -27,17 +27,17 @@ struct PlanFile {
     rounds: usize,
     settled: bool,
     rows: Vec<usize>,
-    /// Plunges added to each section and why no more. Files of earlier versions have none.
+    /// Plunges added to each section and why adding stopped. Absent in files of earlier versions.
     #[serde(default)]
     added: Vec<Option<(usize, Stopped)>>,
     positions: Vec<PositionFile>,
     dropped: Vec<(usize, usize, f64)>,
-    /// Why each of `dropped` was left out. Files of earlier versions have none.
+    /// Why each entry of `dropped` was left out. Absent in files of earlier versions.
     #[serde(default)]
     dropped_why: Vec<NoPlace>,
 }
 
-/// Angles in degrees, lengths in mm.
+/// One plunge; lengths in mm, angles in degrees, part frame.
 #[derive(Serialize, Deserialize)]
 struct PositionFile {
     section: usize,
@@ -51,7 +51,7 @@ struct PositionFile {
     alpha: f64,
     contact_depth: f64,
     contact_area: f64,
-    /// Files of earlier versions have none.
+    /// Absent in files of earlier versions.
     #[serde(default)]
     lift: f64,
     blocked: Option<Blocked>,
@@ -65,9 +65,9 @@ struct PositionFile {
 /// A plan read back.
 #[derive(Debug)]
 pub struct StoredPlan {
-    /// The part as it was.
+    /// Description of the part when the plan was made.
     pub description: PartDescription,
-    /// The part, built.
+    /// The part built from it.
     pub part: Impeller,
     /// The setup the plan was made with.
     pub setup: Setup,
@@ -75,7 +75,8 @@ pub struct StoredPlan {
     pub plan: PlungePlan,
 }
 
-/// Text of a plan file.
+/// Writes a plan file (JSON); lengths in mm, angles in degrees, part frame. `channels` is the number of
+/// channels that the plan is repeated for.
 pub fn write_plan(
     description: &PartDescription,
     setup: &Setup,
@@ -123,16 +124,16 @@ pub fn write_plan(
     text
 }
 
-/// Reads a plan file; `name` stands for it in messages.
+/// Reads a plan file; `name` is the file name used in messages.
 ///
 /// # Errors
-/// What is wrong and where, when the bytes are no plan file of a known version.
+/// When the bytes are not a plan file of a supported version, or hold unusable values.
 pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputError> {
     let file: PlanFile = serde_json::from_slice(bytes).map_err(|e| {
         InputError::new(
             name,
             e.line(),
-            format!("this is no plan file ({e})"),
+            format!("this is not a plan file ({e})"),
             "give a plan.json that `vanecut plan` wrote",
         )
     })?;

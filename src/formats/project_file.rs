@@ -1,8 +1,8 @@
-//! The project file: which part, its setup, the sets kept to compare, and where it was looked at from. JSON, so that
-//! it reads in an editor; setups stand in it as the text of setup files.
+//! The project file: the part, its setup, the what-if sets to compare, and the view. It is JSON, so that
+//! it can be read in an editor; setups are embedded as the text of setup files.
 //!
-//! The part itself stays where it is: the file names it, relative to itself where it can, and holds a hash of what
-//! it described, so that a part that changed since is noticed.
+//! The part is not embedded: the file gives its path, relative to the project file where possible, and a
+//! hash of the part description, so that a later change of the part is detected.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -16,24 +16,24 @@ use super::stored::{check_version, setup_within};
 use crate::mesh::MeshOptions;
 use crate::part::{PartDescription, Setup};
 
-/// Version of the file; readers refuse newer ones.
+/// Version of the file format; newer files are rejected.
 pub const VERSION: u32 = 2;
-/// Ending of project files.
+/// Extension of project files.
 pub const EXTENSION: &str = "vanecut";
-/// Most sets a project may hold.
+/// Maximum number of sets in a project.
 const MAX_SETS: usize = 1000;
 
-/// Where the part of a project is.
+/// Where the part of a project comes from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PartPlace {
     /// A file.
     File(PathBuf),
-    /// A mesh file, with what the user said about it.
+    /// A mesh file, with the user's options for it.
     Mesh {
         /// The file.
         file: PathBuf,
-        /// Roles, unit, axis and what else was chosen.
+        /// Roles, unit, axis and other options.
         choices: MeshOptions,
     },
     /// A sample that comes with the program.
@@ -41,7 +41,7 @@ pub enum PartPlace {
 }
 
 impl PartPlace {
-    /// The same with another path of the file.
+    /// The same with its file path replaced by `to(path)`.
     fn moved(&self, to: impl FnOnce(&Path) -> PathBuf) -> Self {
         match self {
             Self::File(file) => Self::File(to(file)),
@@ -51,22 +51,22 @@ impl PartPlace {
     }
 }
 
-/// Where the part is looked at from; lengths mm, angles rad.
+/// The camera of the view; lengths mm, angles rad.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Viewpoint {
-    /// Point in the middle of the picture.
+    /// Point at the centre of the view, part frame, mm.
     pub target: [f32; 3],
-    /// Angle about the axis of rotation.
+    /// Angle about the rotation axis, rad.
     pub yaw: f32,
-    /// Angle above the horizon.
+    /// Angle above the horizon, rad.
     pub pitch: f32,
-    /// Distance from the target.
+    /// Distance from the target, mm.
     pub distance: f32,
-    /// Whether the rays are parallel.
+    /// Whether the projection is parallel.
     pub parallel: bool,
 }
 
-/// What was chosen of the plan.
+/// What of the plan was selected and displayed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chosen {
@@ -76,55 +76,55 @@ pub struct Chosen {
     /// Position, counted from 0 in cutting order.
     #[serde(default)]
     pub position: Option<usize>,
-    /// Number of positions that were cut; `None`: all.
+    /// Number of positions displayed as cut; `None`: all.
     #[serde(default)]
     pub cut: Option<usize>,
 }
 
-/// What sets are compared by: what a setup came to when it was planned. Lengths mm, time s, share 0…1.
+/// Results of planning a setup, by which sets are compared. Lengths mm, time s, share 0…1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Number of plunges.
     pub positions: usize,
-    /// Plunges whose core meets stock.
+    /// Number of interfering plunges: their core meets stock.
     pub interferential: usize,
-    /// Mean stock left on the hub.
+    /// Mean residual stock on the channel floor, mm.
     pub residual_mean: f64,
-    /// Its 95th percentile.
+    /// Its 95th percentile, mm.
     pub residual_p95: f64,
-    /// Share of the reachable floor that no plunge reaches.
+    /// Share of the accessible floor that no plunge cuts.
     pub uncut_share: f64,
-    /// Estimate for one channel.
+    /// Estimated machining time of one channel, s.
     pub time: f64,
 }
 
-/// A set that was kept to compare.
+/// A what-if set kept for comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredSet {
     /// Its name.
     pub name: String,
     /// The setup.
     pub setup: Setup,
-    /// What it came to, if it was planned.
+    /// Its results, if it was planned.
     pub figures: Option<Figures>,
 }
 
 /// A project.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
-    /// Where the part is. In a file read back, relative places are resolved against the file's folder.
+    /// Where the part comes from. When read, relative paths are resolved against the project's folder.
     pub part: PartPlace,
-    /// [`part_hash`] of what it described.
+    /// [`part_hash`] of its description.
     pub part_hash: u64,
-    /// The setup in work.
+    /// The current setup.
     pub setup: Setup,
-    /// Sets that were kept.
+    /// Sets kept for comparison.
     pub sets: Vec<StoredSet>,
-    /// Where it was looked at from.
+    /// The camera of the view.
     pub viewpoint: Option<Viewpoint>,
-    /// What was chosen of the plan.
+    /// What of the plan was selected and displayed.
     pub chosen: Chosen,
-    /// File the project itself belongs to, in copies that were saved by themselves.
+    /// In recovery copies that were saved automatically, the project file they belong to.
     pub original: Option<PathBuf>,
 }
 
@@ -154,17 +154,17 @@ struct SetFile {
     figures: Option<Figures>,
 }
 
-/// Hash of what a part file describes, the same for every file that describes the same part.
+/// Hash of a part description; equal for all files that describe the same part.
 pub fn part_hash(part: &PartDescription) -> u64 {
-    // FNV-1a: small, and the same on every machine and in every version.
+    // FNV-1a hash: small, and the same on every machine and in every version.
     let start = 0xcbf2_9ce4_8422_2325u64;
     write_native(part)
         .bytes()
         .fold(start, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// Text of a project file that is to stand at `path`: the part is named relative to it where it lies in the same
-/// folder or below.
+/// Writes a project file (JSON) to be saved at `path`: the part's path is relative to it if the part is
+/// in the same folder or below.
 pub fn write_project(project: &Project, path: &Path) -> String {
     let part = project.part.moved(|part| relative(part, path));
     let file = ProjectFile {
@@ -178,7 +178,7 @@ pub fn write_project(project: &Project, path: &Path) -> String {
             .map(|set| SetFile {
                 name: set.name.clone(),
                 setup: write_setup(&set.setup),
-                // JSON has no NaN; figures without a value are as good as none.
+                // JSON has no NaN; figures without a value are omitted.
                 figures: set.figures.filter(|f| f.residual_mean.is_finite() && f.residual_p95.is_finite()),
             })
             .collect(),
@@ -206,30 +206,31 @@ pub fn read_project(path: &Path) -> Result<Project, InputError> {
     read_project_bytes(path, &read_bytes(path)?)
 }
 
-/// Reads a project file that stands at `path`.
+/// Reads a project file from bytes; `path` is where it is saved.
 ///
 /// # Errors
-/// What is wrong and where, when the bytes are no project of a known version.
+/// When the bytes are not a project file of a supported version, or a setup in it has an error.
 pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputError> {
     let name = name_of(path);
     let fault = |line: usize, what: String, cure: &str| InputError::new(&name, line, what, cure);
-    // The version first: a newer file may hold what this program does not know.
+    // The version is checked first: a newer file may have keys that this version does not support.
     #[derive(Deserialize)]
     struct Version {
         vanecut_project: u32,
     }
     let broken = |e: serde_json::Error| {
-        fault(e.line(), format!("this is no project file ({e})"), "open a file that was saved as a project")
+        fault(e.line(), format!("this is not a project file ({e})"), "open a project file (.vanecut)")
     };
     let version: Version = serde_json::from_slice(bytes).map_err(broken)?;
     check_version(&name, "project", version.vanecut_project, VERSION)?;
     let file: ProjectFile = serde_json::from_slice(bytes).map_err(broken)?;
     if file.sets.len() > MAX_SETS {
-        let what = format!("{} sets are more than {MAX_SETS}", file.sets.len());
-        return Err(fault(0, what, "take some out"));
+        let what = format!("{} sets, more than {MAX_SETS}", file.sets.len());
+        return Err(fault(0, what, "remove some"));
     }
-    let part_hash = u64::from_str_radix(&file.part_hash, 16)
-        .map_err(|_| fault(0, "part_hash is no hexadecimal number".to_owned(), "save the project again"))?;
+    let part_hash = u64::from_str_radix(&file.part_hash, 16).map_err(|_| {
+        fault(0, "part_hash is not a hexadecimal number".to_owned(), "save the project again")
+    })?;
     let setup = |what: &str, text: &str| setup_within(&name, what, text);
     let sets = file.sets.iter().map(|set| {
         Ok(StoredSet { name: set.name.clone(), setup: setup(&set.name, &set.setup)?, figures: set.figures })
@@ -344,8 +345,8 @@ mod tests {
         let path = Path::new("p.vanecut");
         let text = write_project(&project(), path);
         for (bytes, word) in [
-            (String::new(), "no project file"),
-            ("{\"vanecut_project\": 1}".to_owned(), "no project file"),
+            (String::new(), "not a project file"),
+            ("{\"vanecut_project\": 1}".to_owned(), "not a project file"),
             (text.replace("\"vanecut_project\": 2", "\"vanecut_project\": 99"), "newer vanecut"),
             (text.replace("step = 7.5", "stepp = 7.5"), "step"),
             (text.replace("123456789abcdef0", "xyz"), "hexadecimal"),

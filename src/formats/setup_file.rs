@@ -1,14 +1,14 @@
-//! The setup file: TOML, lengths in mm, angles in degrees, feeds in mm/min, spindle in rev/min.
+//! The setup file: TOML; lengths in mm, angles in degrees, feed rates in mm/min, spindle speeds in rev/min.
 //!
-//! Every key is optional; the setup that is read over, [`Setup::for_part`], says what an absent one means. Unknown keys are faults
-//! that name the nearest known one.
+//! Every key is optional; absent keys keep the values of the default setup, [`Setup::for_part`]. An unknown
+//! key is an error that names the nearest known key.
 //!
 //! ```toml
-//! part = "impeller"          # the part this setup is meant for
+//! part = "impeller"          # the only part this setup applies to
 //! [stock]                    # hub_allowance, blade_allowance, safety_distance, inlet_extension
 //! hub_allowance = 0.5
 //! [[tool]]                   # number, diameter, corner_radius, insert_width, overhang, plunge_feed, spindle
-//! diameter = 30.0            # the one key a tool must have
+//! diameter = 30.0            # the only required key of a tool
 //! [plunge]                   # axis, step, row_spacing, wall_scallop, max_axis_change, max_tilt, rest
 //! axis = "monotone"
 //! [[plunge.section]]         # tool, from, to, feed, rest
@@ -21,8 +21,8 @@
 //! max_axis_tilt = 95.0
 //! ```
 //!
-//! Defaults of a tool: number = its place in the list, sharp corner, insert width 0.9 R (core radius
-//! 0.1 R), overhang 4 D, feed 300, spindle 1200.
+//! Defaults of a tool: number = its position in the list, sharp corner, insert width 0.9 R (core radius
+//! 0.1 R), overhang 4 D, feed rate 300 mm/min, spindle speed 1200 rev/min.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -36,7 +36,7 @@ use crate::part::setup::{
 use crate::part::tool::Tool;
 use crate::plunge::sections::SetupPlace;
 
-/// Longest length a setup may name, mm.
+/// Maximum length in a setup, mm.
 const LONGEST: f64 = 10_000.0;
 const LENGTH: Range = Range::Above(0.0, LONGEST);
 const ALLOWANCE: Range = Range::Between(0.0, LONGEST);
@@ -44,24 +44,34 @@ const ANGLE: Range = Range::Above(0.0, 90.0);
 const HALF_TURN: Range = Range::Above(0.0, 180.0);
 const RATE: Range = Range::Above(0.0, 1e6);
 
-/// Greatest number of a tool.
+/// Maximum tool number.
 const MAX_NUMBER: u32 = 1_000_000;
-/// Most tools of a setup.
+/// Maximum number of tools in a setup.
 const MAX_TOOLS: usize = 500;
-/// Most sections of a setup.
+/// Maximum number of sections in a setup.
 const MAX_SECTIONS: usize = 100;
 
-/// Reads a setup file; absent keys are as in `defaults`.
+/// Reads a setup file; absent keys keep the values of `defaults`.
+///
+/// # Errors
+/// When the file cannot be read or is not a valid setup.
 pub fn read_setup(path: &Path, defaults: &Setup) -> Result<Setup, InputError> {
     read_setup_over(&name_of(path), &read_bytes(path)?, defaults)
 }
 
-/// Reads a setup that says everything, or over [`Setup::default`]; see [`read_setup_over`].
+/// Reads a setup from bytes over [`Setup::default`]; see [`read_setup_over`].
+///
+/// # Errors
+/// When the bytes are not a valid setup.
 pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
     read_setup_over(name, bytes, &Setup::default())
 }
 
-/// Reads a setup from bytes; `name` is the file name that messages use. Absent keys are as in `defaults`.
+/// Reads a setup from bytes; `name` is the file name used in messages. Absent keys keep the values of
+/// `defaults`.
+///
+/// # Errors
+/// When the bytes are not TOML, a key is unknown, or a value is outside its range.
 pub fn read_setup_over(name: &str, bytes: &[u8], defaults: &Setup) -> Result<Setup, InputError> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Ok(defaults.clone());
@@ -91,7 +101,10 @@ pub fn read_setup_over(name: &str, bytes: &[u8], defaults: &Setup) -> Result<Set
     Ok(setup)
 }
 
-/// Reads a tool library: a file of `[[tool]]` tables as a setup has them, and of nothing else.
+/// Reads a tool library: a file with only `[[tool]]` tables, in the format of a setup.
+///
+/// # Errors
+/// As [`read_setup_over`].
 pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputError> {
     let document = Document::new(name, bytes)?;
     let tree = document.parse()?;
@@ -100,7 +113,7 @@ pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputErro
     tools(&root)
 }
 
-/// Line of a setup file at which a fault stands that came up while planning; 0 where it has none.
+/// Line of the setup file that a planning error at `place` refers to; 0 if there is none.
 pub fn line_of(bytes: &[u8], place: &SetupPlace) -> usize {
     let found = || -> Result<Option<usize>, InputError> {
         let document = Document::new("", bytes)?;
@@ -228,13 +241,13 @@ fn plunge(table: &Section<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Resu
     if let (Some(section), Some(table)) = (plunge.sections.first(), sections.first())
         && section.rest
     {
-        let what = format!("{} cuts the rest, but nothing comes before it", table.shown());
-        return Err(table.fault(what, "put it after the sections whose rest it shall cut"));
+        let what = format!("{} is rest milling, but no section comes before it", table.shown());
+        return Err(table.fault(what, "put it after the sections whose residual stock it removes"));
     }
     Ok(())
 }
 
-/// Refuses the first table too many.
+/// Returns an error at the first table beyond `most`.
 fn check_count(tables: &[Section<'_>], most: usize, what: &str) -> Result<(), InputError> {
     match tables.get(most) {
         Some(table) => Err(table.fault(format!("more than {most} {what}"), format!("give at most {most}"))),
@@ -242,7 +255,10 @@ fn check_count(tables: &[Section<'_>], most: usize, what: &str) -> Result<(), In
     }
 }
 
-/// The policy a name in a file or on the command line means; otherwise what is wrong and its cure.
+/// The axis policy with this name, from a file or the command line.
+///
+/// # Errors
+/// When no policy has this name: what is wrong, and what to do.
 pub fn axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
     match AxisPolicy::ALL.into_iter().find(|policy| policy.name() == name) {
         Some(policy) => Ok(policy),
@@ -250,9 +266,10 @@ pub fn axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
             let other = name;
             let near = nearest(other, &AxisPolicy::ALL.map(AxisPolicy::name));
             Err((
-                format!("{} is no axis policy", super::source::shown(other)),
+                format!("{} is not an axis policy", super::source::shown(other)),
                 format!(
-                    "use \"conventional\", \"monotone\", \"minimal\" or \"staircase\" (the nearest name is `{}`)",
+                    "use \"conventional\", \"monotone\", \"minimal\" or \"staircase\" \
+                     (the nearest name is `{}`)",
                     near.unwrap_or("")
                 ),
             ))
@@ -288,7 +305,7 @@ fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputErr
             "inward" => Feed::Inward,
             "outward" => Feed::Outward,
             other => {
-                let what = format!("{} is no feed", super::source::shown(other));
+                let what = format!("{} is not a cutting direction", super::source::shown(other));
                 return Err(table.fault_at(feed.at, what, "use \"inward\" or \"outward\""));
             }
         }),
@@ -313,7 +330,7 @@ fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> 
         flank.scheme =
             flank_scheme(scheme.value).map_err(|(what, cure)| table.fault_at(scheme.at, what, cure))?;
     }
-    // No look at the list of tools: a setup for plunging may leave the flank tool to a later day.
+    // The tool number is not checked against the tools: a setup for plunging may not list the flank tool yet.
     flank.tool = table.whole("tool", 1, MAX_NUMBER)?.map(|tool| tool.value);
     flank.layer_depth = table.number_or("layer_depth", LENGTH, flank.layer_depth)?;
     flank.allowed_error = table.number_or("allowed_error", LENGTH, flank.allowed_error)?;
@@ -325,22 +342,25 @@ fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> 
     Ok(())
 }
 
-/// The scheme of this name.
+/// The flank milling strategy with this name.
 ///
 /// # Errors
-/// What is wrong and what to do, when there is none.
+/// When no strategy has this name: what is wrong, and what to do.
 pub fn flank_scheme(name: &str) -> Result<FlankScheme, (String, String)> {
     FlankScheme::ALL.into_iter().find(|scheme| scheme.name() == name).ok_or_else(|| {
         let near = nearest(name, &FlankScheme::ALL.map(FlankScheme::name)).unwrap_or("");
         (
-            format!("{} is no scheme of flank curves", super::source::shown(name)),
-            format!("use \"isoparametric\", \"layers\", \"regions\" or \"balanced\" (the nearest name is `{near}`)"),
+            format!("{} is not a flank strategy", super::source::shown(name)),
+            format!(
+                "use \"isoparametric\", \"layers\", \"regions\" or \"balanced\" \
+                 (the nearest name is `{near}`)"
+            ),
         )
     })
 }
 
-/// Writes a setup as a file that reads back equal (angles that came from degrees too; others to the
-/// last bit of an f64).
+/// Writes a setup file. It reads back equal: angles that were read from degrees exactly, other angles to
+/// the last bit of an f64.
 pub fn write_setup(setup: &Setup) -> String {
     let mut out = String::new();
     // `write!` to a `String` cannot fail.
@@ -525,7 +545,7 @@ tool = 4
             ("from = 1.0", "from = 1.5", 21, "from 0 to 1"),
             ("\"outward\"", "\"sideways\"", 23, "inward"),
             ("rest = false", "rest = 0", 18, "true or false"),
-            ("outward\"", "outward\"\nrest = true", 19, "nothing comes before it"),
+            ("outward\"", "outward\"\nrest = true", 19, "no section comes before it"),
             ("[[plunge.section]]", "[plunge.section]", 19, "TOML"),
         ] {
             assert!(SAMPLE.contains(from), "{from} must be in the sample");

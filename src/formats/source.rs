@@ -1,5 +1,5 @@
-//! What every reader shares: a file's bytes and text within limits, numbers, and how a piece of a
-//! file is quoted in a message.
+//! Shared by all readers: file bytes and text within limits, numbers, and quoting of file contents in
+//! messages.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -8,22 +8,21 @@ use std::path::Path;
 use super::InputError;
 use crate::part::{CurveDescription, Meridional};
 
-/// Largest file that is opened, bytes.
+/// Maximum file size, bytes.
 pub const MAX_BYTES: usize = 64 << 20;
-/// Most points (or moves) a file may hold.
+/// Maximum number of points (or moves) in a file.
 pub const MAX_POINTS: usize = 1_000_000;
-/// Largest coordinate, mm.
+/// Maximum absolute coordinate, mm.
 pub const MAX_COORDINATE: f64 = 1e6;
-/// Most blades round a wheel.
+/// Maximum number of blades.
 pub const MAX_BLADES: usize = 1_000;
-/// Points nearer to each other than this are one point, mm. Joints of chained curves repeat their
-/// point to within 1e-9 m.
+/// Points closer than this are merged, mm. Chained curves repeat the point at a joint to within 1e-9 m.
 pub const JOINT: f64 = 5e-6;
 
-/// Cure of a file that ends too early.
+/// What to do about a file that ends too early.
 pub const TRUNCATED: &str = "the file seems cut off: export or copy it again";
 
-/// Where a fault is: the file now being read.
+/// The file being read, for the location of errors.
 #[derive(Clone, Copy)]
 pub struct Source<'a> {
     /// File as the user named it.
@@ -31,17 +30,23 @@ pub struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// A fault at `line` (0: none) of this file.
+    /// An error at `line` (0: none) of this file.
     pub fn fault(&self, line: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
         InputError::new(self.file, line, what, cure)
     }
 
-    /// A finite number, at most 1e6 in size.
+    /// Parses a finite number with |x| ≤ 1e6.
+    ///
+    /// # Errors
+    /// When `token` is not such a number.
     pub fn number(&self, line: usize, token: &str) -> Result<f64, InputError> {
         number(token).map_err(|what| self.fault(line, what, "give a finite number"))
     }
 
-    /// A length of the file in mm: the number times `scale`.
+    /// Parses a length: the number times `scale`, in mm.
+    ///
+    /// # Errors
+    /// When `token` is not a number, or the length exceeds 1,000,000 mm.
     pub fn length(&self, line: usize, token: &str, scale: f64) -> Result<f64, InputError> {
         let mm = self.number(line, token)? * scale;
         if mm.abs() > MAX_COORDINATE {
@@ -54,19 +59,25 @@ impl Source<'_> {
         Ok(mm)
     }
 
-    /// A number of blades.
+    /// Parses a number of blades.
+    ///
+    /// # Errors
+    /// When `token` is not a whole number from 1 to [`MAX_BLADES`].
     pub fn blades(&self, line: usize, token: &str) -> Result<usize, InputError> {
         match number(token) {
             Ok(n) if n.fract() == 0.0 && (1.0..=MAX_BLADES as f64).contains(&n) => Ok(n as usize),
             _ => Err(self.fault(
                 line,
-                format!("{} is no number of blades", shown(token)),
+                format!("{} is not a valid number of blades", shown(token)),
                 format!("give a whole number from 1 to {MAX_BLADES}"),
             )),
         }
     }
 
-    /// A meridional curve through `points`, with repeated points taken out.
+    /// A meridional curve through `points` (mm), with repeated points removed.
+    ///
+    /// # Errors
+    /// When fewer than two distinct points remain.
     pub fn curve(
         &self,
         line: usize,
@@ -85,17 +96,20 @@ impl Source<'_> {
     }
 }
 
-/// A finite number, at most 1e6 in size; otherwise what is wrong with it.
+/// Parses a finite number with |x| ≤ 1e6.
+///
+/// # Errors
+/// When `token` is not such a number: what is wrong with it.
 pub fn number(token: &str) -> Result<f64, String> {
     match token.parse::<f64>() {
-        Err(_) => Err(format!("{} is no number", shown(token))),
+        Err(_) => Err(format!("{} is not a number", shown(token))),
         Ok(x) if !x.is_finite() => Err(format!("{} is not a finite number", shown(token))),
         Ok(x) if x.abs() > MAX_COORDINATE => Err(format!("{} is larger than 1,000,000", shown(token))),
         Ok(x) => Ok(x),
     }
 }
 
-/// A piece of a file as a message quotes it: one line, short, in back quotes.
+/// Quotes file contents for a message: one line, at most 40 characters, in backquotes.
 pub fn shown(token: &str) -> String {
     let mut text: String = token.chars().take(40).flat_map(char::escape_debug).collect();
     if token.chars().nth(40).is_some() {
@@ -104,29 +118,35 @@ pub fn shown(token: &str) -> String {
     format!("`{text}`")
 }
 
-/// Name a message gives to a path.
+/// Name of a path in messages.
 pub fn name_of(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// File name without folder and extension: the name of a part whose file gives none.
+/// File name without folder and extension: the name of a part whose file does not name it.
 pub fn stem_of(file: &str) -> String {
     Path::new(file).file_stem().map_or_else(|| "part".to_owned(), |s| s.to_string_lossy().into_owned())
 }
 
-/// All bytes of a file of at most [`MAX_BYTES`].
+/// Reads a file of at most [`MAX_BYTES`] bytes.
+///
+/// # Errors
+/// As [`read_bytes_up_to`].
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     read_bytes_up_to(path, MAX_BYTES)
 }
 
-/// All bytes of a file of at most `limit` bytes.
+/// Reads a file of at most `limit` bytes.
+///
+/// # Errors
+/// When the path is not a regular file, the file cannot be read, or it is larger than `limit`.
 pub fn read_bytes_up_to(path: &Path, limit: usize) -> Result<Vec<u8>, InputError> {
     let name = name_of(path);
     let source = Source { file: &name };
     let unreadable = |error: std::io::Error| {
         let cure = match error.kind() {
             std::io::ErrorKind::NotFound => "check the path",
-            std::io::ErrorKind::PermissionDenied => "check who may read it",
+            std::io::ErrorKind::PermissionDenied => "check its permissions",
             _ => "check the file and its disk",
         };
         source.fault(0, format!("cannot be read: {error}"), cure)
@@ -136,7 +156,7 @@ pub fn read_bytes_up_to(path: &Path, limit: usize) -> Result<Vec<u8>, InputError
         return Err(source.fault(0, "is a folder", "name a file in it"));
     }
     if !metadata.is_file() {
-        return Err(source.fault(0, "is no regular file", "name a file"));
+        return Err(source.fault(0, "is not a regular file", "name a file"));
     }
     let file = std::fs::File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
@@ -153,12 +173,15 @@ fn check_size(source: Source<'_>, bytes: &[u8], limit: usize) -> Result<(), Inpu
     Ok(())
 }
 
-/// Line (from 1) of a byte offset.
+/// Line (from 1) that contains a byte offset.
 pub fn line_at(bytes: &[u8], offset: usize) -> usize {
     1 + bytes.iter().take(offset).filter(|b| **b == b'\n').count()
 }
 
-/// The bytes as text: not empty, no NUL, UTF-8 (a byte order mark is dropped).
+/// The bytes as UTF-8 text, without a byte order mark.
+///
+/// # Errors
+/// When the bytes are empty, too many, contain a NUL, or are not UTF-8.
 pub fn text<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a str, InputError> {
     let bytes = checked(source, bytes)?;
     std::str::from_utf8(bytes).map_err(|error| {
@@ -167,7 +190,10 @@ pub fn text<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a str, InputErr
     })
 }
 
-/// Like [`text`], but characters in another encoding (names, comments) become U+FFFD.
+/// As [`text`], but bytes that are not UTF-8 (in names, comments) become U+FFFD.
+///
+/// # Errors
+/// When the bytes are empty, too many, or contain a NUL.
 pub fn text_lossy<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<Cow<'a, str>, InputError> {
     Ok(String::from_utf8_lossy(checked(source, bytes)?))
 }

@@ -1,5 +1,5 @@
-//! What files of plans and projects have in common: a version, the part and the setup within them as the text of their
-//! own formats, and coordinates to be checked.
+//! Shared by plan and project files: the version check, the part and setup embedded as text in their own
+//! formats, and checks of coordinates.
 
 use super::InputError;
 use super::part_file::read_part_bytes;
@@ -7,19 +7,20 @@ use super::setup_file::read_setup_bytes;
 use crate::geometry::{Point, Vector};
 use crate::part::{Impeller, PartDescription, Setup};
 
-/// Greatest coordinate that is taken for one, mm.
+/// Maximum absolute coordinate, mm.
 const FURTHEST: f64 = 1e6;
-/// An axis may be so much longer or shorter than 1.
+/// Tolerance on the length of a unit axis.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// What a plan was made from, read back.
+/// The part and setup that a plan was made from.
 pub(super) struct Origin {
     pub(super) description: PartDescription,
     pub(super) part: Impeller,
     pub(super) setup: Setup,
 }
 
-/// Refuses a file of a later version than this program knows; `kind` says what the file `name` is.
+/// Returns an error if a file's `version` is newer than `known`, the newest supported one; `kind` is the
+/// kind of the file `name` in the message.
 pub(super) fn check_version(name: &str, kind: &str, version: u32, known: u32) -> Result<(), InputError> {
     if version <= known {
         return Ok(());
@@ -28,7 +29,7 @@ pub(super) fn check_version(name: &str, kind: &str, version: u32, known: u32) ->
     Err(InputError::new(name, 0, what, "open it with a newer vanecut"))
 }
 
-/// Part and setup of a plan file: the texts under its keys `part` and `setup`.
+/// Reads the part and setup of a plan file from the texts under its keys `part` and `setup`.
 pub(super) fn origin(name: &str, part: &str, setup: &str) -> Result<Origin, InputError> {
     let place = inside(name, "part");
     let description = read_part_bytes(&place, part.as_bytes(), "toml")?;
@@ -36,32 +37,32 @@ pub(super) fn origin(name: &str, part: &str, setup: &str) -> Result<Origin, Inpu
     Ok(Origin { description, part, setup: setup_within(name, "setup", setup)? })
 }
 
-/// The setup that the file `name` holds as `what`.
+/// Reads the setup that is embedded in the file `name` under `what`.
 pub(super) fn setup_within(name: &str, what: &str, text: &str) -> Result<Setup, InputError> {
     read_setup_bytes(&inside(name, what), text.as_bytes())
 }
 
-/// How messages name what stands within a file.
+/// Name in messages of a text embedded in a file.
 fn inside(name: &str, what: &str) -> String {
     format!("{name} ({what})")
 }
 
-/// A plan file that reads, but says what cannot be.
+/// The error of a plan file whose syntax is valid but whose values are not.
 pub(super) fn damaged(name: &str, what: impl Into<String>) -> InputError {
     InputError::new(name, 0, what, "plan the part again")
 }
 
-/// Whether all of `numbers` can be coordinates, mm.
+/// Whether all `numbers` are finite and within the coordinate limit, mm.
 pub(super) fn are_sane<'n>(numbers: impl IntoIterator<Item = &'n f64>) -> bool {
     numbers.into_iter().all(|x| x.abs() < FURTHEST)
 }
 
-/// A point as it stands in a file.
+/// A point from its coordinates in a file, mm.
 pub(super) fn point(coordinates: [f64; 3]) -> Point {
     Point::from(Vector::from(coordinates))
 }
 
-/// The axis that a file gives; `None` where it is no unit vector.
+/// A tool axis from its components in a file; `None` if it is not a unit vector.
 pub(super) fn unit_axis(axis: [f64; 3]) -> Option<Vector> {
     let axis = Vector::from(axis);
     ((axis.norm() - 1.0).abs() <= UNIT_TOLERANCE).then_some(axis)

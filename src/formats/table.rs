@@ -1,5 +1,5 @@
-//! A TOML document whose every value knows its line: keys are checked by name, numbers by range,
-//! and each fault says where it is.
+//! A TOML document with line numbers: keys are checked by name, numbers by range, and every error has
+//! the line of its value.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -7,16 +7,16 @@ use toml::de::{DeTable, DeValue};
 use super::InputError;
 use super::source::{self, Source, shown};
 
-/// Most list items in a document: 1,000,000 points of three numbers have 4,000,000.
+/// Maximum number of list items in a document: 1,000,000 points of three numbers have 4,000,000.
 const MAX_ITEMS: usize = 5_000_000;
-/// Most keys, headers and tables in a document: each costs far more memory than a number.
+/// Maximum number of keys, headers and tables: each needs far more memory than a number.
 const MAX_KEYS: usize = 200_000;
 
-/// Most separators and blanks in a document, where a run of blanks counts once: what bounds the
-/// parser's own memory. 1,000,000 points with a line each have 9,000,000.
+/// Maximum number of separators and runs of blanks in a document: this bounds the parser's own memory.
+/// 1,000,000 points on a line each have 9,000,000.
 const MAX_TOKENS: usize = 12_000_000;
 
-/// Whether the tree of a document would be small enough to build, by its separators.
+/// Checks by counting separators that the tree of a document will be small enough to build.
 fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
     let (mut items, mut keys, mut tokens) = (0_usize, 0_usize, 0_usize);
     for line in text.lines() {
@@ -30,7 +30,7 @@ fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
             match byte {
                 b',' | b'[' => items += 1,
                 b'=' | b'{' => keys += 1,
-                // The dot of a number stands alone after a digit; others part the words of a key.
+                // A single dot after a digit is a decimal point; other dots separate the parts of a key.
                 b'.' => {
                     dots_in_word += 1;
                     keys += usize::from(dots_in_word > 1 || !before.is_ascii_digit());
@@ -55,7 +55,7 @@ fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Text of a document and where its lines start.
+/// Text of a document and the offsets of its line ends.
 pub struct Document<'a> {
     source: Source<'a>,
     text: &'a str,
@@ -63,7 +63,10 @@ pub struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Checks the bytes and finds their lines.
+    /// Checks the bytes and finds the line ends.
+    ///
+    /// # Errors
+    /// When the bytes are not text, or the document is too large.
     pub fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, InputError> {
         let source = Source { file };
         let text = source::text(source, bytes)?;
@@ -72,16 +75,19 @@ impl<'a> Document<'a> {
         Ok(Self { source, text, newlines })
     }
 
-    /// The document's tree.
+    /// Parses the document.
+    ///
+    /// # Errors
+    /// When the text is not valid TOML.
     pub fn parse(&self) -> Result<Spanned<DeTable<'a>>, InputError> {
         DeTable::parse(self.text).map_err(|error| {
             let at = error.span().map_or(self.text.len(), |span| span.start);
             let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
-            self.fault(at, format!("no valid TOML: {what}"), "correct the line")
+            self.fault(at, format!("not valid TOML: {what}"), "correct the line")
         })
     }
 
-    /// The top of the tree.
+    /// The root table.
     pub fn root<'t>(&'t self, table: &'t Spanned<DeTable<'a>>) -> Section<'t> {
         Section { doc: self, name: String::new(), table: table.get_ref(), at: 0 }
     }
@@ -91,7 +97,7 @@ impl<'a> Document<'a> {
         1 + self.newlines.partition_point(|n| *n < at)
     }
 
-    /// A fault at a byte offset.
+    /// An error at a byte offset.
     pub fn fault(&self, at: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
         self.source.fault(self.line(at), what, cure)
     }
@@ -117,7 +123,10 @@ impl Range {
         }
     }
 
-    /// Whether `x` lies within; otherwise what to give instead.
+    /// Checks that `x` is in the range.
+    ///
+    /// # Errors
+    /// When it is not: what to give instead.
     pub fn check(self, x: f64) -> Result<(), String> {
         if self.holds(x) { Ok(()) } else { Err(self.cure()) }
     }
@@ -131,7 +140,7 @@ impl Range {
     }
 }
 
-/// A value and the byte offset at which it stands.
+/// A value and its byte offset.
 #[derive(Clone, Copy)]
 pub struct At<T> {
     /// The value.
@@ -140,7 +149,7 @@ pub struct At<T> {
     pub at: usize,
 }
 
-/// Rows of `N` numbers, each with its place.
+/// Rows of `N` numbers, each with its byte offset.
 pub type Rows<const N: usize> = Vec<At<[f64; N]>>;
 
 /// One table of a document.
@@ -157,17 +166,17 @@ impl<'t> Section<'t> {
         self.doc.line(self.at)
     }
 
-    /// A fault of the table as a whole.
+    /// An error of the table as a whole.
     pub fn fault(&self, what: impl Into<String>, cure: impl Into<String>) -> InputError {
         self.doc.fault(self.at, what, cure)
     }
 
-    /// How messages name the table.
+    /// Name of the table in messages.
     pub fn shown(&self) -> String {
         if self.name.is_empty() { "the file".to_owned() } else { format!("[{}]", self.name) }
     }
 
-    /// Line of `key`, if it is there.
+    /// Line of `key`, if present.
     pub fn line_of(&self, key: &str) -> Option<usize> {
         self.get(key).map(|value| self.doc.line(value.span().start))
     }
@@ -176,7 +185,10 @@ impl<'t> Section<'t> {
         self.table.get(key)
     }
 
-    /// Refuses keys other than `known`.
+    /// Checks that the table has no keys other than `known`.
+    ///
+    /// # Errors
+    /// At the first unknown key, with the nearest known one.
     pub fn check_keys(&self, known: &[&str]) -> Result<(), InputError> {
         let mut unknown: Vec<_> =
             self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).collect();
@@ -191,7 +203,10 @@ impl<'t> Section<'t> {
         ))
     }
 
-    /// A number within `range`, if the key is there.
+    /// A number within `range`, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not a number or is outside `range`.
     pub fn number(&self, key: &str, range: Range) -> Result<Option<At<f64>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let x = self.number_of(key, value)?;
@@ -201,6 +216,9 @@ impl<'t> Section<'t> {
     }
 
     /// A number within `range`, or `default` when the key is absent.
+    ///
+    /// # Errors
+    /// As [`Self::number`].
     pub fn number_or(&self, key: &str, range: Range, default: f64) -> Result<f64, InputError> {
         Ok(self.number(key, range)?.map_or(default, |x| x.value))
     }
@@ -219,7 +237,10 @@ impl<'t> Section<'t> {
             .map_err(|what| self.doc.fault(at, format!("`{key}`: {what}"), "give a finite number"))
     }
 
-    /// A whole number from `low` to `high`, if the key is there.
+    /// A whole number from `low` to `high`, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not such a number.
     pub fn whole(&self, key: &str, low: u32, high: u32) -> Result<Option<At<u32>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let at = value.span().start;
@@ -231,13 +252,16 @@ impl<'t> Section<'t> {
             Some(n) if (low..=high).contains(&n) => Ok(Some(At { value: n, at })),
             _ => Err(self.doc.fault(
                 at,
-                format!("`{key}` is no whole number from {low} to {high}"),
+                format!("`{key}` is not a whole number from {low} to {high}"),
                 format!("give a whole number from {low} to {high}"),
             )),
         }
     }
 
-    /// A text, if the key is there.
+    /// A string, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not a string.
     pub fn string(&self, key: &str) -> Result<Option<At<&'t str>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let at = value.span().start;
@@ -250,10 +274,10 @@ impl<'t> Section<'t> {
         }
     }
 
-    /// A truth value.
+    /// A boolean, if the key is present.
     ///
     /// # Errors
-    /// When the key holds something else.
+    /// When the value is not a boolean.
     pub fn boolean(&self, key: &str) -> Result<Option<At<bool>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let at = value.span().start;
@@ -272,38 +296,50 @@ impl<'t> Section<'t> {
             DeValue::Table(table) => Ok(Section { doc: self.doc, name, table, at: value.span().start }),
             _ => Err(self.doc.fault(
                 value.span().start,
-                format!("`{key}` is no table"),
+                format!("`{key}` is not a table"),
                 format!("write it under a header [{name}]"),
             )),
         }
     }
 
-    /// The table `[key]`, if it is there.
+    /// The table `[key]`, if present.
+    ///
+    /// # Errors
+    /// When the value is not a table.
     pub fn table(&self, key: &str) -> Result<Option<Section<'t>>, InputError> {
         self.get(key).map(|value| self.child(key, value)).transpose()
     }
 
     /// The tables `[[key]]`, in file order; none when the key is absent.
+    ///
+    /// # Errors
+    /// When the value is not a list of tables.
     pub fn tables(&self, key: &str) -> Result<Vec<Section<'t>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(Vec::new()) };
         match value.get_ref() {
             DeValue::Array(list) => list.iter().map(|item| self.child(key, item)).collect(),
             _ => Err(self.doc.fault(
                 value.span().start,
-                format!("`{key}` is no list of tables"),
+                format!("`{key}` is not a list of tables"),
                 format!("write each under a header [[{key}]] with two brackets"),
             )),
         }
     }
 
-    /// A list of numbers, if the key is there.
+    /// A list of numbers, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not a list of finite numbers.
     pub fn numbers(&self, key: &str) -> Result<Option<At<Vec<f64>>>, InputError> {
         let Some((list, at)) = self.list(key)? else { return Ok(None) };
         let numbers = list.iter().map(|item| self.number_of(key, item)).collect::<Result<_, _>>()?;
         Ok(Some(At { value: numbers, at }))
     }
 
-    /// A list of rows of `N` numbers, if the key is there; each row with its place.
+    /// A list of rows of `N` numbers, if the key is present; each row with its byte offset.
+    ///
+    /// # Errors
+    /// When the value is not a list of such rows.
     pub fn rows<const N: usize>(&self, key: &str) -> Result<Option<At<Rows<N>>>, InputError> {
         let Some((list, at)) = self.list(key)? else { return Ok(None) };
         let mut rows = Vec::with_capacity(list.len());
@@ -312,7 +348,7 @@ impl<'t> Section<'t> {
             let row = match item.get_ref() {
                 DeValue::Array(row) if row.len() == N => row,
                 _ => {
-                    let what = format!("`{key}` holds something else than rows of {N} numbers");
+                    let what = format!("`{key}` has a row that is not {N} numbers");
                     return Err(self.doc.fault(place, what, format!("give {N} numbers in brackets")));
                 }
             };
@@ -342,18 +378,19 @@ impl<'t> Section<'t> {
         }
     }
 
-    /// A fault at a value of this document.
+    /// An error at a byte offset of this document.
     pub fn fault_at(&self, at: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
         self.doc.fault(at, what, cure)
     }
 }
 
-/// The name of `known` with the least edit distance to `name`, the first of several.
+/// The first of the `known` names with the smallest edit distance to `name`.
 pub fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     let name: Vec<char> = name.chars().take(64).flat_map(char::to_lowercase).collect();
     known.iter().copied().min_by_key(|candidate| edit_distance(&name, candidate))
 }
 
+/// Levenshtein distance, with one row of the table.
 fn edit_distance(a: &[char], b: &str) -> usize {
     let mut row: Vec<usize> = (0..=a.len()).collect();
     for (i, cb) in b.chars().enumerate() {
@@ -372,7 +409,7 @@ fn edit_distance(a: &[char], b: &str) -> usize {
     row.last().copied().unwrap_or_default()
 }
 
-/// A text as a TOML basic string, quotes included.
+/// A string as a TOML basic string, with quotes.
 pub fn quoted(text: &str) -> String {
     let mut out = String::with_capacity(text.len() + 2);
     out.push('"');
@@ -388,8 +425,8 @@ pub fn quoted(text: &str) -> String {
     out
 }
 
-/// An angle in rad as the shortest number of degrees that reads back as the same angle; where no
-/// number does (not every f64 is a product with π/180), the nearest.
+/// An angle in rad as the shortest number of degrees that reads back as the same angle, or the nearest
+/// one if none does (not every f64 is a product with π/180).
 pub fn degrees_text(rad: f64) -> String {
     let exact = rad.to_degrees();
     let short = (1..=15).map(|digits| format!("{exact:.digits$}"));

@@ -1,19 +1,19 @@
-//! The tool libraries that cutters are chosen from where a setup names none: `assets/tools/*.toml`, part of the
-//! program, read like the `[[tool]]` tables of a setup.
+//! The built-in tool libraries, from which tools are chosen when a setup lists none: `assets/tools/*.toml`,
+//! in the format of the `[[tool]]` tables of a setup.
 
 use std::sync::LazyLock;
 
 use super::setup_file::read_tools_bytes;
 use crate::part::Tool;
 
-/// The files, as text.
+/// Text of the library files.
 const PLUNGE: &str = include_str!("../../assets/tools/plunge.toml");
 const FLANK: &str = include_str!("../../assets/tools/flank.toml");
 
-/// Plunge cutters, in the order of the file.
+/// Plunge milling tools, in file order.
 ///
 /// # Panics
-/// Never: a test reads the file.
+/// Never in practice: a test reads the file.
 pub fn plunge_cutters() -> &'static [Tool] {
     static TOOLS: LazyLock<Vec<Tool>> = LazyLock::new(|| {
         read_tools_bytes("assets/tools/plunge.toml", PLUNGE.as_bytes()).expect("the library is sound")
@@ -21,10 +21,10 @@ pub fn plunge_cutters() -> &'static [Tool] {
     &TOOLS
 }
 
-/// Ball-end mills, in the order of the file.
+/// Ball-end mills, in file order.
 ///
 /// # Panics
-/// Never: a test reads the file.
+/// Never in practice: a test reads the file.
 pub fn flank_cutters() -> &'static [Tool] {
     static TOOLS: LazyLock<Vec<Tool>> = LazyLock::new(|| {
         read_tools_bytes("assets/tools/flank.toml", FLANK.as_bytes()).expect("the library is sound")

@@ -1,4 +1,4 @@
-//! Writes result files whole or not at all.
+//! Writes output files atomically: completely or not at all.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Error, ErrorKind, Write};
@@ -7,13 +7,19 @@ use std::path::{Path, PathBuf};
 use super::InputError;
 use super::source::name_of;
 
-/// Writes `bytes` to `path`: first to a file beside it, which then takes its name. On failure the old
-/// file, if there was one, is untouched and nothing else is left behind.
+/// Writes `bytes` to `path` atomically: to a temporary file beside it, which is then renamed. On failure
+/// an existing file is unchanged and no temporary file remains.
+///
+/// # Errors
+/// When `path` is not a regular file, or the file cannot be written or renamed.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
     write_together(&[(path.to_owned(), bytes)])
 }
 
-/// Writes several files as [`write_whole`] does; none takes its name before all are on the disk.
+/// Writes several files as [`write_whole`] does; none is renamed before all are on the disk.
+///
+/// # Errors
+/// As [`write_whole`].
 pub fn write_together(files: &[(PathBuf, &[u8])]) -> Result<(), InputError> {
     let mut waiting = Waiting(Vec::new());
     for (path, bytes) in files {
@@ -25,13 +31,13 @@ pub fn write_together(files: &[(PathBuf, &[u8])]) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Files that have not taken their names yet; those that never do are removed.
+/// Temporary files that are not renamed yet; on drop, the remaining ones are removed.
 struct Waiting(Vec<PathBuf>);
 
 impl Drop for Waiting {
     fn drop(&mut self) {
         for temporary in &self.0 {
-            // A file that took its name is not there any more.
+            // Renamed files no longer exist under this name, so the error is ignored.
             let _ = std::fs::remove_file(temporary);
         }
     }
@@ -53,13 +59,13 @@ fn failed(path: &Path, error: &Error) -> InputError {
     fault(path, format!("cannot be written: {error}"), cure)
 }
 
-/// Writes `bytes` beside `path`, under a name of its own, which is returned.
+/// Writes `bytes` to a temporary file beside `path` and returns its path.
 fn write_beside(path: &Path, bytes: &[u8]) -> Result<PathBuf, InputError> {
     let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
         return Err(fault(path, "is a folder, not a file".to_owned(), "name a file in it"));
     };
     if path.exists() && !path.is_file() {
-        return Err(fault(path, "is no regular file".to_owned(), "name a file to write"));
+        return Err(fault(path, "is not a regular file".to_owned(), "name a file to write"));
     }
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -68,14 +74,14 @@ fn write_beside(path: &Path, bytes: &[u8]) -> Result<PathBuf, InputError> {
     let (file, temporary) =
         create_beside(folder, &name.to_string_lossy()).map_err(|error| failed(path, &error))?;
     if let Err(error) = write_synced(file, bytes) {
-        // The fault worth telling is the first one.
+        // Only the write error is reported, not a failure to remove the file.
         let _ = std::fs::remove_file(&temporary);
         return Err(failed(path, &error));
     }
     Ok(temporary)
 }
 
-/// A new file in `folder` whose name no other writer uses.
+/// Creates a new file in `folder` with a unique name.
 fn create_beside(folder: &Path, name: &str) -> Result<(File, PathBuf), Error> {
     let process = std::process::id();
     let short: String = name.chars().take(40).collect();

@@ -1,20 +1,20 @@
-//! Points sorted into cells, so that one asks about those near a place alone, however many there are.
+//! A uniform grid of points (spatial hash) for range queries in constant expected time.
 
 use std::collections::HashMap;
 
 use super::Point;
 
-/// Points in the order they came.
+/// Points in a uniform grid, numbered in insertion order.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// Edge of a cell, mm: as far as one may ask.
+    /// Edge of a cell = radius of a query, mm.
     edge: f64,
     cells: HashMap<[i64; 3], Vec<(usize, Point)>>,
     count: usize,
 }
 
 impl Cells {
-    /// For questions up to `reach` mm around a place.
+    /// An empty grid for queries of radius `reach` mm.
     pub fn new(reach: f64) -> Self {
         Self { edge: reach.max(1e-6), cells: HashMap::new(), count: 0 }
     }
@@ -30,17 +30,17 @@ impl Cells {
         self.count += 1;
     }
 
-    /// How many there are.
+    /// Number of points.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there are none.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Whether a point from number `since` on lies nearer to `at` than the reach.
+    /// Whether a point with number ≥ `since` is within the query radius of `at`.
     pub fn any_near(&self, at: &Point, since: usize) -> bool {
         if since >= self.count {
             return false;
@@ -51,7 +51,7 @@ impl Cells {
             about(y).any(|y| {
                 about(z).any(|z| {
                     let points = self.cells.get(&[x, y, z]).map_or(&[][..], Vec::as_slice);
-                    // The latest first: they are the ones that are asked for.
+                    // Latest first, so that the scan of a cell ends at `since`.
                     let mut late = points.iter().rev().take_while(|(number, _)| *number >= since);
                     late.any(|(_, p)| (p - at).norm_squared() < self.edge * self.edge)
                 })
@@ -80,6 +80,6 @@ mod tests {
                 found += usize::from(near);
             }
         }
-        assert!(found > 100, "the question was put");
+        assert!(found > 100, "enough queries have a point nearby");
     }
 }

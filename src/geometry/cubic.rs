@@ -4,9 +4,9 @@
 #[derive(Clone, Debug)]
 pub struct Cubic<const D: usize> {
     knots: Vec<f64>,
-    /// Per segment the power-basis coefficients in (t − knot), lowest first.
+    /// Per segment, the power-basis coefficients in (t − knot), lowest order first.
     segments: Vec<[[f64; D]; 4]>,
-    /// First segment of each of equally wide buckets over the domain: finds a segment in O(1).
+    /// First segment of each of equally wide buckets over the domain, to find a segment in O(1).
     buckets: Vec<u32>,
     buckets_per_unit: f64,
 }
@@ -35,7 +35,7 @@ impl<const D: usize> Cubic<D> {
             .iter()
             .map(|&span| {
                 let (a, b) = (knots[span], knots[span + 1]);
-                // Four points fix the cubic of the span; exact because the span is a polynomial.
+                // Four points determine the cubic of the span exactly.
                 let at = |x: f64| de_boor(control, degree, knots, span, a + (b - a) * x);
                 let (p0, p1, p2, p3) = (at(0.0), at(1.0 / 3.0), at(2.0 / 3.0), at(1.0));
                 let h = b - a;
@@ -68,7 +68,7 @@ impl<const D: usize> Cubic<D> {
         Self { knots, segments, buckets, buckets_per_unit: count as f64 / (end - start) }
     }
 
-    /// The same curve from parameter `start` on; before it, straight along its direction there.
+    /// The same curve from parameter `start` on, extended before it by its tangent.
     pub fn starting_at(&self, start: f64) -> Self {
         let (_, end) = self.domain();
         if start <= self.knots[0] || start >= end {
@@ -88,13 +88,13 @@ impl<const D: usize> Cubic<D> {
         Self::from_segments(knots, segments)
     }
 
-    /// The same curve up to parameter `end`; beyond it, straight along its direction there.
+    /// The same curve up to parameter `end`, extended beyond it by its tangent.
     pub fn ending_at(&self, end: f64) -> Self {
         let (start, last) = self.domain();
         if end >= last || end <= start {
             return self.clone();
         }
-        // The segment that holds `end`, or ends there.
+        // Number of segments up to the one that contains `end` or ends there.
         let count = self.knots.partition_point(|&knot| knot < end);
         let mut knots = self.knots[..=count].to_vec();
         knots[count] = end;
@@ -111,7 +111,7 @@ impl<const D: usize> Cubic<D> {
         &self.knots
     }
 
-    /// Number of the segment that holds `t`, the first or last one beyond the ends.
+    /// Index of the segment that contains `t`; the first or last segment beyond the ends.
     #[inline]
     pub fn segment(&self, t: f64) -> usize {
         let bucket = ((t - self.knots[0]) * self.buckets_per_unit).max(0.0) as usize;
@@ -122,7 +122,7 @@ impl<const D: usize> Cubic<D> {
         i
     }
 
-    /// Power-basis coefficients of a segment in (t − its first knot), lowest first.
+    /// Power-basis coefficients of a segment in (t − its first knot), lowest order first.
     #[inline]
     pub fn coefficients(&self, segment: usize) -> &[[f64; D]; 4] {
         &self.segments[segment]
@@ -159,8 +159,8 @@ impl<const D: usize> Cubic<D> {
     }
 }
 
-/// Knots as accumulated chord length, starting at 0. Repeated points get no knot of their own:
-/// the caller removes them first.
+/// Knots by accumulated chord length, starting at 0. The caller must remove repeated points first, as knots
+/// must increase strictly.
 pub fn chord_lengths<const D: usize>(points: &[[f64; D]]) -> Vec<f64> {
     let mut total = 0.0;
     let mut knots = vec![0.0];
@@ -176,6 +176,7 @@ pub fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
+/// Power-basis coefficients of the cubic Hermite segment of length `h`.
 fn hermite<const D: usize>(
     h: f64,
     p0: &[f64; D],
@@ -194,7 +195,7 @@ fn hermite<const D: usize>(
     c
 }
 
-/// Slopes of the C2 spline: the tridiagonal system with clamped ends, solved by Thomas' algorithm.
+/// Slopes of the C2 spline: a tridiagonal system with clamped ends, solved by the Thomas algorithm.
 fn spline_slopes<const D: usize>(knots: &[f64], points: &[[f64; D]]) -> Vec<[f64; D]> {
     let n = points.len();
     let mut slopes = vec![[0.0; D]; n];
@@ -249,6 +250,7 @@ fn end_slope<const D: usize>(knots: &[f64], points: &[[f64; D]], k: usize, last:
     slope
 }
 
+/// Point of a B-spline at `t` in the knot span `span`, by de Boor's algorithm.
 fn de_boor<const D: usize>(
     control: &[[f64; D]],
     degree: usize,

@@ -1,15 +1,15 @@
-//! The cutter as a solid: a cylinder from its bottom upwards without end, its corner rounded or not.
+//! The cutter as a solid: a cylinder, unbounded towards the holder, with a sharp or rounded corner.
 
 use super::{Point, Vector};
 
-/// A cutter in one position. Its bottom disc is centred at `tip`, its axis points to the holder.
+/// A cutter at one pose. Its bottom disc is centred at `tip`; its axis points to the holder.
 #[derive(Clone, Copy, Debug)]
 pub struct CutterSolid {
-    /// Centre of the bottom.
+    /// Centre of the bottom, mm.
     pub tip: Point,
     /// Unit axis, tip → holder.
     pub axis: Vector,
-    /// R, mm.
+    /// Radius, mm.
     pub radius: f64,
     /// Radius of the rounded corner, mm; 0 for a sharp one.
     pub corner_radius: f64,
@@ -22,7 +22,7 @@ impl CutterSolid {
         let d = point - self.tip;
         let height = d.dot(&self.axis);
         let radial = (d.norm_squared() - height * height).max(0.0).sqrt();
-        // A rounded cutter is a sharp one, smaller by the corner radius, blown up by it.
+        // A rounded cutter is a sharp one that is smaller by the corner radius, offset outwards by it.
         let c = self.corner_radius;
         let (outside_radial, below) = (radial - (self.radius - c), c - height);
         let sharp = if outside_radial <= 0.0 && below <= 0.0 {
@@ -34,9 +34,9 @@ impl CutterSolid {
         sharp - c
     }
 
-    /// Interval of h at which `origin + h · direction` (unit) is inside a cylinder of radius `radius`
-    /// about the cutter's axis, from the tip plane upwards without end; `None` if it misses.
-    /// The corner rounding is left out.
+    /// Interval of h (mm) in which `origin + h · direction` (unit) is inside a cylinder of radius `radius`
+    /// about the cutter's axis, from the tip plane upwards without bound; `None` if it misses.
+    /// The corner rounding is ignored.
     #[inline]
     pub fn column_interval(&self, radius: f64, origin: &Point, direction: &Vector) -> Option<(f64, f64)> {
         let from_tip = origin - self.tip;
@@ -49,8 +49,8 @@ impl CutterSolid {
     }
 }
 
-/// Interval of h in which a h² + 2 b h + c is negative (inside an endless cylinder) and `height` + `along` · h positive (above
-/// its bottom); `None` where there is none.
+/// Interval of h in which a h² + 2 b h + c < 0 (inside an unbounded cylinder) and `height` + `along` · h is
+/// positive (above its bottom); `None` if it is empty.
 #[inline]
 pub fn column_interval([a, b, c]: [f64; 3], height: f64, along: f64) -> Option<(f64, f64)> {
     let (mut low, mut high) = if a < 1e-18 {
@@ -96,7 +96,8 @@ mod tests {
     proptest! {
         #[test]
         fn the_interval_is_where_the_line_is_inside(
-            tip in point(20.0), axis in unit(), origin in point(30.0), direction in unit(), radius in 1.0..15.0f64,
+            tip in point(20.0), axis in unit(), origin in point(30.0), direction in unit(),
+            radius in 1.0..15.0f64,
         ) {
             let cutter = CutterSolid { tip, axis, radius, corner_radius: 0.0 };
             let interval = cutter.column_interval(radius, &origin, &direction);

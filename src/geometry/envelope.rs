@@ -1,14 +1,14 @@
-//! One-sided envelope line of a plane curve (paper C, fig. 5): a straight line above the curve that it
-//! nowhere crosses, with the smallest greatest gap.
+//! One-sided envelope line of a plane curve (\[assessment paper\], fig. 5): the straight line that is nowhere
+//! below the curve and has the smallest maximum gap to it.
 
-/// A straight line y = `offset` + `slope` · x over a curve.
+/// A straight line y = `offset` + `slope` · x above a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnvelopeLine {
     /// y at x = 0.
     pub offset: f64,
     /// dy/dx.
     pub slope: f64,
-    /// Greatest height of the line over the curve, measured along y.
+    /// Maximum gap between line and curve, measured along y.
     pub gap: f64,
 }
 
@@ -22,10 +22,10 @@ impl EnvelopeLine {
 /// The envelope line above a densely sampled curve of (x, y) points; `None` for fewer than two points of
 /// different x.
 ///
-/// For a given slope the line rests on the upper hull, and its gap is the width of the curve between
-/// two lines of that slope: convex and piecewise linear in the slope, with its corners where one of the two lines
-/// lies on an edge of its hull. So the best slope is that of an edge, of the upper *or* of the lower
-/// hull: a bow towards the line is best met by the slope of its chord, a lower edge.
+/// For a given slope, the line rests on the upper convex hull, and its gap is the width of the curve between
+/// two lines of that slope. This width is convex and piecewise linear in the slope, with breakpoints where
+/// one of the lines contains a hull edge. So the best slope is that of an edge of the upper *or* the lower
+/// hull; for a curve that bows towards the line, it is that of the chord, a lower edge.
 pub fn envelope_above(points: &[[f64; 2]]) -> Option<EnvelopeLine> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -39,7 +39,7 @@ pub fn envelope_above(points: &[[f64; 2]]) -> Option<EnvelopeLine> {
     let reach = sorted.last()?[0] - sorted.first()?[0];
     let slopes = upper.windows(2).chain(lower.windows(2)).filter_map(|edge| {
         let (dx, dy) = (edge[1][0] - edge[0][0], edge[1][1] - edge[0][1]);
-        // Points above each other bound the curve at its ends; they give no slope.
+        // Vertical edges occur only at the ends of the curve, and have no slope.
         (dx > 1e-12 * reach).then_some(dy / dx)
     });
     slopes
@@ -48,7 +48,8 @@ pub fn envelope_above(points: &[[f64; 2]]) -> Option<EnvelopeLine> {
         .filter(|line| line.gap.is_finite())
 }
 
-/// The upper (`side` +1) or lower (−1) half of the convex hull of points sorted by x (Andrew's chain).
+/// The upper (`side` +1) or lower (−1) half of the convex hull of points sorted by x (Andrew's monotone
+/// chain).
 fn half_hull(sorted: &[[f64; 2]], side: f64) -> Vec<[f64; 2]> {
     let mut hull: Vec<[f64; 2]> = Vec::with_capacity(sorted.len());
     for &p in sorted {
@@ -104,7 +105,8 @@ mod tests {
     proptest! {
         #[test]
         fn no_other_slope_does_better(
-            heights in prop::collection::vec(-1.0..1.0f64, 2..30), folds in prop::collection::vec(0.0..1.0f64, 30),
+            heights in prop::collection::vec(-1.0..1.0f64, 2..30),
+            folds in prop::collection::vec(0.0..1.0f64, 30),
         ) {
             let points: Vec<[f64; 2]> = heights.iter().zip(&folds)
                 .enumerate().map(|(i, (&y, &x))| [x + 0.1 * i as f64, y]).collect();

@@ -1,29 +1,29 @@
-//! Meridional curves by arc length: the generators of hub, shroud and their offsets.
+//! Meridional curves by arc length: the generatrices of hub, shroud and their offset surfaces.
 
 use super::cubic::{Cubic, chord_lengths};
 use super::{Meridional, norm2, search};
 
-/// A C2 curve in the meridional plane, parametrised by its arc length t in mm from its start, with
-/// a side that counts as outside. Straight beyond its ends.
+/// A C2 curve in the meridional plane, parametrised by arc length t (mm) from its start, with one side
+/// defined as the outer side. It is extended beyond its ends by its tangents.
 #[derive(Clone, Debug)]
 pub struct MeridionalCurve {
     /// Power-basis coefficients of equally long segments.
     segments: Vec<[[f64; 2]; 4]>,
-    /// Points at equal distances, where a projection looks first.
+    /// Points at equal arc lengths, from which a projection starts.
     looks: Vec<[f64; 2]>,
     step: f64,
     per_step: f64,
     length: f64,
-    /// +1: the normal is the tangent turned by +90° from r towards z; −1: the other one.
+    /// +1: the normal is the tangent rotated by +90° (from r towards z); −1: by −90°.
     side: f64,
 }
 
-/// Everything about one point of a curve.
+/// A point of a curve with its tangent, normal and curvature.
 #[derive(Clone, Copy, Debug)]
 pub struct CurvePoint {
-    /// The point.
+    /// The point, mm.
     pub point: Meridional,
-    /// Unit tangent, in direction of growing t.
+    /// Unit tangent, in the direction of increasing t.
     pub tangent: Meridional,
     /// Unit normal on the outer side.
     pub normal: Meridional,
@@ -31,19 +31,19 @@ pub struct CurvePoint {
     pub curvature: f64,
 }
 
-/// Newton step in arc length, mm, after which a projection needs no other: the error is of the order of its
-/// square, that of the distance of the order of the error's square.
+/// Newton step in arc length, mm, below which a projection has converged: the remaining error in arc length
+/// is of second order in the step, that in the distance of fourth order.
 const PROJECTION_STEP: f64 = 1e-4;
-/// The same where steps are held back near a centre of curvature: there the error falls by no more than a share.
+/// The same where steps are limited near a centre of curvature, as convergence is only linear there.
 const HELD_BACK_STEP: f64 = 1e-6;
-/// Least share of the squared speed that a step divides by.
+/// Minimum divisor of a Newton step, as a share of the squared speed.
 const LEAST_BEND: f64 = 0.25;
-/// Stretches between the places at which a projection looks first.
+/// Number of intervals between the start points of a projection.
 const LOOKS: usize = 48;
 
 impl MeridionalCurve {
-    /// Takes over a curve of any parametrisation. `segments` of equal arc length are interpolated
-    /// through exact points; with some hundreds of them the difference is far below a nanometre.
+    /// Converts a curve of any parametrisation. `segments` of equal arc length are interpolated through exact
+    /// points; with some hundreds of them the deviation is far below a nanometre.
     pub fn from_cubic(curve: &Cubic<2>, segments: usize) -> Self {
         let (lengths, parameters) = arc_length_table(curve);
         let total = lengths[lengths.len() - 1];
@@ -54,7 +54,7 @@ impl MeridionalCurve {
                 while at + 2 < lengths.len() && lengths[at + 1] < wanted {
                     at += 1;
                 }
-                // Newton on the arc length inside one table interval.
+                // Newton iteration on the arc length inside one table interval.
                 let share = (wanted - lengths[at]) / (lengths[at + 1] - lengths[at]);
                 let mut t = parameters[at] + share * (parameters[at + 1] - parameters[at]);
                 for _ in 0..3 {
@@ -70,7 +70,7 @@ impl MeridionalCurve {
         Self::from_uniform(&Cubic::interpolate(&knots, &points), total)
     }
 
-    /// The interpolating curve through `points` (no two neighbours alike).
+    /// The interpolating curve through `points` (mm); neighbouring points must differ.
     pub fn through(points: &[Meridional]) -> Self {
         let raw: Vec<[f64; 2]> = points.iter().map(|p| [p.r, p.z]).collect();
         let curve = Cubic::interpolate(&chord_lengths(&raw), &raw);
@@ -99,7 +99,7 @@ impl MeridionalCurve {
         curve
     }
 
-    /// The same curve with its normal pointing to the side of `outside`.
+    /// The same curve with its outer side towards the point `outside`.
     pub fn facing(mut self, outside: Meridional) -> Self {
         let (t, _) = self.project(outside);
         let here = self.at(t);
@@ -115,7 +115,7 @@ impl MeridionalCurve {
         self.length
     }
 
-    /// The segment at an arc length within the curve, and how far along it.
+    /// The segment at an arc length within the curve, and the arc length from its start.
     #[inline]
     fn segment(&self, inside: f64) -> (&[[f64; 2]; 4], f64) {
         let i = ((inside * self.per_step) as usize).min(self.segments.len() - 1);
@@ -160,7 +160,7 @@ impl MeridionalCurve {
         CurvePoint { point: Meridional { r: p[0], z: p[1] }, tangent, normal, curvature }
     }
 
-    /// Point of the curve offset by `distance` to its outer side, and the derivative of that point by t.
+    /// Point of the curve offset by `distance` mm to its outer side, and its derivative with respect to t.
     #[inline]
     pub fn offset_derivative(&self, t: f64, distance: f64) -> (Meridional, Meridional) {
         let (p, d1, d2) = self.raw(t);
@@ -173,7 +173,8 @@ impl MeridionalCurve {
         )
     }
 
-    /// Nearest point within the ends: (arc length t, signed distance in mm, positive on the outer side).
+    /// Projects a point onto the curve between its ends, by Newton iteration from the nearest sample: (arc
+    /// length t in mm, signed distance in mm, positive on the outer side).
     pub fn project(&self, to: Meridional) -> (f64, f64) {
         let squared = |p: &[f64; 2]| {
             let (dr, dz) = (p[0] - to.r, p[1] - to.z);
@@ -188,7 +189,7 @@ impl MeridionalCurve {
         }
         let apart = self.length / (self.looks.len() - 1) as f64;
         let mut found = self.project_near(to, apart * best.1 as f64, apart);
-        // Another place that is nearest among its neighbours may be nearer still between two looks.
+        // Other local minima among the samples may be nearer between two samples.
         let worth = found.1.abs() + 0.5 * apart;
         let last = self.looks.len() - 1;
         for i in (0..=last).filter(|i| i.abs_diff(best.1) > 1) {
@@ -206,7 +207,7 @@ impl MeridionalCurve {
         found
     }
 
-    /// As [`Self::project`], searching only within `reach` mm of arc length about `guess`.
+    /// As [`Self::project`], but only within `reach` mm of arc length about `guess`.
     pub fn project_near(&self, to: Meridional, guess: f64, reach: f64) -> (f64, f64) {
         let (low, high) = ((guess - reach).max(0.0), (guess + reach).min(self.length));
         let mut t = guess.clamp(low, high);
@@ -221,14 +222,14 @@ impl MeridionalCurve {
             let moved = next - t;
             t = next;
             if moved.abs() < if bend < least_bend { HELD_BACK_STEP } else { PROJECTION_STEP } {
-                // So near by, the curve is its parabola.
+                // At this distance, the second-order expansion of the curve is accurate enough.
                 let rest = |k: usize, d: f64| d - moved * (d1[k] + 0.5 * moved * d2[k]);
                 let (dr, dz) = (rest(0, dr), rest(1, dz));
                 let across = dz * (d1[0] + moved * d2[0]) - dr * (d1[1] + moved * d2[1]);
                 return (t, norm2(dr, dz).copysign(self.side * across));
             }
         }
-        // Near a centre of curvature the steps are held back for long: the nearest place is bracketed instead.
+        // Near a centre of curvature the limited Newton steps may not converge: use Brent's method instead.
         let squared = |t: f64| {
             let (p, ..) = self.raw(t);
             (to.r - p[0]).powi(2) + (to.z - p[1]).powi(2)
@@ -242,7 +243,7 @@ impl MeridionalCurve {
         (t, norm2(dr, dz).copysign(self.side * (dz * d1[0] - dr * d1[1])))
     }
 
-    /// The piece between arc lengths `from` and `to` (mm), facing the same side.
+    /// The piece between arc lengths `from` and `to` (mm), with the same outer side.
     pub fn piece(&self, from: f64, to: f64) -> Self {
         let count = self.segments.len();
         let length = to - from;
@@ -272,7 +273,7 @@ fn gauss_length(curve: &Cubic<2>, a: f64, b: f64) -> f64 {
     NODES.iter().map(|(x, w)| w * speed(curve, middle + half * x)).sum::<f64>() * half
 }
 
-/// Accumulated arc length at the quarters of all spline segments.
+/// Accumulated arc lengths and parameters at the quarters of all spline segments.
 fn arc_length_table(curve: &Cubic<2>) -> (Vec<f64>, Vec<f64>) {
     let (mut lengths, mut parameters) = (vec![0.0], vec![curve.domain().0]);
     let mut total = 0.0;

@@ -1,4 +1,4 @@
-//! Geometry in f64, millimetres and radians: a catalogue of curves, surfaces and queries.
+//! Geometry in f64, mm and rad: points, curves, the cutter solid, and numerical searches.
 
 pub mod cells;
 pub mod cubic;
@@ -12,12 +12,12 @@ pub use cubic::Cubic;
 pub use cutter::CutterSolid;
 pub use meridian::MeridionalCurve;
 
-/// A point in the frame of the part: rotation axis Z, mm.
+/// A point in the part frame: rotation axis Z, mm.
 pub type Point = nalgebra::Point3<f64>;
-/// A vector in the frame of the part, mm (or without unit for directions).
+/// A vector in the part frame, mm (without unit for directions).
 pub type Vector = nalgebra::Vector3<f64>;
 
-/// A point of the meridional plane, mm; also used for directions in it.
+/// A point of the meridional plane (r, z), mm; also used for directions in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Meridional {
     /// Distance from the rotation axis.
@@ -27,18 +27,18 @@ pub struct Meridional {
 }
 
 impl Meridional {
-    /// The point `point` turned into the meridional plane.
+    /// The point `point` rotated about the rotation axis into the meridional plane.
     pub fn of(point: &Point) -> Self {
         Self { r: norm2(point.x, point.y), z: point.z }
     }
 
-    /// This point at angle `theta` about the rotation axis.
+    /// This point at angle `theta` (rad) about the rotation axis.
     pub fn at_angle(self, theta: f64) -> Point {
         let (sin, cos) = theta.sin_cos();
         Point::new(self.r * cos, self.r * sin, self.z)
     }
 
-    /// This direction at angle `theta` about the rotation axis.
+    /// This direction at angle `theta` (rad) about the rotation axis.
     pub fn direction_at_angle(self, theta: f64) -> Vector {
         let (sin, cos) = theta.sin_cos();
         Vector::new(self.r * cos, self.r * sin, self.z)
@@ -55,26 +55,27 @@ impl Meridional {
     }
 }
 
-/// √(x² + y²). Millimetres neither overflow nor vanish when squared, and `f64::hypot`, which guards against
-/// that, costs ten times as much in the hot loops.
+/// √(x² + y²). Lengths in mm neither overflow nor underflow when squared, and `f64::hypot`, which guards
+/// against that, is ten times slower in hot loops.
 #[inline]
 pub fn norm2(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// `point` turned about the rotation axis by `angle` (rad).
+/// `point` rotated about the rotation axis by `angle` (rad).
 pub fn rotate_z(point: &Point, angle: f64) -> Point {
     let (sin, cos) = angle.sin_cos();
     Point::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y, point.z)
 }
 
-/// `vector` turned about the rotation axis by `angle` (rad).
+/// `vector` rotated about the rotation axis by `angle` (rad).
 pub fn rotate_vector_z(vector: &Vector, angle: f64) -> Vector {
     let (sin, cos) = angle.sin_cos();
     Vector::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y, vector.z)
 }
 
-/// Two unit vectors that complete the unit vector `axis` to a right-handed frame.
+/// Two unit vectors u, v such that (u, v, `axis`) is a right-handed orthonormal frame; `axis` is a unit
+/// vector.
 pub fn frame_about(axis: &Vector) -> (Vector, Vector) {
     let helper = if axis.z.abs() < 0.9 { Vector::z() } else { Vector::x() };
     let u = helper.cross(axis).normalize();
@@ -85,18 +86,19 @@ pub fn frame_about(axis: &Vector) -> (Vector, Vector) {
 #[derive(Clone, Copy, Debug)]
 pub struct Circle {
     centre: Point,
-    /// Radii to angle 0 and to a quarter turn, mm.
+    /// Radius vectors at angle 0 and at a quarter turn, mm.
     radii: (Vector, Vector),
 }
 
 impl Circle {
-    /// About `axis` (unit); angles count from the first vector of [`frame_about`].
+    /// A circle of `radius` mm about the unit vector `axis`; angles are measured from the first vector of
+    /// [`frame_about`].
     pub fn new(centre: &Point, axis: &Vector, radius: f64) -> Self {
         let (e1, e2) = frame_about(axis);
         Self { centre: *centre, radii: (e1 * radius, e2 * radius) }
     }
 
-    /// Point at an angle given as (sin, cos), and its derivative by the angle.
+    /// Point at an angle given as (sin, cos), and its derivative with respect to the angle.
     #[inline]
     pub fn at(&self, (sin, cos): (f64, f64)) -> (Point, Vector) {
         let (e1, e2) = self.radii;
@@ -104,8 +106,8 @@ impl Circle {
     }
 }
 
-/// How fast the distance of `point` from the circle about the rotation axis through `foot` grows while the point
-/// moves along `direction`, mm per unit of it.
+/// Derivative of the distance of `point` from the circle about the rotation axis through `foot`, as the
+/// point moves along `direction`; mm per unit of `direction`.
 pub fn receding(point: &Point, direction: &Vector, foot: Meridional) -> f64 {
     let from = Meridional::of(point);
     let (dr, dz) = (from.r - foot.r, from.z - foot.z);
@@ -113,7 +115,7 @@ pub fn receding(point: &Point, direction: &Vector, foot: Meridional) -> f64 {
     (dr * radial + dz * direction.z) / norm2(dr, dz).max(1e-12)
 }
 
-/// `angle` brought into (−π, π].
+/// `angle` (rad) normalised to (−π, π].
 pub fn wrap_angle(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let wrapped = (angle + PI).rem_euclid(TAU) - PI;

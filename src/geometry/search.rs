@@ -1,7 +1,7 @@
-//! One-dimensional root and minimum searches: deterministic, bounded, without allocation.
+//! One-dimensional root and minimum searches: deterministic, with bounded iterations, without allocation.
 
-/// Root of `f` in [`a`, `b`] by the Illinois variant of false position with bisection as a guard;
-/// `fa` and `fb` must differ in sign. Stops when the bracket is shorter than `tolerance`.
+/// Root of `f` in [`a`, `b`] by the Illinois variant of false position, safeguarded by bisection; `f(a)` and
+/// `f(b)` must differ in sign. Stops when the bracket is shorter than `tolerance`.
 pub fn root(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> f64 {
     let mut fa = f(a);
     if fa == 0.0 {
@@ -27,9 +27,9 @@ pub fn root(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f6
     b
 }
 
-/// Root of `f` between `a` and `b`, (argument, value) of opposite sign, by secant steps from `guess` on with
-/// bisection as a guard. Stops when the next step would be shorter than `tolerance`; what it returns is the
-/// argument `f` was called with last.
+/// Root of `f` between `a` and `b`, (argument, value) pairs of opposite sign, by secant steps from `guess`,
+/// safeguarded by bisection. Stops when the next step would be shorter than `tolerance`; returns the
+/// argument of the last call of `f`.
 pub fn root_from(
     mut f: impl FnMut(f64) -> f64,
     a: (f64, f64),
@@ -53,7 +53,7 @@ pub fn root_from(
         if here.1 == 0.0 || step.abs() < tolerance || (high.0 - low.0).abs() < tolerance {
             break;
         }
-        // Steps that do not get shorter creep, or run into a jump.
+        // Steps that do not shorten indicate slow convergence or a discontinuity: bisect.
         if !inside(x + step, low.0, high.0) || step.abs() > 0.5 * steps.0 {
             step = 0.5 * (low.0 + high.0) - x;
         }
@@ -64,8 +64,8 @@ pub fn root_from(
     x
 }
 
-/// Least value over a whole turn of `f`, an angle to (value, slope), by `SAMPLES` of it. Between samples it is
-/// searched where one is no more than `margin` above the lowest.
+/// Minimum over a full turn of `f`, which maps an angle (rad) to (value, slope), from `SAMPLES` samples. A
+/// minimum between two samples is searched where one of them is at most `margin` above the lowest sample.
 pub fn least_around<const SAMPLES: usize>(mut f: impl FnMut(f64) -> (f64, f64), margin: f64) -> f64 {
     let step = std::f64::consts::TAU / SAMPLES as f64;
     let samples: [(f64, f64); SAMPLES] = std::array::from_fn(|i| f(step * i as f64));
@@ -82,8 +82,8 @@ pub fn least_around<const SAMPLES: usize>(mut f: impl FnMut(f64) -> (f64, f64), 
     least
 }
 
-/// Least value of `f`, an argument to (value, slope), between `from` and `to`, (argument, slope) where it falls and where
-/// it rises. The argument is met to `tolerance`.
+/// Minimum of `f`, which maps an argument to (value, slope), between the (argument, slope) pairs `from`,
+/// where it falls, and `to`, where it rises; by root search on the slope, to `tolerance` in the argument.
 pub fn least_in_dip(
     mut f: impl FnMut(f64) -> (f64, f64),
     from: (f64, f64),
@@ -101,8 +101,8 @@ pub fn least_in_dip(
     least
 }
 
-/// Minimum of `f` in [`a`, `b`] by Brent's method, to `tolerance` in the argument.
-/// Returns (argument, value). `f` should have one minimum there; else it finds one of them.
+/// Minimum of `f` in [`a`, `b`] by Brent's method, to `tolerance` in the argument. Returns (argument,
+/// value). If `f` has several local minima there, one of them is found.
 pub fn minimum(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> (f64, f64) {
     const GOLDEN: f64 = 0.381_966_011_250_105;
     let mut x = a + GOLDEN * (b - a);

@@ -1,5 +1,5 @@
-//! Orbit camera: where the picture is taken from. World in mm, Z the axis of rotation, angles in
-//! radians, pixels from the top left corner of the picture.
+//! Orbit camera. World coordinates in mm with Z as the axis of rotation, angles in radians, pixels from the
+//! top left corner of the picture.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -7,10 +7,10 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use super::view::{Frame, Framing, View};
 
-/// How the picture is projected.
+/// Projection of the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Projection {
-    /// Near things are larger.
+    /// Near objects appear larger.
     #[default]
     Perspective,
     /// Parallel rays; lengths can be compared across the picture.
@@ -20,36 +20,36 @@ pub enum Projection {
 /// A camera that circles a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Point in the middle of the picture.
+    /// Point in the middle of the picture, mm.
     pub target: Vec3,
-    /// Angle of the eye about Z.
+    /// Angle of the eye about Z, rad.
     pub yaw: f32,
-    /// Angle of the eye above the target's horizon, −π/2 … π/2.
+    /// Elevation of the eye above the target, −π/2 … π/2 rad.
     pub pitch: f32,
     /// Distance of the eye from the target, mm.
     pub distance: f32,
-    /// Vertical angle of view.
+    /// Vertical angle of view, rad.
     pub fov: f32,
     /// Projection.
     pub projection: Projection,
     /// +1: Z points up in the picture; −1: down.
     pub up_sign: f32,
-    /// Everything that is drawn lies in this sphere (centre, radius); it bounds the depth range.
+    /// Bounding sphere (centre, radius; mm) of everything drawn; it bounds the depth range.
     pub bounds: (Vec3, f32),
 }
 
 /// A ray from the eye into the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Start, mm.
+    /// Origin, mm.
     pub origin: Vec3,
     /// Unit direction.
     pub direction: Vec3,
 }
 
 impl Camera {
-    /// A camera for a standard view in a picture of `aspect` = width / height. A section the plan
-    /// does not have shows the channel.
+    /// A camera for a standard view in a picture of `aspect` = width / height. A section number beyond the
+    /// plan gives the view of the channel.
     pub fn standard(view: View, framing: &Framing, aspect: f32) -> Self {
         let mut camera = Self {
             target: framing.wheel.center,
@@ -82,7 +82,7 @@ impl Camera {
         camera
     }
 
-    /// Turns the camera so that it looks at its target from `direction`.
+    /// Rotates the camera so that it looks at its target from `direction`.
     pub fn look_from(&mut self, direction: Vec3) {
         let d = direction.normalize_or(Vec3::X);
         self.pitch = (d.z * self.up_sign).clamp(-1.0, 1.0).asin();
@@ -91,7 +91,7 @@ impl Camera {
         }
     }
 
-    /// Moves the camera along its line of sight until a sphere fills the picture.
+    /// Targets a sphere and sets the distance so that it fills the picture.
     pub fn fit(&mut self, center: Vec3, radius: f32, aspect: f32) {
         let half_vertical = self.fov / 2.0;
         let half_horizontal = (half_vertical.tan() * aspect).atan();
@@ -103,11 +103,11 @@ impl Camera {
         };
     }
 
-    /// Shifts the camera so that `points` just fill the picture, seen from where it looks now.
+    /// Shifts the camera, keeping its direction, so that `points` just fill the picture.
     pub fn fit_points(&mut self, points: &[Vec3], aspect: f32) {
-        /// Share of the picture to be filled.
+        /// Share of the picture to fill.
         const FILL: f32 = 0.92;
-        // Depth differs from point to point, so the fit is found by repetition; it settles fast.
+        // Fixed-point iteration, because the scale depends on each point's depth; it converges fast.
         for _ in 0..12 {
             let (right, up, back) = self.basis();
             let tan = (self.fov / 2.0).tan();
@@ -132,7 +132,7 @@ impl Camera {
         }
     }
 
-    /// Unit vectors right, up and back (towards the viewer) of the picture.
+    /// Unit vectors right, up and back (towards the viewer), in the world frame.
     pub fn basis(&self) -> (Vec3, Vec3, Vec3) {
         let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
         let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
@@ -141,7 +141,7 @@ impl Camera {
         (right, back.cross(right), back)
     }
 
-    /// Where the eye is, mm.
+    /// Position of the eye, mm.
     pub fn eye(&self) -> Vec3 {
         self.target + self.basis().2 * self.distance
     }
@@ -151,7 +151,7 @@ impl Camera {
         let (_, up, back) = self.basis();
         let eye = self.eye();
         let view = glam::camera::rh::view::look_to_mat4(eye, -back, up);
-        // The depth range hugs the scene: far away from the wheel the depth buffer stays sharp.
+        // Near and far planes enclose the scene tightly, so that depth resolution stays high at any distance.
         let ahead = (eye - self.bounds.0).dot(back);
         let far = (ahead + self.bounds.1).max(self.bounds.1 * 0.02);
         let near = (ahead - self.bounds.1).max(far * 2e-3);
@@ -162,7 +162,7 @@ impl Camera {
             Projection::Orthographic => {
                 let h = self.distance * (self.fov / 2.0).tan();
                 let w = h * aspect;
-                // Parallel rays start behind the eye too, or zooming in would cut the wheel open.
+                // A near plane behind the eye, or zooming in would clip the wheel.
                 let near = ahead - self.bounds.1;
                 glam::camera::rh::proj::directx::orthographic(-w, w, -h, h, near, far)
             }
@@ -181,7 +181,7 @@ impl Camera {
                 Ray { origin: self.eye(), direction: (right * x + up * y - back).normalize() }
             }
             Projection::Orthographic => {
-                // From in front of everything: the eye itself may be inside the part.
+                // Start in front of the whole scene, as the eye may be inside the part.
                 let out = self.distance.max((self.bounds.0 - self.target).length() + self.bounds.1 * 1.5);
                 let on_plane = self.target + (right * x + up * y) * self.distance;
                 Ray { origin: on_plane + back * out, direction: -back }
@@ -197,8 +197,8 @@ impl Camera {
         })
     }
 
-    /// Turns the scene about `pivot`, which keeps its place in the picture; a drag to the right
-    /// (`pixels.x` > 0) turns it to the right.
+    /// Rotates the scene about `pivot`, which stays at its pixel; a drag to the right (`pixels.x` > 0)
+    /// rotates it to the right.
     pub fn orbit(&mut self, pixels: Vec2, pivot: Vec3) {
         const RADIANS_PER_PIXEL: f32 = 0.008;
         let before = self.basis();
@@ -210,7 +210,7 @@ impl Camera {
         self.target = pivot + after.0 * held.0 + after.1 * held.1 + after.2 * held.2;
     }
 
-    /// Shifts the scene so that `grabbed` follows the cursor by `pixels`.
+    /// Pans so that the point `grabbed` moves by `pixels` in a picture of `size`.
     pub fn pan(&mut self, pixels: Vec2, grabbed: Vec3, size: Vec2) {
         let (right, up, back) = self.basis();
         let depth = match self.projection {
@@ -221,7 +221,7 @@ impl Camera {
         self.target += (up * pixels.y - right * pixels.x) * mm_per_pixel;
     }
 
-    /// Zooms by `factor` (< 1: nearer) about `point`, which keeps its place in the picture.
+    /// Zooms by `factor` (< 1: nearer) about `point`, which stays at its pixel.
     pub fn zoom(&mut self, factor: f32, point: Vec3) {
         let reach = self.bounds.1.max(1e-3);
         let distance = (self.distance * factor).clamp(reach * 5e-3, reach * 50.0);
@@ -230,7 +230,7 @@ impl Camera {
         self.target = point + (self.target - point) * factor;
     }
 
-    /// The camera `share` (0…1) of the way to another one; projection and what bounds the depth are the other's.
+    /// Interpolates to the camera `to` by `share` (0…1); projection and bounds are those of `to`.
     pub fn towards(&self, to: &Self, share: f32) -> Self {
         if share >= 1.0 {
             return *to;
@@ -241,14 +241,14 @@ impl Camera {
             target: self.target.lerp(to.target, share),
             yaw: self.yaw + turn * share,
             pitch: between(self.pitch, to.pitch),
-            // Distances feel even when each step is the same share of the one before.
+            // Geometric interpolation, so that the zoom appears uniform.
             distance: self.distance * (to.distance / self.distance.max(1e-6)).powf(share),
             fov: between(self.fov, to.fov),
             ..*to
         }
     }
 
-    /// Centre here: `point` moves to the middle of the picture.
+    /// Moves `point` to the middle of the picture.
     pub fn center_on(&mut self, point: Vec3) {
         self.target = point;
     }

@@ -1,4 +1,4 @@
-//! Plunge cutters as instances of one mesh: thin glass wall, solid core, bottom, dark rim.
+//! Plunge cutters as instances of one mesh: transparent wall and bottom, solid core, dark rim.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -7,20 +7,20 @@ use super::camera::Ray;
 use super::mesh::{LineColour, Segment, polyline};
 use crate::plunge::plan::{Condition, PlungePlan};
 
-/// What a position's colour says.
+/// State of a position, shown by its colour.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CutterState {
-    /// Its core meets no stock.
+    /// The core meets no stock.
     #[default]
     Sound = 0,
-    /// The blades keep it from the axis its policy asks for.
+    /// The axis that the policy requires is not possible there.
     Blocked = 1,
-    /// Its core meets stock.
+    /// The core meets stock.
     Interferential = 2,
-    /// Chosen by the user.
+    /// Selected by the user.
     Selected = 3,
-    /// Nothing is known of its core yet.
+    /// Contact of the core is not evaluated yet.
     Unjudged = 4,
 }
 
@@ -29,14 +29,14 @@ pub enum CutterState {
 pub enum CutterFilter {
     /// None, except the selected one.
     Hidden,
-    /// Interferential and blocked ones.
+    /// Interfering and blocked plunges.
     Faulty,
     /// All.
     #[default]
     All,
 }
 
-/// One cutter as the shader sees it. 48 bytes, matches `CutterIn` of `shaders/scene.wgsl`.
+/// Instance data of one cutter. 48 bytes, matches `CutterIn` of `shaders/scene.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct CutterInstance {
@@ -46,7 +46,7 @@ pub struct CutterInstance {
     pub radius: f32,
     /// Unit axis, tip → holder.
     pub axis: [f32; 3],
-    /// Length drawn, mm.
+    /// Drawn length, mm.
     pub height: f32,
     /// R − w, mm.
     pub core_radius: f32,
@@ -61,11 +61,11 @@ pub struct CutterInstance {
 /// A position of a plan, ready to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cutter {
-    /// Instance at full length, up to the retract point; state without selection.
+    /// Instance at full length, up to the retract point; its state ignores the selection.
     pub instance: CutterInstance,
-    /// Retract point.
+    /// Retract point, mm.
     pub retract: Vec3,
-    /// Section the position belongs to.
+    /// Index of the section.
     pub section: usize,
     /// Free length up to the holder, mm.
     pub overhang: f32,
@@ -78,15 +78,15 @@ pub struct Cutter {
 pub struct CutterChoice {
     /// Which ones.
     pub filter: CutterFilter,
-    /// Only positions before this one; the last of them is drawn at full length.
+    /// Draws only positions before this one, the last of them at full length.
     pub at: Option<usize>,
-    /// Chosen position; always drawn at full length.
+    /// Selected position; always drawn at full length.
     pub selected: Option<usize>,
-    /// Length of the other sound ones, in diameters; faulty ones are longer.
+    /// Drawn length of the other sound cutters, in diameters; faulty ones are longer.
     pub stub: f32,
 }
 
-/// Cutters of a plan, in cutting order. A position of a section the plan lacks is left out.
+/// Cutters of a plan, in cutting order. Positions whose section does not exist are skipped.
 pub fn cutters(plan: &PlungePlan) -> Vec<Cutter> {
     let to = |p: [f64; 3]| p.map(|x| x as f32);
     let mut all = Vec::with_capacity(plan.positions.len());
@@ -143,7 +143,7 @@ impl CutterChoice {
             return None;
         }
         if !in_work {
-            // Not by colour alone: the faulty ones also stand out in length.
+            // Faulty cutters also differ in length, for users who cannot tell the colours apart.
             let stretch = match instance.state {
                 0 | 4 => 1.0,
                 1 => 1.5,
@@ -171,7 +171,8 @@ fn across(axis: Vec3) -> (Vec3, Vec3) {
     axis.any_orthonormal_pair()
 }
 
-/// Rims of a drawn cutter: the bottom edge, the core's upper edge, and the upper end where it is `whole`.
+/// Appends the rims of a drawn cutter: the bottom edge, the core's upper edge, and the upper end if it is
+/// drawn at full length (`whole`).
 pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec<Segment>) {
     let tip = Vec3::from_array(instance.tip);
     let axis = Vec3::from_array(instance.axis);
@@ -192,7 +193,7 @@ pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec
         _ => 1.6,
     };
     circle(instance.radius, instance.corner_radius.min(instance.height), width);
-    // In a real plan cores overlap: their upper rims keep them apart.
+    // Cores overlap in a typical plan; their upper rims make them distinguishable.
     circle(instance.core_radius, instance.height, 1.2);
     if whole {
         circle(instance.radius, instance.height, width * 0.7);
@@ -209,7 +210,7 @@ pub fn axis_line(cutter: &Cutter, selected: bool) -> Segment {
     }
 }
 
-/// Outline of the holder above a cutter: two rims and four lines between them.
+/// Appends the outline of the holder above a cutter: two rims and four lines between them.
 pub fn holder(cutter: &Cutter, into: &mut Vec<Segment>) {
     const STEPS: usize = 24;
     let axis = Vec3::from_array(cutter.instance.axis);
@@ -230,7 +231,8 @@ pub fn holder(cutter: &Cutter, into: &mut Vec<Segment>) {
     }
 }
 
-/// Rapids between the retract points of neighbouring positions of one section, up to position `at`.
+/// Appends the rapids between the retract points of consecutive positions of one section, up to position
+/// `at`.
 pub fn links(cutters: &[Cutter], at: Option<usize>, into: &mut Vec<Segment>) {
     let cut = cutters.iter().filter(|c| at.is_none_or(|at| (c.instance.id as usize) < at));
     let mut before: Option<&Cutter> = None;
@@ -248,25 +250,25 @@ pub fn links(cutters: &[Cutter], at: Option<usize>, into: &mut Vec<Segment>) {
 pub struct UnitVertex {
     /// cos and sin of the angle about the axis.
     pub ring: [f32; 2],
-    /// Which of the instance's radii and heights.
+    /// Index of the instance's radius and of its height, as listed in the shader.
     pub reach: [f32; 2],
-    /// Part, see [`UnitCutter`].
+    /// Part of the cutter (wall, corner, annulus, core), numbered as in the shader.
     pub part: u32,
 }
 
-/// Mesh that every cutter is an instance of: first the solid part, then the glass.
+/// Mesh of which every cutter is an instance: first the solid part, then the transparent one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnitCutter {
     /// Corners.
     pub vertices: Vec<UnitVertex>,
-    /// Three per triangle.
+    /// Vertex indices, three per triangle.
     pub indices: Vec<u32>,
-    /// Number of indices of the solid part; the rest is glass.
+    /// Number of indices of the solid part; the others are transparent.
     pub solid: u32,
 }
 
 impl UnitCutter {
-    /// A cutter of `steps` flat facets.
+    /// Builds the mesh with `steps` facets around the axis.
     pub fn new(steps: usize) -> Self {
         const WALL: u32 = 0;
         const CORNER: u32 = 1;
@@ -300,7 +302,7 @@ impl UnitCutter {
     }
 }
 
-/// Distance along a ray to a cutter's cylinder, mm; `None` beside it.
+/// Distance along a ray to a cutter's cylinder, mm; `None` if the ray misses it.
 pub fn hit(instance: &CutterInstance, ray: &Ray) -> Option<f32> {
     let axis = Vec3::from_array(instance.axis);
     let from = ray.origin - Vec3::from_array(instance.tip);
@@ -309,7 +311,7 @@ pub fn hit(instance: &CutterInstance, ray: &Ray) -> Option<f32> {
     let d = ray.direction - axis * along_ray;
     let r2 = instance.radius * instance.radius;
     let (a, b, c) = (d.dot(d), p.dot(d), p.dot(p) - r2);
-    // Interval of the ray inside the endless cylinder, cut by the slab between bottom and top.
+    // Interval of the ray inside the infinite cylinder, clipped by the slab between bottom and top.
     let (mut enter, mut leave) = if a > 1e-12 {
         let root = b * b - a * c;
         if root < 0.0 {

@@ -1,15 +1,15 @@
-//! The graphics device: which adapter is taken, and what happens to its errors.
+//! The graphics device: choice of the adapter, and recording of its errors.
 //!
-//! Only Vulkan is used. Without a graphics card the same code runs on Mesa's software driver
-//! (lavapipe), so a machine without a screen draws the same pictures.
+//! Only Vulkan is used. Without a graphics card the same code runs on Mesa's software driver (lavapipe), so
+//! that a machine without a screen draws the same pictures.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Environment variable that forces the software driver when set to `software`.
+/// Environment variable that selects the software driver when set to `software`.
 pub const GPU_VARIABLE: &str = "VANECUT_GPU";
 
-/// Why there is no device, or why it failed.
+/// Errors of opening or using the device.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     /// No Vulkan loader or no Vulkan driver was found.
@@ -18,16 +18,16 @@ pub enum GpuError {
          (the latter includes a software driver that needs no graphics card)"
     )]
     NoVulkan,
-    /// The software driver was asked for, and only other drivers are there.
+    /// The software driver was requested, and only other drivers are installed.
     #[error(
-        "{GPU_VARIABLE}=software asks for a software Vulkan driver, and there is none; \
+        "{GPU_VARIABLE}=software requires a software Vulkan driver, but none is installed; \
          on Debian: apt install mesa-vulkan-drivers"
     )]
     NoSoftware,
-    /// The environment variable holds something unknown.
-    #[error("{GPU_VARIABLE} may be \"software\" or unset, and is {0:?}")]
+    /// The environment variable has an unknown value.
+    #[error("{GPU_VARIABLE} is {0:?}; set it to \"software\" or unset it")]
     UnknownChoice(String),
-    /// The adapter is there but gives no device.
+    /// The adapter exists, but its device cannot be opened.
     #[error("the graphics device {name} could not be opened: {source}")]
     Open {
         /// Name of the adapter.
@@ -41,19 +41,19 @@ pub enum GpuError {
     /// The input needs larger buffers than the device has.
     #[error("{what} needs a buffer of {bytes} bytes; the graphics device allows {limit}")]
     TooLarge {
-        /// What was to be stored.
+        /// Content of the buffer.
         what: &'static str,
-        /// Size asked for, bytes.
+        /// Requested size, bytes.
         bytes: u64,
-        /// Size allowed, bytes.
+        /// Largest allowed size, bytes.
         limit: u64,
     },
 }
 
-/// How the message of a lost device begins.
+/// Prefix of the message that records the loss of the device.
 pub const LOST: &str = "device lost";
 
-/// Errors that reached no error scope. Bounded: a fault repeated in every frame must not fill memory.
+/// Errors outside of any error scope. Bounded, as an error repeated in every frame must not fill memory.
 #[derive(Debug, Default)]
 struct ErrorLog {
     messages: Mutex<VecDeque<String>>,
@@ -80,7 +80,7 @@ impl ErrorLog {
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,
-    /// Its queue.
+    /// The queue of the device.
     pub queue: wgpu::Queue,
     /// Name, type and driver of the adapter.
     pub info: wgpu::AdapterInfo,
@@ -92,7 +92,7 @@ impl Gpu {
     ///
     /// # Errors
     /// [`GpuError::NoVulkan`], [`GpuError::NoSoftware`] or [`GpuError::UnknownChoice`] when there is no
-    /// adapter to take, [`GpuError::Open`] when the driver refuses.
+    /// suitable adapter, [`GpuError::Open`] when the driver refuses.
     pub fn headless() -> Result<Gpu, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::VULKAN,
@@ -106,14 +106,14 @@ impl Gpu {
         Ok(Gpu::from_parts(device, queue, info))
     }
 
-    /// Takes over a device that was opened elsewhere, e.g. by the window. From here on its uncaptured
-    /// errors are recorded instead of ending the program.
+    /// Wraps a device that was opened elsewhere, e.g. by the window. Its uncaptured errors are then recorded
+    /// instead of ending the program.
     pub fn from_parts(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Gpu {
         let errors = Arc::new(ErrorLog::default());
         let log = errors.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| log.record(error.to_string())));
         let log = errors.clone();
-        // Dropping the device at the end also arrives here; nobody is left to read that.
+        // Also called when the device is dropped; that message is never read.
         device.set_device_lost_callback(move |_, message| {
             let message = format!("{LOST}: {message}");
             log.record(message.trim_end_matches([':', ' ']).to_owned());
@@ -121,7 +121,7 @@ impl Gpu {
         Gpu { device, queue, info, errors }
     }
 
-    /// A buffer with contents. Unlike wgpu's own helper it does not panic on a device that was lost.
+    /// Creates a buffer with contents. Unlike wgpu's own helper it does not panic on a lost device.
     pub fn filled_buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -144,7 +144,7 @@ impl Gpu {
     }
 }
 
-/// What to ask of `adapter`: the default limits, with buffers as large as it allows.
+/// Device descriptor for `adapter`: default limits, with buffers as large as it allows.
 pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     let offered = adapter.limits();
     wgpu::DeviceDescriptor {
@@ -158,11 +158,12 @@ pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'sta
     }
 }
 
-/// Picks the adapter to use: a discrete card, else an integrated one, else the software driver;
-/// Vulkan only. [`GPU_VARIABLE`] set to `software` leaves only the software driver.
+/// Picks the adapter to use: a discrete card, else an integrated one, else the software driver; Vulkan only.
+/// [`GPU_VARIABLE`] set to `software` allows only the software driver.
 ///
 /// # Errors
-/// [`GpuError::NoVulkan`], [`GpuError::NoSoftware`] or [`GpuError::UnknownChoice`].
+/// [`GpuError::NoVulkan`] or [`GpuError::NoSoftware`] when no adapter is suitable,
+/// [`GpuError::UnknownChoice`] when the variable has another value.
 pub fn pick_adapter(adapters: &[wgpu::Adapter]) -> Result<wgpu::Adapter, GpuError> {
     let software = match std::env::var(GPU_VARIABLE) {
         Ok(value) if value == "software" => true,
@@ -172,10 +173,11 @@ pub fn pick_adapter(adapters: &[wgpu::Adapter]) -> Result<wgpu::Adapter, GpuErro
     pick(adapters, software)
 }
 
-/// Picks the software driver, whatever else there is.
+/// Picks the software driver, whatever other adapters there are.
 ///
 /// # Errors
-/// [`GpuError::NoVulkan`] or [`GpuError::NoSoftware`].
+/// [`GpuError::NoVulkan`] when no Vulkan driver is installed, [`GpuError::NoSoftware`] when none is a
+/// software driver.
 pub fn pick_software(adapters: &[wgpu::Adapter]) -> Result<wgpu::Adapter, GpuError> {
     pick(adapters, true)
 }
@@ -197,7 +199,7 @@ fn pick(adapters: &[wgpu::Adapter], software: bool) -> Result<wgpu::Adapter, Gpu
     }
 }
 
-/// Preference of an adapter, lowest first; `None` if it must not be used.
+/// Rank of an adapter, best first; `None` if it must not be used.
 fn rank(backend: wgpu::Backend, device_type: wgpu::DeviceType, software: bool) -> Option<u8> {
     if backend != wgpu::Backend::Vulkan || (software && device_type != wgpu::DeviceType::Cpu) {
         return None;

@@ -1,4 +1,4 @@
-//! Curves and moves of a flank plan as lines.
+//! Passes and moves of a flank plan as lines.
 
 use std::str::FromStr;
 
@@ -11,23 +11,23 @@ use crate::geometry::Point;
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN};
 use crate::part::Impeller;
 
-/// What the colours of the lines tell.
+/// What the colours of the lines show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FlankColours {
-    /// The layer a curve lies on: dark next to the hub, light at the top.
+    /// The layer of a pass: dark next to the hub, light at the top.
     #[default]
     Layer,
     /// The region of the channel.
     Region,
-    /// The feed of a move of the program: dark slow, light fast; rapids grey.
+    /// The feed rate of a move of the program: dark slow, light fast, rapids grey.
     Feed,
-    /// What the cutter leaves on the walls, in place of curves.
+    /// The walls coloured by the stock left on them, instead of the passes.
     Walls,
 }
 
-/// A word that names no colours of flank curves.
+/// Error: a word that does not name colours of a flank plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no colours of flank curves are called \"{0}\"; use layer, region, feed or walls")]
+#[error("unknown colours \"{0}\"; use layer, region, feed or walls")]
 pub struct UnknownFlankColours(pub String);
 
 impl FromStr for FlankColours {
@@ -44,7 +44,7 @@ impl FromStr for FlankColours {
     }
 }
 
-/// Widths of lines along walls and of others, pixels.
+/// Widths of lines along walls and of other lines, pixels.
 const WIDTHS: [f32; 2] = [2.4, 1.4];
 
 /// Colours of the regions.
@@ -53,16 +53,16 @@ pub const REGION_COLOURS: [(Region, Rgb); 3] = [
     (Region::LowSide, palette::SOUND),
     (Region::HighSide, palette::BLOCKED),
 ];
-/// Colour of rapids among moves coloured by feed.
+/// Colour of rapids when moves are coloured by feed rate.
 pub const RAPID_COLOUR: Rgb = [0.62, 0.62, 0.62];
 
-/// The lowest and the highest feed of `moves`, mm/min: the ends of their colours.
+/// Lowest and highest feed rate of the cutting moves, mm/min: the ends of the colour scale.
 pub fn feed_range(moves: &[FlankMove]) -> (f64, f64) {
     let under_feed = || moves.iter().filter(|m| m.kind != MoveKind::Rapid).map(|m| m.feed);
     (under_feed().fold(f64::INFINITY, f64::min), under_feed().fold(0.0, f64::max))
 }
 
-/// The lines of `curves` of a plan with `layers` layers, or of its `moves`.
+/// Lines of a plan with `layers` layers: its `moves` when coloured by feed rate, else its `curves`.
 pub fn lines(
     curves: &[ShownCurve],
     moves: &[FlankMove],
@@ -98,8 +98,8 @@ pub fn lines(
     lines
 }
 
-/// The walls with the stock that the cutter leaves above the blade allowance (negative below it), and the greatest of it
-/// either way, mm.
+/// Mesh of the walls with the residual stock above the blade allowance (mm, negative for overcut), and its
+/// largest absolute value.
 pub fn wall_deviations(part: &Impeller, walls: &[ShownWall]) -> (Mesh, f32) {
     let turned = part.main.rotated(part.pitch());
     let mut mesh = Mesh::default();

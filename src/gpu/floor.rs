@@ -1,4 +1,4 @@
-//! The floor of the channel in work with a value per cell: height of stock, or depth of contact.
+//! Meshes of the floor of the active channel with a value per cell: stock height or contact depth.
 
 use glam::Vec3;
 
@@ -7,11 +7,11 @@ use crate::plunge::plan::PlungePlan;
 use crate::residual::FloorGrid;
 use crate::residual::surface::{FINE, FloorSurface, is_uncut};
 
-/// Most lines along s and across, in motion.
+/// Maximum number of grid lines along s and across, for pictures in motion.
 pub const DRAFT: (usize, usize) = (65, 25);
 
-/// Mesh of the floor with a height of stock per corner, thinned to `most` lines either way.
-/// Cells that are no floor (under a splitter, within the allowance of a wall) are left out.
+/// Mesh of the floor with a stock height (mm) per corner, thinned to at most `most` lines along s and across.
+/// Cells that are not floor (under a splitter, within the allowance of a wall) are omitted.
 ///
 /// Returns `None` when `heights` does not fit the grid.
 pub fn floor_mesh(grid: &FloorGrid, heights: &[f32], most: (usize, usize)) -> Option<Mesh> {
@@ -31,8 +31,8 @@ pub fn floor_mesh(grid: &FloorGrid, heights: &[f32], most: (usize, usize)) -> Op
     })
 }
 
-/// The same floor with a value of another kind per cell, such as the difference of two plans; none of it counts
-/// as uncut. `None` when `values` does not fit the grid.
+/// Mesh of the floor with any other value per cell, such as the difference of two plans; no cell counts as
+/// uncut. Returns `None` when `values` does not fit the grid.
 pub fn value_mesh(grid: &FloorGrid, values: &[f32]) -> Option<Mesh> {
     let mut mesh = floor_mesh(grid, values, FINE)?;
     for vertex in &mut mesh.vertices {
@@ -41,7 +41,7 @@ pub fn value_mesh(grid: &FloorGrid, values: &[f32]) -> Option<Mesh> {
     Some(mesh)
 }
 
-/// The same floor with, per corner, the deepest contact of a core that ends above it, mm.
+/// Mesh of the floor with, per corner, the largest contact depth (mm) of the cores that end above it.
 pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
     let contacts: Vec<(Vec3, Vec3, f32, f32)> = plan
         .positions
@@ -62,8 +62,8 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
         for &(tip, axis, core, depth) in &contacts {
             let d = p - tip;
             let along = d.dot(axis);
-            // The foot lies under the bottom by the allowance and what the plan leaves; further
-            // down it is another part of the hub.
+            // The floor lies below the cutter's bottom by the allowance and the residual stock; points
+            // further down belong to another part of the hub.
             let below = along < 1.0 && along > -4.0 * core.max(1.0);
             if below && (d - axis * along).length() <= core {
                 vertex.value = vertex.value.max(depth);
@@ -73,11 +73,11 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
     mesh
 }
 
-/// Cell of the grid at a point of the floor, for the value under the cursor; `None` away from it.
+/// Index of the grid cell nearest to `point`, for the value under the cursor; `None` away from the floor.
 pub fn cell_at(grid: &FloorGrid, point: Vec3) -> Option<usize> {
     let distance = |cell: usize| Vec3::from_array(grid.points[cell]).distance_squared(point);
     let nearest = (0..grid.points.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
-    // A few cells' width: the point lies on facets, and on stock above the floor.
+    // Tolerance of a few cell widths: the point may lie on a facet, or on stock above the floor.
     let reach = 3.0 * grid.areas[nearest].max(0.0).sqrt() + 1.0;
     (distance(nearest) <= reach * reach && grid.floor[nearest]).then_some(nearest)
 }

@@ -1,4 +1,4 @@
-//! PNG files.
+//! PNG encoding.
 
 /// Why a picture could not be encoded.
 #[derive(Debug, thiserror::Error)]
@@ -15,14 +15,17 @@ pub enum ImageError {
         /// Bytes given.
         got: usize,
     },
-    /// The encoder's own complaint.
+    /// The encoder failed.
     #[error("cannot encode the picture: {0}")]
     Encode(#[from] png::EncodingError),
 }
 
-/// Encodes 8-bit RGBA rows, top row first, as a whole PNG file.
+/// Encodes 8-bit RGBA rows, top row first, as a PNG file in memory, so that the caller can write it
+/// atomically.
 ///
-/// The file comes back in memory, so that the caller can write it in one go or not at all.
+/// # Errors
+/// [`ImageError::Size`] when `rgba` does not have 4 · `width` · `height` bytes; [`ImageError::Encode`] when
+/// the encoder fails, as it does for a side of 0.
 pub fn encode_png(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<u8>, ImageError> {
     let expected = width as usize * height as usize * 4;
     if rgba.len() != expected {

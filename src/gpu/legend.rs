@@ -1,11 +1,11 @@
-//! The legend drawn into a picture: the colour bar with the values at its ends, in small letters of its own, so that
-//! pictures need no fonts.
+//! Draws the legend into a picture: the colour bar with the values at its ends. The letters are a built-in
+//! bitmap font, so that pictures need no font files.
 
 use super::renderer::Picture;
 use super::scene::{FloorColours, SceneOptions};
 use crate::palette::{ColourMap, TABLE_LEN, Theme};
 
-/// Letters of 5 × 7 dots, one number a row, the highest of five bits to the left.
+/// Bitmap font of 5 × 7 dots: one number per row, the highest of five bits leftmost.
 const LETTERS: &[(char, [u8; 7])] = &[
     ('0', [14, 17, 19, 21, 25, 17, 14]),
     ('1', [4, 12, 4, 4, 4, 4, 14]),
@@ -40,25 +40,23 @@ const LETTERS: &[(char, [u8; 7])] = &[
     ('l', [12, 4, 4, 4, 4, 4, 14]),
     ('w', [0, 0, 17, 17, 21, 21, 10]),
 ];
-/// Columns a letter takes, with the gap behind it.
+/// Width of a letter with the gap after it, dots.
 const ADVANCE: u32 = 6;
 
-/// Draws the legend that belongs to a picture made with `options`, if its colours mean something.
+/// Draws the legend of a picture made with `options`, if the floor is coloured by value.
 pub fn add_legend(picture: &mut Picture, options: &SceneOptions) {
     let (map, title) = match options.show_floor_colours {
         FloorColours::Residual => (options.map, "stock on hub"),
         FloorColours::Interference => (ColourMap::Contact, "contact of the core"),
-        FloorColours::Values if options.map == ColourMap::Difference => {
-            (options.map, "more after than before")
-        }
-        FloorColours::Walls => (options.map, "left on the walls"),
+        FloorColours::Values if options.map == ColourMap::Difference => (options.map, "after minus before"),
+        FloorColours::Walls => (options.map, "stock on walls"),
         FloorColours::Values | FloorColours::Plain => return,
     };
     draw_legend(picture, map, options.range_mm, title, options.theme);
 }
 
-/// Draws the legend into the lower left corner of a picture: `title` above the bar (letters of [`LETTERS`] only; others
-/// stay blank), the ends of `range` in mm below it. Its size follows the picture's.
+/// Draws the legend into the lower left corner of a picture: `title` above the bar (letters that [`LETTERS`]
+/// lacks stay blank), the ends of `range` in mm below it. It scales with the picture.
 fn draw_legend(picture: &mut Picture, map: ColourMap, range: (f32, f32), title: &str, theme: Theme) {
     let dot = (picture.height / 360).max(1);
     let (left, bar_width, bar_height) = (12 * dot, 150 * dot, 8 * dot);
@@ -87,7 +85,7 @@ fn draw_legend(picture: &mut Picture, map: ColourMap, range: (f32, f32), title: 
 
 struct Pen<'a> {
     picture: &'a mut Picture,
-    /// Pixels of a dot.
+    /// Side of a dot, pixels.
     dot: u32,
     ink: [u8; 3],
 }
@@ -143,13 +141,9 @@ mod tests {
 
     #[test]
     fn every_letter_of_the_titles_is_there() {
-        for title in [
-            "stock on hub",
-            "contact of the core",
-            "more after than before",
-            "left on the walls",
-            "0.50 4.00+ mm-",
-        ] {
+        for title in
+            ["stock on hub", "contact of the core", "after minus before", "stock on walls", "0.50 4.00+ mm-"]
+        {
             for letter in title.chars().filter(|c| *c != ' ') {
                 assert!(LETTERS.iter().any(|(known, _)| *known == letter), "{letter:?} of {title:?}");
             }

@@ -1,5 +1,5 @@
-//! Triangle meshes and line segments as plain lists, mm. Everything here works on grids of
-//! points; [`super::part_mesh`] takes them from a part.
+//! Triangle meshes and line segments as plain lists, mm. Meshes are made from grids of points, which
+//! [`super::part_mesh`] samples from a part.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -13,47 +13,47 @@ use crate::palette::Rgb;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
-    /// Position in the frame of the part.
+    /// Position in the part frame, mm.
     pub position: [f32; 3],
-    /// Value for the colour table (floor) or nearness to neighbouring surfaces 0…1 (elsewhere:
-    /// 1 in the open, 0 deep in a corner).
+    /// Floor: value for the colour table. Elsewhere: openness 0…1 for ambient shading, 1 in the open, 0
+    /// deep in a corner.
     pub value: f32,
-    /// Unit normal, out of the material.
+    /// Unit normal, pointing out of the material.
     pub normal: [f32; 3],
-    /// Floor only: 1 where no position has cut, else 0.
+    /// Floor only: 1 where no plunge has cut, else 0.
     pub uncut: f32,
 }
 
-/// Triangles.
+/// Indexed triangle mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Corners.
     pub vertices: Vec<Vertex>,
-    /// Three per triangle.
+    /// Vertex indices, three per triangle.
     pub indices: Vec<u32>,
 }
 
-/// A straight piece of a line. 32 bytes, matches `LineIn` of `shaders/scene.wgsl`.
+/// A line segment. 32 bytes, matches `LineIn` of `shaders/scene.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Segment {
-    /// Start.
+    /// Start, mm.
     pub a: [f32; 3],
     /// Width in pixels.
     pub width: f32,
-    /// End.
+    /// End, mm.
     pub b: [f32; 3],
-    /// Index into the table of line colours ([`LineColour`]), or a colour of its own ([`Segment::coloured`]).
+    /// Index into the table of line colours ([`LineColour`]), or a packed RGB colour ([`Segment::coloured`]).
     pub colour: u32,
 }
 
-/// Colours a line can have; the shader's table is in this order.
+/// Named line colours; the shader's table has the same order.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineColour {
-    /// Edge away from the channel in work.
+    /// Edge outside the active channel.
     Edge = 0,
-    /// Edge of the channel in work.
+    /// Edge of the active channel.
     WallEdge = 1,
     /// Axis and retract.
     Axis = 2,
@@ -61,33 +61,33 @@ pub enum LineColour {
     Sound = 3,
     /// Rim of a blocked cutter.
     Blocked = 4,
-    /// Rim of an interferential cutter.
+    /// Rim of the cutter of an interfering plunge.
     Interferential = 5,
     /// Rim of the selected cutter.
     Selected = 6,
-    /// Rim of a cutter that is not judged yet.
+    /// Rim of a cutter that is not evaluated yet.
     Unjudged = 7,
 }
 
 impl Segment {
-    /// Marks a line in a colour of its own.
+    /// Flag: `colour` holds a packed RGB colour.
     const OWN: u32 = 1 << 31;
-    /// Marks a line that lies on the part: the section plane cuts it too.
+    /// Flag: the line lies on the part and is clipped by the section plane.
     const ON_PART: u32 = 1 << 30;
 
-    /// A line in a colour of its own, as the shader unpacks it.
+    /// A line with an RGB colour of its own, packed as the shader unpacks it.
     pub fn coloured(a: [f32; 3], b: [f32; 3], width: f32, colour: Rgb) -> Self {
         let [r, g, blue] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
         Self { a, width, b, colour: Self::OWN | blue << 16 | g << 8 | r }
     }
 
-    /// The same line, cut by the section plane with the part it lies on.
+    /// The same line, clipped by the section plane together with the part.
     pub fn on_part(self) -> Self {
         Self { colour: self.colour | Self::ON_PART, ..self }
     }
 }
 
-/// Points of a surface in rows and columns.
+/// Grid of points sampled on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointGrid {
     /// Number of rows, at least 2.
@@ -123,7 +123,7 @@ impl PointGrid {
         (0..self.columns).map(|j| self.at(i, j)).collect()
     }
 
-    /// Unit normals by central differences, d/drow × d/dcolumn; zero where the surface is degenerate.
+    /// Unit normals from central differences, d/drow × d/dcolumn; zero where the surface is degenerate.
     pub fn normals(&self) -> Vec<Vec3> {
         let mut normals = Vec::with_capacity(self.points.len());
         for i in 0..self.rows {
@@ -136,8 +136,8 @@ impl PointGrid {
         normals
     }
 
-    /// A mesh of this grid whose normals point to the side on which `outside` has most of its
-    /// points (one vector out of the material per point).
+    /// Mesh of this grid. All normals are flipped if most of them disagree with `outside`, a vector out of
+    /// the material per point; `open` is the openness per point, see [`Vertex::value`].
     pub fn mesh(&self, outside: impl Fn(usize, usize) -> Vec3, open: impl Fn(usize, usize) -> f32) -> Mesh {
         let mut normals = self.normals();
         let votes: f32 = (0..self.points.len())
@@ -164,12 +164,12 @@ pub fn quads(rows: usize, columns: usize) -> Vec<u32> {
     grid_triangles(rows, columns, |_, _| true).into_flattened()
 }
 
-/// A point of a profile that is turned about Z, with its unit normal in the (r, z) plane.
+/// A point of a profile of revolution about Z, with its unit normal in the (r, z) plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfilePoint {
-    /// Radius and height.
+    /// Radius, mm.
     pub r: f32,
-    /// Height.
+    /// Height, mm.
     pub z: f32,
     /// Normal, radial part.
     pub normal_r: f32,
@@ -178,7 +178,7 @@ pub struct ProfilePoint {
 }
 
 impl Mesh {
-    /// The surface of revolution of `profile` about Z between two angles.
+    /// The surface of revolution of `profile` about Z at `angles` (rad); `open` is the openness per point.
     pub fn revolve(profile: &[ProfilePoint], angles: &[f64], open: impl Fn(usize, f64) -> f32) -> Self {
         let mut vertices = Vec::with_capacity(profile.len() * angles.len());
         for (i, p) in profile.iter().enumerate() {
@@ -195,8 +195,8 @@ impl Mesh {
         Self { vertices, indices: quads(profile.len(), angles.len()) }
     }
 
-    /// Flat triangles with corners of their own, every `stride`-th of those given; `place` brings a corner to where it
-    /// is drawn.
+    /// Flat-shaded copy of every `stride`-th triangle, without shared vertices; `place` transforms a point
+    /// into the drawn frame.
     pub fn flat(mesh: &TriangleMesh, stride: usize, place: impl Fn(&Point) -> Vec3) -> Self {
         let mut flat = Self::default();
         for t in mesh.triangles.iter().step_by(stride.max(1)) {
@@ -222,7 +222,7 @@ impl Mesh {
         self.indices.len() / 3
     }
 
-    /// Where the ray meets the nearest triangle in front of its start.
+    /// Nearest intersection of the ray with a triangle in front of its origin.
     pub fn hit(&self, ray: &Ray) -> Option<MeshHit> {
         let mut nearest: Option<(Crossing, &[u32])> = None;
         self.each_crossing(ray, |crossing, triangle| {
@@ -236,13 +236,14 @@ impl Mesh {
         Some(MeshHit { distance, normal: Vec3::from_array(a.normal), value })
     }
 
-    /// How many triangles the ray crosses in front of its start.
+    /// Number of triangles that the ray crosses in front of its origin.
     pub fn crossings(&self, ray: &Ray) -> usize {
         let mut count = 0;
         self.each_crossing(ray, |_, _| count += 1);
         count
     }
 
+    /// Calls `found` for every triangle that the ray crosses (Möller–Trumbore).
     fn each_crossing<'a>(&'a self, ray: &Ray, mut found: impl FnMut(Crossing, &'a [u32])) {
         let at = |i: u32| Vec3::from_array(self.vertices[i as usize].position);
         for triangle in self.indices.chunks_exact(3) {
@@ -265,18 +266,19 @@ impl Mesh {
     }
 }
 
-/// Where a ray meets a mesh.
+/// Intersection of a ray with a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshHit {
     /// Distance along the ray, mm.
     pub distance: f32,
-    /// Normal there.
+    /// Normal of the triangle's first corner.
     pub normal: Vec3,
-    /// Value there, see [`Vertex::value`].
+    /// Value interpolated between the corners, see [`Vertex::value`].
     pub value: f32,
 }
 
-/// Where a ray crosses a triangle: distance along the ray, shares of the second and third corner.
+/// Intersection of a ray with a triangle: distance along the ray, barycentric coordinates of the second and
+/// third corner.
 #[derive(Clone, Copy)]
 struct Crossing {
     distance: f32,
@@ -284,7 +286,7 @@ struct Crossing {
     v: f32,
 }
 
-/// Turns a point about Z.
+/// Rotates a point about Z by `angle` (rad).
 pub fn turn(p: Vec3, angle: f64) -> Vec3 {
     let (sin, cos) = (angle.sin() as f32, angle.cos() as f32);
     Vec3::new(p.x * cos - p.y * sin, p.x * sin + p.y * cos, p.z)
@@ -300,13 +302,13 @@ pub fn polyline(points: &[Vec3], width: f32, colour: LineColour) -> impl Iterato
     })
 }
 
-/// Parameters 0…1 in `count` even steps.
+/// `count` + 1 evenly spaced parameters from 0 to 1.
 pub fn even(count: usize) -> Vec<f64> {
     (0..=count).map(|i| i as f64 / count as f64).collect()
 }
 
-/// Of parameters `us` of a curve, the few between which straight pieces stay within `tolerance`
-/// of it (Douglas–Peucker), so that a blade's nose keeps its roundness at little cost.
+/// Selects those parameters of `us` whose polyline stays within `tolerance` (mm) of the curve
+/// (Douglas–Peucker), so that a blade's nose keeps its roundness with few points.
 pub fn thin(us: &[f64], curve: impl Fn(f64) -> Vec3, tolerance: f32) -> Vec<f64> {
     let points: Vec<Vec3> = us.iter().map(|&u| curve(u)).collect();
     let mut keep = vec![false; us.len()];

@@ -1,4 +1,4 @@
-//! Device, compute kernel and renderer. Knows no window.
+//! Graphics device, compute kernel and renderer; independent of the window.
 
 pub mod camera;
 pub mod cutters;

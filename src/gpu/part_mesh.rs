@@ -1,7 +1,7 @@
-//! Meshes of an impeller: hub with body, blades, shroud, the floor of the channel in work.
+//! Meshes of an impeller: hub with body, blades, shroud, the floor of the active channel.
 //!
-//! The channel in work is channel 1: between the suction side of the main blade and the pressure
-//! side of the next one.
+//! The active channel is channel 1: between the suction side of the main blade and the pressure side of the
+//! next one.
 
 use std::f64::consts::TAU;
 
@@ -13,18 +13,18 @@ use crate::geometry::{Point, wrap_angle};
 use crate::mesh::tessellate::{body_outline, nose, up_sign};
 use crate::part::{Blade, BladeSide, Channel, Flowpath, Impeller};
 
-/// How finely a part is tessellated.
+/// Tessellation density of a part.
 #[derive(Clone, Copy, Debug)]
 struct Detail {
-    /// Angular steps of a full turn.
+    /// Angular steps per revolution.
     turn: usize,
     /// Steps along the meridian.
     meridian: usize,
     /// Steps of a blade from hub to tip.
     span: usize,
-    /// Steps of a blade along its chord, at least.
+    /// Minimum number of steps of a blade along its chord.
     chord: usize,
-    /// How far a blade's mesh lines may be off, in its lengths.
+    /// Largest deviation of a blade's mesh lines, in blade lengths.
     tolerance: f32,
 }
 
@@ -33,7 +33,7 @@ const FINE: Detail = Detail { turn: 240, meridian: 40, span: 8, chord: 16, toler
 /// For pictures in motion: about a tenth of the triangles.
 const DRAFT: Detail = Detail { turn: 96, meridian: 14, span: 2, chord: 8, tolerance: 4e-3 };
 
-/// A blade in its place, the others of its row follow by rotation.
+/// Mesh of one blade; the other blades of its row are rotated copies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BladeMesh {
     /// Suction side.
@@ -42,23 +42,23 @@ pub struct BladeMesh {
     pub pressure: Mesh,
     /// Tip, leading and trailing edge.
     pub closing: Mesh,
-    /// What closes it on the hub; never seen, but where it is cut open.
+    /// Closes the blade at the hub; visible only where the section plane cuts it.
     pub foot: Mesh,
-    /// Leading edge, trailing edge, tip and foot as lines.
+    /// Leading edge, trailing edge, tip and foot as polylines.
     pub edges: Vec<Vec<Vec3>>,
-    /// Rotations at which a copy stands, rad. The copies of a main blade start with the two walls
-    /// of the channel in work, those of a splitter with the one inside it.
+    /// Rotation of each copy about Z, rad. The copies of a main blade start with the two walls of the active
+    /// channel, those of a splitter with the one inside it.
     pub turns: Vec<f64>,
 }
 
-/// Everything of a part that is drawn.
+/// All meshes of a part that are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartMesh {
     /// Hub of the whole wheel with rim, back and bore.
     pub hub: Mesh,
-    /// Floor of the channel in work: lines across it from s = 0 to 1, evenly.
+    /// Floor of the active channel: evenly spaced lines across it from s = 0 to 1.
     pub floor: Mesh,
-    /// Corners of one such line.
+    /// Number of corners of one such line.
     floor_columns: usize,
     /// Main blade.
     pub main: BladeMesh,
@@ -68,7 +68,7 @@ pub struct PartMesh {
     pub shroud: Mesh,
     /// Edges of hub, body and all blades.
     pub edges: Vec<Segment>,
-    /// What the standard views aim at; no sections yet.
+    /// Targets of the standard views; without sections.
     pub framing: Framing,
 }
 
@@ -87,7 +87,7 @@ impl PartMesh {
         Self::with_detail(part, &DRAFT)
     }
 
-    /// Triangles that are no part yet, by what they are taken for; the axis of rotation upright.
+    /// Meshes of an imported file before it becomes a part, grouped by role; Z is the axis of rotation.
     pub fn of_loose(hub: Mesh, blades: Mesh, shroud: Mesh) -> Self {
         let corners = || [&hub, &blades, &shroud].into_iter().flat_map(|m| &m.vertices);
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -97,7 +97,7 @@ impl PartMesh {
         if corners().next().is_none() {
             (low, high) = (Vec3::NEG_ONE, Vec3::ONE);
         }
-        // Blades stand on the hub towards the inlet, which is to be seen.
+        // The blades lie on the inlet side of the hub, which is to face up in the view.
         let height = |mesh: &Mesh| {
             mesh.vertices.iter().map(|v| v.position[2]).sum::<f32>() / mesh.vertices.len().max(1) as f32
         };
@@ -129,7 +129,7 @@ impl PartMesh {
         let mut edges = Vec::new();
         for pair in body.windows(2) {
             let along = Vec3::new(pair[1].0 - pair[0].0, 0.0, pair[1].1 - pair[0].1).normalize_or_zero();
-            // The profile runs inlet → rim → back → bore: its material lies on one known side.
+            // The profile runs inlet → rim → back → bore, so the material is always on the same side.
             let point = |(r, z): (f32, f32)| ProfilePoint {
                 r,
                 z,
@@ -171,7 +171,7 @@ impl PartMesh {
         Self { hub, floor, floor_columns, main, splitters, shroud, edges, framing }
     }
 
-    /// Points across the floor at `s` (0…1) with their unit normals, from wall to wall.
+    /// Points (mm) across the floor at `s` (0…1) with their unit normals, from wall to wall.
     pub fn floor_line(&self, s: f64) -> Vec<(Vec3, Vec3)> {
         let rows: Vec<_> = self.floor.vertices.chunks_exact(self.floor_columns).collect();
         let Some(last) = rows.len().checked_sub(2) else { return Vec::new() };
@@ -185,7 +185,7 @@ impl PartMesh {
             .collect()
     }
 
-    /// Triangles of the whole wheel as drawn, shroud included.
+    /// Number of triangles of the whole wheel as drawn, including the shroud.
     pub fn triangles(&self) -> usize {
         let blade = |b: &BladeMesh| {
             (b.suction.triangles() + b.pressure.triangles() + b.closing.triangles()) * b.turns.len()
@@ -198,7 +198,7 @@ impl PartMesh {
     }
 }
 
-/// Values of s of the hub that are drawn: from a short nose ahead of the blades to the rim.
+/// Values of s at which the hub is drawn: from a short nose ahead of the blades to the rim.
 fn hub_range(hub: &Flowpath, detail: &Detail) -> Vec<f64> {
     let nose = nose(hub);
     even(detail.meridian).iter().map(|t| nose + (1.0 - nose) * t).collect()
@@ -213,7 +213,7 @@ fn profile(path: &Flowpath, at: &[f64]) -> Vec<ProfilePoint> {
         .collect()
 }
 
-/// Parameters of mesh lines along a blade: from the file's points, thinned.
+/// Parameters u of the mesh lines of a blade: the knots of its surfaces, thinned (Douglas–Peucker).
 fn blade_lines(blade: &Blade, detail: &Detail) -> Vec<f64> {
     let mut us: Vec<f64> = blade.suction.u_knots().to_vec();
     us.extend_from_slice(blade.pressure.u_knots());
@@ -244,7 +244,7 @@ fn blade_mesh(blade: &Blade, detail: &Detail) -> BladeMesh {
 /// A blade from grids of its sides (rows LE → TE, columns hub → tip, same shape).
 pub fn close_blade(suction: &PointGrid, pressure: &PointGrid) -> BladeMesh {
     let (last_row, last_column) = (suction.rows - 1, suction.columns - 1);
-    // Corners at the foot are darker: the eye reads where the blade stands on the hub.
+    // Ambient shading darkens the foot, which makes the junction with the hub visible.
     let open = |_: usize, j: usize| (j as f32 / last_column as f32 * 2.5).min(1.0);
     let strip = |a: Vec<Vec3>, b: Vec<Vec3>, outside: Vec3| {
         let grid = PointGrid { rows: 2, columns: a.len(), points: [a, b].concat() };
@@ -275,11 +275,11 @@ pub fn close_blade(suction: &PointGrid, pressure: &PointGrid) -> BladeMesh {
     }
 }
 
-/// Where the channel in work lies on the hub: the angles of its walls along s.
+/// Angles of the active channel's walls at the hub along s.
 struct WallFeet {
     /// s of each station, even from 0 to 1.
     stations: Vec<f64>,
-    /// Angles of the suction-side wall and, without a jump, of the pressure-side wall.
+    /// Angles (rad) of the suction-side wall and of the pressure-side wall, the latter unwrapped.
     angles: Vec<[f64; 2]>,
 }
 
@@ -289,20 +289,20 @@ impl WallFeet {
         let stations = even(64);
         let mut angles: Vec<[f64; 2]> = Vec::with_capacity(stations.len());
         for &s in &stations {
-            // Where a wall does not reach, the picture carries the last angle on.
+            // Beyond the ends of a wall the last angle is kept.
             let last = angles.last().copied().unwrap_or([0.0, part.pitch()]);
             angles.push(passage.wall_angles(part, s, 0.0).unwrap_or(last));
         }
         Self { stations, angles }
     }
 
-    /// Angle at s and λ.
+    /// Angle (rad) at s and λ, interpolated between stations.
     fn theta(&self, s: f64, lambda: f64) -> f64 {
         let x = s.clamp(0.0, 1.0) * (self.stations.len() - 1) as f64;
         let k = (x as usize).min(self.stations.len() - 2);
         let at = |[low, high]: [f64; 2]| low + lambda * (high - low);
         let (a, b) = (at(self.angles[k]), at(self.angles[k + 1]));
-        // Neighbouring stations may differ by a whole turn of atan2.
+        // Angles of neighbouring stations may differ by 2π.
         a + wrap_angle(b - a) * (x - k as f64)
     }
 
@@ -314,7 +314,7 @@ impl WallFeet {
             let (p, n) = (hub.point(s), hub.normal(s));
             for &lambda in &lambdas {
                 let (sin, cos) = self.theta(s, lambda).sin_cos();
-                // Corners beside the walls are darker.
+                // Ambient shading darkens the corners beside the walls.
                 let wall = (lambda.min(1.0 - lambda) * 8.0).min(1.0);
                 mesh.vertices.push(super::mesh::Vertex {
                     position: [(p.r * cos) as f32, (p.r * sin) as f32, p.z as f32],
@@ -361,14 +361,14 @@ impl WallFeet {
         let middle = corners.iter().sum::<Vec3>() / corners.len() as f32;
         let reach = corners.iter().map(|c| c.distance(middle)).fold(0.0, f32::max);
 
-        // Onto the floor where the meridian has turned half way, leaning towards the rim: from
-        // there neither wall hides the floor.
+        // Look along the hub normal near mid-channel, inclined towards the rim: from there neither wall hides
+        // the floor.
         let (sin, cos) = self.theta(0.6, 0.5).sin_cos();
         let (sin, cos) = (sin as f32, cos as f32);
         let n = part.hub.normal(0.55);
         let onto = Vec3::new(n.r as f32 * cos, n.r as f32 * sin, n.z as f32);
         let outward = Vec3::new(cos, sin, 0.0);
-        // Iso: the mouth of the channel at the rim to the front.
+        // Iso view: the outlet of the channel at the rim to the front.
         let (rim_sin, rim_cos) = self.theta(0.8, 0.5).sin_cos();
         let iso = Vec3::new(rim_cos as f32, rim_sin as f32, 0.0);
         Framing {

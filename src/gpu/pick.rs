@@ -1,5 +1,5 @@
-//! What is under the pointer: the scene drawn once more into a handful of pixels, each holding the number of its
-//! position, and read back.
+//! GPU picking: the scene is drawn again into a small window about the pointer, each pixel holding the
+//! number of its position, and read back.
 
 use glam::UVec2;
 
@@ -7,12 +7,12 @@ use super::device::{Gpu, GpuError};
 use super::pipelines::{DEPTH_FORMAT, ID_FORMAT};
 use super::target::{self, read_back};
 
-/// Pixels a side that are looked at.
+/// Side of the pick window, pixels.
 pub const WINDOW: u32 = 9;
-/// How far from the pointer a cutter may be, pixels.
+/// Largest distance between the pointer and a picked cutter, pixels.
 pub const REACH: u32 = WINDOW / 2;
 
-/// Where ids are drawn.
+/// Render target for ids.
 #[derive(Debug)]
 pub struct PickTarget {
     ids: wgpu::Texture,
@@ -20,7 +20,7 @@ pub struct PickTarget {
 }
 
 impl PickTarget {
-    /// Textures of [`WINDOW`] × [`WINDOW`].
+    /// Creates textures of [`WINDOW`] × [`WINDOW`] pixels.
     pub fn new(device: &wgpu::Device) -> Self {
         let texture =
             |label, format, usage| target::texture(device, label, format, UVec2::splat(WINDOW), 1, usage);
@@ -31,13 +31,13 @@ impl PickTarget {
         }
     }
 
-    /// Draws ids with `draw`: 0 nothing, else the number of the position counted from 1.
+    /// Draws ids with `draw`: 0 for none, else the number of the position, counted from 1.
     pub fn draw(&self, gpu: &Gpu, draw: impl FnOnce(&mut wgpu::RenderPass)) {
         let [ids, depth] = [&self.ids, &self.depth].map(|t| t.create_view(&Default::default()));
         target::draw(gpu, "ids", &ids, None, &depth, draw);
     }
 
-    /// The position nearest to the middle of the window, if any.
+    /// Index of the position nearest to the middle of the window, if any.
     ///
     /// # Errors
     /// [`GpuError::Failed`] when the device fails.
@@ -49,7 +49,7 @@ impl PickTarget {
     }
 }
 
-/// The id nearest to the middle of a square window.
+/// Index (id − 1) of the position nearest to the middle of a square window.
 fn nearest_id(ids: &[u32]) -> Option<u32> {
     let apart = |k: usize| {
         let (x, y) = (k as u32 % WINDOW, k as u32 / WINDOW);
@@ -69,7 +69,7 @@ mod tests {
         let mut ids = vec![0; (WINDOW * WINDOW) as usize];
         assert_eq!(nearest_id(&ids), None);
         ids[at(0, 0)] = 9;
-        assert_eq!(nearest_id(&ids), None, "the corner is out of reach");
+        assert_eq!(nearest_id(&ids), None, "the corner is beyond the pick radius");
         ids[at(REACH + 3, REACH)] = 4;
         assert_eq!(nearest_id(&ids), Some(3));
         ids[at(REACH, REACH)] = 1;

@@ -1,4 +1,4 @@
-//! Render pipelines of `shaders/scene.wgsl`, one set per number of samples.
+//! Render pipelines of `shaders/scene.wgsl`, one set per sample count.
 
 use super::cutters::{CutterInstance, UnitVertex};
 use super::mesh::{Segment, Vertex};
@@ -6,14 +6,14 @@ use super::scene::SurfaceInstance;
 
 /// Format of the picture: gamma-encoded, opaque.
 pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// Format of the ids under the pointer.
+/// Format of the ids for picking.
 pub const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
-/// Format of the depth buffer; the stencil tells where the section plane cuts material.
+/// Format of the depth buffer; the stencil marks where the section plane cuts material.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
-/// The shader.
+/// Source of the scene shader.
 pub const SCENE_WGSL: &str = include_str!("../../shaders/scene.wgsl");
 
-/// Everything that draws, for one number of samples.
+/// All render pipelines for one sample count.
 #[derive(Debug)]
 pub struct Pipelines {
     pub background: wgpu::RenderPipeline,
@@ -23,15 +23,15 @@ pub struct Pipelines {
     pub cutter: wgpu::RenderPipeline,
     pub cutter_glass: wgpu::RenderPipeline,
     pub line: wgpu::RenderPipeline,
-    /// Turn a bit of the stencil over per face: of the hub, of the blades.
+    /// Invert one stencil bit per face: of the hub, of the blades.
     pub parity: [wgpu::RenderPipeline; 2],
-    /// The section plane, where the stencil says material.
+    /// Draws the section plane where the stencil marks material.
     pub cap: wgpu::RenderPipeline,
-    /// Into [`ID_FORMAT`]; with one sample only.
+    /// Pipelines that draw ids into [`ID_FORMAT`]; only with one sample per pixel.
     pub ids: Option<IdPipelines>,
 }
 
-/// What draws ids; everything but cutters only hides.
+/// Pipelines that draw ids: cutters write theirs, everything else only occludes.
 #[derive(Debug)]
 pub struct IdPipelines {
     pub surface: wgpu::RenderPipeline,
@@ -41,14 +41,14 @@ pub struct IdPipelines {
     pub cutter: wgpu::RenderPipeline,
 }
 
-/// What a pipeline does with the stencil.
+/// Use of the stencil by a pipeline.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stencil {
-    /// Nothing.
+    /// Not used.
     Ignored,
-    /// Turns these bits over, and draws nothing.
+    /// Inverts these bits and draws no colour.
     Turned(u32),
-    /// Draws where any bit is set.
+    /// Draws only where any bit is set.
     Asked,
 }
 
@@ -72,7 +72,7 @@ impl Stencil {
     }
 }
 
-/// What differs between pipelines.
+/// The settings in which the pipelines differ.
 struct Stage<'a> {
     label: &'a str,
     vertex: &'a str,
@@ -85,7 +85,7 @@ struct Stage<'a> {
 }
 
 impl Pipelines {
-    /// Builds the set; `layout` has the frame uniform as group 0.
+    /// Builds all pipelines; `layout` has the frame uniform as group 0.
     pub fn new(
         device: &wgpu::Device,
         module: &wgpu::ShaderModule,
@@ -189,7 +189,7 @@ fn pipeline(
     let counts = matches!(stage.stencil, Stencil::Turned(_));
     let blend = wgpu::BlendState {
         color: wgpu::BlendState::ALPHA_BLENDING.color,
-        // The picture stays opaque.
+        // Alpha of 1 stays 1, so the picture stays opaque.
         alpha: wgpu::BlendComponent::OVER,
     };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -201,7 +201,7 @@ fn pipeline(
             compilation_options: Default::default(),
             buffers: stage.buffers,
         },
-        // Part files wind their blades either way: the shader asks the normals instead.
+        // No culling: the winding of blades depends on the part file, so the shader uses the normals.
         primitive: wgpu::PrimitiveState {
             topology: match stage.stencil {
                 Stencil::Asked => wgpu::PrimitiveTopology::TriangleStrip,

@@ -1,5 +1,5 @@
-//! Draws a [`Scene`] into a texture of its own. The window shows the texture, the command line
-//! reads it back; both get the same pixels.
+//! Draws a [`Scene`] into a texture. The window shows the texture and the command line reads it back, so that
+//! both get the same pixels.
 
 use bytemuck::Pod;
 use glam::{UVec2, Vec2, Vec3};
@@ -25,7 +25,7 @@ pub struct Picture {
     pub rgba: Vec<u8>,
 }
 
-/// Textures of one size and number of samples.
+/// Render target of one size and sample count.
 #[derive(Debug)]
 struct Target {
     size: UVec2,
@@ -36,7 +36,7 @@ struct Target {
     depth: wgpu::TextureView,
 }
 
-/// A vertex buffer that is rewritten every picture and grows when needed.
+/// A vertex buffer that is rewritten for every picture and grows when needed.
 #[derive(Debug)]
 struct Stream {
     label: &'static str,
@@ -70,32 +70,32 @@ impl Stream {
     }
 }
 
-/// Size of a picture in motion in place of `size`: a processor that draws has a sixth of the pixels to draw.
+/// Size of a picture in motion instead of `size`: on a software driver a sixth of the pixels, else the same.
 pub fn draft_size(gpu: &Gpu, size: UVec2) -> UVec2 {
     if gpu.is_software() { (size * 2 / 5).max(UVec2::ONE) } else { size }
 }
 
-/// Facets of a cutter, and of one in motion.
+/// Facets of a cutter, in still pictures and in motion.
 const FACETS: usize = 24;
 const DRAFT_FACETS: usize = 10;
 
-/// A mesh every cutter is an instance of; its first `solid` indices are no glass.
+/// The mesh of which every cutter is an instance; its first `solid` indices are opaque.
 #[derive(Debug)]
 struct Unit {
     mesh: MeshBuffers,
     solid: u32,
 }
 
-/// Draws scenes; keeps pipelines and the target between pictures.
+/// Draws scenes; keeps pipelines and render target between pictures.
 #[derive(Debug)]
 pub struct Renderer {
     module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    /// One set for a single sample, one for four; each built when first asked for.
+    /// Pipelines for one sample per pixel and for four, each built on first use.
     pipelines: [Option<Pipelines>; 2],
     uniform: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
-    /// The mesh every cutter is an instance of: fine, and for pictures in motion.
+    /// The mesh of which every cutter is an instance: fine, and for pictures in motion.
     units: [Unit; 2],
     cutters: Stream,
     cutter_lines: Stream,
@@ -104,7 +104,7 @@ pub struct Renderer {
     generation: u64,
 }
 
-/// Whether a layer is drawn without glass.
+/// Whether a layer is drawn opaque.
 fn is_opaque(layer: Layer, options: &SceneOptions) -> bool {
     match layer {
         Layer::Hub | Layer::Floor => options.show_hub,
@@ -114,7 +114,7 @@ fn is_opaque(layer: Layer, options: &SceneOptions) -> bool {
     }
 }
 
-/// Draws the pieces of the layers that are wanted.
+/// Draws the pieces of those layers for which `wanted` holds.
 fn surfaces(pass: &mut wgpu::RenderPass, wheel: &Wheel, wanted: &dyn Fn(Layer) -> bool) {
     pass.set_vertex_buffer(0, wheel.surfaces.vertices.slice(..));
     pass.set_vertex_buffer(1, wheel.instances.slice(..));
@@ -143,7 +143,7 @@ fn cap(
     if options.section.is_none() {
         return;
     }
-    // Each kind of solid turns a bit of its own: feet of blades reach a little into the hub.
+    // One stencil bit per kind of solid, because the feet of blades reach a little into the hub.
     if options.show_hub {
         pass.set_pipeline(&parity[0]);
         surfaces(pass, wheel, &|layer| layer == Layer::Hub);
@@ -219,8 +219,8 @@ impl Renderer {
         }
     }
 
-    /// Draws a picture of `size` pixels (at least 1 × 1, at most what the device allows), with 4
-    /// samples per pixel, or 1 where `samples` < 4 (while moving).
+    /// Draws a picture of `size` pixels, clamped to 1 × 1 and to the limit of the device, with 4 samples per
+    /// pixel, or 1 if `samples` < 4 (in motion).
     pub fn render(
         &mut self,
         gpu: &Gpu,
@@ -251,7 +251,7 @@ impl Renderer {
         });
     }
 
-    /// Opaque things first, then glass from the inside out: walls, cutters, shroud.
+    /// Draws opaque surfaces first, then transparent ones from the inside out: walls, cutters, shroud.
     fn draw(
         &self,
         pass: &mut wgpu::RenderPass,
@@ -281,7 +281,7 @@ impl Renderer {
         cap(pass, wheel, options, &pipelines.parity, &pipelines.cap);
         let unit = self.unit(options);
         let solid = 0..unit.solid;
-        // Glass over glass is what costs most: in motion the bottoms stand for it.
+        // Overdraw of transparent walls is the main cost, so in motion only the cutters' bottoms are drawn.
         let glass = unit.solid..if options.draft { unit.solid * 4 / 3 } else { unit.mesh.count };
         pass.set_pipeline(&pipelines.cutter);
         self.draw_cutters(pass, unit, solid);
@@ -322,8 +322,9 @@ impl Renderer {
         }
     }
 
-    /// Position whose cutter is under a pixel of a picture of `size`, or within [`REACH`] of it; `None` where
-    /// there is none in front. Asks the device, so that glass, section plane and layers count as they are drawn.
+    /// Position whose cutter is under a pixel of a picture of `size`, or within [`pick::REACH`] pixels of it;
+    /// `None` if there is none or the part hides it. Ids are drawn on the device, so that transparency,
+    /// section plane and layers count as drawn.
     ///
     /// # Errors
     /// [`GpuError::Failed`] when the device fails.
@@ -344,7 +345,7 @@ impl Renderer {
         let Some(ids) = self.pipelines[0].as_ref().and_then(|p| p.ids.as_ref()) else {
             return Ok(None);
         };
-        // Cutters of a plan in the making are no positions yet.
+        // Cutters of a plan preview cannot be picked.
         if scene.coming.is_some() {
             return Ok(None);
         }
@@ -374,11 +375,11 @@ impl Renderer {
         }
     }
 
-    /// Chooses the cutters to draw and sorts them far to near, so that glass lies over glass.
+    /// Uploads the cutters to draw, sorted from far to near as alpha blending requires, and their lines.
     fn stream_cutters(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, options: &SceneOptions) {
         let mut choice = options.cutter_choice();
         if scene.coming.is_some() {
-            // Selection and timeline speak of the plan before.
+            // Selection and timeline refer to the previous plan.
             (choice.at, choice.selected) = (None, None);
         }
         let cutters = scene.coming.as_ref().unwrap_or(&scene.cutters);
@@ -390,7 +391,7 @@ impl Renderer {
             let Some(instance) = choice.instance(cutter) else { continue };
             let selected = choice.selected == Some(instance.id as usize);
             let whole = instance.height >= cutter.instance.height;
-            // In motion the rims of the few that matter are enough.
+            // In motion only the selected and the last cutter get rims.
             if !options.draft || selected || whole {
                 cutters::rims(&instance, steps, whole, &mut lines);
             }
@@ -418,7 +419,8 @@ impl Renderer {
         let texture =
             |label, format, samples, usage| target::texture(&gpu.device, label, format, size, samples, usage);
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        // The shown texture outlives a change of samples: the window need not register it again.
+        // The resolved texture is kept when only the sample count changes, so that the window need not
+        // register it again.
         let (colour, view) = match self.target.take() {
             Some(old) if old.size == size => (old.colour, old.view),
             _ => {
@@ -441,12 +443,12 @@ impl Renderer {
         });
     }
 
-    /// The texture of the last picture, to be shown; `None` before the first.
+    /// View of the last picture's texture; `None` before the first picture.
     pub fn view(&self) -> Option<&wgpu::TextureView> {
         self.target.as_ref().map(|t| &t.view)
     }
 
-    /// Counts the textures there have been: when it changes, [`Self::view`] is another one.
+    /// Number of textures created so far; when it changes, [`Self::view`] is a different texture.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -460,7 +462,7 @@ impl Renderer {
         let target = self.target.as_ref().ok_or_else(|| failed(&"no picture was drawn yet"))?;
         let (width, height) = (target.size.x, target.size.y);
         let mut rgba = target::read_back(gpu, &target.colour, target.size, 4)?;
-        // Where nothing covers a pixel wholly, its colour came multiplied by its opacity.
+        // Un-premultiply the colour of partly transparent pixels.
         for pixel in rgba.chunks_exact_mut(4).filter(|pixel| !matches!(pixel[3], 0 | 255)) {
             for k in 0..3 {
                 pixel[k] = (u32::from(pixel[k]) * 255 / u32::from(pixel[3])).min(255) as u8;

@@ -1,7 +1,8 @@
-//! The residual heightfield on the graphics device; its CPU twin is [`crate::residual::residual_field`].
+//! The residual heightfield on the graphics device; the CPU implementation is
+//! [`crate::residual::residual_field`].
 //!
-//! On a software driver the twin gives the same result several times faster: ask
-//! [`Gpu::is_software`] which to run.
+//! On a software driver ([`Gpu::is_software`]) the CPU implementation gives the same result several times
+//! faster.
 
 use std::sync::mpsc;
 
@@ -13,7 +14,7 @@ use crate::residual::field::{CONTACT_TOLERANCE, CUT_TOLERANCE};
 use crate::residual::trace::{TraceSums, VolumeUnit};
 use crate::residual::{FieldCutter, FloorGrid, PositionTrace, ResidualField, TileBins};
 
-/// A cutter as the shader's struct lays it out: tip and R, axis and core radius, corner radius and padding.
+/// A cutter in the layout of the shader's struct: tip and R, axis and core radius, corner radius and padding.
 type PackedCutter = [f32; 12];
 
 fn packed(c: &FieldCutter) -> PackedCutter {
@@ -21,7 +22,7 @@ fn packed(c: &FieldCutter) -> PackedCutter {
     [x, y, z, c.radius, i, j, k, c.core_radius, c.corner_radius, 0.0, 0.0, 0.0]
 }
 
-/// A trace as the shader's struct lays it out; the depth is the bit pattern of a float.
+/// A trace in the layout of the shader's struct; the depth is the bit pattern of a float.
 type PackedTrace = [u32; 5];
 
 fn unpacked([depth, contact_cells, swept_cells, cut_cells, removed_units]: PackedTrace) -> TraceSums {
@@ -83,7 +84,7 @@ impl ResidualKernel {
         Ok(ResidualKernel { pipeline })
     }
 
-    /// Walks `cutters` in cutting order over every cell of `grid`, and waits for the result.
+    /// Applies `cutters` in cutting order to every cell of `grid`, and waits for the result.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] if the grid does not fit the device, [`GpuError::Failed`] if it fails.
@@ -103,7 +104,7 @@ impl ResidualKernel {
             })
             .collect();
         if cells.is_empty() || cutters.is_empty() {
-            // Buffers and dispatches must not be empty, and there is nothing to do.
+            // Buffers and dispatches must not be empty.
             let traces = vec![PositionTrace::default(); cutters.len()];
             return Ok(ResidualField { heights: grid.blank_heights.clone(), traces });
         }
@@ -146,7 +147,7 @@ impl ResidualKernel {
                 tiles_across: bins.across as u32,
                 pad: 0,
             };
-            // New buffers hold zeros, which is where traces start.
+            // wgpu zero-initialises buffers; traces start from zero.
             let heights = output("heights", heights_bytes, storage | wgpu::BufferUsages::COPY_SRC);
             let traces = output("traces", traces_bytes, storage | wgpu::BufferUsages::COPY_SRC);
             let readback = output(
@@ -201,7 +202,7 @@ impl ResidualKernel {
 }
 
 impl Gpu {
-    /// Runs `work`; anything the device rejects on the way is the error.
+    /// Runs `work` in error scopes; returns the first error that the device reports.
     fn checked<T>(&self, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -219,7 +220,7 @@ impl Gpu {
         let failed = |error: &dyn std::fmt::Display| GpuError::Failed(error.to_string());
         let (sender, receiver) = mpsc::channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver is gone only if the wait below failed, and then that is the error.
+            // The receiver is dropped only if the wait below failed, which is then reported.
             let _ = sender.send(result);
         });
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
@@ -241,7 +242,7 @@ mod tests {
     use proptest::strategy::{Strategy, ValueTree};
     use proptest::test_runner::TestRunner;
 
-    /// How far heights may differ, mm: a card may fuse products and sums, and rounds roots its own way.
+    /// How far heights may differ, mm: a card may fuse products and sums, and rounds roots differently.
     /// The software driver has always given equal bits.
     const HEIGHT_TOLERANCE: f32 = 1e-4;
 

@@ -1,4 +1,4 @@
-//! What is drawn: buffers of one part with its plan, and what to show of it.
+//! The drawn scene: GPU buffers of one part with its plan, and the display options.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -19,34 +19,35 @@ use crate::plunge::plan::PlungePlan;
 use crate::residual::FloorGrid;
 use crate::residual::surface::FINE;
 
-/// What the floor of the channel in work shows.
+/// Quantity shown as colours on the floor of the active channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FloorColours {
     /// Height of stock left above the finished hub.
     #[default]
     Residual,
-    /// Depth of contact of the cores that end there.
+    /// Contact depth of the cores that end there.
     Interference,
-    /// Values of another kind on the floor, set by [`Scene::set_values`].
+    /// Other values per corner of the floor, set by [`Scene::set_values`].
     Values,
-    /// What is left on the walls of the channel, set by [`Scene::set_values`]; they stand in place of the blades.
+    /// Residual stock on the walls of the channel, set by [`Scene::set_values`]; the walls replace the
+    /// blades.
     Walls,
-    /// Nothing.
+    /// No colours.
     Plain,
 }
 
-/// What to show, and how.
+/// Display options of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneOptions {
     /// Hub of the wheel, with its body.
     pub show_hub: bool,
     /// Blades.
     pub show_blades: bool,
-    /// Shroud, as glass over everything.
+    /// Shroud, transparent.
     pub show_shroud: bool,
-    /// Cutters.
+    /// Which cutters are shown.
     pub show_cutters: CutterFilter,
-    /// Axes from tip to retract point of the cutters shown.
+    /// Axes of the shown cutters, from tip to retract point.
     pub show_axes: bool,
     /// Holders of the cutters drawn at full length.
     pub show_holders: bool,
@@ -54,46 +55,46 @@ pub struct SceneOptions {
     pub show_links: bool,
     /// Colours of the floor.
     pub show_floor_colours: FloorColours,
-    /// Stock drawn at its height instead of as colours on the hub.
+    /// Draws stock raised by its height instead of as flat colours on the hub.
     pub relief: bool,
-    /// Walls of the channel in work that stand in front of it are glass.
+    /// Draws the walls of the active channel transparent where they hide it.
     pub cut_away: bool,
     /// Values at the ends of the colour table, mm.
     pub range_mm: (f32, f32),
-    /// Colour table of the residual layer.
+    /// Colour table of floor and wall values.
     pub map: ColourMap,
     /// Light or dark.
     pub theme: Theme,
-    /// Only positions before this one; the last of them at full length.
+    /// Shows only positions before this one, the last of them at full length.
     pub at: Option<usize>,
-    /// Chosen position.
+    /// Selected position.
     pub selected: Option<usize>,
-    /// Length of sound cutters that are neither chosen nor last, in diameters; faulty ones are
+    /// Drawn length, in diameters, of sound cutters that are neither selected nor last; faulty ones are
     /// longer.
     pub cutter_stub: f32,
-    /// Physical pixels per point: lines keep their width on dense screens.
+    /// Physical pixels per logical point, so that lines keep their width on high-density screens.
     pub pixel_scale: f32,
-    /// The part beyond this plane is left out.
+    /// Section plane; the part beyond it is not drawn.
     pub section: Option<SectionPlane>,
     /// Borders between sections.
     pub show_borders: bool,
-    /// No background: the picture is transparent where nothing is.
+    /// Leaves the background transparent.
     pub transparent: bool,
-    /// Fast rather than fine: cutters with fewer facets.
+    /// Draft quality for speed: coarser meshes, cutters with fewer facets.
     pub draft: bool,
 }
 
-/// A plane that cuts the part open.
+/// A plane that clips the part (world frame).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionPlane {
-    /// Unit normal; what lies on its side is left out.
+    /// Unit normal; the side it points to is clipped away.
     pub normal: Vec3,
     /// Distance of the plane from the origin along the normal, mm.
     pub offset: f32,
 }
 
 impl SectionPlane {
-    /// Stretch of a ray that is not left out, mm along it; `None` when all of it is.
+    /// Interval of a ray (mm along it) that is not clipped; `None` when all of it is.
     fn kept(&self, ray: &Ray) -> Option<(f32, f32)> {
         let (height, slope) = (self.normal.dot(ray.origin) - self.offset, self.normal.dot(ray.direction));
         if slope.abs() < 1e-9 {
@@ -145,14 +146,14 @@ impl FromStr for FloorColours {
     }
 }
 
-/// A word that names nothing to show.
+/// Error: a word that is not a floor colouring.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("nothing to show is called \"{0}\"; use residual, interference or plain")]
+#[error("unknown colours \"{0}\"; use residual, interference or plain")]
 pub struct UnknownColours(pub String);
 
 impl SceneOptions {
-    /// Options for a picture that is about one thing: cutters would hide the floor where stock is
-    /// looked at, and are what is looked at where interference is.
+    /// Default options for a picture of `colours`. Cutters are shown for interference only; elsewhere they
+    /// would hide the floor.
     pub fn showing(colours: FloorColours) -> Self {
         let show_cutters = match colours {
             FloorColours::Interference => CutterFilter::All,
@@ -163,7 +164,7 @@ impl SceneOptions {
         Self { show_floor_colours: colours, show_cutters, ..Self::default() }
     }
 
-    /// Which cutters are drawn under these options.
+    /// Which cutters are drawn with these options, and how.
     pub fn cutter_choice(&self) -> CutterChoice {
         CutterChoice {
             filter: self.show_cutters,
@@ -174,7 +175,7 @@ impl SceneOptions {
     }
 }
 
-/// Copy of a surface turned about Z. 16 bytes, matches `SurfaceIn` of the shader.
+/// Instance of a surface rotated about Z. 16 bytes, matches `SurfaceIn` of the shader.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct SurfaceInstance {
@@ -189,29 +190,29 @@ const FLOOR: u32 = 1;
 const BLADE: u32 = 2;
 const WALL: u32 = 3;
 const SHROUD: u32 = 4;
-/// Faces the channel in work.
+/// Flag: faces the active channel.
 const INNER: u32 = 1;
-/// Lies on the hub.
+/// Flag: lies on the hub.
 const ON_HUB: u32 = 2;
 
-/// When a piece is drawn.
+/// Draw group of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layer {
-    /// With the hub; closed.
+    /// Drawn with the hub; a closed surface.
     Hub,
-    /// With the hub, on which it lies.
+    /// Drawn with the hub, on which it lies.
     Floor,
-    /// With the blades.
+    /// Drawn with the blades.
     Blades,
-    /// With the blades; as glass when walls are cut away.
+    /// Drawn with the blades; transparent when walls are cut away.
     CutAway,
-    /// Never; closes the blades at the hub.
+    /// Never drawn; closes the blades at the hub for the parity test.
     Foot,
-    /// With the shroud.
+    /// Drawn with the shroud.
     Shroud,
 }
 
-/// A range of indices with a range of instances.
+/// One indexed draw call: a range of indices with a range of instances.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     pub layer: Layer,
@@ -246,7 +247,7 @@ pub(super) fn index_buffer(gpu: &Gpu, label: &str, indices: &[u32]) -> wgpu::Buf
     gpu.filled_buffer(label, bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX)
 }
 
-/// Surfaces and edges of the wheel, in one degree of detail.
+/// Surfaces and edges of the wheel at one level of detail.
 #[derive(Debug)]
 pub(super) struct Wheel {
     pub surfaces: MeshBuffers,
@@ -277,26 +278,26 @@ impl Wheel {
     }
 }
 
-/// Floor of the channel in work with its values.
+/// Floor of the active channel with its values.
 #[derive(Debug)]
 pub(super) struct FloorPart {
     pub residual: MeshBuffers,
-    /// The same, coarser, where there is one.
+    /// The same, coarser, if there is one.
     pub draft: Option<MeshBuffers>,
     pub contact: Option<MeshBuffers>,
     mesh: Mesh,
 }
 
-/// A surface under the pointer.
+/// A surface hit by a picking ray.
 #[derive(Clone, Copy)]
 struct Surface {
-    /// Along the ray, mm.
+    /// Distance along the ray, mm.
     distance: f32,
     value: Option<f32>,
     on_section: bool,
 }
 
-/// The ray turned back about Z: cheaper than turning a blade.
+/// The ray rotated by −`angle` about Z, which is cheaper than rotating a blade.
 fn turned_back(ray: &Ray, angle: f64) -> Ray {
     Ray { origin: turn(ray.origin, -angle), direction: turn(ray.direction, -angle) }
 }
@@ -307,37 +308,37 @@ pub struct Scene {
     part: Arc<PartMesh>,
     fine: Wheel,
     draft: Option<Wheel>,
-    /// Curves or moves of a flank plan.
+    /// Passes or moves of a flank plan.
     pub(super) paths: Option<(wgpu::Buffer, u32)>,
     /// Borders between sections.
     pub(super) borders: Option<(wgpu::Buffer, u32)>,
     pub(super) floor: Option<FloorPart>,
     pub(super) cutters: Vec<Cutter>,
-    /// Cutters of a plan in the making, drawn in place of the others and no positions to be picked.
+    /// Cutters of a plan preview. They are drawn instead of `cutters` and cannot be picked.
     pub(super) coming: Option<Vec<Cutter>>,
     framing: Framing,
 }
 
-/// What is under a pixel.
+/// Result of picking a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
-    /// Nearest surface point of the part, or of the cutter if that is nearer, mm.
+    /// Nearest surface point of the part, or of a cutter if that is nearer, mm.
     pub point: Vec3,
-    /// Position whose cutter is under the pixel.
+    /// Index of the position whose cutter is under the pixel.
     pub position: Option<usize>,
-    /// Value there, where surfaces with values were met ([`FloorColours::Walls`]).
+    /// Value there, if the surface has values ([`FloorColours::Walls`]).
     pub value: Option<f32>,
-    /// Whether it is material that the section plane cuts.
+    /// Whether the point is on material cut by the section plane.
     pub on_section: bool,
 }
 
 impl Scene {
-    /// Tessellates a part and loads it; no plan yet.
+    /// Tessellates a part and uploads it; no plan yet.
     pub fn new(gpu: &Gpu, part: &Impeller) -> Self {
         Self::from_mesh(gpu, Arc::new(PartMesh::new(part)))
     }
 
-    /// Loads a part that is tessellated already.
+    /// Uploads a part that is already tessellated.
     pub fn from_mesh(gpu: &Gpu, part: Arc<PartMesh>) -> Self {
         let framing = part.framing.clone();
         let fine = Wheel::new(gpu, &part);
@@ -354,18 +355,18 @@ impl Scene {
         }
     }
 
-    /// With a coarser mesh of the same part for pictures in motion.
+    /// Adds a coarser mesh of the same part for pictures in motion.
     pub fn with_draft(mut self, gpu: &Gpu, draft: &PartMesh) -> Self {
         self.draft = Some(Wheel::new(gpu, draft));
         self
     }
 
-    /// The wheel in the detail that `options` ask for.
+    /// The wheel at the level of detail of `options`.
     pub(super) fn wheel(&self, options: &SceneOptions) -> &Wheel {
         self.draft.as_ref().filter(|_| options.draft).unwrap_or(&self.fine)
     }
 
-    /// Shows a plan's cutters, or none.
+    /// Sets the plan whose cutters are shown, or none.
     pub fn set_plan(&mut self, plan: Option<&PlungePlan>) {
         self.cutters = plan.map(cutters::cutters).unwrap_or_default();
         self.framing.sections = plan.map_or(0, |p| p.sections.len()).checked_sub(1).map_or(vec![], |last| {
@@ -373,7 +374,8 @@ impl Scene {
         });
     }
 
-    /// Shows the cutters of a plan in the making in place of the plan's; `judged`: whether contact is known of them.
+    /// Shows the cutters of a plan preview instead of the plan's, or removes it; `judged` says whether their
+    /// contact has been evaluated.
     pub fn set_coming(&mut self, plan: Option<&PlungePlan>, judged: bool) {
         self.coming = plan.map(|plan| {
             let mut coming = cutters::cutters(plan);
@@ -384,8 +386,8 @@ impl Scene {
         });
     }
 
-    /// Shows stock on the floor: `heights` per cell of `grid`; with a plan also the contact of all
-    /// its cores, whatever [`SceneOptions::at`] says. Heights that do not fit the grid show no floor colours.
+    /// Sets the stock on the floor: `heights` (mm) per cell of `grid`. With a plan, also the contact of all
+    /// its cores, independent of [`SceneOptions::at`]. No floor colours are shown if the sizes differ.
     pub fn set_floor(&mut self, gpu: &Gpu, floor: Option<(&FloorGrid, &[f32])>, plan: Option<&PlungePlan>) {
         self.floor = floor.and_then(|(grid, heights)| {
             let mesh = floor::floor_mesh(grid, heights, FINE)?;
@@ -396,14 +398,14 @@ impl Scene {
         });
     }
 
-    /// Shows surfaces with a value per corner in place of the floor's: see [`FloorColours::Values`].
+    /// Replaces the floor by surfaces with a value per corner, see [`FloorColours::Values`].
     pub fn set_values(&mut self, gpu: &Gpu, mesh: Mesh) {
         self.floor =
             Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), draft: None, contact: None, mesh });
     }
 
-    /// Replaces the heights on the floor, e.g. while scrubbing; the grid is the one of
-    /// [`Self::set_floor`], and nothing happens before that or when the sizes differ.
+    /// Replaces the heights on the floor, e.g. while scrubbing. `grid` is that of [`Self::set_floor`];
+    /// nothing happens before that call or when the sizes differ.
     pub fn set_heights(&mut self, gpu: &Gpu, grid: &FloorGrid, heights: &[f32]) {
         let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights, FINE)) else {
             return;
@@ -418,19 +420,19 @@ impl Scene {
         }
     }
 
-    /// Shows lines in the channel, such as those of [`super::flank::lines`]; none hides them.
+    /// Sets lines in the channel, such as those of [`super::flank::lines`]; an empty slice removes them.
     pub fn set_paths(&mut self, gpu: &Gpu, lines: &[Segment]) {
         let buffer = || (vertex_buffer(gpu, "paths", lines), lines.len() as u32);
         self.paths = (!lines.is_empty()).then(buffer);
     }
 
-    /// Borders between sections, as lines; see [`SceneOptions::show_borders`].
+    /// Sets the borders between sections, as lines; see [`SceneOptions::show_borders`].
     pub fn set_borders(&mut self, gpu: &Gpu, lines: &[Segment]) {
         let buffer = || (vertex_buffer(gpu, "borders", lines), lines.len() as u32);
         self.borders = (!lines.is_empty()).then(buffer);
     }
 
-    /// What the standard views aim at.
+    /// Targets of the standard views.
     pub fn framing(&self) -> &Framing {
         &self.framing
     }
@@ -440,7 +442,7 @@ impl Scene {
         self.part.triangles()
     }
 
-    /// What is under a pixel of a picture of `size`, if anything.
+    /// Picks the surface or cutter under a pixel of a picture of `size` by ray casting, if any.
     pub fn pick(&self, camera: &Camera, options: &SceneOptions, pixel: Vec2, size: Vec2) -> Option<Pick> {
         let ray = camera.ray(pixel, size);
         let surface = self.surface_under(&ray, options);
@@ -464,11 +466,11 @@ impl Scene {
         }
     }
 
-    /// Nearest surface of the part as it is drawn, the section plane where it cuts material included.
+    /// Nearest surface of the part as drawn, including the section plane where it cuts material.
     fn surface_under(&self, whole: &Ray, options: &SceneOptions) -> Option<Surface> {
         let kept = options.section.map_or(Some((0.0, f32::INFINITY)), |plane| plane.kept(whole));
         let (start, end) = kept?;
-        // The part is looked at from where the section plane lets the ray in.
+        // Start the ray where it enters the unclipped side of the section plane.
         let ray = Ray { origin: whole.origin + whole.direction * start, ..*whole };
         if start > 0.0 && self.is_inside(&ray, options) {
             return Some(Surface { distance: start, value: None, on_section: true });
@@ -497,7 +499,7 @@ impl Scene {
                     if k >= lit || !options.cut_away {
                         near(mesh.hit(&back), false);
                     } else if lit == 2 && side == k {
-                        // Walls drawn as glass let the pointer through to what is behind.
+                        // Walls drawn transparent cannot be picked; surfaces behind them can.
                         near(mesh.hit(&back).filter(|hit| hit.normal.dot(back.direction) < 0.0), false);
                     }
                 }
@@ -506,8 +508,8 @@ impl Scene {
         nearest
     }
 
-    /// Whether a ray begins inside hub or blades that are shown: it crosses an odd number of their faces, which are
-    /// closed. As the renderer fills the section plane.
+    /// Whether a ray begins inside the shown hub or blades. Both are closed, so it then crosses an odd number
+    /// of their faces: the parity rule with which the renderer fills the section plane.
     fn is_inside(&self, ray: &Ray, options: &SceneOptions) -> bool {
         let odd = |count: usize| count % 2 == 1;
         let in_blades = || {
@@ -526,7 +528,7 @@ impl Scene {
     }
 }
 
-/// Sphere about the lower ends of a section's cutters, seen along their mean axis.
+/// View target of a section: a sphere about the cutters' tips, seen along their mean axis.
 fn section_frame(cutters: &[Cutter], section: usize, framing: &Framing) -> Frame {
     let of_section = || cutters.iter().filter(|c| c.section == section).map(|c| &c.instance);
     let count = of_section().count();
@@ -543,7 +545,7 @@ fn section_frame(cutters: &[Cutter], section: usize, framing: &Framing) -> Frame
     Frame { center, radius: reach, from: from.normalize_or(framing.channel.from) }
 }
 
-/// Gathers surfaces into one buffer.
+/// Collects surfaces into shared buffers.
 #[derive(Default)]
 struct Builder {
     mesh: Mesh,
@@ -579,8 +581,8 @@ impl Builder {
         self.place(layer, &loaded, copies);
     }
 
-    /// A blade row whose first `lit` copies belong to the channel in work: 2 walls, or 1 splitter
-    /// inside it.
+    /// Adds a blade row whose first `lit` copies belong to the active channel: 2 walls, or 1 splitter inside
+    /// it.
     fn add_blade(&mut self, blade: &BladeMesh, lit: usize) {
         let copy = |k: usize, kind, flags| SurfaceInstance {
             turn: [blade.turns[k].cos() as f32, blade.turns[k].sin() as f32],
@@ -593,7 +595,7 @@ impl Builder {
             let loaded = self.load(mesh);
             self.place(Layer::Blades, &loaded, &pale);
             for k in 0..lit {
-                // Wall 0 faces the channel with its suction side, wall 1 with its pressure side.
+                // Wall 0 bounds the channel with its suction side, wall 1 with its pressure side.
                 if lit == 2 && side == k {
                     self.place(Layer::Blades, &loaded, &[copy(k, WALL, INNER)]);
                 } else {

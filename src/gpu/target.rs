@@ -1,10 +1,10 @@
-//! Textures that are drawn into: made, drawn, read back.
+//! Render targets: creation, one render pass, reading back.
 
 use glam::UVec2;
 
 use super::device::{Gpu, GpuError};
 
-/// A texture of `size` with so many samples a pixel.
+/// Creates a texture of `size` with `samples` samples per pixel.
 pub(super) fn texture(
     device: &wgpu::Device,
     label: &str,
@@ -25,8 +25,8 @@ pub(super) fn texture(
     })
 }
 
-/// Draws into `colour` with `draw`, on nothing and from the greatest depth on. Where `colour` has several samples a pixel,
-/// what is kept of them goes to `resolved`.
+/// Runs one render pass into `colour` with `draw`, after clearing colour (transparent), depth (1) and stencil
+/// (0). A multisampled `colour` is resolved into `resolved`.
 pub(super) fn draw(
     gpu: &Gpu,
     label: &str,
@@ -68,7 +68,7 @@ pub(super) fn draw(
     gpu.queue.submit([encoder.finish()]);
 }
 
-/// Reads a texture of `size` back, `bytes` a pixel, top row first.
+/// Reads a texture of `size` back, `bytes` per pixel, top row first. Waits for the device.
 ///
 /// # Errors
 /// [`GpuError::Failed`] when the device fails.
@@ -79,7 +79,7 @@ pub(super) fn read_back(
     bytes: u32,
 ) -> Result<Vec<u8>, GpuError> {
     let failed = |what: &dyn std::fmt::Display| GpuError::Failed(what.to_string());
-    // Rows in a copy are padded to a multiple the interface prescribes.
+    // wgpu requires rows of a copy to be padded to this alignment.
     let row = (size.x * bytes).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("read back"),

@@ -1,4 +1,4 @@
-//! What the shader is told about a picture.
+//! The per-picture uniform of the scene shader.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec2, Vec3};
@@ -29,7 +29,7 @@ pub struct FrameUniform {
 }
 
 impl FrameUniform {
-    /// Everything the shader is told about one picture.
+    /// The uniform for one picture of `size` pixels.
     pub fn new(framing: &Framing, camera: &Camera, options: &SceneOptions, size: UVec2) -> Self {
         let vec = |v: Vec3| v.extend(0.0).to_array();
         let rgb = |c: Rgb| [c[0], c[1], c[2], 1.0];
@@ -90,7 +90,7 @@ impl FrameUniform {
         }
     }
 
-    /// The same picture, narrowed down to `pixels` × `pixels` about one of its pixels.
+    /// The same picture, cropped to a window of `pixels` × `pixels` about one of its pixels, for picking.
     pub fn narrowed(mut self, pixel: Vec2, size: Vec2, pixels: f32) -> Self {
         let middle = Vec2::new(2.0 * pixel.x / size.x - 1.0, 1.0 - 2.0 * pixel.y / size.y);
         let scale = size / pixels;

@@ -1,4 +1,4 @@
-//! Standard views and what they aim at.
+//! Standard views and the spheres they are fitted to.
 
 use std::str::FromStr;
 
@@ -7,22 +7,22 @@ use glam::Vec3;
 /// Standard views.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum View {
-    /// The whole wheel from obliquely above the inlet, the channel in work to the front.
+    /// The whole wheel from obliquely above the inlet, the active channel to the front.
     #[default]
     Iso,
     /// The whole wheel from the side, axis upright.
     Front,
     /// The whole wheel along its axis, inlet towards the viewer.
     Top,
-    /// The channel in work, seen onto its floor.
+    /// The active channel, looking onto its floor.
     Channel,
     /// The n-th section of the plan, counted from 1.
     Section(usize),
 }
 
-/// A word that names no view.
+/// Error: a word that is not the name of a view.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no view is called \"{0}\"; use iso, front, top, channel or section:K with K counted from 1")]
+#[error("unknown view \"{0}\"; use iso, front, top, channel or section:K with K counted from 1")]
 pub struct UnknownView(pub String);
 
 impl FromStr for View {
@@ -46,7 +46,7 @@ impl FromStr for View {
     }
 }
 
-/// Something to look at: a sphere around it and the direction it is best seen from.
+/// Target of a view: a bounding sphere and the direction to look from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Centre of the sphere, mm.
@@ -57,20 +57,20 @@ pub struct Frame {
     pub from: Vec3,
 }
 
-/// What the standard views of a scene aim at.
+/// Targets of the standard views of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Framing {
     /// The whole wheel; `from` is the iso direction.
     pub wheel: Frame,
-    /// The channel in work.
+    /// The active channel.
     pub channel: Frame,
     /// Sections of the plan, in cutting order.
     pub sections: Vec<Frame>,
-    /// Points that span the wheel.
+    /// Points on the wheel that the whole-wheel views are fitted to.
     pub wheel_outline: Vec<Vec3>,
-    /// Points that span the channel in work.
+    /// Points on the active channel that the channel view is fitted to.
     pub channel_outline: Vec<Vec3>,
-    /// +1 when the inlet is at the upper end of Z, −1 when the part stands on its head in its file.
+    /// +1 when the inlet is at the upper end of Z, −1 when it is at the lower end.
     pub up_sign: f32,
 }
 

@@ -1,12 +1,12 @@
-//! Blade walls with a value per corner, for pictures of what was measured on them.
+//! Meshes of blade walls with a measured value per corner.
 
 use glam::Vec3;
 
 use super::mesh::{Mesh, PointGrid};
 use crate::part::BladeSide;
 
-/// Mesh of `wall` over the lines `u` and `v`, with `values[i · v.len() + j]` at `u[i]`, `v[j]`; `back` is the other side
-/// of the blade. `None` when the values do not fit.
+/// Mesh of `wall` over the parameter lines `u` and `v`, with `values[i · v.len() + j]` at `u[i]`, `v[j]`;
+/// `back` is the other side of the blade and orients the normals. Returns `None` when the sizes do not match.
 pub fn wall_mesh(wall: &BladeSide, back: &BladeSide, u: &[f64], v: &[f64], values: &[f64]) -> Option<Mesh> {
     if values.len() != u.len() * v.len() || u.len() < 2 || v.len() < 2 {
         return None;

@@ -1,5 +1,5 @@
-//! The planning job that window and command line share: request in, result out, progress and
-//! cancel between.
+//! The plunge planning job that window and command line share: from a request to a result, with progress and
+//! cancellation.
 
 pub mod flank;
 pub mod stage;
@@ -22,29 +22,29 @@ use crate::residual::{
     FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of_setup,
 };
 
-/// What to plan.
+/// Request for a plunge plan.
 #[derive(Clone, Debug)]
 pub struct PlanRequest {
     /// The part.
     pub part: Arc<Impeller>,
-    /// The setup as the programmer gave it.
+    /// The setup as given by the user.
     pub setup: Setup,
-    /// Policy of the result ("after"); "before" is always conventional.
+    /// Axis policy of the result ("after"); "before" is always conventional.
     pub policy: AxisPolicy,
-    /// Whether the other policies are planned as well, for comparison.
+    /// Whether the other policies are also planned, for comparison.
     pub compare: bool,
     /// Cells of the residual field along s and λ.
     pub field_cells: usize,
 }
 
-/// A plan with what it leaves.
+/// A plan with its residual stock.
 #[derive(Clone, Debug)]
 pub struct PolicyResult {
     /// The plan.
     pub plan: PlungePlan,
-    /// Stock left on the hub after all positions.
+    /// Residual stock on the channel floor after all positions.
     pub field: ResidualField,
-    /// The numbers that decide.
+    /// Summary figures of the plan.
     pub summary: Summary,
 }
 
@@ -53,37 +53,37 @@ pub struct PolicyResult {
 pub struct PlanOutcome {
     /// The part that was planned.
     pub part: Arc<Impeller>,
-    /// The setup with everything that was chosen by default filled in (tools, sections).
+    /// The setup with the default choices (tools, sections) filled in.
     pub setup: Setup,
-    /// For each section why it was chosen; `None` where the setup gave it.
+    /// Why each section was chosen; `None` for sections given by the setup.
     pub reasons: Vec<Option<String>>,
-    /// Floor grid both fields stand on.
+    /// Floor grid of all fields.
     pub grid: Arc<FloorGrid>,
     /// Conventional plan.
     pub before: PolicyResult,
-    /// Plan by the policy asked for.
+    /// Plan by the requested policy.
     pub after: PolicyResult,
-    /// Plans by the other policies, when they were asked for.
+    /// Plans by the other policies, if requested.
     pub others: Vec<PolicyResult>,
-    /// Wall time of the work, s.
+    /// Wall-clock time of the job, s.
     pub elapsed: f64,
 }
 
 impl PlanOutcome {
-    /// Every policy that was planned, from what shops do today to ours.
+    /// The result of every planned policy, in the order of [`AxisPolicy::ALL`].
     pub fn policies(&self) -> Vec<&PolicyResult> {
         let all = || [&self.before, &self.after].into_iter().chain(&self.others);
         AxisPolicy::ALL.iter().filter_map(|policy| all().find(|r| r.plan.policy == *policy)).collect()
     }
 }
 
-/// Why there is no result.
+/// Why a job has no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum JobError {
-    /// Cancelled, and there is nothing to show for it; keep the last good result.
+    /// Cancelled without a result; the caller keeps its last good one.
     #[error("cancelled")]
     Cancelled,
-    /// The part and the setup do not go together: what, and what to do.
+    /// Part and setup are incompatible: the fault and what to do about it.
     #[error(transparent)]
     Setup(#[from] SetupFault),
 }
@@ -97,47 +97,47 @@ impl From<PlanError> for JobError {
     }
 }
 
-/// The setup with everything filled in that it leaves open, from the program's tool library.
+/// Completes the setup: missing tools and sections are chosen from the program's tool library.
 ///
 /// # Errors
-/// When part and setup do not go together.
+/// [`SetupFault`] when part and setup are incompatible.
 pub fn resolve(setup: &Setup, part: &Impeller, channel: &Channel) -> Result<Resolved, SetupFault> {
     sections::resolve(setup, plunge_cutters(), part, channel)
 }
 
-/// Plans one channel. The one way to a plan for window and command line alike.
+/// Plans one channel, without a cache of earlier plans.
 ///
 /// # Errors
-/// As [`PlanJob::run`].
+/// The errors of [`PlanJob::run`].
 pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
     PlanJob::default().run(request, monitor)
 }
 
-/// By policy the sections that were planned last.
+/// Cached sections of the last plan of each policy.
 type Known = HashMap<AxisPolicy, KnownSections>;
 
-/// Plans channels and remembers the sections of the last plan, so that only stale ones are planned again.
+/// Plunge planner with a cache of the last plan's sections, so that only stale sections are planned again.
 #[derive(Debug, Default)]
 pub struct PlanJob {
     last: Mutex<Option<(Arc<Impeller>, Known)>>,
 }
 
 impl PlanJob {
-    /// Plans one channel. Once `monitor` is told to stop, the plan asked for is judged as far as it is found, see
-    /// [`PlungePlan::is_unfinished`]; others that are not finished are left out.
+    /// Plans one channel. After a stop of `monitor` the requested plan is evaluated as far as it was found,
+    /// see [`PlungePlan::is_unfinished`]; other unfinished plans are dropped.
     ///
     /// # Errors
-    /// [`JobError::Cancelled`] soon after `monitor` is told so, or to stop where nothing was found yet;
-    /// [`JobError::Setup`] when part and setup do not go together.
+    /// [`JobError::Cancelled`] after a cancel of `monitor`, or after a stop before anything was found;
+    /// [`JobError::Setup`] when part and setup are incompatible.
     pub fn run(&self, request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
         self.run_telling(request, monitor, Listener::default())
     }
 
-    /// As [`Self::run`]; `listener` is told of every stage. The conventional plan, which takes least, is judged before
-    /// others begin.
+    /// Like [`Self::run`], reporting every stage to `listener`. The conventional plan, which is the fastest,
+    /// is evaluated before the others begin.
     ///
     /// # Errors
-    /// As [`Self::run`].
+    /// The errors of [`Self::run`].
     pub fn run_telling(
         &self,
         request: &PlanRequest,
@@ -154,7 +154,7 @@ impl PlanJob {
     }
 }
 
-/// As [`PlanJob::run_telling`], with what is `known`.
+/// Like [`PlanJob::run_telling`], with the cache `known`.
 fn plan(
     request: &PlanRequest,
     known: &mut Known,
@@ -167,7 +167,8 @@ fn plan(
     let Resolved { setup, reasons } = resolve(&request.setup, part, &channel)?;
     listener.tell(|| Stage::Resolved(setup.clone(), reasons.clone()));
     let planner = Planner::new(part, &channel, &setup);
-    // What every plan is judged beside and by is made even after a stop.
+    // The conventional plan and the grid are needed for every result, so they are completed even after a
+    // stop.
     let closing = &monitor.closing();
     let judged = |policy, known: &mut KnownSections, monitor: &Monitor| -> Result<PlungePlan, PlanError> {
         let placed = planner.place(policy, known, monitor)?;
@@ -182,8 +183,8 @@ fn plan(
         listener.tell(|| Stage::Measured(Arc::clone(grid), result.clone()));
         Ok(result)
     };
-    // Axes that were searched for are near what will be found: a hand on a slider sees what it does to them at once. What
-    // keeps them from it the plan itself will tell.
+    // Preview by warm start: the axes of the last plan, fitted to the new setup, are close to the result and
+    // give live feedback while a slider is dragged. Failures are reported by the plan itself.
     let searched = known.entry(request.policy).or_default();
     if listener.is_listening()
         && request.policy == AxisPolicy::Minimal
@@ -192,10 +193,10 @@ fn plan(
     {
         listener.tell(|| Stage::Carried(plan));
     }
-    // Then, on all processors, what is ready soonest.
+    // Then the conventional plan alone on all cores, as it is ready first.
     let known_conventional = known.entry(AxisPolicy::Conventional).or_default();
     let before = judged(AxisPolicy::Conventional, known_conventional, closing)?;
-    // The way to the others is the long one.
+    // The other policies take most of the time.
     monitor.report(0.1);
     let ready = OnceLock::new();
     let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>), PlanError> {
@@ -204,7 +205,7 @@ fn plan(
         let source = FloorSource { part, channel: &channel, blank, stock, cutters: &cutters };
         let grid = Arc::new(FloorGrid::new(&source, request.field_cells));
         let result = measured(before, &grid)?;
-        // Nobody else sets it.
+        // Cannot fail: this is the only place that sets it.
         let _ = ready.set(Arc::clone(&grid));
         Ok((result, grid))
     };
@@ -216,14 +217,14 @@ fn plan(
         .filter(wanted)
         .map(|&policy| (policy, known.remove(&policy).unwrap_or_default()))
         .collect();
-    // A plan that is there before the grid is measured at the end.
+    // A plan that is ready before the grid is measured at the end.
     let asked = || -> Result<Vec<Result<PolicyResult, PlungePlan>>, PlanError> {
         let asked = policies.par_iter_mut().map(|(policy, known)| {
             let plan = judged(*policy, known, monitor);
             let cancelled = matches!(plan, Err(PlanError::Cancelled(_)));
             if *policy == request.policy {
                 if cancelled {
-                    // With nothing to judge nobody needs the rest.
+                    // Without the requested plan the others are useless.
                     monitor.cancel();
                 }
             } else if cancelled && monitor.is_stopped() || plan.as_ref().is_ok_and(PlungePlan::is_unfinished)
@@ -261,7 +262,7 @@ fn plan(
     Ok(PlanOutcome { part: part.clone(), grid, before, after, others, elapsed, setup, reasons })
 }
 
-/// Adds to a plan what it leaves on the hub.
+/// Computes the residual stock and the summary of a plan.
 fn with_field(plan: PlungePlan, grid: &FloorGrid) -> PolicyResult {
     let field = residual_field(grid, &cutters_of(&plan));
     let summary = Summary::of(&plan, grid, &field);

@@ -1,4 +1,4 @@
-//! What a planning job tells while it works: each plan as soon as something true is known of it.
+//! Intermediate results that a planning job reports while it runs.
 
 use std::sync::Arc;
 
@@ -7,37 +7,39 @@ use crate::part::Setup;
 use crate::plunge::PlungePlan;
 use crate::residual::FloorGrid;
 
-/// One step of a planning job.
+/// An intermediate result of a planning job.
 #[derive(Clone, Debug)]
 pub enum Stage {
-    /// Tools and sections are chosen; with the reason for each section, see [`super::PlanOutcome::reasons`].
+    /// Completed setup, with the reason for each section, see [`super::PlanOutcome::reasons`].
     Resolved(Setup, Vec<Option<String>>),
-    /// The cutters of a policy's plan stand where they go. Nothing is known yet of contact, and of retracts.
+    /// Plan of a policy with all positions placed; contact and retracts are not evaluated yet.
     Placed(PlungePlan),
-    /// A plan by the policy asked for with the axes of the plan before, judged: it is there long before the search.
+    /// Preview of the requested policy, evaluated: the axes of the last plan fitted to the new setup (warm
+    /// start), available long before the search ends.
     Carried(PlungePlan),
-    /// Contact, clearances and retracts of a policy's plan are known.
+    /// Plan of a policy with contact, clearances and retracts evaluated.
     Judged(PlungePlan),
-    /// What a policy's plan leaves on the hub is known too.
+    /// The same plan with its residual stock on the floor grid.
     Measured(Arc<FloorGrid>, PolicyResult),
 }
 
-/// Who is told of the stages of a job; may be nobody. It is called from any thread, by one at a time for each policy.
+/// Optional callback for job stages. It is called from any thread, but never concurrently for the same
+/// policy.
 #[derive(Clone, Copy, Default)]
 pub struct Listener<'a>(Option<&'a (dyn Fn(Stage) + Sync)>);
 
 impl<'a> Listener<'a> {
-    /// Tells `listen` of every stage.
+    /// Reports every stage to `listen`.
     pub fn new(listen: &'a (dyn Fn(Stage) + Sync)) -> Self {
         Self(Some(listen))
     }
 
-    /// Whether anybody listens.
+    /// Whether there is a callback.
     pub fn is_listening(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Tells of a stage, which is made only if somebody listens.
+    /// Reports a stage; `stage` is evaluated only if there is a callback.
     pub fn tell(&self, stage: impl FnOnce() -> Stage) {
         if let Some(listen) = self.0 {
             listen(stage());

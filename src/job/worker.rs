@@ -1,9 +1,9 @@
-//! A background thread with one slot for the newest request and one for the latest end.
+//! A background thread with one slot for the newest request and one for the latest outcome.
 //!
-//! The window must neither wait nor drown: a newer request supersedes the running one, an end that
-//! nobody fetched is overwritten by the next, and nothing queues up. [`Worker::cancel`] takes effect
-//! for the caller at once; the thread itself stops as soon as the job looks at its [`Monitor`], and
-//! whatever it still delivers is dropped.
+//! Nothing queues up, so that the window never waits: a newer request supersedes the running one, and an
+//! outcome that was not fetched is overwritten by the next. [`Worker::cancel`] takes effect for the caller at
+//! once; the thread itself stops as soon as the job checks its [`Monitor`], and any result it still returns
+//! is dropped.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -12,26 +12,26 @@ use std::thread::JoinHandle;
 
 use crate::monitor::Monitor;
 
-/// What became of a request.
+/// Status of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
-    /// In the slot, not started.
+    /// In the request slot, not started.
     Waiting = 0,
-    /// Being worked on.
+    /// The job is running.
     Running = 1,
-    /// There is a result.
+    /// Finished with a result.
     Done = 2,
-    /// Stopped because the user asked for it.
+    /// Cancelled by the user.
     Cancelled = 3,
-    /// Stopped, or never started, because a newer request came.
+    /// Cancelled, or never started, because of a newer request.
     Superseded = 4,
-    /// The job returned an error, or broke down.
+    /// The job returned an error, or panicked.
     Failed = 5,
 }
 
 impl Status {
-    /// Whether nothing more will come.
+    /// Whether the status is final.
     pub fn is_end(self) -> bool {
         !matches!(self, Self::Waiting | Self::Running)
     }
@@ -48,7 +48,7 @@ impl Status {
     }
 }
 
-/// One request's number, progress and fate; cheap to clone.
+/// Handle of a request: its number, progress and status; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Ticket {
     number: u64,
@@ -61,12 +61,12 @@ impl Ticket {
         Self { number, status: Arc::new(AtomicU8::new(Status::Waiting as u8)), monitor: Arc::default() }
     }
 
-    /// Counts up from 1 within a worker.
+    /// Number of the request, counted from 1 within a worker.
     pub fn number(&self) -> u64 {
         self.number
     }
 
-    /// What became of the request so far.
+    /// Current status of the request.
     pub fn status(&self) -> Status {
         Status::from_u8(self.status.load(Ordering::Acquire))
     }
@@ -76,7 +76,7 @@ impl Ticket {
         self.monitor.progress()
     }
 
-    /// Whether it was asked to end with what it has found, and has not ended yet.
+    /// Whether a stop was requested and the job has not ended yet.
     pub fn is_stopping(&self) -> bool {
         self.status() == Status::Running && self.monitor.is_stopped()
     }
@@ -91,16 +91,16 @@ impl Ticket {
     }
 }
 
-/// How a request ended. A superseded one ends silently: its [`Ticket::status`] says so.
+/// How a request ended. A superseded request has no outcome, only its [`Ticket::status`].
 #[derive(Debug)]
 pub enum End<T, E> {
     /// The result.
     Done(T),
-    /// The user cancelled; keep the last good result.
+    /// Cancelled by the user; the last good result stays valid.
     Cancelled,
-    /// The job said why there is no result.
+    /// The job returned an error.
     Failed(E),
-    /// The job panicked: a fault of the program, not of the input. Holds the panic's message.
+    /// The job panicked, which is a bug, not bad input. Contains the panic's message.
     Broken(String),
 }
 
@@ -118,13 +118,13 @@ struct Shared<R, T, E> {
 }
 
 impl<R, T, E> Shared<R, T, E> {
-    /// No code that can panic runs under the lock, so a poisoned one is still in order.
+    /// Locks the queue. No code under the lock can panic, so a poisoned lock is still consistent.
     fn desk(&self) -> MutexGuard<'_, Desk<R, T, E>> {
         self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// The background thread; joined when dropped, after asking the job to stop.
+/// The background thread; dropping it cancels the job and joins the thread.
 pub struct Worker<R, T, E> {
     shared: Arc<Shared<R, T, E>>,
     thread: Option<JoinHandle<()>>,
@@ -137,11 +137,11 @@ where
     T: Send + 'static,
     E: Send + 'static,
 {
-    /// Starts a thread called `name` that answers requests with `job`; `notify` is called, from any
-    /// thread, after every end.
+    /// Starts a thread called `name` that runs `job` for each request; `notify` is called, from any thread,
+    /// after every outcome.
     ///
     /// # Panics
-    /// When the system refuses a thread.
+    /// If the system cannot start a thread.
     pub fn new(
         name: &str,
         job: impl Fn(&R, &Monitor) -> Result<T, E> + Send + Sync + 'static,
@@ -160,7 +160,7 @@ where
         Self { shared, thread: Some(thread), notify }
     }
 
-    /// Puts `request` into the slot. A waiting or running one is superseded.
+    /// Submits a request. A waiting or running one is superseded.
     pub fn submit(&self, request: R) -> Ticket {
         let mut desk = self.shared.desk();
         desk.requests += 1;
@@ -176,8 +176,8 @@ where
         ticket
     }
 
-    /// Cancels what waits or runs: [`Self::take_end`] has the end at once, and nothing of the
-    /// cancelled request comes later. Without such a request nothing happens.
+    /// Cancels the waiting or running request, if any: [`Self::take_end`] returns the outcome at once, and
+    /// any later result of that request is dropped.
     pub fn cancel(&self) {
         let mut desk = self.shared.desk();
         let waiting = desk.next.take().map(|(_, ticket)| ticket);
@@ -189,8 +189,8 @@ where
         (self.notify)();
     }
 
-    /// Asks what runs to end with what it has found: its end comes when that is made whole. What has not begun, or is asked
-    /// a second time, is cancelled.
+    /// Requests that the running job ends with the best result found so far; the outcome follows once that
+    /// result is complete. A request that waits, or was stopped before, is cancelled.
     pub fn stop(&self) {
         {
             let desk = self.shared.desk();
@@ -204,13 +204,13 @@ where
         self.cancel();
     }
 
-    /// Whether what runs was asked to end with what it has found.
+    /// Whether a stop of the running job was requested.
     pub fn is_stopping(&self) -> bool {
         let desk = self.shared.desk();
         desk.next.is_none() && desk.running.as_ref().is_some_and(Ticket::is_stopping)
     }
 
-    /// Progress 0…1 of what waits or runs; `None` when idle.
+    /// Progress 0…1 of the waiting or running request; `None` when idle.
     pub fn progress(&self) -> Option<f64> {
         let desk = self.shared.desk();
         match (&desk.next, &desk.running) {
@@ -220,12 +220,12 @@ where
         }
     }
 
-    /// Whether something waits or runs.
+    /// Whether a request waits or runs.
     pub fn is_busy(&self) -> bool {
         self.progress().is_some()
     }
 
-    /// Fetches the latest end, once.
+    /// Takes the latest outcome, if it was not taken before.
     pub fn take_end(&self) -> Option<(Ticket, End<T, E>)> {
         self.shared.desk().ended.take()
     }
@@ -243,7 +243,7 @@ impl<R, T, E> Drop for Worker<R, T, E> {
         }
         self.shared.wake.notify_all();
         if let Some(thread) = self.thread.take() {
-            // A panic of the job is caught inside; nothing is left to report here.
+            // A panic of the job is caught in the thread, so there is nothing to report.
             let _ = thread.join();
         }
     }
@@ -271,7 +271,7 @@ fn serve<R, T, E>(
         };
         let answer = catch_unwind(AssertUnwindSafe(|| job(&request, &ticket.monitor)));
         let mut desk = shared.desk();
-        // Cancelled or superseded meanwhile: the desk already holds the end, or a newer request.
+        // Cancelled or superseded meanwhile: the outcome or a newer request is already set.
         if desk.running.as_ref().is_none_or(|running| running.number != ticket.number) {
             continue;
         }
@@ -299,8 +299,8 @@ mod tests {
     use std::sync::atomic::AtomicUsize;
     use std::time::{Duration, Instant};
 
-    /// Request `n`: 0 answers at once, 1 works until told to stop, 2 fails, 3 panics, 4 ignores cancel for a while, 5 works
-    /// until told to stop and has something then.
+    /// A job by request number: 1 runs until stopped, 2 fails, 3 panics, 4 ignores cancel for a while, 5 runs
+    /// until stopped and then completes a partial result; any other number is returned at once.
     fn fake(request: &u32, monitor: &Monitor) -> Result<u32, &'static str> {
         match request {
             1 => loop {
@@ -371,7 +371,7 @@ mod tests {
             assert_eq!(ticket.status(), Status::Cancelled, "status of a cancelled request");
             assert!(!worker.is_busy(), "idle after a cancel");
         }
-        // The stubborn job's late result never shows, and the worker goes on.
+        // The late result of the job is dropped, and the worker accepts requests.
         worker.submit(7);
         let (_, end) = until(|| worker.take_end());
         assert!(matches!(end, End::Done(7)), "{end:?}");
@@ -391,18 +391,18 @@ mod tests {
         let (_, end) = until(|| worker.take_end());
         assert!(matches!(end, End::Done(50)), "{end:?}");
         assert!(!worker.is_busy() && !worker.is_stopping(), "idle afterwards");
-        // A job that knows no such thing is cancelled.
+        // A job without partial results is cancelled by a stop.
         running(1);
         assert!(matches!(until(|| worker.take_end()).1, End::Failed("stopped")), "it has nothing");
-        // Asked twice, nobody wants what there is.
+        // A second stop cancels the partial result.
         running(5);
         worker.stop();
         let (_, end) = worker.take_end().expect("the end is there at once");
         assert!(matches!(end, End::Cancelled), "{end:?}");
-        // A newer request does not wait for the rest of an older one.
+        // A newer request does not wait for an older one to complete.
         let stopped = running(5);
         worker.submit(7);
-        assert_eq!(stopped.status(), Status::Superseded, "nobody wants what there is of it");
+        assert_eq!(stopped.status(), Status::Superseded, "its partial result is dropped");
         assert!(matches!(until(|| worker.take_end()).1, End::Done(7)), "the newest request's result");
     }
 

@@ -1,4 +1,4 @@
-//! The axis of rotation of a mesh, and the turn that brings it to Z.
+//! The axis of rotation of a mesh, and the transform that makes it Z.
 
 use std::str::FromStr;
 
@@ -39,30 +39,30 @@ impl FromStr for Axis {
     fn from_str(text: &str) -> Result<Self, String> {
         let lower = text.to_lowercase();
         let known = Self::ALL.into_iter().find(|axis| axis.name() == lower);
-        known.ok_or_else(|| format!("`{text}` is no axis; give x, y or z"))
+        known.ok_or_else(|| format!("`{text}` is not an axis; give x, y or z"))
     }
 }
 
-/// Moves points of the file's frame so that the axis of rotation becomes Z through the origin.
+/// Transform from the file's frame to that of the part, where the axis of rotation is Z through the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Frame {
-    /// Coordinates change places: exact.
+    /// A permutation of coordinates, which is exact.
     Along(Axis),
     /// Any other axis.
     Turned {
-        /// Turns the axis to Z.
+        /// Rotation of the axis to Z.
         turn: Rotation3<f64>,
-        /// A point of the axis.
+        /// A point of the axis in the file's frame.
         through: Point,
     },
 }
 
 impl Frame {
-    /// A point in the frame of the part.
+    /// Transforms a point of the file's frame to the frame of the part.
     pub fn apply(&self, p: &Point) -> Point {
         match self {
             Self::Along(Axis::X) => Point::new(p.y, p.z, p.x),
-            // A glTF file stands upright along y; this turn lays its y along z.
+            // y is up in a glTF file; this rotation turns it to z.
             Self::Along(Axis::Y) => Point::new(p.x, -p.z, p.y),
             Self::Along(Axis::Z) => *p,
             Self::Turned { turn, through } => turn * Point::from(p - through),
@@ -70,15 +70,15 @@ impl Frame {
     }
 }
 
-/// Share of a wall's slope against a surface of revolution, as mean over the area, up to which an axis counts as found.
+/// Largest area-weighted circumferential component of the hub's normals with which an axis is accepted.
 const FOUND: f64 = 0.02;
-/// Slope up to which a triangle counts as turned.
+/// Largest circumferential component of the normal of a triangle of revolution.
 const TURNED: f64 = 0.05;
-/// Turn, rad, and offset as share of the size, within which a found axis is one of the file's own.
+/// Angle, rad, and offset as a share of the size, within which a fitted axis is snapped to one of the file's.
 const SNAP: (f64, f64) = (0.002, 5e-4);
 
-/// How far `surface` is from one of revolution about the axis through `through` along `along`: mean over the area of
-/// the normals' share along the circumference.
+/// Deviation of `surface` from a surface of revolution about the axis through `through` along `along`:
+/// area-weighted mean of the circumferential component of its normals.
 fn miss(surface: &Surface, along: &Vector, through: &Point) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     for t in 0..surface.triangles.len() {
@@ -93,7 +93,8 @@ fn miss(surface: &Surface, along: &Vector, through: &Point) -> f64 {
     if total > 0.0 { sum / total } else { 1.0 }
 }
 
-/// The frame in which the hub's axis of rotation is Z; `None` when it has none.
+/// The frame in which the hub's axis of rotation is Z: an axis of the file where one fits, else a fitted
+/// axis. `None` where the hub has no axis of rotation.
 pub fn found(hub: &Surface) -> Option<Frame> {
     let axes = [(Axis::Z, Vector::z()), (Axis::Y, Vector::y()), (Axis::X, Vector::x())];
     let (axis, least) = axes
@@ -105,7 +106,7 @@ pub fn found(hub: &Surface) -> Option<Frame> {
     }
     let (along, through) = fitted(hub)?;
     let missed = miss(hub, &along, &through);
-    // Blades that belong to the same body miss in any case.
+    // A body with blades deviates about any axis: then the axis with the largest area of revolution is used.
     if missed > 0.6 * least && missed > FOUND {
         return most_turned(hub).map(Frame::Along);
     }
@@ -120,8 +121,8 @@ pub fn found(hub: &Surface) -> Option<Frame> {
     Some(Frame::Turned { turn, through })
 }
 
-/// The file's axis about which by far the largest share of the area is turned: of a wheel with its blades, the hub and
-/// the tips.
+/// The file's axis with by far the largest area of revolution about it. In a wheel with its blades, that area
+/// is the hub and the blade tips.
 fn most_turned(surface: &Surface) -> Option<Axis> {
     let share = |along: &Vector| {
         let (mut turned, mut total) = (0.0, 0.0);
@@ -141,8 +142,9 @@ fn most_turned(surface: &Surface) -> Option<Axis> {
     (shares[0].1 > 1.5 * shares[1].1).then_some(shares[0].0)
 }
 
-/// The line that the normals of a surface of revolution all meet: n·(a × c) + n·m = 0 for every triangle, solved by
-/// least squares, twice more with those that miss it weighed less.
+/// The axis as the line that all normals of a surface of revolution intersect: n·(a × c) + n·m = 0 for every
+/// triangle with centre c and normal n, by least squares for the direction a (unit) and the moment m.
+/// Iteratively reweighted, so that triangles far from it count less.
 fn fitted(hub: &Surface) -> Option<(Vector, Point)> {
     let mut middle = Vector::zeros();
     let mut total = 0.0;
@@ -178,7 +180,7 @@ fn fitted(hub: &Surface) -> Option<(Vector, Point)> {
     }
     let (a, m) = found?;
     let a = UnitVector3::try_new(a, 1e-12)?.into_inner();
-    // m = −a × p for a point p of the axis: p = a × m is the one nearest to the middle.
+    // m = −a × p for any point p of the axis, and p = a × m is the one nearest to the middle.
     let p = Point::from(middle + a.cross(&m));
     let a = if a.iter().copied().fold(0.0, |x: f64, y| if y.abs() > x.abs() { y } else { x }) < 0.0 {
         -a

@@ -1,4 +1,4 @@
-//! From named meshes to the description of a part.
+//! Reconstruction of a part from named meshes.
 
 use super::TriangleMesh;
 use super::axis::{Axis, Frame, found};
@@ -18,31 +18,33 @@ use super::tips::tip_curve;
 use crate::geometry::{Meridional, MeridionalCurve, Point};
 use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError, Rotation};
 
-/// Span sections of a blade.
+/// Number of span sections of a blade.
 const SECTIONS: usize = 13;
-/// Points of a side of a section.
+/// Number of points of a side of a section.
 const SECTION_POINTS: usize = 180;
-/// Sections keep this share of the height away from hub and shroud, where cuts would run along the blade's border.
+/// Distance of the outermost sections from hub and shroud as a share of the height, because slices there
+/// would run along the blade's border.
 const INSET: f64 = 0.01;
-/// Largest distance of straight lines from a side that counts as made of them, mm.
+/// Largest distance of the fitted straight lines from a side that is treated as ruled, mm.
 const STRAIGHT: f64 = 0.012;
-/// Share of the channel's height that a blade has to reach over, free of fillets.
+/// Smallest height of a blade between its fillets, as a share of the channel's height.
 const LEAST_HEIGHT: f64 = 0.2;
-/// A hole that is smaller is bridged wherever it is, mm.
+/// Holes up to this size are ignored, mm: the sections are interpolated across them.
 const LEAST_HOLE: f64 = 0.05;
-/// What to do about missing triangles.
+/// Help text for missing triangles.
 const CLOSE: &str = "close the mesh, or export the surface again with all of its faces";
-/// Wrap of a blade from which on it tells the sense of rotation, rad.
+/// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
 const CLEAR_WRAP: f64 = 0.1;
-/// Share of the area of hub or shroud that has to lie on its curve where fillets do not.
+/// Smallest share of the area of hub or shroud, without fillets, that has to be on its curve.
 pub(super) const MOSTLY: f64 = 0.5;
 /// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
 const TOLERANCE: (f64, f64) = (0.05, 1e-4);
 
-/// The part that `meshes` (in the file's frame, in `unit`) stand for. `name` becomes its name.
+/// Reconstructs the part, named `name`, from its meshes, which are in the file's frame and in `unit`.
 ///
 /// # Errors
-/// What is missing or does not fit, and which option would help.
+/// Fails when hub or blades are missing or incomplete, when hub or shroud is not a surface of revolution, or
+/// when unit, axis or number of blades cannot be derived; the help text names the option that helps.
 pub fn describe(
     name: &str,
     meshes: Vec<NamedMesh>,
@@ -62,7 +64,7 @@ pub fn describe(
     let frame = match options.axis {
         Some(axis) => Frame::Along(axis),
         None => found(&hub).ok_or_else(|| {
-            PartError::new(0, "the hub turns about no axis", "give the axis with --rotation-axis x, y or z")
+            PartError::new(0, "the hub has no axis of rotation", "give it with --rotation-axis x, y or z")
         })?,
     };
     let upright = |surface: Surface| match frame {
@@ -96,7 +98,7 @@ pub fn describe(
             let tips = tips.ok_or_else(|| {
                 PartError::new(
                     0,
-                    "the blades have no tips to lay a shroud on",
+                    "no shroud curve can be fitted to the blade tips",
                     "give one with --role NODE=shroud",
                 )
             })?;
@@ -135,9 +137,9 @@ pub fn describe(
 struct Sorted {
     hub: TriangleMesh,
     shroud: Option<TriangleMesh>,
-    /// One mesh for each node and place.
+    /// One mesh for each node and instance.
     blades: Vec<(Role, TriangleMesh)>,
-    /// Name of the one mesh, held as the hub, in which hub and blades are still to be told apart.
+    /// Name of the mesh, stored as `hub`, that holds hub and blades and is still to be segmented.
     one: Option<String>,
 }
 
@@ -218,7 +220,7 @@ fn judged(profile: Profile, name: &str, tolerance: f64) -> Result<Profile, PartE
     Ok(profile)
 }
 
-/// Sections of a blade between hub and shroud; adds to `notes` what may be its shape or missing triangles.
+/// Span sections of a blade; adds a note about a jump that is either its shape or due to missing triangles.
 fn sections(
     surface: &Surface,
     band: &Band,
@@ -260,10 +262,10 @@ fn sections(
             PartError::new(
                 0,
                 format!(
-                    "the {name} is no whole blade: at {:.0} % of its height it has no two sides",
+                    "the {name} is not a closed blade: at {:.0} % of its height it does not have two sides",
                     100.0 * height
                 ),
-                "close its gaps, or leave scraps out with --role NODE=ignore",
+                "close its gaps, or exclude fragments with --role NODE=ignore",
             )
         })
     };
@@ -279,21 +281,23 @@ fn sections(
             ));
         }
         notes.push(format!(
-            "the {} of the {name} jumps by {:.1} mm {place}: if that is not its shape, triangles are missing there",
+            "the {} of the {name} jumps by {:.1} mm {place}: if that is not its shape, \
+             triangles are missing there",
             jump.edge, jump.by
         ));
     }
     Ok(sections)
 }
 
-/// The sense of rotation that a blade's wrap tells, and a word about it where the wrap is small.
+/// The sense of rotation derived from a blade's wrap, with a note where the wrap is small.
 fn sense(sections: &[Section], inlet_up: bool) -> (Rotation, Option<String>) {
     let sides = || sections.iter().flat_map(|s| &s.sides);
     let wrap = sides().map(SideCurve::turn).sum::<f64>() / sides().count().max(1) as f64;
     let rotation = Rotation::about_z(-wrap, inlet_up);
     let note = (wrap.abs() < CLEAR_WRAP).then(|| {
         format!(
-            "the blades wrap by {:.1}° only, which hardly tells the suction side: taken to turn {rotation}, seen from the inlet; if that is wrong, give --rotation {}",
+            "the blades wrap by only {:.1}°, so that the suction side is uncertain: assumed to turn \
+             {rotation}, seen from the inlet; if that is wrong, give --rotation {}",
             wrap.abs().to_degrees(),
             rotation.reversed().name()
         )
@@ -301,7 +305,8 @@ fn sense(sections: &[Section], inlet_up: bool) -> (Rotation, Option<String>) {
     (rotation, note)
 }
 
-/// The blade of `sections`; its pressure side, which leads, is the one at the smaller angles if `leading_first`.
+/// The blade of `sections`. Its pressure side, which leads, is the one at smaller angles if `leading_first`.
+/// A blade with two ruled sides is described by its lowest and its highest section only.
 fn blade(sections: &[Section], leading_first: bool) -> BladeDescription {
     let (suction, pressure) = if leading_first { (1, 0) } else { (0, 1) };
     let at = |k: usize| k as f64 / (SECTION_POINTS - 1) as f64;

@@ -1,28 +1,29 @@
-//! Leading and trailing edge of a blade from section to section: where one of them jumps, triangles are missing at the
-//! blade's border, which no hole tells.
+//! Check of leading and trailing edge across the span sections: a jump reveals triangles missing at the
+//! blade's border, which are not inside a border loop and therefore not found as a hole.
 
 use super::sides::Section;
 use crate::geometry::{Point, Vector};
 
-/// Jump of an edge, as share of the blade's length, from which on it is one: whole blades stay ten times below.
+/// Smallest jump of an edge that is reported, as a share of the blade's length: ten times that of intact
+/// blades.
 const JUMP: f64 = 1e-3;
-/// As [`JUMP`], of the way from one side to the other, from which on no shape of a blade explains it.
+/// Smallest jump of the gap between the sides, as a share of the blade's length, that is certainly an error.
 const TEAR: f64 = 4e-3;
 
-/// What an edge does between two sections.
+/// A discontinuity of an edge between two sections.
 #[derive(Clone, Copy, Debug)]
 pub struct Jump {
-    /// Whether the sides part there, as no shape of a blade has it.
+    /// Whether the gap between the sides jumps, which is an error in the mesh.
     pub torn: bool,
     /// Name of the edge.
     pub edge: &'static str,
-    /// How far it jumps or its sides part, mm.
+    /// Size of the jump, mm.
     pub by: f64,
-    /// Where that is.
+    /// Its position, in the frame of the part.
     pub at: Point,
 }
 
-/// The largest jump of an edge of a blade, if there is one; what is torn first.
+/// The largest jump of an edge of a blade, if there is one; gaps between the sides take precedence.
 pub fn jump(sections: &[Section]) -> Option<Jump> {
     let end_of = |s: &Section, side: usize, end: usize| s.sides[side].point(end as f64).coords;
     let length = sections.iter().map(|s| (end_of(s, 0, 1) - end_of(s, 0, 0)).norm()).fold(0.0, f64::max);
@@ -47,7 +48,8 @@ pub fn jump(sections: &[Section]) -> Option<Jump> {
     found
 }
 
-/// The step between neighbouring values that fits least between the steps before and behind it, and by how much.
+/// The step between neighbouring values that differs most from the mean of its neighbours (extrapolated at
+/// the ends), and the difference.
 fn uneven(values: &[Vector]) -> Option<(usize, f64)> {
     let steps: Vec<Vector> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let expected = |k: usize| match (k.checked_sub(1), steps.get(k + 1)) {

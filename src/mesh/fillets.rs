@@ -1,29 +1,31 @@
-//! Fillets at a blade's foot or tip. They belong to neither blade nor hub: the blade's sections are taken from between
-//! them, and its sides run on straight from there.
+//! Detection of fillets at a blade's foot or tip. They belong to neither blade nor hub: the span sections are
+//! taken between them, and the sides are extrapolated straight from there.
 //!
-//! A blade's thickness changes evenly from hub to tip, so that at one height follows from those above it. Where a fillet
-//! begins the blade is thicker than that, and the more so the nearer the hub.
+//! The thickness of a blade changes almost linearly with height, so that it can be extrapolated towards
+//! either end. In a fillet the blade is thicker than that, increasingly so towards the end.
 
 use super::sides::Section;
 
-/// Heights that are looked at from the middle of the blade to either end.
+/// Number of heights that are examined from the middle of the blade to either end.
 const STEPS: usize = 24;
-/// Steps over which the change of thickness is taken.
+/// Number of steps over which the slope of the thickness is taken.
 const BASE: usize = 8;
-/// How much thicker a blade is than it should be where a fillet has begun, mm per mm of its height …
+/// Excess thickness at which a fillet begins, mm per mm of the blade's height …
 const BEGUN: f64 = 1e-3;
-/// … and at its end, nearly all along it: less is no fillet.
+/// … and smallest excess at its end in nearly all zones: with less there is no fillet.
 const WHOLE: f64 = 4e-3;
-/// Zones along the blade that are judged each by itself: a fillet takes a larger share of the height where the blade is low.
+/// Zones along the blade, each examined separately: a fillet takes a larger share of the height where the
+/// blade is low.
 const ZONES: usize = 6;
-/// Places in each.
+/// Samples in each zone.
 const PLACES: usize = 5;
-/// Stretch of a side that is looked at: edges of a blade have shapes of their own.
+/// Range of a side that is examined, without the edges, whose thickness varies otherwise.
 const MIDDLE: (f64, f64) = (0.1, 0.9);
-/// Share of a side in which the nearest point of the other side is looked for, either way.
+/// Search range for the nearest point of the other side, as a share of that side, in both directions.
 const ASIDE: f64 = 0.15;
 
-/// The heights of a blade between its fillets, of `low` to `high`; the same where it has none. `section` cuts the blade.
+/// The range of heights of a blade between its fillets, within `low` to `high`, which is returned where there
+/// are none. `section` slices the blade at a height.
 pub fn between_fillets(low: f64, high: f64, section: impl Fn(f64) -> Option<Section>) -> (f64, f64) {
     let middle = 0.5 * (low + high);
     let place = |end: f64, k: usize| middle + (end - middle) * k as f64 / STEPS as f64;
@@ -31,7 +33,7 @@ pub fn between_fillets(low: f64, high: f64, section: impl Fn(f64) -> Option<Sect
     (end(low), end(high))
 }
 
-/// Number of the last section, counted from the middle towards an end, that no fillet has touched.
+/// Index of the last section without fillet, counted from the middle towards an end.
 fn free_until(section: impl Fn(usize) -> Option<Section>) -> usize {
     let sections: Vec<Section> = (0..=STEPS).map_while(section).collect();
     let Some(last) = sections.len().checked_sub(1).filter(|last| *last > 3) else { return STEPS };
@@ -41,7 +43,8 @@ fn free_until(section: impl Fn(usize) -> Option<Section>) -> usize {
     };
     let thick: Vec<[f64; ZONES]> =
         sections.iter().map(|s| std::array::from_fn(|zone| thickness(s, zone))).collect();
-    // In how many zones the blade is thicker at `k` by `share` of its height than the even change up to `from` lets expect.
+    // The number of zones where the thickness at `k` exceeds the one extrapolated linearly from `from` by
+    // more than `share` of the height.
     let thicker = |from: usize, k: usize, share: f64| {
         let base = BASE.min(from);
         let over = |zone: &usize| {
@@ -51,24 +54,25 @@ fn free_until(section: impl Fn(usize) -> Option<Section>) -> usize {
         (0..ZONES).filter(|zone| over(zone) > share * height).count()
     };
     if let Some(begun) = (3..=last).find(|&k| thicker(k - 1, k, BEGUN) > 0) {
-        // What has grown further at the end is a fillet; anything else is the blade's own shape.
+        // Only an excess that has grown up to the end is a fillet; any other is the shape of the blade.
         let free = begun.saturating_sub(2).max(1);
         if thicker(free, last, WHOLE) + 1 >= ZONES {
             return free;
         }
     }
-    // Close to the end, where hub and blade meet, a cut may fall to pieces.
+    // Close to the end, where blade and hub meet, a slice may fall into pieces.
     if 3 * last >= 2 * STEPS && last < STEPS { last - 1 } else { STEPS }
 }
 
-/// Thickness of a section in a zone, mm: median of the distances from one side to the other.
+/// Thickness of a section in a zone, mm: median of the distances from one side to the nearest point of the
+/// other.
 fn thickness(section: &Section, zone: usize) -> f64 {
     let mut thick: [f64; PLACES] = std::array::from_fn(|i| {
         let share = (zone as f64 + (i as f64 + 0.5) / PLACES as f64) / ZONES as f64;
         let w = MIDDLE.0 + (MIDDLE.1 - MIDDLE.0) * share;
         let from = section.sides[0].point(w);
         let (mut nearest, mut reach) = ((w, f64::INFINITY), ASIDE);
-        // First roughly, then closely about what was found.
+        // A coarse scan, then a fine one around its result.
         for _ in 0..2 {
             let about = nearest.0;
             for k in -20..=20 {

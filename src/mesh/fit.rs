@@ -1,32 +1,32 @@
-//! Smooth functions through scattered points: cubic splines by least squares, with pieces as short as the points are
-//! dense, and just enough stiffness to bridge stretches without points.
+//! Smooth functions through scattered points: penalised least-squares cubic B-splines (P-splines), with knots
+//! as dense as the points and just enough stiffness to bridge intervals without points.
 
 use nalgebra::{DMatrix, DVector};
 
 /// A function y(x) on an interval: a cubic spline.
 #[derive(Clone, Debug)]
 pub struct SmoothFunction {
-    /// Ends of the cubic pieces, and [`DEGREE`] more beyond either end of the interval.
+    /// Ends of the cubic pieces, and [`DEGREE`] more knots beyond either end of the interval.
     knots: Vec<f64>,
     coefficients: Vec<f64>,
 }
 
 const DEGREE: usize = 3;
-/// Fewest cubic pieces.
+/// Smallest number of cubic pieces.
 const FEWEST_SPANS: usize = 4;
-/// Cubic pieces for each place that has points.
+/// Cubic pieces per distinct x of the points.
 const SPANS_PER_PLACE: f64 = 2.0 / 3.0;
-/// Places nearer to each other than this share of a piece, were all of them even, are one.
+/// x values closer together than this share of the length of a piece, if all were equally long, count as one.
 const ONE_PLACE: f64 = 0.125;
-/// Weight of the third differences of the coefficients against a point's: what they are bent by evenly costs nothing,
-/// so that curves keep their direction and curvature where points are few.
+/// Weight of the third differences of the coefficients relative to that of a point. Constant curvature costs
+/// nothing, so that curves keep direction and curvature where points are few.
 const STIFFNESS: f64 = 1e-4;
-/// As [`STIFFNESS`], of the second differences: just enough for points at two places.
+/// As [`STIFFNESS`], for the second differences: just enough to make the fit unique with only two distinct x.
 const STRAIGHTNESS: f64 = 1e-9;
 
 impl SmoothFunction {
-    /// Fits (x, y) pairs with as many cubic pieces as there are different x, or a few less, and `most_spans` at most;
-    /// `None` when the pairs have no extent or are not finite.
+    /// Fits (x, y) pairs with two cubic pieces for every three distinct x, at most `most_spans`. `None` when
+    /// the pairs have no extent in x or are not finite.
     pub fn fit(pairs: &[(f64, f64)], most_spans: usize) -> Option<Self> {
         if pairs.iter().any(|p| !(p.0.is_finite() && p.1.is_finite())) {
             return None;
@@ -52,12 +52,12 @@ impl SmoothFunction {
         function.coefficients.iter().all(|c| c.is_finite()).then_some(function)
     }
 
-    /// Adds the squares of differences of neighbouring coefficients to the normal equations: of the derivatives of an
-    /// order, in units of the pieces about them, so that their weight is the same for long and short pieces.
+    /// Adds the squared derivatives of an order to the normal equations. They are scaled by the mean length
+    /// of the pieces around them, so that their weight is the same for long and short pieces.
     fn add_differences(&self, matrix: &mut DMatrix<f64>, order: usize, weight: f64) {
         for first in 0..self.coefficients.len() - order {
             let t = &self.knots[first..first + DEGREE + order + 1];
-            // Column k: how the derivative answers to coefficient first + k.
+            // Row i: coefficient i of the derivative's spline as a linear form in coefficients first + k.
             let mut row = vec![vec![0.0; order + 1]; order + 1];
             for (k, own) in row.iter_mut().enumerate() {
                 own[k] = 1.0;
@@ -83,12 +83,13 @@ impl SmoothFunction {
         }
     }
 
-    /// Piece of `x`, or the nearest one.
+    /// Index of the piece that contains `x`, or of the nearest one.
     fn span(&self, x: f64) -> usize {
         self.ends()[1..self.spans()].partition_point(|end| *end <= x)
     }
 
-    /// First of the four basis functions that are not zero at `x`, and their values.
+    /// Index of the first of the four basis functions that are not zero at `x`, and their values (Cox–de
+    /// Boor).
     fn basis(&self, x: f64) -> (usize, [f64; DEGREE + 1]) {
         let span = self.span(x);
         let at = span + DEGREE;
@@ -106,13 +107,13 @@ impl SmoothFunction {
         (span, basis)
     }
 
-    /// y at `x`.
+    /// Value y at `x`.
     pub fn at(&self, x: f64) -> f64 {
         let (first, basis) = self.basis(x);
         basis.iter().enumerate().map(|(i, b)| b * self.coefficients[first + i]).sum()
     }
 
-    /// Slope at `x`.
+    /// Slope dy/dx at `x`, by central differences.
     pub fn slope(&self, x: f64) -> f64 {
         let span = self.span(x);
         let h = 1e-4 * (self.ends()[span + 1] - self.ends()[span]);
@@ -129,7 +130,7 @@ impl SmoothFunction {
     }
 }
 
-/// Knots that are as dense as the places of the points; `None` where these have no extent.
+/// Knots as dense as the distinct x of the points; `None` where these have no extent.
 fn knots(pairs: &[(f64, f64)], most_spans: usize) -> Option<Vec<f64>> {
     let mut x: Vec<f64> = pairs.iter().map(|p| p.0).collect();
     x.sort_by(f64::total_cmp);
@@ -139,7 +140,8 @@ fn knots(pairs: &[(f64, f64)], most_spans: usize) -> Option<Vec<f64>> {
     }
     let most = most_spans.max(1);
     let wanted = |places: &[f64]| (SPANS_PER_PLACE * places.len() as f64) as usize;
-    // Where that makes too many pieces, points closer together are one place: few points in a row keep theirs.
+    // Where that makes too many pieces, near x count as one, so that regions with few points keep their
+    // knots.
     let mut apart = ONE_PLACE * (high - low) / most as f64;
     let mut places = spread(&x, apart);
     while wanted(&places) > most {
@@ -159,7 +161,7 @@ fn knots(pairs: &[(f64, f64)], most_spans: usize) -> Option<Vec<f64>> {
     Some(before.chain(ends.iter().copied()).chain(after).collect())
 }
 
-/// Of increasing numbers those further than `apart` from the one before; the first and the last stay.
+/// Thins increasing numbers to those more than `apart` from the one before; keeps the first and the last.
 fn spread(x: &[f64], apart: f64) -> Vec<f64> {
     let (Some(&low), Some(&high)) = (x.first(), x.last()) else { return Vec::new() };
     let mut kept = vec![low];

@@ -1,5 +1,5 @@
-//! Holes of a blade's surface. Borders of missing triangles are not borders of the blade: small holes and notches are
-//! filled before it is cut, larger ones named.
+//! Holes in a blade's surface. Borders of missing triangles are not borders of the blade: small holes and
+//! notches are filled by greedy ear clipping before the blade is sliced, larger ones are reported.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -7,16 +7,19 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use super::surface::Surface;
 use crate::geometry::{Point, Vector};
 
-/// Longest edge that is laid across a hole, as share of the blade's extent. A hole of one triangle has its own edges.
+/// Longest edge added across a hole, as a share of the blade's extent. Filling a single missing triangle adds
+/// no edge.
 const ACROSS: f64 = 0.03;
-/// Turn from the triangles about a hole to those that fill it, as cosine, at most: edges of a blade stay.
+/// Smallest cosine of the angle between the triangles around a hole and those that fill it, so that the
+/// blade's edges are not filled over.
 const SMOOTH: f64 = 0.82;
-/// Depth of a notch in a border, at least, as share of its width: less is how the border is curved.
+/// Smallest depth of a notch in a border, as a share of its width: less is curvature of the border itself.
 const DEPTH: f64 = 0.02;
-/// Share of a blade, along and high, that a hole's border takes at most; a blade that is open at an end has longer ones.
+/// Largest extent of a hole as a share of the blade's, along and across: the border of a blade that is open
+/// at an end is longer.
 const HOLE: f64 = 0.5;
 
-/// A border that is none of the blade's.
+/// A border loop inside a blade's surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Hole {
     /// Its middle.
@@ -25,20 +28,21 @@ pub struct Hole {
     pub size: f64,
 }
 
-/// Two border edges, from and to `at`, that a triangle may be laid over; in the order in which that is tried.
+/// Candidate ear: two border edges, `from` → `at` → `to`. Ordered by the length of the edge that would close
+/// it.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Corner {
-    /// Square of the third edge's length, as bits: those of positive numbers sort as the numbers do.
+    /// Squared length of the third edge as bits, which sort like the value because it is not negative.
     across: u64,
     from: u32,
     at: u32,
     to: u32,
 }
 
-/// Borders that shrink while they are filled.
+/// The border edges that remain while holes are filled.
 struct Borders<'a> {
     points: &'a [Point],
-    /// Edges as their triangles have them, by start and by end, with the triangle's normal.
+    /// Edges in the direction of their triangles, by start and by end, with the triangle's normal.
     onwards: BTreeMap<u32, Vec<(u32, Vector)>>,
     backwards: BTreeMap<u32, Vec<u32>>,
     /// Edges between corners of borders that two triangles share.
@@ -99,7 +103,8 @@ impl<'a> Borders<'a> {
         self.inner.insert(undirected(a, b));
     }
 
-    /// Triangles over holes and notches no wider than `limit`.
+    /// Triangles that fill holes and notches no wider than `limit`, mm: greedy ear clipping, shortest third
+    /// edge first (priority queue).
     fn fill(&mut self, limit: f64) -> Vec<[u32; 3]> {
         let mut filled = Vec::new();
         while let Some(Reverse(Corner { from, at, to, .. })) = self.corners.pop() {
@@ -109,7 +114,7 @@ impl<'a> Borders<'a> {
             let Some(normal) = area.try_normalize(1e-300) else { continue };
             let last = self.normal(to, from);
             let fits = match last {
-                // A whole hole; but a triangle by itself has such a border too.
+                // The last three edges of a hole; the border of an isolated triangle is excluded.
                 Some(last) => [before, behind, last].iter().any(|n| (n + normal).norm() > 1e-9),
                 None => {
                     let width = (a - c).norm();
@@ -134,7 +139,7 @@ impl<'a> Borders<'a> {
     }
 }
 
-/// Edges that one triangle alone has, as it has them, and that triangle.
+/// Edges of exactly one triangle, in its direction, and that triangle.
 fn single_borders(surface: &Surface) -> BTreeMap<(u32, u32), usize> {
     let mut edges = BTreeMap::new();
     let mut counts: BTreeMap<(u32, u32), usize> = BTreeMap::new();
@@ -146,7 +151,7 @@ fn single_borders(surface: &Surface) -> BTreeMap<(u32, u32), usize> {
     edges
 }
 
-/// A blade's surface without its small holes and notches.
+/// Fills the small holes and notches of a blade's surface.
 pub fn filled(surface: Surface) -> Surface {
     let far = |p: &Point| (p - surface.points[0]).norm();
     let extent = surface.points.iter().map(far).fold(0.0, f64::max);
@@ -154,7 +159,7 @@ pub fn filled(surface: Surface) -> Surface {
     if filling.is_empty() { surface } else { surface.with(filling) }
 }
 
-/// The largest hole that is left in a blade whose corners have `places` (along, high).
+/// The largest remaining hole of a blade; `places` gives (along, height) of its corners.
 pub fn largest(surface: &Surface, places: &[(f64, f64)]) -> Option<Hole> {
     let spans = |corners: &mut dyn Iterator<Item = usize>| {
         let start = [(f64::INFINITY, f64::NEG_INFINITY); 2];
@@ -178,7 +183,7 @@ pub fn largest(surface: &Surface, places: &[(f64, f64)]) -> Option<Hole> {
     measured.max_by(|a, b| a.size.total_cmp(&b.size))
 }
 
-/// Borders as loops; where one meets itself at a corner, it is two.
+/// The borders as loops; a border that touches itself at a corner is split there.
 fn loops(surface: &Surface) -> Vec<Vec<u32>> {
     let mut onwards: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for (a, b) in single_borders(surface).into_keys() {
@@ -193,7 +198,7 @@ fn loops(surface: &Surface) -> Vec<Vec<u32>> {
             if let Some(&from) = place.get(&to) {
                 let found = path.split_off(from);
                 place.retain(|i, _| !found.contains(i));
-                // The corner where it closes goes on.
+                // The rest of the path continues from the corner that closed the loop.
                 place.insert(to, path.len());
                 path.push(to);
                 loops.push(found);

@@ -1,4 +1,4 @@
-//! Triangle meshes of impellers: from a part to triangles, and from triangles to a part.
+//! Triangle meshes of impellers: tessellation of a part, and reconstruction of a part from meshes.
 
 pub mod axis;
 pub mod describe;
@@ -29,7 +29,8 @@ pub use roles::{NamedMesh, Role};
 
 use crate::geometry::Point;
 
-/// The triangles of a grid of corners, two for each cell with `keep(row, column)`; corners count row by row.
+/// The triangles of a grid of corners, two for each cell with `keep(row, column)`. Corners are numbered row
+/// by row.
 pub fn grid_triangles(rows: usize, columns: usize, keep: impl Fn(usize, usize) -> bool) -> Vec<[u32; 3]> {
     let mut triangles = Vec::with_capacity(2 * rows * columns);
     for i in 0..rows.saturating_sub(1) {
@@ -61,7 +62,7 @@ impl TriangleMesh {
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
     }
 
-    /// The same triangles without the points that none of them uses.
+    /// The same triangles, without unused points.
     #[must_use]
     pub fn compact(&self) -> Self {
         let mut to = vec![u32::MAX; self.points.len()];

@@ -1,21 +1,21 @@
-//! The nearest of many points of the meridional plane.
+//! Nearest-point search in the meridional plane.
 
 use crate::geometry::Meridional;
 
-/// Nearest of many points of the meridional plane, by cells.
+/// Uniform grid over points of the meridional plane, for nearest-point queries.
 pub struct Nearest<'a> {
     points: &'a [Meridional],
     low: Meridional,
     cell: f64,
     columns: usize,
     rows: usize,
-    /// First entry of each cell, and the entries.
+    /// Index of the first entry of each cell; the entries are point indices.
     starts: Vec<u32>,
     entries: Vec<u32>,
 }
 
 impl<'a> Nearest<'a> {
-    /// Sorts the points into cells.
+    /// Sorts the points into cells (counting sort).
     pub fn of(points: &'a [Meridional]) -> Self {
         let (mut low, mut high) = (
             Meridional { r: f64::INFINITY, z: f64::INFINITY },
@@ -55,7 +55,7 @@ impl<'a> Nearest<'a> {
         i * self.rows + j
     }
 
-    /// Number of the nearest point, searched in growing rings of cells.
+    /// Index of the point nearest to `p`, searched in growing rings of cells; `None` without points.
     pub fn nearest(&self, p: Meridional) -> Option<u32> {
         let (ci, cj) = self.place(p);
         let mut best: Option<(f64, u32)> = None;
@@ -63,7 +63,7 @@ impl<'a> Nearest<'a> {
             let (i0, i1) = (ci.saturating_sub(ring), (ci + ring).min(self.columns - 1));
             let (j0, j1) = (cj.saturating_sub(ring), (cj + ring).min(self.rows - 1));
             let rows = (i0..=i1).flat_map(|i| {
-                // Of the rows within the ring, only both ends are on it.
+                // Between the first and the last row of the ring, only both end cells belong to it.
                 let whole = i.abs_diff(ci) == ring;
                 let ends = [cj.checked_sub(ring), (cj + ring < self.rows).then_some(cj + ring)];
                 let all = if whole { j0..j1 + 1 } else { 0..0 };

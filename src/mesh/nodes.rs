@@ -1,4 +1,4 @@
-//! The nodes of a mesh file as a user tells them apart: name, size, shape, and the role that is guessed.
+//! The nodes of a mesh file for display: name, size, shape and guessed role.
 
 use std::collections::HashMap;
 
@@ -7,30 +7,32 @@ use super::roles::{NamedMesh, guessed};
 use super::{Role, TriangleMesh};
 use crate::geometry::{Point, Vector};
 
-/// Share of the circumference in the normals of a node that counts as turned, as mean over the area.
+/// Area-weighted mean of the circumferential component of the normals below which a node is a surface of
+/// revolution.
 const TURNED: f64 = 0.1;
-/// Difference of two areas, as share, within which nodes are of one shape.
+/// Relative difference of two areas within which nodes have the same shape.
 const SAME_AREA: f64 = 1e-3;
 
-/// A node of a mesh file, all of its meshes and places together. Lengths in the file's unit and frame.
+/// A node of a mesh file with all of its meshes and instances. Coordinates are in the file's unit and frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshNode {
     /// Its number in the file.
     pub node: usize,
     /// Its name.
     pub name: String,
-    /// What [`super::MeshOptions::roles`] calls it: its name, or `#` and its number where others go by that name too.
+    /// Its key in [`super::MeshOptions::roles`]: its name, or `#` and its number where the name is not
+    /// unique.
     pub key: String,
     /// Number of triangles.
     pub triangles: usize,
-    /// Least corner of the box about it.
+    /// Minimum corner of its bounding box.
     pub low: Point,
-    /// Greatest corner.
+    /// Maximum corner of its bounding box.
     pub high: Point,
-    /// The role that its names tell.
+    /// The role derived from its names.
     pub told: Option<Role>,
     area: f64,
-    /// How far it is from turned about x, y and z of the file.
+    /// Area-weighted circumferential component of its normals about the file's x, y and z.
     unturned: [f64; 3],
 }
 
@@ -66,12 +68,12 @@ impl MeshNode {
         }
     }
 
-    /// Whether both look the same but for their place.
+    /// Whether both have the same shape, compared by number of triangles and area.
     pub fn is_like(&self, other: &Self) -> bool {
         self.triangles == other.triangles && (self.area - other.area).abs() <= SAME_AREA * self.area
     }
 
-    /// The axis of the file that it is most nearly turned about.
+    /// The axis of the file about which it comes closest to a surface of revolution.
     pub fn turned_about(&self) -> Axis {
         let least = Axis::ALL.into_iter().zip(self.unturned).min_by(|a, b| a.1.total_cmp(&b.1));
         least.map_or(Axis::Y, |(axis, _)| axis)
@@ -82,9 +84,9 @@ impl MeshNode {
     }
 }
 
-/// The nodes of a file in their order.
+/// The nodes of a file in the order of the file, without empty ones.
 pub fn nodes(meshes: &[NamedMesh]) -> Vec<MeshNode> {
-    // The one node that goes by a name; none where several do.
+    // The node that has a name; `None` where several nodes have it.
     let mut owners: HashMap<String, Option<usize>> = HashMap::new();
     for mesh in meshes {
         for name in std::iter::once(&mesh.name).chain(&mesh.other_names) {
@@ -105,8 +107,8 @@ pub fn nodes(meshes: &[NamedMesh]) -> Vec<MeshNode> {
     nodes
 }
 
-/// Roles to begin with: those that names tell; where they tell of no hub or no blade, the largest turned node is taken
-/// for the hub, and what is there most often without being turned for the blades.
+/// Initial roles: those derived from names. Without a named hub, the largest surface of revolution becomes
+/// the hub; without a named blade, the group of equal nodes with the largest total area becomes the blades.
 pub fn guess(nodes: &[MeshNode]) -> Vec<Option<Role>> {
     let mut roles: Vec<Option<Role>> = nodes.iter().map(|n| n.told).collect();
     let open = |roles: &[Option<Role>], k: usize| roles[k].is_none();
@@ -119,7 +121,8 @@ pub fn guess(nodes: &[MeshNode]) -> Vec<Option<Role>> {
     if !roles.contains(&Some(Role::Blade)) {
         let rest: Vec<usize> =
             (0..nodes.len()).filter(|&k| open(&roles, k) && !nodes[k].is_turned()).collect();
-        // Rows of blades that are alike; of rows with as many blades each, the larger ones are the main blades.
+        // Groups of equal nodes are rows of blades. The second group is the splitters if it has as many
+        // nodes.
         let mut rows: Vec<Vec<usize>> = Vec::new();
         for k in rest {
             match rows.iter_mut().find(|row| nodes[k].is_like(&nodes[row[0]])) {

@@ -1,23 +1,25 @@
-//! Normals of the surface that a mesh stands for, at its corners: by a quadratic surface through the corners about
-//! each, within one smooth patch. They tell how an edge bows out between its ends, which lie on the surface.
+//! Estimated normals of the meshed surface at its corners: least-squares quadratic surface through the
+//! corners around each one, within one smooth patch. With them, the surface can be interpolated between
+//! corners.
 
 use nalgebra::{SMatrix, SVector};
 
 use super::surface::Surface;
 use crate::geometry::{Point, Vector, frame_about};
 
-/// Corners about a corner, and triangles about one of them, that are looked at: the hub of a fan has very many.
+/// Largest number of corners around a corner, and of triangles around one of these: the centre of a fan has
+/// many.
 const MOST_NEAR: usize = 200;
 
 /// Normals of a surface's corners.
 #[derive(Clone, Debug)]
 pub struct CornerNormals {
-    /// Per triangle, at its three corners, as its own patch has them.
+    /// Per triangle, the unit normals of its own patch at its three corners.
     pub of: Vec<[Vector; 3]>,
 }
 
 impl CornerNormals {
-    /// `patch` numbers the smooth patch of each triangle.
+    /// Estimates the normals; `patch` is the number of the smooth patch of each triangle.
     pub fn new(surface: &Surface, patch: &[u32]) -> Self {
         let around = Around::new(surface);
         let mut of = vec![[Vector::zeros(); 3]; surface.triangles.len()];
@@ -62,14 +64,14 @@ impl CornerNormals {
     }
 }
 
-/// Normal at `corner` of the quadratic surface through it and, as nearly as may be, the corners `near`.
+/// Normal at `corner` of the quadratic surface through it and, by least squares, the corners `near`.
 fn fitted(points: &[Point], corner: usize, near: &[u32], mean: &Vector) -> Option<Vector> {
     if near.len() < 6 {
         return None;
     }
     let centre = points[corner];
     let (e1, e2) = frame_about(mean);
-    // Patches are often much longer one way than the other: both directions are brought to one scale.
+    // Patches are often much longer than wide: the principal directions are scaled to unit variance.
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     for &i in near {
         let d = points[i as usize] - centre;
@@ -102,11 +104,11 @@ fn fitted(points: &[Point], corner: usize, near: &[u32], mean: &Vector) -> Optio
     let solved = matrix.cholesky()?.solve(&right);
     let normal = mean - a * (solved[0] / sa) - b * (solved[1] / sb);
     let normal = normal.try_normalize(1e-12)?;
-    // A patch that folds over is no function over its mean plane.
+    // The fit is meaningless for a patch that folds over and is not a function over its mean plane.
     (normal.dot(mean) > 0.7).then_some(normal)
 }
 
-/// Triangles about each corner.
+/// Triangles around each corner, in compressed rows.
 struct Around {
     starts: Vec<u32>,
     list: Vec<u32>,

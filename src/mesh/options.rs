@@ -1,4 +1,4 @@
-//! What a user may say about a mesh file: roles, unit, axis, number of blades, sense of rotation.
+//! Options for reading a mesh file: roles, unit, axis, number of blades, sense of rotation.
 
 use std::str::FromStr;
 
@@ -7,7 +7,7 @@ use super::{Role, TriangleMesh};
 use crate::geometry::Point;
 use crate::part::{PartError, Rotation};
 
-/// Diameters of impellers, mm.
+/// Plausible diameters of impellers, mm.
 const DIAMETERS: std::ops::RangeInclusive<f64> = 3.0..=5000.0;
 
 /// A unit of length.
@@ -28,10 +28,10 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// All of them, those that files are in most often first.
+    /// All units, the most common in files first.
     pub const ALL: [Self; 4] = [Self::Millimetre, Self::Inch, Self::Centimetre, Self::Metre];
 
-    /// The word for it.
+    /// Its symbol.
     pub fn name(self) -> &'static str {
         match self {
             Self::Millimetre => "mm",
@@ -41,7 +41,7 @@ impl Unit {
         }
     }
 
-    /// Millimetres in it.
+    /// Its length in millimetres.
     pub fn mm(self) -> f64 {
         match self {
             Self::Millimetre => 1.0,
@@ -58,40 +58,44 @@ impl FromStr for Unit {
     fn from_str(text: &str) -> Result<Self, String> {
         let lower = text.to_lowercase();
         let known = Self::ALL.into_iter().find(|unit| unit.name() == lower);
-        known.ok_or_else(|| format!("`{text}` is no unit; give mm, cm, m or in"))
+        known.ok_or_else(|| format!("`{text}` is not a unit; give mm, cm, m or in"))
     }
 }
 
-/// What a user says about a mesh file.
+/// Options for reading a mesh file. All are optional: what is not given is derived from the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshOptions {
-    /// Roles by the name of a node, or by `#` and its number; they come before what names tell.
+    /// Roles by the name of a node, or by `#` and its number; they take precedence over roles derived from
+    /// names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub roles: Vec<(String, Role)>,
-    /// Unit of the file's numbers, if it is not the format's own.
+    /// Unit of the file's coordinates, if it is not the default of the format.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<Unit>,
-    /// Axis of rotation in the file's frame; otherwise found from the hub.
+    /// Axis of rotation in the file's frame; by default found from the hub.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<Axis>,
-    /// Number of main blades, if the meshes do not tell.
+    /// Number of main blades; by default found from the angles between the blades.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blades: Option<usize>,
-    /// Sense of rotation, and with it which sides of the blades lead; otherwise what the file says, else told from the
-    /// blades' wrap.
+    /// Sense of rotation, which decides which sides of the blades are the pressure sides; by default that of
+    /// the file or, if it has none, derived from the wrap of the blades.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
 }
 
-/// The unit that numbers are in whose wheel is `across` of them wide: `own` (that of the format) where it gives a wheel
-/// of a possible size, else the first that does.
+/// The likely unit of a wheel with a largest extent of `across` units: `own` (that of the format) where the
+/// size is plausible, else the most common unit with which it is.
 pub fn likely_unit(across: f64, own: Unit) -> Option<Unit> {
     let possible = |unit: &Unit| DIAMETERS.contains(&(across * unit.mm()));
     Some(own).filter(possible).or_else(|| Unit::ALL.into_iter().find(possible))
 }
 
-/// A wheel has a size that is possible: `meshes` in the unit `given`, or else in `own`.
+/// Checks that a wheel has a plausible size: `meshes` in the unit `given`, or else in `own`.
+///
+/// # Errors
+/// Fails when the largest extent is not in [`DIAMETERS`]; the help text proposes a unit.
 pub(super) fn check_size<'a>(
     meshes: impl Iterator<Item = &'a TriangleMesh>,
     own: Unit,
@@ -110,10 +114,10 @@ pub(super) fn check_size<'a>(
     let shown = if size >= 1e4 { format!("{:.4} m", size / 1e3) } else { format!("{size:.4} mm") };
     let cure = match likely_unit(across, own) {
         Some(Unit::Millimetre) => {
-            format!("give --unit mm (it would be {across:.4} mm), or cm or in, whichever its numbers are")
+            format!("give --unit mm (it would be {across:.4} mm), or cm or in, whichever the file uses")
         }
         Some(unit) => format!(
-            "give --unit {} (it would be {:.4} mm), if that is what its numbers are",
+            "give --unit {} (it would be {:.4} mm), if the file uses that unit",
             unit.name(),
             across * unit.mm()
         ),
@@ -121,7 +125,7 @@ pub(super) fn check_size<'a>(
     };
     Err(PartError::new(
         0,
-        format!("the wheel would be {shown} across, which is no size of an impeller"),
+        format!("the wheel would be {shown} across, which is not a plausible size of an impeller"),
         cure,
     ))
 }

@@ -1,4 +1,5 @@
-//! Hub and shroud out of triangles: the side that faces the flow, and the meridional curve through its corners.
+//! Meridional curves of hub and shroud from their meshes: the side that faces the flow, and the curve fitted
+//! through its corners.
 
 use super::fit::SmoothFunction;
 use super::nearest::Nearest;
@@ -6,40 +7,41 @@ use super::surface::{NONE, Surface};
 use crate::geometry::{Meridional, MeridionalCurve, norm2};
 use crate::part::PartError;
 
-/// Largest turn between neighbouring triangles of one smooth side, as cosine.
+/// Smallest cosine of the angle between neighbouring triangles of one smooth side.
 const SMOOTH: f64 = 0.82;
-/// Share of the votes of the most voted piece from which on a piece belongs to the flow side.
+/// Smallest number of votes of a piece of the flow side, as a share of the largest number.
 const VOTES: f64 = 0.2;
-/// Blade corners that vote.
+/// Number of blade corners that vote for the piece nearest to them.
 const VOTERS: usize = 1000;
-/// Most cubic pieces of a curve.
+/// Largest number of cubic pieces of a curve.
 const MOST_SPANS: usize = 240;
-/// Rounds in which what stands over a curve is taken away.
+/// Largest number of iterations that remove points above a curve.
 const MOST_ROUNDS: usize = 40;
-/// Share of the circumference in a normal from which on a triangle is none of revolution.
+/// Circumferential component of the normal from which on a triangle is not part of a surface of revolution.
 const LEAST_ACROSS: f64 = 0.35;
 
 /// The flow side of a hub or shroud.
 pub struct FlowSide {
-    /// Its corners.
+    /// Its corners, mm.
     pub corners: Vec<Meridional>,
-    /// Its triangles.
+    /// Indices of its triangles.
     pub triangles: Vec<usize>,
 }
 
-/// A meridional curve and how well it meets its corners.
+/// A meridional curve and its largest deviation from the corners it was fitted to.
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// Points of the curve, inlet → outlet.
+    /// Points of the curve, inlet → outlet, mm.
     pub points: Vec<Meridional>,
     /// Largest distance of a corner from the curve, mm.
     pub residual: f64,
-    /// Where that is.
+    /// The corner with the largest distance.
     pub at: Meridional,
 }
 
-/// The direction in which a channel runs from its inlet, near the axis, to its outlet: halfway between along the axis
-/// and away from it. Every meridional curve of a radial wheel runs within ± 90° of it.
+/// The direction in which a channel runs from its inlet, near the axis, to its outlet: at 45° between the
+/// axial and the radial direction. Every meridional curve of a radial wheel runs within ± 90° of it and is
+/// therefore a function of the distance along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Course {
     along: Meridional,
@@ -47,7 +49,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// Of the blades whose corners are given.
+    /// The course of a wheel from the corners of its blades.
     pub fn of(blades: &[Meridional]) -> Self {
         let mut by_radius: Vec<Meridional> = blades.to_vec();
         by_radius.sort_by(|a, b| a.r.total_cmp(&b.r));
@@ -60,12 +62,12 @@ impl Course {
         Self { along, across: Meridional { r: -along.z, z: along.r } }
     }
 
-    /// Whether the inlet faces towards +Z.
+    /// Whether the inlet faces +Z.
     pub fn inlet_up(&self) -> bool {
         self.along.z <= 0.0
     }
 
-    /// How far along the course a point is, and how far beside it.
+    /// Coordinates of a point along the course and at right angles to it, mm.
     pub fn of_point(&self, p: Meridional) -> (f64, f64) {
         (p.r * self.along.r + p.z * self.along.z, p.r * self.across.r + p.z * self.across.z)
     }
@@ -74,8 +76,8 @@ impl Course {
         Meridional { r: x * self.along.r + y * self.across.r, z: x * self.along.z + y * self.across.z }
     }
 
-    /// The curve along that side of `points` which faces away from `above`. What stands over it by more than
-    /// `tolerance`, mm, takes no part, such as fillets at the feet of blades.
+    /// The curve along the side of `points` that faces away from `above`: fits repeatedly and removes points
+    /// that are too far above the curve, such as those of fillets, until all are within `tolerance`, mm.
     pub fn bottom(&self, points: &[Meridional], above: Meridional, tolerance: f64) -> Option<Profile> {
         let sign = (self.of_point(above).1 - self.of_point(middle(points)).1).signum();
         let mut kept = points.to_vec();
@@ -109,7 +111,7 @@ impl Course {
         points.iter().map(|p| self.of_point(*p)).collect()
     }
 
-    /// The curve through `points`, of which all count.
+    /// The least-squares curve through all `points`.
     pub fn curve(&self, points: &[Meridional]) -> Option<Profile> {
         let pairs = self.pairs(points);
         let function = SmoothFunction::fit(&pairs, MOST_SPANS)?;
@@ -134,7 +136,7 @@ impl Course {
     }
 }
 
-/// Middle of points.
+/// Mean of points.
 pub fn middle(points: &[Meridional]) -> Meridional {
     let sum = points.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
     let count = points.len().max(1) as f64;
@@ -142,7 +144,7 @@ pub fn middle(points: &[Meridional]) -> Meridional {
 }
 
 impl Profile {
-    /// Share of the area of `triangles` of a surface that lies on the curve within `tolerance`, mm.
+    /// Share of the area of `triangles` that is within `tolerance`, mm, of the curve.
     pub fn share_of(&self, surface: &Surface, triangles: &[usize], tolerance: f64) -> f64 {
         let curve = MeridionalCurve::through(&self.points);
         let on = |i: u32| {
@@ -161,7 +163,7 @@ impl Profile {
     }
 }
 
-/// A triangle's normal in the meridional plane, and its share along the circumference.
+/// A triangle's normal in the meridional plane, and its circumferential component.
 pub fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
     let (c, n) = (surface.centre(t), surface.normals[t]);
     let r = norm2(c.x, c.y).max(1e-9);
@@ -169,17 +171,18 @@ pub fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
     (Meridional { r: (n.x * c.x + n.y * c.y) / r, z: n.z }, across)
 }
 
-/// The flow side of a hub or shroud: the smooth piece nearest to the blades.
+/// The flow side of a hub or shroud: the smooth pieces nearest to the blades, found by votes of blade
+/// corners.
 ///
 /// # Errors
-/// When there is no such side.
+/// Fails when no surface of revolution is beside the blades.
 pub fn flow_side(
     surface: &Surface,
     course: &Course,
     blades: &[Meridional],
     name: &str,
 ) -> Result<FlowSide, PartError> {
-    // Fillets and what else is not turned take no part.
+    // Fillets and other triangles that are not of revolution are ignored.
     let turned: Vec<bool> =
         (0..surface.triangles.len()).map(|t| meridional_normal(surface, t).1.abs() < LEAST_ACROSS).collect();
     let smooth = |a: usize, b: usize| {
@@ -187,7 +190,7 @@ pub fn flow_side(
     };
     let (group, count) = surface.groups(smooth);
     let corners: Vec<Meridional> = surface.points.iter().map(Meridional::of).collect();
-    // Groups by corner; a corner at an edge has several.
+    // (corner, group) pairs, sorted; a corner at an edge belongs to several groups.
     let mut groups_of: Vec<(u32, u32)> = Vec::with_capacity(3 * group.len());
     for (t, g) in group.iter().enumerate().filter(|(t, _)| turned[*t]) {
         groups_of.extend(surface.triangles[t].map(|i| (i, *g)));
@@ -220,17 +223,17 @@ pub fn flow_side(
     if found.len() < 8 {
         return Err(PartError::new(
             0,
-            format!("the {name} has no side of revolution beside the blades"),
+            format!("the {name} has no surface of revolution beside the blades"),
             format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
         ));
     }
     Ok(FlowSide { corners: found, triangles })
 }
 
-/// Whether a triangle runs with the course, not back along a rim or a bore.
+/// Whether a triangle runs along the course, as opposed to a rim or a bore.
 fn follows(course: &Course, surface: &Surface, t: usize) -> bool {
     let (n, _) = meridional_normal(surface, t);
     let across = n.r * course.across.r + n.z * course.across.z;
-    // 0.2: a curve may turn a little beyond along the axis or away from it.
+    // 0.2 allows a curve to turn slightly beyond the axial or radial direction.
     across.abs() > 0.2
 }

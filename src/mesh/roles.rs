@@ -1,32 +1,32 @@
-//! Which mesh is the hub, which the shroud, which are blades: by name, or as the user says.
+//! Roles of meshes (hub, shroud, blade, …), given by the user or derived from names.
 
 use std::str::FromStr;
 
 use super::TriangleMesh;
 use crate::part::PartError;
 
-/// What a mesh is.
+/// The part of an impeller that a mesh belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Body of the wheel: its flow side counts, whatever else it has.
+    /// Body of the wheel; only its flow side is used.
     Hub,
     /// Inside of the casing, or the cover.
     Shroud,
-    /// Main blades, one or more; splitters among them are told by their length.
+    /// Main blades, one or more; splitters among them are recognised by their length.
     Blade,
     /// Splitter blades.
     Splitter,
-    /// Nothing of the impeller.
+    /// Not part of the impeller.
     #[serde(rename = "ignore")]
     Ignored,
 }
 
 impl Role {
-    /// All roles, in the order in which a choice shows them.
+    /// All roles, in the order of a menu.
     pub const ALL: [Self; 5] = [Self::Hub, Self::Shroud, Self::Blade, Self::Splitter, Self::Ignored];
 
-    /// The word for it.
+    /// Its name in options and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Hub => "hub",
@@ -46,36 +46,36 @@ impl FromStr for Role {
         let known = Self::ALL.into_iter().find(|role| role.name() == text);
         known
             .or((text == "main").then_some(Self::Blade))
-            .ok_or_else(|| format!("`{text}` is no role; give hub, shroud, blade, splitter or ignore"))
+            .ok_or_else(|| format!("`{text}` is not a role; give hub, shroud, blade, splitter or ignore"))
     }
 }
 
-/// A mesh of a file in its place.
+/// One instance of a mesh of a file, in the file's frame.
 #[derive(Clone, Debug)]
 pub struct NamedMesh {
     /// Name of its node.
     pub name: String,
-    /// What else it goes by, from what says most to what says least: material, mesh, the nodes above.
+    /// Further names, the most specific first: material, mesh, parent nodes.
     pub other_names: Vec<String>,
     /// Number of its node in the file: meshes of one node belong together.
     pub node: usize,
-    /// Which of several places of the node.
+    /// Number of the node's instance.
     pub instance: usize,
     /// The triangles.
     pub mesh: TriangleMesh,
 }
 
-/// Words that begin the name of a role, and words that are one only by themselves.
+/// Beginnings of words that name a role.
 const BEGINNINGS: [(Role, &[&str]); 4] = [
     (Role::Splitter, &["splitter", "split"]),
     (Role::Shroud, &["shroud", "casing", "cover", "deckscheibe"]),
     (Role::Hub, &["hub", "disc", "disk", "nabe", "backplate", "tragscheibe", "moyeu"]),
     (Role::Blade, &["blade", "vane", "airfoil", "aerofoil", "schaufel"]),
 ];
-/// Endings of one-word compounds: mainblade, hubsurface goes by its beginning.
+/// Endings of compound words that name a blade, such as `mainblade`.
 const BLADE_ENDINGS: [&str; 6] = ["blade", "blades", "vane", "vanes", "schaufel", "schaufeln"];
 
-/// The role that a name tells, in any case and with numbers.
+/// The role derived from a name, ignoring case and numbers.
 pub fn role_named(name: &str) -> Option<Role> {
     let words = words(name);
     let begins = |start: &str| {
@@ -94,7 +94,7 @@ pub fn role_named(name: &str) -> Option<Role> {
         .or_else(|| words.iter().any(|w| w == "main").then_some(Role::Blade))
 }
 
-/// Words of a name in lower case: letters that stand together, `MainBlade` being two.
+/// Words of a name in lower case: runs of letters, also split before capitals (`MainBlade` is two words).
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut lower_before = false;
@@ -113,16 +113,18 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// The role that the names of a mesh tell; the first name that tells one counts.
+/// The role derived from the names of a mesh: that of the first name that has one.
 pub fn guessed(mesh: &NamedMesh) -> Option<Role> {
-    // A part by the name of a role, and a file's root node by the name of the part, must not outweigh the mesh itself.
+    // The own name comes first: the root node often has the name of the part, which may contain that of a
+    // role.
     role_named(&mesh.name).or_else(|| mesh.other_names.iter().find_map(|name| role_named(name)))
 }
 
-/// Roles of all meshes: as `given` by node name (case does not matter) or by `#` and the node's number, else as guessed.
+/// Roles of all meshes: as `given` by node name (ignoring case) or by `#` and the node's number, else as
+/// guessed.
 ///
 /// # Errors
-/// When a name given is that of no mesh.
+/// Fails when a given name does not belong to any mesh.
 pub fn assign(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Vec<Option<Role>>, PartError> {
     let is = |mesh: &NamedMesh, name: &str| {
         if let Some(number) = name.strip_prefix('#').and_then(|number| number.parse::<usize>().ok()) {
@@ -148,7 +150,7 @@ pub fn assign(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Vec<Opti
         .collect())
 }
 
-/// Names of the meshes for a message, the first few.
+/// The names of the first eight meshes, for a message.
 pub fn listed(meshes: &[NamedMesh]) -> String {
     let mut names: Vec<String> = Vec::new();
     for mesh in meshes {

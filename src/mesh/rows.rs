@@ -1,4 +1,4 @@
-//! Blades out of their meshes: single blades, main ones and splitters apart, and their number round the wheel.
+//! Separates blade meshes into single blades, classifies main blades and splitters, and counts them.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -9,13 +9,13 @@ use super::{Role, TriangleMesh};
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::PartError;
 
-/// Share of the longest blade's extent below which a blade is a splitter, where names do not tell.
+/// Share of the longest blade's extent below which a blade is a splitter, where no name says so.
 const SHORTER: f64 = 0.92;
-/// Share of the longest blade's extent below which a piece is a scrap, not a blade.
+/// Share of the longest blade's extent below which a piece is discarded as a fragment.
 const SCRAP: f64 = 0.15;
-/// Corners nearer to each other than this share of the size are neighbours of one blade.
+/// Pieces with border corners closer together than this share of the size belong to one blade.
 const TOUCHING: f64 = 1e-3;
-/// Share of a pitch by which a blade may stand off the pattern.
+/// Largest deviation of a blade from equal spacing, as a share of the pitch.
 const OFF_PATTERN: f64 = 0.05;
 
 /// One blade.
@@ -23,30 +23,30 @@ const OFF_PATTERN: f64 = 0.05;
 pub struct BladeMesh {
     /// Its triangles.
     surface: Surface,
-    /// What its name says.
+    /// Role of its mesh.
     role: Role,
-    /// Angle of the middle of its corners.
+    /// Mean angle of its corners, rad.
     angle: f64,
-    /// Length in the meridional plane.
+    /// Radial plus axial extent, mm.
     length: f64,
 }
 
-/// The blades of a wheel: one for each row of one pitch.
+/// The blades of one pitch: a main blade and its splitters.
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// Number of main blades.
     pub count: usize,
     /// The first main blade.
     pub main: Surface,
-    /// A splitter for each place in a pitch, in the order of the file.
+    /// One splitter for each position within the pitch, in the order of the file.
     pub splitters: Vec<Surface>,
 }
 
-/// Takes surfaces of blades (each one or more blades, with its role) apart.
+/// Separates surfaces, each of one or more blades with their role, into single blades.
 pub fn blades(surfaces: Vec<(Role, Surface)>) -> Vec<BladeMesh> {
     let (splitters, mains): (Vec<_>, Vec<_>) = surfaces.into_iter().partition(|(r, _)| *r == Role::Splitter);
     let mut found: Vec<BladeMesh> = Vec::new();
-    // The sides of a blade may be meshes of their own.
+    // The sides of a blade may be separate meshes.
     for (role, surfaces) in [(Role::Blade, mains), (Role::Splitter, splitters)] {
         let all = surfaces.into_iter().flat_map(|(_, surface)| surface.pieces()).collect();
         found.extend(joined(all).into_iter().map(|surface| BladeMesh::new(surface, role)));
@@ -71,7 +71,7 @@ impl BladeMesh {
     }
 }
 
-/// Pieces whose borders touch are sides of one blade.
+/// Merges pieces whose borders touch, which are sides of one blade.
 fn joined(pieces: Vec<Surface>) -> Vec<Surface> {
     if pieces.len() < 2 {
         return pieces;
@@ -115,7 +115,7 @@ fn joined(pieces: Vec<Surface>) -> Vec<Surface> {
     whole.into_iter().map(|(_, parts)| together(parts)).collect()
 }
 
-/// One surface out of parts whose borders touch.
+/// Merges parts whose borders touch into one surface; keeps their faces distinct.
 fn together(mut parts: Vec<Surface>) -> Surface {
     if parts.len() == 1 {
         return parts.swap_remove(0);
@@ -134,10 +134,11 @@ fn together(mut parts: Vec<Surface>) -> Surface {
 }
 
 impl Rows {
-    /// Sorts blades into rows; `count` main blades, if it is given.
+    /// Sorts blades into rows; `count` is the number of main blades, if given.
     ///
     /// # Errors
-    /// When there is no main blade, when they stand in no pattern, or when one blade alone does not tell how many there are.
+    /// Fails when there is no main blade and, unless `count` is given, when there is only one or they are not
+    /// evenly spaced.
     pub fn of(blades: Vec<BladeMesh>, count: Option<usize>) -> Result<Self, PartError> {
         let named = blades.iter().any(|b| b.role == Role::Splitter);
         let longest = blades.iter().map(|b| b.length).fold(0.0, f64::max);
@@ -168,14 +169,14 @@ impl Rows {
     }
 }
 
-/// Number of blades whose pattern the given ones fit into.
+/// Number of blades derived from the spacing of the given ones, of which some may be missing.
 fn pattern(mains: &[BladeMesh]) -> Result<usize, PartError> {
     let mut angles: Vec<f64> = mains.iter().map(|b| (b.angle - mains[0].angle).rem_euclid(TAU)).collect();
     angles.sort_by(f64::total_cmp);
     if mains.len() == 1 {
         return Err(PartError::new(
             0,
-            "there is one main blade, and nothing tells how many stand round the wheel",
+            "there is one main blade, and the file does not say how many the wheel has",
             "give their number with --blades N",
         ));
     }
@@ -188,12 +189,14 @@ fn pattern(mains: &[BladeMesh]) -> Result<usize, PartError> {
         return Err(PartError::new(
             0,
             format!(
-                "the {} main blades stand in no even pattern: one is {:.1}° from the first, the closest pair {:.1}° apart",
+                "the {} main blades are not evenly spaced: one is {:.1}° from the first, \
+                 the closest pair {:.1}° apart",
                 mains.len(),
                 angle.to_degrees(),
                 least.to_degrees()
             ),
-            "give splitters their role with --role NODE=splitter, leave strangers out with --role NODE=ignore, or give --blades N",
+            "give splitters their role with --role NODE=splitter, exclude other meshes with \
+             --role NODE=ignore, or give --blades N",
         ));
     }
     Ok(count as usize)

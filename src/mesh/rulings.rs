@@ -1,32 +1,32 @@
-//! Straight lines in a blade's side: a flank-milled blade is ruled, and its lines from hub to tip are a property of
-//! the surface that any plan follows. They are found again from sections.
+//! Reconstruction of the rulings of a blade's side from its sections: a flank-milled blade is a ruled
+//! surface, and plans follow its rulings from hub to tip.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::sides::SideCurve;
 use crate::geometry::{Cubic, Point, Vector};
 
-/// Places along the side at which the shift of the lines' upper ends is free.
+/// Number of free values of the shift of the rulings' upper ends along the side.
 const FREE: usize = 50;
-/// Lines looked at.
+/// Number of rulings whose distances are minimised.
 const LINES: usize = 120;
-/// Up to this parameter lie the nose and where it runs out into the flank, and this share of the places: the lines turn
-/// quickest there.
+/// The nose and its transition to the flank extend to the first parameter and get the second value as their
+/// share of the knots, because the rulings turn quickest there.
 const NOSE: (f64, f64) = (0.4, 0.7);
-/// Points of a section's curve.
+/// Number of points of a section's curve.
 const SAMPLES: usize = 601;
-/// Rounds of the search.
+/// Largest number of Gauss–Newton iterations.
 const ROUNDS: usize = 12;
-/// Weight of the bend of the shift against a square millimetre of distance.
+/// Weight of a squared second difference of the shift relative to a square millimetre of distance.
 const STIFFNESS: f64 = 0.02;
 
-/// Lines from the lowest section of a side to its highest.
+/// Rulings from the lowest section of a side to its highest.
 #[derive(Clone, Debug)]
 pub struct Rulings {
     lowest: Cubic<3>,
     highest: Cubic<3>,
     shift: Cubic<1>,
-    /// Largest distance of a line from the sections between, mm.
+    /// Largest distance of a ruling from the sections in between, mm.
     pub off: f64,
 }
 
@@ -36,7 +36,7 @@ fn sampled(side: &SideCurve) -> Cubic<3> {
     Cubic::interpolate(&w, &points)
 }
 
-/// The parameter at a share of the places.
+/// The parameter at a share of the knots.
 fn graded(share: f64) -> f64 {
     let (end, places) = NOSE;
     if share < places { end * share / places } else { end + (1.0 - end) * (share - places) / (1.0 - places) }
@@ -45,14 +45,15 @@ fn graded(share: f64) -> f64 {
 fn shift(values: &[f64]) -> Cubic<1> {
     let n = values.len() + 1;
     let knots: Vec<f64> = (0..=n).map(|i| graded(i as f64 / n as f64)).collect();
-    // The lines at leading and trailing edge end on them.
+    // The shift is zero at both ends: the first and the last ruling are leading and trailing edge.
     let mut points = vec![[0.0]; n + 1];
     points[1..n].iter_mut().zip(values).for_each(|(p, v)| p[0] = *v);
     Cubic::interpolate(&knots, &points)
 }
 
 impl Rulings {
-    /// Looks for the lines of a side, sections hub → tip. `None` with fewer than three sections.
+    /// Fits the rulings of a side to its sections, hub → tip, by damped Gauss–Newton iterations. `None` with
+    /// fewer than three sections.
     pub fn of(sections: &[&SideCurve]) -> Option<Self> {
         let curves: Vec<Cubic<3>> = sections.iter().map(|s| sampled(s)).collect();
         let (lowest, highest) = (curves.first()?, curves.last()?);
@@ -107,7 +108,7 @@ impl Rulings {
         Some(Self { lowest: lowest.clone(), highest: highest.clone(), shift: shift(&values), off })
     }
 
-    /// Both ends of the line at parameter `w` of the lowest section.
+    /// Both ends of the ruling at parameter `w` of the lowest section.
     pub fn ends(&self, w: f64) -> [Point; 2] {
         let upper = (w + self.shift.point(w)[0]).clamp(0.0, 1.0);
         [self.lowest.point(w), self.highest.point(upper)].map(|p| Point::from(Vector::from(p)))
@@ -135,7 +136,8 @@ fn add_stiffness(matrix: &mut DMatrix<f64>, right: &mut DVector<f64>, values: &[
     }
 }
 
-/// Distances, along the surface's normal, of the line at `w` from each section between.
+/// Distances along the surface's normal of the ruling at `w` from each section in between, mm (Newton
+/// iterations for the nearest point).
 fn distances<'a>(
     lowest: &Cubic<3>,
     highest: &Cubic<3>,

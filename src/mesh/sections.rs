@@ -1,4 +1,4 @@
-//! Cuts of a blade's mesh by surfaces between hub and shroud.
+//! Slices of a blade's mesh at constant relative height between hub and shroud.
 
 use std::collections::HashMap;
 
@@ -6,31 +6,32 @@ use super::normals::CornerNormals;
 use super::surface::{NONE, Surface};
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
-/// Turn across an edge, as cosine, from which on a blade has an edge there.
+/// A blade has an edge where the cosine between neighbouring triangles is below this.
 const SHARP: f64 = 0.82;
 
-/// As [`SHARP`], where a blade is closed.
+/// As [`SHARP`], between a side and a cap.
 const CAP_TURN: f64 = 0.995;
-/// Stretch of a blade between its slanting edges.
+/// Range of a blade between its slanted edges, relative to its length.
 const MIDDLE: std::ops::Range<f64> = 0.35..0.9;
-/// Share of the height from hub or shroud within which triangles close a blade there.
+/// Triangles within this share of the height from hub or shroud are caps of the blade.
 const AT_END: f64 = 1e-4;
-/// Share of the rim radius within which triangles that face outwards (normals within 8° of the radius) close it there.
+/// Triangles within this share of the rim radius that face outwards (normals within 8° of the radius) are its
+/// cap at the rim.
 const AT_RIM: f64 = 5e-3;
 const RADIAL: f64 = 0.99;
 
-/// The channel between a hub and a shroud: how high over the hub a point lies, and how far along.
+/// Coordinates in the channel between a hub and a shroud: position along it, and height over the hub.
 #[derive(Clone, Debug)]
 pub struct Band {
     hub: MeridionalCurve,
     shroud: MeridionalCurve,
-    /// Arc lengths of hub and shroud at which the blades begin and end.
+    /// Arc lengths of hub and shroud at which the blades begin and end, mm.
     hub_ends: (f64, f64),
     shroud_ends: (f64, f64),
 }
 
 impl Band {
-    /// Between `hub` and `shroud` over the extent of the corners `blade`.
+    /// The channel between `hub` and `shroud` over the extent of the corners `blade`.
     pub fn new(hub: &MeridionalCurve, shroud: &MeridionalCurve, blade: &[Meridional]) -> Self {
         let middle =
             blade.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
@@ -51,7 +52,8 @@ impl Band {
         Self { hub, shroud, hub_ends, shroud_ends }
     }
 
-    /// (share of the way from inlet to outlet, share of the way from hub to shroud) of a point.
+    /// Relative position (along from inlet 0 to outlet 1, height from hub 0 to shroud 1) of a point of the
+    /// part's frame.
     pub fn place(&self, p: &Point) -> (f64, f64) {
         let p = Meridional::of(p);
         let ((t, d), (u, e)) = (self.hub.project(p), self.shroud.project(p));
@@ -62,22 +64,23 @@ impl Band {
     }
 }
 
-/// A point of a cut.
+/// A point of a slice.
 #[derive(Clone, Copy, Debug)]
 pub struct CutPoint {
-    /// The point, on the surface that the mesh stands for.
+    /// The point, on the interpolated smooth surface.
     pub point: Point,
-    /// Share of the way from inlet to outlet.
+    /// Relative position from inlet (0) to outlet (1).
     pub along: f64,
-    /// Whether the blade has an edge here.
+    /// Whether the blade has a sharp edge here.
     pub edge: bool,
-    /// Whether two faces of the mesh meet here without an edge.
+    /// Whether two faces of the mesh meet here smoothly.
     pub seam: bool,
-    /// How far the point was moved off its chord, mm: the less, the better it is known.
+    /// Distance of the point from its mesh edge, mm: the smaller, the more certain the point.
     pub moved: f64,
 }
 
-/// What closes a blade at hub, shroud and rim meets its sides at flat angles too: which of them a triangle is of.
+/// Classifies triangles: 0 side, 1 cap at the hub, 2 at the shroud, 3 at the rim. Angles do not suffice,
+/// because caps may meet the sides at flat angles.
 fn caps(surface: &Surface, places: &[(f64, f64)]) -> Vec<u8> {
     let widest = surface.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     let cap = |t: usize| {
@@ -98,16 +101,16 @@ fn caps(surface: &Surface, places: &[(f64, f64)]) -> Vec<u8> {
     (0..surface.triangles.len()).map(cap).collect()
 }
 
-/// A cut: a loop, or a line with two ends.
+/// One piece of a slice: a loop, or a line with two ends.
 #[derive(Clone, Debug)]
 pub struct Cut {
-    /// Its points in order; a loop's first point is not repeated.
+    /// Its points in order; the first point of a loop is not repeated.
     pub points: Vec<CutPoint>,
-    /// Whether the last point is followed by the first.
+    /// Whether it is a loop.
     pub closed: bool,
 }
 
-/// A blade ready to be cut.
+/// A blade prepared for slicing.
 pub struct Cutter<'a> {
     surface: &'a Surface,
     band: &'a Band,
@@ -118,7 +121,7 @@ pub struct Cutter<'a> {
 }
 
 impl<'a> Cutter<'a> {
-    /// Finds the places of all corners, the smooth patches and the corners' normals.
+    /// Computes channel coordinates and normals of all corners, and the smooth patches.
     pub fn new(surface: &'a Surface, band: &'a Band) -> Self {
         let places: Vec<(f64, f64)> = surface.points.iter().map(|p| band.place(p)).collect();
         let caps = caps(surface, &places);
@@ -135,11 +138,11 @@ impl<'a> Cutter<'a> {
         &self.places
     }
 
-    /// Lowest and highest height that the blade reaches everywhere between its ends, from the lowest and the highest of
-    /// its corners in `stretches` stretches.
+    /// The range of heights covered by the blade everywhere between its slanted edges, from the lowest and
+    /// the highest of its corners in each of `stretches` intervals along it.
     pub fn reach(&self, stretches: usize) -> (f64, f64) {
         let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); stretches];
-        // Along the triangles' edges, so that coarse meshes have no stretch without a corner.
+        // Edges are sampled, too, so that every interval of a coarse mesh has points.
         let ends =
             self.places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, p| (e.0.min(p.0), e.1.max(p.0)));
         let mut reached = |along: f64, height: f64| {
@@ -166,7 +169,7 @@ impl<'a> Cutter<'a> {
         (low, high)
     }
 
-    /// The cut at a height, as the pieces it falls into, longest first.
+    /// Slices the blade at a relative height; returns the pieces, longest first.
     pub fn cut(&self, height: f64) -> Vec<Cut> {
         let above = |i: u32| self.places[i as usize].1 >= height;
         let mut numbers: HashMap<(u32, u32), usize> = HashMap::new();
@@ -189,7 +192,8 @@ impl<'a> Cutter<'a> {
         chained(&points, &links)
     }
 
-    /// Where the surface's line over edge `k` of a triangle crosses the height.
+    /// The intersection of the smooth surface over edge `k` of a triangle with the height: on a cubic Hermite
+    /// curve from corner to corner, tangential to the surface at both.
     fn crossing(&self, t: usize, k: usize, height: f64) -> CutPoint {
         let next = (k + 1) % 3;
         let corners = self.surface.triangles[t];
@@ -201,7 +205,7 @@ impl<'a> Cutter<'a> {
         let chord = b - a;
         let tangent = |n: &Vector| chord - n * n.dot(&chord);
         let (ta, tb) = match across {
-            // An edge of the blade runs along both of its sides.
+            // A sharp edge is tangential to both of its faces.
             other if edge && other != NONE => {
                 let there = |corner: u32| {
                     let o = other as usize;
@@ -222,7 +226,7 @@ impl<'a> Cutter<'a> {
             }
             _ => (tangent(&self.normals.of[t][k]), tangent(&self.normals.of[t][next])),
         };
-        // A tangent that leaves the chord far is that of a corner whose normal is not to be trusted.
+        // A tangent that deviates far from the chord comes from a corner with an unreliable normal.
         let sound = |v: &Vector| v.norm_squared() > 0.5 * chord.norm_squared();
         let at = |x: f64| {
             let straight = a + chord * x;
@@ -233,7 +237,7 @@ impl<'a> Cutter<'a> {
             straight + (ta - chord) * (x3 - 2.0 * x2 + x) + (tb - chord) * (x3 - x2)
         };
         let mut x = if (hb - ha).abs() > 1e-15 { ((height - ha) / (hb - ha)).clamp(0.0, 1.0) } else { 0.5 };
-        // The height is not linear along the edge: two steps of the false position.
+        // The height is not linear along the edge: two steps of regula falsi.
         let (mut low, mut high) = ((0.0, ha - height), (1.0, hb - height));
         for _ in 0..2 {
             let off = self.band.place(&at(x)).1 - height;
@@ -262,7 +266,7 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// Lines out of linked points, the longest first.
+/// Chains linked points into lines and loops, the longest first.
 fn chained(points: &[CutPoint], links: &[[usize; 2]]) -> Vec<Cut> {
     let mut next: Vec<[Option<usize>; 2]> = vec![[None; 2]; points.len()];
     for [a, b] in links {
@@ -274,7 +278,7 @@ fn chained(points: &[CutPoint], links: &[[usize; 2]]) -> Vec<Cut> {
     }
     let mut done = vec![false; points.len()];
     let mut cuts: Vec<(f64, Cut)> = Vec::new();
-    // Lines with ends first, each from an end; loops after them.
+    // Open lines first, each from one of its ends; then loops.
     let ends = (0..points.len()).filter(|&i| next[i][1].is_none()).collect::<Vec<_>>();
     for start in ends.into_iter().chain(0..points.len()) {
         if done[start] {

@@ -1,4 +1,5 @@
-//! A wheel in one mesh taken apart: what is turned and meets the blades is the hub, what stands on it the blades.
+//! Segmentation of a wheel given as a single mesh: surfaces of revolution that touch the blades are hub and
+//! cover, the rest is blades.
 
 use super::describe::MOSTLY;
 use super::profile::{Course, meridional_normal, middle};
@@ -6,32 +7,32 @@ use super::surface::{NONE, Surface};
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
 
-/// Share of the circumference in the normals of turned faces, at most.
+/// Largest circumferential component in the normals of a surface of revolution.
 const TURNED: f64 = 0.1;
-/// Turn between triangles of one face, as cosine.
+/// Smallest cosine of the angle between neighbouring triangles of one face.
 const SMOOTH: f64 = 0.9;
-/// Distance from the hub's curve within which a corner is on the hub: mm, and share of the size.
+/// Distance from the hub's curve within which a corner is on the hub: mm, and share of the rim radius.
 const ON_HUB: (f64, f64) = (0.02, 2e-4);
-/// Weight (area times border) of a cover, at least, as share of the hub's or the other way round.
+/// Smallest weight (area × border length) of the lighter one of hub and cover, as a share of the heavier one.
 const COVER: f64 = 0.05;
-/// Share of the largest blade's area below which a piece is a scrap.
+/// Share of the largest blade's area below which a piece is discarded as a fragment.
 const SCRAP: f64 = 0.05;
 
-/// A wheel taken apart.
+/// The surfaces of a segmented wheel.
 pub struct Segments {
     /// The hub, or its flow side.
     pub hub: Surface,
-    /// The shroud, where it is a piece of its own, or the cover.
+    /// The shroud where it is a separate piece, or the cover.
     pub shroud: Option<Surface>,
     /// Single blades.
     pub blades: Vec<Surface>,
 }
 
-/// Of pieces that do not hang together, those that are turned are hub and shroud, the others blades. `None`: they do
-/// hang together.
+/// Classifies disconnected pieces: surfaces of revolution are hub and shroud, all others blades. `None` where
+/// there are fewer than two separate blades.
 ///
 /// # Errors
-/// The number of turned pieces, if they are more than two.
+/// Returns the number of bodies of revolution if there are more than two.
 fn loose(wheel: &Surface) -> Result<Option<Segments>, usize> {
     let (mut round, mut blades) = (Vec::new(), Vec::new());
     for surface in wheel.clone().pieces() {
@@ -56,36 +57,37 @@ fn loose(wheel: &Surface) -> Result<Option<Segments>, usize> {
     Ok(Some(Segments { hub, shroud: round.next(), blades }))
 }
 
-/// A turned face of a wheel: hub or cover.
+/// A face of revolution of a wheel: hub or cover.
 struct Face {
-    /// Heights of all corners of the wheel over it, towards the blades.
+    /// Heights of all corners of the wheel over it, positive towards the blades, mm.
     heights: Vec<f64>,
-    /// Least radius of its corners.
+    /// Smallest radius of its corners, mm.
     inner: f64,
 }
 
-/// Hub, blades and, if there is one, cover of a wheel in one mesh, about Z.
+/// Segments a wheel given as one mesh about Z into hub, blades and, where there is one, cover.
 ///
 /// # Errors
-/// When no turned face carries blades, or they hang together; says what to separate.
+/// Fails when no surface of revolution touches blades, when there are more than two disconnected bodies of
+/// revolution, or when the blades are connected with each other.
 pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
     let unclear = |why: &str| {
         PartError::new(
             0,
-            format!("hub and blades of the one mesh `{name}` cannot be told apart: {why}"),
-            "export hub and blades as meshes of their own, or name them with --role NODE=hub and NODE=blade",
+            format!("hub and blades of the single mesh `{name}` cannot be separated: {why}"),
+            "export hub and blades as separate meshes, or name them with --role NODE=hub and NODE=blade",
         )
     };
     match loose(wheel) {
         Ok(Some(segments)) => return Ok(segments),
         Ok(None) => {}
-        Err(count) => return Err(unclear(&format!("it holds {count} turned bodies"))),
+        Err(count) => return Err(unclear(&format!("it has {count} bodies of revolution"))),
     }
     let turned: Vec<bool> =
         (0..wheel.triangles.len()).map(|t| meridional_normal(wheel, t).1.abs() < TURNED).collect();
     let (group, count) =
         wheel.groups(|a, b| turned[a] && turned[b] && wheel.normals[a].dot(&wheel.normals[b]) > SMOOTH);
-    // Hub and cover are the large turned faces that meet what is not turned along the longest borders.
+    // Hub and cover are the large faces of revolution with the longest common borders with other faces.
     let (mut areas, mut borders) = (vec![0.0; count], vec![0.0; count]);
     for t in (0..group.len()).filter(|&t| turned[t]) {
         areas[group[t] as usize] += wheel.area(t);
@@ -104,7 +106,7 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
     let heaviest = carrying.first().map_or(0.0, |&f| weight(f));
     carrying.retain(|&f| weight(f) > COVER * heaviest);
     if carrying.is_empty() {
-        return Err(unclear("no face of it is turned about the axis and carries blades"));
+        return Err(unclear("no surface of revolution about the axis touches blades"));
     }
 
     let size = wheel.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
@@ -123,7 +125,7 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
         let own = |t: usize| turned[t] && group[t] as usize == number;
         let points = of(&own);
         let triangles: Vec<usize> = (0..group.len()).filter(|&t| own(t)).collect();
-        // Fillets lead smoothly from it up to the noses of the blades.
+        // A face with fillets continues smoothly up to the blades' noses: then the curve follows its bottom.
         let profile = course
             .curve(&points)
             .filter(|p| p.residual < tolerance)
@@ -139,7 +141,7 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
     faces.sort_by(|a, b| a.inner.total_cmp(&b.inner));
     let mut faces = faces.into_iter();
     let Some(hub) = faces.next() else {
-        return Err(unclear("no turned face runs from inlet to outlet between the blades"));
+        return Err(unclear("no surface of revolution runs from inlet to outlet between the blades"));
     };
     let cover = faces.next();
 
@@ -158,7 +160,7 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
     let blades: Vec<Surface> =
         measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, b)| b).collect();
     if blades.len() < 2 {
-        return Err(unclear("what stands on its hub hangs together"));
+        return Err(unclear("the blades on its hub are connected with each other"));
     }
     let shroud = cover.map(|cover| wheel.part(|t| lies(&cover, t)));
     Ok(Segments { hub: wheel.part(|t| lies(&hub, t)), shroud, blades })

@@ -1,40 +1,40 @@
-//! A cut of a blade split into its two sides at leading and trailing edge.
+//! Splits a slice of a blade into its two sides at leading and trailing edge.
 
 use super::sections::{Cut, CutPoint};
 use crate::geometry::cubic::{Cubic, chord_lengths};
 use crate::geometry::{Point, Vector, wrap_angle};
 
-/// Shares of the length in which an edge of the blade is its leading or trailing edge.
+/// Shares of the length within which a sharp edge is the leading or trailing edge.
 const AT_LEADING: f64 = 0.05;
 const AT_TRAILING: f64 = 0.15;
-/// Points nearer to each other than this share of the spacing about them become one.
+/// Points closer together than this share of the local spacing are merged.
 const CROWDED: f64 = 0.35;
-/// Share of the samples of a side that its nose (and a round trailing edge) gets.
+/// Share of the parameter range of a side that its nose takes (and a round trailing edge as much again).
 const NOSE_SHARE: f64 = 0.35;
-/// Share of the length within which both ends of a gap are at an open leading or trailing edge.
+/// Both ends of a gap at an open leading or trailing edge are within this share of the length from it.
 const AT_GAP: f64 = 0.05;
-/// Widest gap anywhere else, as share of the length.
+/// Widest gap that is bridged anywhere else, as a share of the length.
 const BRIDGED: f64 = 0.01;
-/// A nose ends where its direction has turned from that at its foremost place by this, as cosine.
+/// A nose ends where the cosine between its direction and that at the foremost point falls below this.
 const NOSE_TURN: f64 = 0.5;
-/// Where along a side its thickness at the nose is taken.
+/// Share of a side's length at which the thickness of the nose is measured.
 const NOSE_END: f64 = 0.04;
 
-/// One side of a cut, from leading to trailing edge.
+/// One side of a slice, from leading to trailing edge.
 #[derive(Clone, Debug)]
 pub struct SideCurve {
-    /// x, y, z and the share of the way from inlet to outlet, by chord length.
+    /// x, y, z (mm) and the relative position from inlet to outlet, over chord length.
     curve: Cubic<4>,
-    /// Chord lengths, and the parameter at them: 0 at the leading, 1 at the trailing edge.
+    /// Pairs of chord length and parameter, which is 0 at the leading and 1 at the trailing edge.
     table: Vec<(f64, f64)>,
 }
 
-/// Both sides of a cut: first the one at the smaller angle about the axis.
+/// Both sides of a slice: first the one at the smaller angle about the axis.
 #[derive(Clone, Debug)]
 pub struct Section {
     /// The sides.
     pub sides: [SideCurve; 2],
-    /// How far apart the ends of the cut are at leading and at trailing edge, mm; 0 where the blade is closed.
+    /// Gap between the ends of the slice at leading and trailing edge, mm; 0 where the blade is closed.
     pub gaps: [f64; 2],
 }
 
@@ -59,8 +59,9 @@ impl SideCurve {
         Point::new(x, y, z)
     }
 
-    /// Puts the parameter on the curve: along the channel, but around the nose (of half thickness `nose`), and around a
-    /// round trailing edge, along the curve.
+    /// Defines the parameter: by position along the channel, and by arc length around the nose (half
+    /// thickness `nose`, mm) and around a round trailing edge (half thickness `tail`), where the position
+    /// hardly changes.
     fn parametrise(&mut self, nose: f64, tail: Option<f64>) {
         let length = self.length();
         let knots = self.curve.knots();
@@ -110,13 +111,14 @@ impl SideCurve {
 }
 
 impl Section {
-    /// Splits the pieces of a cut, longest first. `None` when they are no closed blade section.
+    /// Joins the pieces of a slice, longest first, and splits them into sides. `None` where they do not form
+    /// a blade section.
     pub fn of(cuts: &[Cut]) -> Option<Self> {
         let (line, gaps) = joined(cuts)?;
         let Split { mut first, mut second, round_tail } = split(&line)?;
         let mut sides = [SideCurve::new(&first)?, SideCurve::new(&second)?];
         let at = |side: &SideCurve, share: f64| side.raw(share * side.length());
-        // The sides are named by their angle in the middle, on one radius as nearly as may be.
+        // The sides are ordered by their angle half way along, where both are at nearly the same radius.
         let (a, b) = (at(&sides[0], 0.5), at(&sides[1], 0.5));
         if wrap_angle(a.y.atan2(a.x) - b.y.atan2(b.x)) > 0.0 {
             sides.swap(0, 1);
@@ -136,7 +138,7 @@ impl Section {
     }
 }
 
-/// Drops points that crowd; of two, the one moved less stays.
+/// Merges points that are too close together: keeps the one of two that was moved less off its chord.
 fn thinned(points: &[CutPoint]) -> Vec<CutPoint> {
     let last = points.len() - 1;
     let mut kept: Vec<CutPoint> = vec![points[0]];
@@ -156,8 +158,9 @@ fn thinned(points: &[CutPoint]) -> Vec<CutPoint> {
     kept
 }
 
-/// A closed line, or one that is open at the trailing edge, and how far apart its ends were at leading and trailing edge,
-/// mm. `None`: it has gaps between its ends.
+/// Chains the pieces of a slice, nearest ends first, to a line that is closed or open at the trailing edge.
+/// Also returns the widths of the gaps that were bridged at leading and trailing edge, mm. `None` where
+/// another gap is too wide.
 fn joined(cuts: &[Cut]) -> Option<(Cut, [f64; 2])> {
     let longest = cuts.first()?;
     if longest.closed {
@@ -171,7 +174,7 @@ fn joined(cuts: &[Cut]) -> Option<(Cut, [f64; 2])> {
         .iter()
         .map(|c| extent(&c.points))
         .fold(extent(&longest.points), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-    // A blade may be open at its ends; a gap between them is a hole.
+    // A blade may be open at leading and trailing edge; a wide gap elsewhere is a hole.
     let sound = |a: &CutPoint, b: &CutPoint| {
         let near = |end: f64| (a.along - end).abs().max((b.along - end).abs()) < AT_GAP * (high - low);
         near(low) || near(high) || (a.point - b.point).norm() < BRIDGED * whole
@@ -248,7 +251,7 @@ fn split(cut: &Cut) -> Option<Split> {
             (false, false) => i.checked_sub(1),
         }
     };
-    // Leading edge: sharp or blunt where the blade has edges, else where it reaches furthest upstream.
+    // The leading edge is a sharp edge, the middle of two (blunt), or else the point furthest upstream.
     let edge_from = |forward: bool| {
         let mut at = lowest;
         for _ in 0..n {
@@ -289,7 +292,8 @@ fn split(cut: &Cut) -> Option<Split> {
         let mut round = true;
         for k in 0..n {
             let p = points[at];
-            // On the way out of the nose, points behind the leading edge belong to the other side.
+            // Near the nose, points on the other side of the leading edge belong to the other side of the
+            // blade.
             if k > 2 || ahead(points, &step, start, forward, &leading.point, &p.point) {
                 line.push(p);
             }
@@ -323,8 +327,9 @@ fn split(cut: &Cut) -> Option<Split> {
     (first.len() > 3 && second.len() > 3).then_some(Split { first, second, round_tail })
 }
 
-/// The place on a round nose where the mesh's faces of both sides meet, if it has one such. Where sides part on a nose is
-/// arbitrary, but what is measured from there follows it.
+/// The point on a round nose where the mesh's faces of both sides meet; `None` unless there is exactly one.
+/// The division of a nose is arbitrary, but all measures along the sides start from it, so the file's own is
+/// kept.
 fn nose_seam(
     points: &[CutPoint],
     step: &impl Fn(usize, bool) -> Option<usize>,
@@ -351,7 +356,7 @@ fn nose_seam(
     found
 }
 
-/// Whether `p`, near the leading edge, lies on the way `forward` of it.
+/// Whether `p`, near the leading edge, is ahead of it in the direction `forward`.
 fn ahead(
     points: &[CutPoint],
     step: &impl Fn(usize, bool) -> Option<usize>,
@@ -365,7 +370,7 @@ fn ahead(
     (p - leading).dot(&way) > 0.05 * (points[next].point - points[lowest].point).norm() * way.norm() * 0.2
 }
 
-/// The point of least `sign` · along about point `at` of a smooth line.
+/// The minimum of `sign` · along on a cubic spline through the points around `at`, by dense sampling.
 fn extreme(
     points: &[CutPoint],
     at: usize,

@@ -1,13 +1,12 @@
-//! Surfaces in smooth faces: the triangles of a solid over shared points, with normals that break where it
-//! has an edge.
+//! Solids as smooth faces over shared points; normals are discontinuous only at the edges between faces.
 
 use super::TriangleMesh;
 use crate::geometry::{Point, Vector};
 
-/// What a face of an impeller is.
+/// The part of an impeller that a face belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FaceKind {
-    /// Hub, from a short nose to the rim.
+    /// Hub, from the nose ahead of the blades to the rim.
     Hub,
     /// Rim, back, bore and nose ring.
     Body,
@@ -27,27 +26,27 @@ pub enum FaceKind {
     TrailingEdge,
 }
 
-/// A corner of a face: a point of the solid and the normal that this face has there.
+/// A corner of a face: a point of the solid and the normal of this face there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
     /// Index into [`Solid::points`].
     pub point: u32,
-    /// Unit normal, out of the material.
+    /// Unit normal, pointing out of the material.
     pub normal: Vector,
 }
 
 /// A smooth piece of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Face {
-    /// What it is.
+    /// The part of the impeller it belongs to.
     pub kind: FaceKind,
-    /// Its corners; no point twice.
+    /// Its corners; no point occurs twice.
     pub corners: Vec<Corner>,
     /// Three indices into `corners` each, counter-clockwise seen from outside the material.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Faces over shared points, mm.
+/// Faces over shared points, mm, in the frame of the part.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Solid {
     /// The points.
@@ -70,14 +69,15 @@ impl Solid {
         TriangleMesh { points: self.points.clone(), triangles }
     }
 
-    /// Six times the volume that the triangles enclose, mm³; negative when they face inwards.
+    /// Six times the volume enclosed by the triangles, mm³ (divergence theorem); negative when they face
+    /// inwards.
     pub fn volume_sixfold(&self) -> f64 {
         let mesh = self.mesh();
         let at = |i: u32| mesh.points[i as usize].coords;
         mesh.triangles.iter().map(|&[a, b, c]| at(a).dot(&at(b).cross(&at(c)))).sum()
     }
 
-    /// Turns every face over: triangles and normals.
+    /// Reverses the orientation of every face: triangles and normals.
     pub fn turn_over(&mut self) {
         for face in &mut self.faces {
             face.triangles.iter_mut().for_each(|t| t.swap(1, 2));
@@ -85,9 +85,9 @@ impl Solid {
         }
     }
 
-    /// Adds a face from a grid of points, `rows` × `columns` of them row by row, given by their indices. Cells whose
-    /// corners coincide become one triangle or none. `normal` gives the normal of a grid place; where it gives none
-    /// (zero), the triangles about the corner decide. The normals end up on the side of the triangles.
+    /// Adds a face from a grid of point indices. Cells with coinciding corners become one triangle or none.
+    /// `normal` gives the normal at a grid position; where it is zero, the area-weighted mean of the
+    /// triangles around the corner is used. Normals are flipped to the side of the triangles.
     pub(super) fn add_grid(
         &mut self,
         kind: FaceKind,
@@ -148,6 +148,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
+    /// Index of the point in row `i`, column `j`.
     pub fn at(&self, i: usize, j: usize) -> u32 {
         self.points[i * self.columns + j]
     }

@@ -1,25 +1,26 @@
-//! A mesh as a surface: coincident corners made one, neighbours across edges, connected pieces.
+//! Triangle mesh with adjacency: welded corners, neighbours across edges, connected pieces.
 
 use super::TriangleMesh;
 use super::weld::{self, Table};
 use crate::geometry::{Point, Vector};
 
-/// Stands for no neighbour.
+/// Index that means "no neighbour" or "no face".
 pub const NONE: u32 = u32::MAX;
 
-/// Triangles over corners that are shared wherever they coincide; none without area.
+/// Triangles over welded corners, without degenerate triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Surface {
     /// Corners, mm.
     pub points: Vec<Point>,
-    /// Corners of the triangles.
+    /// Three indices into `points` each.
     pub triangles: Vec<[u32; 3]>,
     /// Unit normals of the triangles.
     pub normals: Vec<Vector>,
-    /// Per triangle, what lies across the edge from corner k to corner k + 1 ([`NONE`]: a border, or an edge that
-    /// more than two triangles share).
+    /// Per triangle, the neighbour across the edge from corner k to corner k + 1 ([`NONE`]: a border, or an
+    /// edge of more than two triangles).
     pub neighbours: Vec<[u32; 3]>,
-    /// Per triangle, its face: those that share corners in the mesh as it is given are of one. [`NONE`]: of none.
+    /// Per triangle, the number of its face: connected triangles of the given mesh, before welding, form one.
+    /// [`NONE`]: no face.
     pub faces: Vec<u32>,
 }
 
@@ -29,14 +30,14 @@ impl Surface {
         Self::of_faces(mesh, connected(&mesh.triangles, mesh.points.len()))
     }
 
-    /// As [`Self::of`], with the faces of its triangles.
+    /// As [`Self::of`], with given face numbers of the triangles.
     pub fn of_faces(mesh: &TriangleMesh, faces: Vec<u32>) -> Self {
         let (to, points) = weld::equal(&mesh.points);
         let renumbered = |triangles: &[[u32; 3]], to: &[u32]| {
             triangles.iter().map(|t| t.map(|i| to[i as usize])).collect()
         };
         let surface = Self::over(points, renumbered(&mesh.triangles, &to), faces);
-        // Only corners at borders can have been parted.
+        // Only corners at borders can have been separated by rounding.
         let mut loose = vec![false; surface.points.len()];
         surface.border_edges().for_each(|((a, b), _)| (loose[a as usize], loose[b as usize]) = (true, true));
         match weld::near(&surface.points, &surface.triangles, &loose) {
@@ -54,7 +55,7 @@ impl Surface {
             let normal = (b - a).cross(&(c - a));
             let size = normal.norm();
             let longest = (b - a).norm_squared().max((c - a).norm_squared()).max((c - b).norm_squared());
-            // A needle without area has no side to it.
+            // A degenerate triangle has no normal.
             if size > 1e-9 * longest && size.is_finite() {
                 triangles.push(t);
                 normals.push(normal / size);
@@ -65,28 +66,28 @@ impl Surface {
         Self { points, triangles, normals, neighbours, faces }
     }
 
-    /// The edges without a neighbour: their corners, in the order in which their triangle has them, and that triangle.
+    /// The edges without a neighbour: their corners, in the order of their triangle, and that triangle.
     pub fn border_edges(&self) -> impl Iterator<Item = ((u32, u32), usize)> + '_ {
         self.neighbours.iter().zip(&self.triangles).enumerate().flat_map(|(i, (neighbours, t))| {
             (0..3).filter(|&k| neighbours[k] == NONE).map(move |k| ((t[k], t[(k + 1) % 3]), i))
         })
     }
 
-    /// With more triangles over its corners.
+    /// Adds triangles over the same corners; they belong to no face.
     pub fn with(self, triangles: Vec<[u32; 3]>) -> Self {
         let mut faces = self.faces;
         faces.resize(self.triangles.len() + triangles.len(), NONE);
         Self::over(self.points, self.triangles.into_iter().chain(triangles).collect(), faces)
     }
 
-    /// The same triangles with all corners moved, rigidly.
+    /// Applies a rigid transform to all corners.
     pub fn moved(self, to: impl Fn(&Point) -> Point) -> Self {
         let turned = |n: &Vector| to(&Point::from(*n)) - to(&Point::origin());
         let normals = self.normals.iter().map(turned).collect();
         Self { points: self.points.iter().map(&to).collect(), normals, ..self }
     }
 
-    /// Middle of a triangle.
+    /// Centroid of a triangle.
     pub fn centre(&self, triangle: usize) -> Point {
         let [a, b, c] = self.triangles[triangle].map(|i| self.points[i as usize].coords);
         Point::from((a + b + c) / 3.0)
@@ -98,8 +99,8 @@ impl Surface {
         0.5 * (b - a).cross(&(c - a)).norm()
     }
 
-    /// Numbers each triangle by the group it can be reached in across edges for which `joins` holds; returns the
-    /// numbers and their count.
+    /// Numbers the groups of triangles that are connected across edges for which `joins` holds (flood fill);
+    /// returns the group of each triangle and the number of groups.
     pub fn groups(&self, joins: impl Fn(usize, usize) -> bool) -> (Vec<u32>, usize) {
         let mut group = vec![NONE; self.triangles.len()];
         let mut count = 0;
@@ -123,7 +124,7 @@ impl Surface {
         (group, count)
     }
 
-    /// The triangles for which `keep` holds, over the corners that they need.
+    /// The triangles for which `keep` holds, without unused corners.
     pub fn part(&self, keep: impl Fn(usize) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.triangles.len()).filter(|&t| keep(t)).collect();
         let triangles = kept.iter().map(|&t| self.triangles[t]).collect();
@@ -131,12 +132,12 @@ impl Surface {
         Self::over(mesh.points, mesh.triangles, kept.iter().map(|&t| self.faces[t]).collect())
     }
 
-    /// The connected pieces, each with its triangles in their order; pieces in the order of their first triangle.
+    /// The connected pieces in the order of their first triangles; each keeps the order of its triangles.
     pub fn pieces(self) -> Vec<Self> {
         let piece = connected(&self.triangles, self.points.len());
         let mut piece_of: Table<u64, usize> = Table::default();
         let mut pieces: Vec<Self> = Vec::new();
-        // Number of a triangle or corner within its piece; a corner belongs to one only.
+        // Index of a triangle or corner within its piece; a corner belongs to one piece only.
         let mut triangle_to = Vec::with_capacity(self.triangles.len());
         let mut corner_to = vec![NONE; self.points.len()];
         for (t, corners) in self.triangles.iter().enumerate() {
@@ -165,7 +166,8 @@ impl Surface {
     }
 }
 
-/// Numbers the triangles by what they are connected to over shared corners, of which there are `count`.
+/// Labels the triangles by connected component over shared corners (union-find); `count` is the number of
+/// corners.
 fn connected(triangles: &[[u32; 3]], count: usize) -> Vec<u32> {
     fn root(parent: &mut [u32], mut i: u32) -> u32 {
         while parent[i as usize] != i {

@@ -1,8 +1,8 @@
-//! From a part to triangles whose distance from its surfaces is bounded.
+//! Tessellation of a part with a bounded chord error.
 //!
-//! Corners lie on the surfaces; between them the triangles are at most the chord error away. Hub, body and blades are
-//! closed, the shroud is a sheet. Every blade is tessellated once, in its place; the others of its row follow by
-//! rotation by the pitch.
+//! Corners are on the surfaces; in between, the triangles deviate by at most the chord error. Hub, body and
+//! blades are closed, the shroud is an open sheet. One blade of each row is tessellated; the others are
+//! copies rotated by multiples of the pitch.
 
 mod blade;
 mod revolved;
@@ -12,12 +12,12 @@ pub use revolved::{body_outline, nose, up_sign};
 use super::solid::Solid;
 use crate::part::Impeller;
 
-/// How finely a part is tessellated.
+/// Resolution of a tessellation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
     /// Largest distance between triangles and surfaces, mm.
     pub chord_error: f64,
-    /// Most triangles of hub, shroud and one blade of each row together.
+    /// Largest number of triangles of hub, shroud and one blade of each row together.
     pub most_triangles: usize,
 }
 
@@ -27,24 +27,25 @@ impl Default for Fineness {
     }
 }
 
-/// A part in triangles.
+/// The triangles of a part, mm, in its own frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tessellation {
     /// Hub with rim, back and bore; closed.
     pub hub: Solid,
-    /// Shroud, a sheet.
+    /// Shroud; an open sheet.
     pub shroud: Solid,
     /// Main blade; closed.
     pub main: Solid,
     /// Splitters of one pitch; closed.
     pub splitters: Vec<Solid>,
-    /// Chord error that holds, mm: what was asked for, or more where that would take too many triangles.
+    /// Chord error that was achieved, mm: the requested one, or more where that would take too many
+    /// triangles.
     pub chord_error: f64,
 }
 
 impl Tessellation {
-    /// Tessellates a part. Where `fineness` asks for more triangles than it allows, the chord error grows until they
-    /// are enough; see [`Self::chord_error`].
+    /// Tessellates a part. Where the chord error of `fineness` would take more triangles than it allows, the
+    /// chord error is increased by steps of 25 % until they suffice; see [`Self::chord_error`].
     pub fn new(part: &Impeller, fineness: &Fineness) -> Self {
         let mut chord_error = fineness.chord_error.clamp(1e-6, 1e3);
         let most = fineness.most_triangles.max(FEWEST_TRIANGLES * (1 + part.splitters.len()));
@@ -76,5 +77,5 @@ impl Tessellation {
     }
 }
 
-/// With as many triangles for each row of blades a part can be had, however coarse.
+/// Lower limit of the triangle budget per row of blades, with which every part can be tessellated coarsely.
 const FEWEST_TRIANGLES: usize = 20_000;

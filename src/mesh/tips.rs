@@ -1,24 +1,25 @@
-//! The shroud of a wheel without one: the surface that the tips of the blades run along.
+//! The shroud of an open wheel: the surface of revolution through the blade tips.
 
 use super::profile::{Course, Profile};
 use super::surface::{NONE, Surface};
 use crate::geometry::{Meridional, MeridionalCurve};
 
-/// Turn across an edge, as cosine, from which on it counts as sharp.
+/// An edge is sharp where the cosine between its triangles is below this.
 const SHARP: f64 = 0.82;
-/// Distance from the curve through the highest corners within which a corner is of the tip, mm per mm of blade height.
+/// Distance from the curve through the highest corners within which a corner is on the tip, mm per mm of
+/// blade height.
 const NEAR: f64 = 2e-3;
 
-/// Rise of a tip over the hub, at most, mm per mm.
+/// Largest slope of a tip over the hub, mm per mm.
 const STEEPEST: f64 = 1.0;
 
-/// The curve through the tips of `blades` over `hub`.
+/// The meridional curve through the tips of `blades` over `hub`; `None` where none can be fitted.
 pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> Option<Profile> {
     let middle = middle(blades);
     let hub = hub.clone().facing(middle);
     let mut edges: Vec<Meridional> = blades.iter().flat_map(|b| edge_corners(b, true)).collect();
     if edges.len() < 8 {
-        // No sharp edge at the tip: rounded over. Every corner may be one.
+        // The tips have no sharp edges because they are rounded: every corner is a candidate.
         edges = blades.iter().flat_map(|b| edge_corners(b, false)).collect();
     }
     let mut over: Vec<(f64, f64, Meridional)> = edges
@@ -30,7 +31,7 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
         .collect();
     over.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let height = over.iter().map(|(_, d, _)| *d).fold(0.0, f64::max);
-    // A tip rises and falls slowly over the hub; corners of leading and trailing edge lie steeply below one.
+    // Upper envelope with slopes up to STEEPEST: corners of leading and trailing edge are far below it.
     let mut least = vec![f64::NEG_INFINITY; over.len()];
     for forward in [true, false] {
         let (mut peak, mut at) = (f64::NEG_INFINITY, 0.0);
@@ -47,7 +48,7 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
         .filter(|((_, d, _), least)| *d > *least - NEAR * height)
         .map(|(p, _)| p.2)
         .collect();
-    // What lies under the curve is of the blade's ends, not of its tip, and is dropped.
+    // Refits with a shrinking band and drops the corners outside, which are not on the tip.
     let mut near = 16.0 * NEAR * height;
     for _ in 0..8 {
         let through = course.curve(&tips)?;
@@ -69,7 +70,7 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
     course.curve(&near)
 }
 
-/// Middle of the blades in the meridional plane.
+/// Mean of the blades' corners in the meridional plane.
 pub fn middle(blades: &[Surface]) -> Meridional {
     let all = blades.iter().flat_map(|b| b.points.iter().map(Meridional::of));
     let (sum, count) = all
@@ -77,7 +78,7 @@ pub fn middle(blades: &[Surface]) -> Meridional {
     Meridional { r: sum.r / f64::max(count, 1.0), z: sum.z / f64::max(count, 1.0) }
 }
 
-/// Corners at sharp edges and borders, or all of them.
+/// Corners at sharp edges and borders if `sharp`, else all corners.
 fn edge_corners(blade: &Surface, sharp: bool) -> Vec<Meridional> {
     let mut at_edge = vec![!sharp; blade.points.len()];
     if sharp {

@@ -1,4 +1,4 @@
-//! Corners at one place made one: those that are equal, and at borders those that rounding has parted.
+//! Vertex welding: merges corners with equal coordinates and, at borders, corners that differ by rounding.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -6,15 +6,15 @@ use std::hash::{BuildHasherDefault, Hasher};
 use super::surface::NONE;
 use crate::geometry::Point;
 
-/// Share of a mesh's extent within which corners at its borders are one …
+/// Distance within which corners at borders are welded, as a share of the mesh's extent …
 const NEAR: f64 = 1e-6;
-/// … and share of the largest coordinate, if that is more: single precision is good to 1.2e-7 of it.
+/// … or, if that is more, as a share of the largest coordinate: single precision resolves 1.2e-7 of it.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
-/// Width of the cells in which corners are looked for, as multiple of the distance: most are away from a cell's walls,
-/// and few share one.
+/// Cell width of the search grid as a multiple of the welding distance: large enough that most searches stay
+/// in one cell, small enough that few corners share one.
 const CELL: f64 = 8.0;
 
-/// Mixes the bits of coordinates: quick, and good enough for a table of corners.
+/// Hasher for coordinate bits: faster than the default one and sufficient for a table of corners.
 #[derive(Default)]
 pub struct Mixer(u64);
 
@@ -35,10 +35,10 @@ impl Hasher for Mixer {
     }
 }
 
-/// A table whose keys are numbers, hashed by [`Mixer`].
+/// A hash map with a fast hasher for numeric keys.
 pub type Table<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
 
-/// For every corner of `points` the number of the first one with equal coordinates, and the corners kept.
+/// Merges points with equal coordinates. Returns for each point its index among the kept ones, and these.
 pub fn equal(points: &[Point]) -> (Vec<u32>, Vec<Point>) {
     let mut table: Table<(u64, u64, u64), u32> = Table::default();
     table.reserve(points.len() / 2);
@@ -46,7 +46,7 @@ pub fn equal(points: &[Point]) -> (Vec<u32>, Vec<Point>) {
     let to = points
         .iter()
         .map(|p| {
-            // −0 and 0 are one place.
+            // Adding 0 turns −0 into 0, so that both have the same bits.
             let bits = |x: f64| (x + 0.0).to_bits();
             *table.entry((bits(p.x), bits(p.y), bits(p.z))).or_insert_with(|| {
                 kept.push(*p);
@@ -57,9 +57,9 @@ pub fn equal(points: &[Point]) -> (Vec<u32>, Vec<Point>) {
     (to, kept)
 }
 
-/// As [`equal`], for corners that are `loose` and as near to each other as rounding leaves them. `None`: there are none.
-/// A corner is moved by the distance at most, however many lie in a row, and the ends of an edge that is longer than
-/// rounding stay two.
+/// As [`equal`], for `loose` corners that differ by rounding; `None` where there are none. A corner is moved
+/// by at most the welding distance, even in a chain of near corners, and the two ends of an edge that is
+/// longer than rounding are never merged.
 pub fn near(points: &[Point], triangles: &[[u32; 3]], loose: &[bool]) -> Option<(Vec<u32>, Vec<Point>)> {
     let (mut low, mut high) = (Point::from([f64::INFINITY; 3]), Point::from([f64::NEG_INFINITY; 3]));
     for p in points {
@@ -72,7 +72,7 @@ pub fn near(points: &[Point], triangles: &[[u32; 3]], loose: &[bool]) -> Option<
     }
     let short = short_edges(points, triangles, rounding, distance);
     let cell = |x: f64| (x / (CELL * distance)).floor() as i64;
-    // The first kept corner of a cell, and for each kept corner the one before it in its cell.
+    // Linked lists per cell: the kept corner added last, and for each kept corner the one added before it.
     let mut cells: Table<(i64, i64, i64), u32> = Table::default();
     let mut before: Vec<u32> = Vec::new();
     let mut kept: Vec<Point> = Vec::with_capacity(points.len());
@@ -110,7 +110,7 @@ pub fn near(points: &[Point], triangles: &[[u32; 3]], loose: &[bool]) -> Option<
     (kept.len() < points.len()).then_some((to, kept))
 }
 
-/// By each corner the other ends of its edges whose length is in `above`..`up_to`.
+/// For each corner, the other ends of its edges that are longer than `above` and at most `up_to`, mm.
 fn short_edges(points: &[Point], triangles: &[[u32; 3]], above: f64, up_to: f64) -> Table<u32, Vec<u32>> {
     let mut ends: Table<u32, Vec<u32>> = Table::default();
     for t in triangles {
@@ -136,12 +136,12 @@ mod tests {
 
     #[test]
     fn corners_that_rounding_parts_are_one_and_a_row_of_them_is_not() {
-        // An extent of 100: corners within 1e-4 are one.
+        // With an extent of 100, the welding distance is 1e-4.
         let parted = points(&[0.0, 100.0, 1e-5, 100.0 - 1e-5]);
         let (to, kept) = near(&parted, &[], &[true; 4]).expect("two are one with others");
         assert_eq!((to, kept.len()), (vec![0, 1, 0, 1], 2));
         assert!(near(&parted, &[], &[false; 4]).is_none(), "they are not at a border");
-        // Each is near to the next, and none moves further than that.
+        // Each corner of the row is near to the next, and none may move further than the welding distance.
         let row: Vec<f64> = (0..50).map(|i| 0.8e-4 * f64::from(i)).chain([100.0]).collect();
         let (to, kept) = near(&points(&row), &[], &[true; 51]).expect("some are one");
         assert!(row.iter().zip(&to).all(|(x, k)| (x - kept[*k as usize].x).abs() <= 1e-4), "{to:?}");

@@ -5,7 +5,7 @@ use super::description::{BladeDescription, CamberSpan, PartError};
 use super::side::{BladeSide, common_parameters};
 use crate::geometry::{Meridional, MeridionalCurve, Point, search};
 
-/// A blade in its place (the others of its row follow by rotation by the pitch).
+/// A blade in the part frame; the others of its row are copies rotated by multiples of the pitch.
 #[derive(Clone, Debug)]
 pub struct Blade {
     /// Suction side.
@@ -15,13 +15,14 @@ pub struct Blade {
 }
 
 impl Blade {
-    /// The blade turned about the rotation axis.
+    /// The blade rotated by `angle` rad about Z.
     pub fn rotated(&self, angle: f64) -> Self {
         Self { suction: self.suction.rotated(angle), pressure: self.pressure.rotated(angle) }
     }
 
-    /// Arc length on `curve` of the leading edge at `v`: of the place of the nose furthest upstream, wherever on it the
-    /// sides part.
+    /// Arc length on `curve` of the leading edge at `v`, mm: of the furthest upstream point of the nose,
+    /// which need not be where both sides meet. A scan over the nose brackets it, a one-dimensional
+    /// minimisation refines it.
     pub fn leading_edge_on(&self, curve: &MeridionalCurve, v: f64) -> f64 {
         const NOSE_U: f64 = 0.15;
         const LOOKS: usize = 60;
@@ -37,9 +38,9 @@ impl Blade {
     }
 }
 
-/// Most sections (or spans) of a blade.
+/// Largest number of sections (or spans) of a blade.
 const MAX_SECTIONS: usize = 200;
-/// Most points of a section.
+/// Largest number of points of a section.
 const MAX_SECTION_POINTS: usize = 20_000;
 
 /// Line of the file in which a blade is described.
@@ -89,7 +90,7 @@ fn check_spans(spans: &[CamberSpan], line: usize) -> Result<(), PartError> {
         return fault("a blade needs two spans or more", "give one at the hub and one at the shroud");
     }
     if spans.len() > MAX_SECTIONS {
-        return fault("a blade with more than 200 spans", "give fewer, hub to shroud");
+        return fault("a blade has more than 200 spans", "give fewer, hub to shroud");
     }
     if spans.windows(2).any(|w| w[1].span <= w[0].span) {
         return fault("the spans of a blade do not increase", "order them hub to shroud, 0 to 1");
@@ -104,13 +105,13 @@ fn check_spans(spans: &[CamberSpan], line: usize) -> Result<(), PartError> {
             );
         }
         if span.angle.iter().any(|a| a.1.abs() > 85f64.to_radians()) {
-            return fault("a blade angle beyond 85°", "angles count from the meridional direction");
+            return fault("a blade angle exceeds 85°", "angles are measured from the meridional direction");
         }
         if span.thickness.iter().any(|t| !(t.1 > 0.0 && t.1 < 1e3)) {
-            return fault("a blade without thickness", "give thicknesses above 0 mm");
+            return fault("a blade has no thickness", "give thicknesses above 0 mm");
         }
         if !(0.0..0.95).contains(&span.leading_edge) {
-            return fault("a leading edge outside the channel", "give a fraction from 0 to below 0.95");
+            return fault("a leading edge is outside the channel", "give a fraction from 0 to below 0.95");
         }
     }
     Ok(())
@@ -168,7 +169,7 @@ fn trimmed(
     let miss = |surface: &str, u: f64| {
         let mut what = format!("the {name} side misses the {surface} at {:.0} % of its chord", 100.0 * u);
         if u < 0.02 {
-            // As on a disc with vanes between flat faces, which has no inlet.
+            // For example a disc with vanes between two flat surfaces, which has no inlet.
             what += ": there is no leading edge between hub and shroud";
         }
         PartError::new(
@@ -194,7 +195,8 @@ fn trimmed(
     Ok(BladeSide::loft(&u, &even, &cut))
 }
 
-/// v near `around` at which the ruling u of `side` crosses `curve`; `guess` carries the arc length on.
+/// v near `around` at which the line of constant u of `side` crosses `curve`, by bracketed root finding.
+/// `guess` is the arc length of the crossing, a warm start from line to line.
 fn crossing(
     side: &BladeSide,
     u: f64,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::impeller::Impeller;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search};
 
-/// The border of the blank on a line is met to this, mm.
+/// Tolerance of the intersection of a line with the border of the blank, mm.
 const BORDER_TOLERANCE: f64 = 1e-6;
 
 /// A turned blank. Its outline runs along the hub, up the rim (a straight line between the trailing
@@ -14,7 +14,7 @@ const BORDER_TOLERANCE: f64 = 1e-6;
 pub struct Blank {
     /// Hub between leading edge (less the extension) and rim; normal into the blank.
     pub hub: MeridionalCurve,
-    /// Shroud over the same stretch; normal out of the blank.
+    /// Shroud over the same range of s; normal out of the blank.
     pub shroud: MeridionalCurve,
     /// Leading-edge line and rim line, hub to shroud, and the signs that make their inside positive.
     ends: [(Meridional, Meridional); 2],
@@ -22,15 +22,16 @@ pub struct Blank {
     r_max: f64,
     z_range: (f64, f64),
     coarse_shroud: CoarseHeights,
-    /// How far from hub and from shroud a place of the curve nearest among its neighbours is the nearest of all, mm.
+    /// Distances from hub and from shroud, mm, up to which a locally nearest point of the curve is the
+    /// globally nearest one.
     single: (f64, f64),
 }
 
-/// Share of a curve's length, either way of a guess, over which a projection is searched first.
+/// Share of a curve's length on either side of a guess over which a projection is searched first.
 const WARM_REACH: f64 = 0.2;
 
 impl Blank {
-    /// The blank of `part`, lengthened by `inlet_extension` mm before the leading edge.
+    /// The blank of `part`, extended by `inlet_extension` mm upstream of the leading edge.
     pub fn of(part: &Impeller, inlet_extension: f64) -> Self {
         let piece = |path: &super::Flowpath| {
             let from = path.arc_at(0.0) - inlet_extension;
@@ -57,7 +58,8 @@ impl Blank {
         Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud, single }
     }
 
-    /// Points along the leading-edge line and the rim line: circles a cutter above the blank meets.
+    /// Points along the leading-edge line and the rim line; revolved about Z they are circles that a cutter
+    /// above the blank may touch.
     pub fn end_circles(&self) -> Vec<Meridional> {
         let steps = 6;
         self.ends
@@ -66,15 +68,15 @@ impl Blank {
             .collect()
     }
 
-    /// How deep `point` lies inside the blank, mm; negative outside. Near the outline it is the distance to
-    /// the nearest bounding curve or line; its sign is always right.
+    /// Depth of `point` inside the blank, mm; negative outside. Near the outline it is the distance to the
+    /// nearest bounding curve or line; its sign is correct everywhere.
     pub fn depth(&self, point: Meridional) -> f64 {
         self.depth_near(point, &mut None)
     }
 
-    /// As [`Self::depth`], with arc lengths on hub and shroud carried from call to call.
+    /// As [`Self::depth`]; `warm` holds the arc lengths on hub and shroud of the last call as a warm start.
     pub fn depth_near(&self, point: Meridional, warm: &mut Option<(f64, f64)>) -> f64 {
-        // Beyond the straight ends and the outer cylinder nothing needs projecting.
+        // Early exit without a projection: the point is beyond one of the straight ends.
         let ends = self.ends_depth(point);
         if ends < 0.0 {
             return ends;
@@ -107,7 +109,7 @@ impl Blank {
         self.nearest_top(point, warm).0
     }
 
-    /// As [`Self::clearance`], with the nearest place of the top.
+    /// As [`Self::clearance`], with the nearest point of the top.
     pub fn nearest_top(&self, point: Meridional, warm: &mut Option<f64>) -> (f64, Meridional) {
         let on_segment = |(a, b): (Meridional, Meridional)| {
             let (dr, dz) = (b.r - a.r, b.z - a.z);
@@ -134,19 +136,20 @@ impl Blank {
         height
     }
 
-    /// Arc length and signed distance of the place of the shroud nearest to `point`, which `warm` may help to find.
+    /// Arc length and signed distance of the point of the shroud nearest to `point`; `warm` is an optional
+    /// warm start.
     fn on_shroud(&self, point: Meridional, warm: Option<f64>) -> (f64, f64) {
         project(&self.shroud, point, warm, self.single.1)
     }
 
     /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub
-    /// body. `warm` carries the arc length on the shroud from call to call.
+    /// body. `warm` holds the arc length on the shroud of the last call as a warm start.
     pub fn is_solid(&self, point: Meridional, warm: &mut Option<f64>) -> bool {
         self.room(point, warm).is_none()
     }
 
-    /// A radius about `point`, mm, within which surely nothing is solid; `None` if the point is. `warm` as in
-    /// [`Self::is_solid`].
+    /// Radius of a ball about `point` that is certainly free of solid, mm; `None` if the point is solid.
+    /// `warm` as in [`Self::is_solid`].
     fn room(&self, point: Meridional, warm: &mut Option<f64>) -> Option<f64> {
         let ends = self.ends_depth(point);
         if ends < 0.0 {
@@ -156,7 +159,8 @@ impl Blank {
         (above >= 0.0).then_some(above)
     }
 
-    /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is solid. `warm` as in
+    /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is solid: steps down by free
+    /// radii (sphere tracing), then refines the border by bracketed root finding. `warm` as in
     /// [`Self::is_solid`].
     pub fn highest_inside(
         &self,
@@ -179,7 +183,8 @@ impl Blank {
             h = (h - stride.max(clear)).max(low);
         }
         let Some(outside) = above else { return Some(h) };
-        // How far out of the blank, smooth but where two bounds meet: its root is the border.
+        // Signed distance from the bounds of the blank, smooth except where two of them meet; its root is the
+        // border.
         let mut solid = h;
         let mut out = |h: f64| {
             let point = Meridional::of(&(origin + direction * h));
@@ -197,14 +202,14 @@ impl Blank {
         Some(solid)
     }
 
-    /// The height above which a rod of `radius` mm about `origin + h · direction` (unit) has surely left the blank; 0 where
-    /// it does not come into it.
+    /// Height above which a cylinder of `radius` mm about the line `origin + h · direction` (unit) has
+    /// certainly left the blank, mm; 0 where it does not enter it.
     pub fn left_at(&self, origin: &Point, direction: &Vector, radius: f64) -> f64 {
         self.clip(origin, direction, radius, (0.0, f64::INFINITY)).map_or(0.0, |(_, high)| high)
     }
 
-    /// The part of a line that can be in the blank, or no further than `aside` mm from it, at all: within its height and
-    /// outer cylinder.
+    /// The part of a line within `aside` mm of the height range and outer cylinder of the blank; elsewhere it
+    /// cannot meet the blank.
     fn clip(
         &self,
         origin: &Point,
@@ -237,8 +242,9 @@ impl Blank {
     }
 }
 
-/// Nearest place of `curve`: (arc length, signed distance). About a `guess` first; what is found there is taken only
-/// where it is the nearest of the whole curve: not at a border of the search, and no further away than `single`.
+/// Nearest point of `curve` as (arc length, signed distance). Searches near `guess` first and accepts that
+/// result only where it is certainly the global one: inside the search range, and no further away than
+/// `single`.
 fn project(curve: &MeridionalCurve, point: Meridional, guess: Option<f64>, single: f64) -> (f64, f64) {
     if let Some(guess) = guess {
         let reach = WARM_REACH * curve.length();
@@ -250,8 +256,9 @@ fn project(curve: &MeridionalCurve, point: Meridional, guess: Option<f64>, singl
     curve.project(point)
 }
 
-/// The greatest distance from `curve` at which no place of it further off than a warm search looks can be nearer than
-/// one that it finds: half the least chord of stretches of that length, less what lies between the places looked at.
+/// Greatest distance from `curve` up to which a point found by a warm search is certainly the globally
+/// nearest: half the shortest chord between points further apart along the curve than that search reaches,
+/// less the sample spacing.
 fn single_foot_within(curve: &MeridionalCurve) -> f64 {
     const PLACES: usize = 64;
     let spacing = curve.length() / PLACES as f64;
@@ -262,8 +269,8 @@ fn single_foot_within(curve: &MeridionalCurve) -> f64 {
     (0.5 * (chords.fold(f64::INFINITY, f64::min) - spacing)).max(0.0)
 }
 
-/// Heights above a curve at the nodes of a coarse grid of the meridional plane. A height changes by no more than
-/// the way between two points, so that one look decides most questions of above or below.
+/// Signed heights above a curve at the nodes of a coarse grid of the meridional plane. Between two points a
+/// height changes by at most their distance, so one lookup decides most queries of above or below.
 #[derive(Clone, Debug)]
 struct CoarseHeights {
     heights: Vec<f64>,
@@ -286,8 +293,8 @@ impl CoarseHeights {
         Self { heights, z_from: z_range.0, spacing }
     }
 
-    /// Height above the curve, negative below, or a smaller one with the same sign; `None` near the curve and
-    /// outside the grid.
+    /// A lower bound on the height above the curve, or below it where negative, with the correct sign; `None`
+    /// near the curve and outside the grid.
     #[inline]
     fn above(&self, point: Meridional) -> Option<f64> {
         let (x, y) = (point.r / self.spacing.0, (point.z - self.z_from) / self.spacing.1);

@@ -6,13 +6,13 @@ use crate::geometry::{Cubic, Meridional, MeridionalCurve, Point};
 /// Points per side.
 const POINTS: usize = 96;
 
-/// Sections (suction, pressure) of a blade given by camber angle and thickness per span. `hub` and
-/// `shroud` run to the rim; fractions of the spans are fractions of their whole arc length.
+/// Sections (suction, pressure) of a blade given by camber angle and thickness per span. `hub` and `shroud`
+/// run to the rim; fractions of the spans are fractions of their whole arc length.
 ///
-/// The camber line follows dθ = tan β dm / r from the leading edge; each side lies half the
-/// thickness from it, measured along the circumference as t / cos β so that the trailing edge ends on
-/// the rim. The nose is a half ellipse twice as long as it is thick. The suction side is
-/// the convex one: it lies on the side towards which the blade does not lean downstream.
+/// The camber line follows dθ = tan β dm / r from the leading edge; each side is half the thickness from
+/// it, measured along the circumference as t / cos β so that the trailing edge ends on the rim. The nose is
+/// a half ellipse twice as long as it is thick. The suction side is the convex one, opposite to the direction
+/// in which the blade turns downstream.
 pub(super) fn sections(
     spans: &[CamberSpan],
     hub: &MeridionalCurve,
@@ -41,7 +41,7 @@ fn section(
     };
     let angle = profile(&span.angle);
     let thickness = profile(&span.thickness);
-    // Camber line by fine trapezoids.
+    // Integrates the camber line by the trapezoidal rule.
     let fine = 2000;
     let mut theta = vec![span.theta_leading_edge];
     let mut length = vec![0.0];
@@ -65,7 +65,7 @@ fn section(
     let mut one = Vec::with_capacity(POINTS);
     let mut other = Vec::with_capacity(POINTS);
     for i in 0..POINTS {
-        // A third of the points along the nose (equal steps of its ellipse), the rest evenly on.
+        // A quarter of the points along the nose, at equal angles of its ellipse; the rest along the blade.
         let nose_points = POINTS / 4;
         let x = if i <= nose_points {
             let turn = std::f64::consts::FRAC_PI_2 * i as f64 / nose_points as f64;

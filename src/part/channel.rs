@@ -4,14 +4,15 @@ use super::impeller::{Impeller, sides_around_channel};
 use super::side::BladeSide;
 use crate::geometry::{Meridional, Point, Vector, norm2, wrap_angle};
 
-/// One wall of a passage: the flank of a blade side (its rounded ends left out), running on straight beyond
-/// LE, TE, hub and shroud.
+/// One wall of a passage: the flank of a blade side (without its rounded ends), extended linearly beyond LE,
+/// TE, hub and shroud.
 #[derive(Clone, Debug)]
 pub struct Wall {
     side: BladeSide,
-    /// The side as it is, rounded ends included.
+    /// The complete side, rounded ends included.
     whole: BladeSide,
-    /// s of the wall's foot on the hub by even steps of u over [0, u of its end]: where to start a search.
+    /// s of the wall's foot on the hub at even steps of u over [0, u of its end]: start values of Newton's
+    /// method.
     starts: Vec<f64>,
 }
 
@@ -24,9 +25,9 @@ pub struct WallPoint {
     pub theta_s: f64,
     /// See `theta_s`.
     pub theta_eta: f64,
-    /// Where on the blade side.
+    /// Parameter along the blade side, LE 0 … TE 1.
     pub u: f64,
-    /// See `u`.
+    /// Parameter across the blade side, hub 0 … shroud 1.
     pub v: f64,
 }
 
@@ -39,9 +40,9 @@ pub struct WallAngle {
     pub by_r: f64,
     /// See `by_r`.
     pub by_z: f64,
-    /// Where on the blade side.
+    /// Parameter along the blade side, LE 0 … TE 1.
     pub u: f64,
-    /// See `u`.
+    /// Parameter across the blade side, hub 0 … shroud 1.
     pub v: f64,
 }
 
@@ -63,19 +64,19 @@ impl Wall {
         &self.side
     }
 
-    /// The side of the finished blade that the flank is of, rounded ends included.
+    /// The complete side of the finished blade, rounded ends included.
     pub fn whole_side(&self) -> &BladeSide {
         &self.whole
     }
 
-    /// Whether the blade reaches `place`: beyond its ends the wall is nothing but a straight continuation.
+    /// Whether `place` is on the blade itself and not on its linear extension beyond LE or TE.
     pub fn is_blade_at(&self, place: &WallPoint) -> bool {
         const TOLERANCE_U: f64 = 0.02;
         (-TOLERANCE_U..=1.0 + TOLERANCE_U).contains(&place.u)
     }
 
-    /// The wall at (s, η): Newton on its meridional image. `None` where the wall does not reach
-    /// (it turns tangential to the meridional plane only in absurd parts).
+    /// The wall at (s, η), by Newton's method on its meridional image. `None` where that does not converge,
+    /// as where the wall does not reach (s, η).
     pub fn at(&self, part: &Impeller, s: f64, eta: f64) -> Option<WallPoint> {
         let wanted = part.meridional(s, eta);
         let n = self.starts.len() - 1;
@@ -91,7 +92,7 @@ impl Wall {
             None => end + (s - self.starts[n]),
         };
         let on = self.search(wanted, u, eta)?;
-        // Implicit function: (u, v) move so that the meridional image follows (s, η).
+        // Chain rule: θ depends on (s, η) through the meridional point (r, z).
         let (hub, shroud) = (part.hub.at(s), part.shroud.at(s));
         let (lh, ls) = (part.hub.length(), part.shroud.length());
         let by_s = (
@@ -108,7 +109,8 @@ impl Wall {
         })
     }
 
-    /// The wall at the meridional point `wanted`, searched from (u, v). `None` where it does not reach.
+    /// The wall at the meridional point `wanted`, by damped Newton steps from (u, v). `None` where they do
+    /// not converge.
     pub fn search(&self, wanted: Meridional, u: f64, v: f64) -> Option<WallAngle> {
         let (mut u, mut v) = (u, v);
         for _ in 0..40 {
@@ -198,14 +200,15 @@ impl Passage {
         })
     }
 
-    /// Angles of both walls at (s, η): λ = 0 as it is, λ = 1 following on without a jump.
+    /// Angles θ of both walls at (s, η), rad; the one at λ = 1 is unwrapped relative to the one at λ = 0.
     pub fn wall_angles(&self, part: &Impeller, s: f64, eta: f64) -> Option<[f64; 2]> {
         let [low, high] = [self.walls[0].at(part, s, eta)?, self.walls[1].at(part, s, eta)?];
         Some([low.theta, low.theta + passage_angle(low.theta, high.theta, part.pitch())])
     }
 }
 
-/// Signed angle from the wall at `low` on to the one at `high` (both θ), between 0 and the pitch for any sane part.
+/// Signed angle from the wall at θ = `low` to the one at θ = `high`, rad; between 0 and `pitch` for any
+/// valid part.
 pub fn passage_angle(low: f64, high: f64, pitch: f64) -> f64 {
     wrap_angle((high - low) - 0.5 * pitch) + 0.5 * pitch
 }
@@ -215,11 +218,13 @@ pub fn passage_angle(low: f64, high: f64, pitch: f64) -> f64 {
 pub struct Channel {
     /// Between the main blades.
     pub full: Passage,
-    /// Beside the splitter: at the main suction side, and at the main pressure side. Empty without one.
+    /// The passages beside the splitter: along the main suction side, and along the main pressure side. Empty
+    /// without a splitter.
     pub beside_splitter: Vec<Passage>,
-    /// s at which the splitter's leading edge stands: on the hub, on the shroud.
+    /// s of the splitter's leading edge: on the hub, on the shroud.
     pub splitter_s: Option<[f64; 2]>,
-    /// Both sides of every blade that bounds or stands in the channel: what a cutter may touch.
+    /// Both sides of every blade that bounds or divides the channel: the surfaces that a tool in it may
+    /// touch.
     pub sides: Vec<BladeSide>,
 }
 

@@ -1,5 +1,5 @@
-//! What a part file says, in mm and radians about Z, before anything is trimmed, extended or
-//! judged. Readers produce it, [`crate::part::Impeller::build`] turns it into a part.
+//! Contents of a part file in mm and radians about Z, before trimming, extension and validation. Readers
+//! produce it, [`crate::part::Impeller::build`] turns it into a part.
 
 pub use crate::geometry::Meridional;
 use crate::geometry::Point;
@@ -25,7 +25,7 @@ pub enum CurveDescription {
 pub struct CamberSpan {
     /// Span fraction: 0 hub, 1 shroud.
     pub span: f64,
-    /// Fraction of the channel's meridional arc length at which the leading edge stands (0 for main blades).
+    /// Fraction of the channel's meridional arc length at the leading edge (0 for main blades).
     pub leading_edge: f64,
     /// Angular position θ of the leading edge, rad.
     pub theta_leading_edge: f64,
@@ -56,7 +56,7 @@ pub enum BladeDescription {
     },
 }
 
-/// Everything a part file says.
+/// Contents of a part file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartDescription {
     /// Name of the part: the file's own, else the file stem.
@@ -77,11 +77,11 @@ pub struct PartDescription {
     pub shroud_line: usize,
     /// See `hub_line`.
     pub count_line: usize,
-    /// What the file left open and how it was taken, one line each, for the user to confirm.
+    /// Assumptions made where the file is ambiguous, one line each, for the user to confirm.
     pub notes: Vec<String>,
 }
 
-/// Why a description is no impeller; the caller adds the file name.
+/// Why a description is not a valid impeller; the caller adds the file name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{what}; {cure}")]
 pub struct PartError {

@@ -1,5 +1,5 @@
-//! Walls by their one-sided envelope (paper C, section II, fig. 5): the ruled surface that a plunging cutter can
-//! follow without cutting the blade, and what it leaves on it.
+//! One-sided envelope of a wall ([assessment paper], section II, fig. 5): the ruled surface that a plunging
+//! cutter can follow without cutting the blade, and the stock it leaves on the blade.
 
 use super::blade::Blade;
 use super::side::BladeSide;
@@ -8,9 +8,9 @@ use crate::geometry::{Point, Vector};
 
 /// Envelope lines of a wall, one per blade curve hub → tip.
 ///
-/// Each curve S(u, ·) is enveloped in the plane through its hub point that holds its chord, hub → tip, and the
-/// wall's normal at mid span, on the channel's side. Across that plane the curve is projected: there it
-/// runs along the wall. The gap is measured along that normal.
+/// Each curve S(u, ·) is projected into the plane through its hub point that contains its chord, hub →
+/// tip, and the wall's normal at mid span. There it is enveloped on the side of the channel; the gap is
+/// measured along that normal.
 #[derive(Clone, Debug)]
 pub struct WallEnvelope {
     /// u of the curves, LE 0 to TE 1.
@@ -19,7 +19,8 @@ pub struct WallEnvelope {
     pub v: Vec<f64>,
     /// Per curve the ends of its line, beside the hub and beside the tip of the blade.
     pub lines: Vec<[Point; 2]>,
-    /// Stock the line leaves on the blade, mm, at `u[i]`, `v[j]` under index `i · v.len() + j`; never negative.
+    /// Stock the line leaves on the blade, mm, at `u[i]`, `v[j]` under index `i · v.len() + j`; never
+    /// negative.
     pub gaps: Vec<f64>,
 }
 
@@ -32,7 +33,7 @@ pub enum BladeWall {
     Pressure,
 }
 
-/// Points per curve: a bow of 10 mm is met to 3 µm.
+/// Intervals per curve: a bow of 10 mm is approximated to 3 µm.
 const SPAN_STEPS: usize = 64;
 
 impl WallEnvelope {
@@ -42,7 +43,8 @@ impl WallEnvelope {
             BladeWall::Suction => (&blade.suction, &blade.pressure),
             BladeWall::Pressure => (&blade.pressure, &blade.suction),
         };
-        // ∂S/∂u × ∂S/∂v keeps to one side of the wall; mid blade tells to which.
+        // ∂S/∂u × ∂S/∂v points to one side all over the wall; mid blade shows whether that is the
+        // outside.
         let outwards = side.point(0.5, 0.5) - back.point(0.5, 0.5);
         let (_, pu, pv) = side.derivatives(0.5, 0.5);
         let sign = if pu.cross(&pv).dot(&outwards) < 0.0 { -1.0 } else { 1.0 };
@@ -76,7 +78,7 @@ fn line_over(
     let chord = (tip - foot).try_normalize(1e-12).unwrap_or_else(Vector::z);
     let (_, pu, pv) = side.derivatives(u, 0.5);
     let normal = pu.cross(&pv) * sign;
-    // Where the wall has no normal there is nothing to bow: the chord is the line.
+    // Where the wall has no normal, the chord itself is the line.
     let normal = (normal - chord * normal.dot(&chord)).try_normalize(1e-12).unwrap_or_else(Vector::zeros);
     curve.clear();
     curve.extend(v.iter().map(|&v| {

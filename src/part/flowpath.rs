@@ -1,4 +1,4 @@
-//! Hub and shroud: from described curves to the stretches that bound the channel.
+//! Hub and shroud: from described curves to the parts of them that bound the channel.
 
 use super::description::{CurveDescription, PartDescription, PartError};
 use crate::geometry::meridian::CurvePoint;
@@ -15,9 +15,9 @@ pub struct Flowpath {
 }
 
 impl Flowpath {
-    /// The stretch of `curve` around the channel, between arc lengths of the leading edge and the rim, mm.
+    /// The part of `curve` along the channel; `leading_edge` and `rim` are arc lengths, mm.
     pub(super) fn new(curve: &MeridionalCurve, leading_edge: f64, rim: f64) -> Self {
-        // What lies further upstream than half the channel is inlet duct, not impeller.
+        // Anything further upstream than half the length of the channel is inlet duct.
         let start = (leading_edge - 0.5 * (rim - leading_edge)).max(0.0);
         Self { curve: curve.piece(start, rim), leading_edge: leading_edge - start }
     }
@@ -47,7 +47,7 @@ impl Flowpath {
         (self.s_at(0.0), 1.0)
     }
 
-    /// Point at fraction `s` of the arc length; straight on beyond the curve's ends.
+    /// Point at fraction `s` of the arc length, extended linearly beyond the curve's ends.
     pub fn point(&self, s: f64) -> Meridional {
         self.curve.point(self.arc_at(s))
     }
@@ -63,7 +63,7 @@ impl Flowpath {
     }
 }
 
-/// The curve of a description, checked; `name` says which in messages.
+/// Builds and validates the curve of a description; `name` identifies it in messages.
 pub(super) fn curve(
     description: &CurveDescription,
     line: usize,
@@ -127,7 +127,7 @@ fn clamped_knots(count: usize, degree: usize) -> Vec<f64> {
     (0..count + degree + 1).map(|i| i.saturating_sub(degree).min(inner) as f64 / inner as f64).collect()
 }
 
-/// Turns the normals of both curves away from the hub body; catches swapped curves.
+/// Orients the normals of both curves away from the hub body; rejects swapped curves.
 pub(super) fn face(
     hub: MeridionalCurve,
     shroud: MeridionalCurve,
@@ -142,7 +142,7 @@ pub(super) fn face(
     };
     let middle = shroud.point(0.5 * shroud.length());
     let hub = hub.facing(middle);
-    // At the inlet the hub is nearer to the rotation axis; the inlet is where the curves are furthest in.
+    // Near the inlet the hub must be nearer to the rotation axis than the shroud.
     let (h0, s0) = (hub.at(0.35 * hub.length()), shroud.at(0.35 * shroud.length()));
     if h0.normal.r < 0.0 && h0.point.r > s0.point.r {
         return Err(swapped());
@@ -151,19 +151,21 @@ pub(super) fn face(
     Ok((hub, shroud.facing(beyond)))
 }
 
-/// Up to this s hub and shroud may touch: they meet at the leading edge of blades whose tips rise from the hub.
+/// Largest s at which hub and shroud may touch: they meet at the leading edge of blades whose height starts
+/// at zero.
 const MEETING_S: f64 = 0.02;
 
-/// Whether both curves make the channel of a centrifugal impeller.
+/// Checks that both curves bound the channel of a centrifugal impeller.
 pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescription) -> Result<(), PartError> {
     let (h0, s0) = (hub.point(0.0), shroud.point(0.0));
-    // A leading edge may lie along the axis, where both are at the same radius, or meet in a point. Swapped curves
-    // have it radial, the wrong way round.
+    // A leading edge may be axial, with both ends at the same radius, or a single point. That of swapped
+    // curves is radial, with the end on the hub outside.
     if h0.r - s0.r > 0.7 * h0.distance(s0) && h0.r > s0.r {
         return Err(PartError::new(
             d.hub_line,
             format!(
-                "hub and shroud are swapped: at the leading edge the hub is at r = {:.2}, the shroud at {:.2}",
+                "hub and shroud are swapped: at the leading edge the hub is at r = {:.2}, the shroud at \
+                 {:.2}",
                 h0.r, s0.r
             ),
             "exchange the two curves".to_string(),
@@ -178,13 +180,13 @@ pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescripti
                 rim.point.r,
                 rim.tangent.r.atan2(rim.tangent.z.abs()).to_degrees().round() + 0.0
             ),
-            "open a centrifugal impeller; axial rotors are not planned".to_string(),
+            "open a centrifugal impeller; axial rotors are not supported".to_string(),
         ));
     }
     for i in 0..=200 {
         let s = f64::from(i) / 200.0;
         let (_, gap) = hub.curve().project(shroud.point(s));
-        // Blades may begin with no height, where the shroud leaves the hub.
+        // Blades may start with zero height, where the shroud leaves the hub.
         let least = if s < MEETING_S { -1e-3 } else { 1e-3 };
         if gap <= least * hub.length() {
             return Err(PartError::new(

@@ -1,4 +1,4 @@
-//! The impeller: hub, shroud and blades, put together and checked.
+//! The impeller: hub, shroud and blades, assembled and validated.
 
 use std::f64::consts::TAU;
 
@@ -22,23 +22,23 @@ pub struct Impeller {
     pub shroud: Flowpath,
     /// Main blade.
     pub main: Blade,
-    /// Splitters of one pitch, turned into channel 1.
+    /// Splitters of one pitch, rotated into channel 1.
     pub splitters: Vec<Blade>,
-    /// What its file left open and how it was taken, one line each.
+    /// Assumptions made where its file is ambiguous, one line each.
     pub notes: Vec<String>,
     pitch: f64,
 }
 
-/// Fewest and most main blades a wheel may have.
+/// Valid numbers of main blades.
 const BLADE_COUNTS: std::ops::RangeInclusive<usize> = 2..=200;
 
 impl Impeller {
-    /// Trims, extends and checks a description.
+    /// Trims, extends and validates a description.
     ///
     /// # Errors
-    /// [`PartError`] with the line of the file, when the description is no centrifugal impeller: hub and
-    /// shroud swapped or crossing, blades that miss hub or shroud, no radial outlet, absurd
-    /// blade counts, overlapping blades.
+    /// [`PartError`] with the line of the file, when the description is not a valid centrifugal impeller: hub
+    /// and shroud swapped or crossing, blades that miss hub or shroud, no radial outlet, an unsupported
+    /// number of blades, overlapping blades.
     pub fn build(description: &PartDescription) -> Result<Self, PartError> {
         let d = description;
         if !BLADE_COUNTS.contains(&d.blade_count) {
@@ -63,7 +63,7 @@ impl Impeller {
             if end - start < 1e-3 * hub.length() {
                 return Err(PartError::new(
                     line,
-                    format!("the main blade covers no stretch of the {name}"),
+                    format!("the main blade does not extend along the {name}"),
                     "check that blade sections run LE to TE and use the units of the curves".to_string(),
                 ));
             }
@@ -82,7 +82,7 @@ impl Impeller {
         let splitters = splitters
             .into_iter()
             .map(|s| {
-                // Turn the splitter by whole pitches into the channel beside the main suction side.
+                // Rotate the splitter by whole pitches into the channel beside the main suction side.
                 let ahead = wrap_angle(splitter_angle(&s.blade, &main)) / pitch;
                 s.blade.rotated(-ahead.floor() * pitch)
             })
@@ -107,7 +107,7 @@ impl Impeller {
         self.pitch
     }
 
-    /// Direction of the axis of rotation that points out of the inlet, away from the back of the wheel.
+    /// Unit direction of the axis of rotation that points out of the inlet, away from the back of the wheel.
     pub fn out_of_inlet(&self) -> crate::geometry::Vector {
         crate::geometry::Vector::z() * if self.inlet_up() { 1.0 } else { -1.0 }
     }
@@ -116,7 +116,7 @@ impl Impeller {
         self.hub.point(0.0).z >= self.hub.point(1.0).z
     }
 
-    /// The sense in which the wheel turns when its pressure sides lead.
+    /// Sense of rotation of the wheel, in which its pressure sides lead.
     pub fn rotation(&self) -> Rotation {
         Rotation::about_z(-self.pitch, self.inlet_up())
     }
@@ -131,7 +131,7 @@ impl Impeller {
         self.hub.point(s).lerp(self.shroud.point(s), eta)
     }
 
-    /// Neighbouring blades may not overlap anywhere.
+    /// Checks that neighbouring blades do not overlap.
     fn check_passages(&self, line: usize) -> Result<(), PartError> {
         for i in 0..=40 {
             let u = f64::from(i) / 40.0;
@@ -142,7 +142,8 @@ impl Impeller {
                     return Err(PartError::new(
                         line,
                         format!(
-                            "{} blades overlap: at {:.0} % of the chord a blade is {:.1}° thick in a pitch of {:.1}°",
+                            "{} blades overlap: at {:.0} % of the chord a blade is {:.1}° thick \
+                             in a pitch of {:.1}°",
                             self.blade_count,
                             100.0 * u,
                             thickness.to_degrees(),
@@ -157,7 +158,7 @@ impl Impeller {
     }
 }
 
-/// Angle of a splitter ahead of the main blade's suction side at the same radius and height.
+/// Angle of a splitter ahead of the main blade's suction side at the same radius and height, rad.
 fn splitter_angle(splitter: &Blade, main: &Blade) -> f64 {
     let p = splitter.suction.point(0.9, 0.5);
     let wanted = Meridional::of(&p);
@@ -168,8 +169,8 @@ fn splitter_angle(splitter: &Blade, main: &Blade) -> f64 {
     p.y.atan2(p.x) - nearest.y.atan2(nearest.x)
 }
 
-/// The part's blades around channel 1, both sides of each: what a cutter in that channel can touch.
-/// Main blades −1 to 2 pitches away would be needless: the two bounding blades and the splitter.
+/// Both sides of the two main blades around channel 1 and of its splitters: the surfaces that a tool in that
+/// channel can touch. No other blade is within its reach.
 pub fn sides_around_channel(part: &Impeller) -> Vec<BladeSide> {
     let other = part.main.rotated(part.pitch());
     let mut sides =

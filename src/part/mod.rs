@@ -1,4 +1,4 @@
-//! The part in work: impeller, channel, blank, tools and setup.
+//! The part: impeller, channel, blank, tools and setup.
 
 mod blade;
 pub mod blank;

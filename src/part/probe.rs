@@ -3,23 +3,24 @@
 use super::side::BladeSide;
 use crate::geometry::{CutterSolid, Point, Vector, norm2, search};
 
-/// A blade side with a coarse grid of its points, made for many distance queries.
+/// A blade side with a coarse grid of its points, precomputed for many distance queries.
 #[derive(Clone, Debug)]
 pub struct SideProbe {
     side: BladeSide,
     u: Vec<f64>,
     v: Vec<f64>,
-    /// Row by row of v.
+    /// Points of the grid, line by line of v.
     points: Vec<Point>,
-    /// For every one how far from it the side goes on before another is nearer, mm, at most.
+    /// Per point, an upper bound on the distance from it to the part of the side for which it is the nearest,
+    /// mm.
     reaches: Vec<f64>,
-    /// Runs of neighbouring points of each line, line by line: [`Self::blocks_per_line`] of them a line.
+    /// Runs of neighbouring points of each line, line by line: [`Self::blocks_per_line`] per line.
     blocks: Vec<Block>,
     blocks_per_line: usize,
 }
 
-/// A run of points of one line of the grid, with a ball around them: a distance changes by no more than the way between two
-/// points, so that one look at the centre tells whether they matter.
+/// A run of points of one line of the grid in a bounding ball. A distance changes by at most the distance
+/// between two points, so that of the centre decides whether the others matter.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     /// Index of the first point in the line, and one past the last.
@@ -29,22 +30,22 @@ struct Block {
     centre: usize,
     /// Furthest point of the run from the centre, mm.
     radius: f64,
-    /// As `radius`, with what the points stand for.
+    /// As `radius`, with the parts of the side that the points represent.
     reach: f64,
 }
 
-/// Points of a block, and most blocks of a line: 41 points, and 4 more at each rounded end.
+/// Points of a block, and largest number of blocks of a line: 41 points, and 4 more at each rounded end.
 const BLOCK: usize = 6;
 const MAX_BLOCKS: usize = 49usize.div_ceil(BLOCK);
 
-/// Where a side is nearest.
+/// Nearest point of a side.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
     /// Signed distance, mm; negative where the cutter cuts the side.
     pub distance: f64,
-    /// Where on the side.
+    /// Parameter along the side, LE 0 … TE 1.
     pub u: f64,
-    /// See `u`.
+    /// Parameter across the side, hub 0 … shroud 1.
     pub v: f64,
     /// The point of the side.
     pub point: Point,
@@ -53,26 +54,26 @@ pub struct Nearest {
 /// Lines of v in the grid of a side that is not ruled; a ruled one bends only by its twist.
 const MAX_V_LINES: usize = 9;
 const RULED_V_LINES: usize = 5;
-/// Argument tolerance of the searches in u. The distance is stationary there, so that it is
-/// met to far better than 1 µm on any machinable size.
+/// Argument tolerance of the searches in u. The distance is stationary there, so its error is far below 1 µm
+/// on any machinable size.
 const U_TOLERANCE: f64 = 2e-5;
 /// Newton step in u after which no other is needed: the error is of the order of its square.
 const U_STEP: f64 = 5e-5;
-/// As [`U_TOLERANCE`], in v. Beside the edge of the bottom the distance bends with a radius no longer than itself: what is
-/// harmless elsewhere misses it by 10 µm there.
+/// As [`U_TOLERANCE`], in v. Near the edge of the bottom the distance has a radius of curvature no greater
+/// than itself: a tolerance that is harmless elsewhere would cost 10 µm there.
 const V_TOLERANCE: f64 = 4e-6;
 
-/// All of v.
+/// The whole range of v.
 const WHOLE: (f64, f64) = (0.0, 1.0);
-/// No place is near enough to end a search.
+/// Value of `enough` that never ends a search early.
 const NONE_IS_ENOUGH: f64 = f64::NEG_INFINITY;
 
-/// No point of a cell is further from the nearest of its corners than this share of the longest way between two of them:
-/// 1/√3 where it is flat, and what it bends besides.
+/// Upper bound on the distance of a point of a cell from its nearest corner, as a share of the longest
+/// distance between two corners: 1/√3 for a flat cell, and a margin for curvature.
 const CELL_REACH: f64 = 0.75;
 
 impl SideProbe {
-    /// Grid over u in [`from`, `to`] (beyond 0…1 the side runs on straight) and all of v.
+    /// Grid over u in [`from`, `to`] (beyond 0…1 the side is extended linearly) and the whole range of v.
     pub fn new(side: &BladeSide, from: f64, to: f64) -> Self {
         let count = 40;
         let mut u: Vec<f64> =
@@ -118,30 +119,32 @@ impl SideProbe {
         Self { side: side.clone(), u, v, points, reaches, blocks, blocks_per_line }
     }
 
-    /// The side itself.
+    /// The blade side.
     pub fn side(&self) -> &BladeSide {
         &self.side
     }
 
-    /// Nearest distance from `cutter` to the side over v in [`v_from`, `v_to`].
+    /// Nearest point of the side to `cutter` over v in [`v_from`, `v_to`].
     pub fn nearest(&self, cutter: &CutterSolid, v_from: f64, v_to: f64) -> Nearest {
         self.nearest_within(&CutterLines { cutter }, (v_from, v_to), f64::INFINITY, NONE_IS_ENOUGH)
             .unwrap_or_else(|| self.nothing())
     }
 
-    /// As [`Self::nearest`] over the whole side; `None` when the side is surely further than `cutoff` mm.
+    /// As [`Self::nearest`] over the whole side; `None` when the side is certainly further away than `cutoff`
+    /// mm.
     pub fn nearest_below(&self, cutter: &CutterSolid, cutoff: f64) -> Option<Nearest> {
         self.nearest_within(&CutterLines { cutter }, WHOLE, cutoff, NONE_IS_ENOUGH)
     }
 
-    /// Whether any place of the side is nearer to `cutter` than `limit` mm; quicker than to measure how near.
+    /// Whether any point of the side is nearer to `cutter` than `limit` mm; faster than measuring the
+    /// distance.
     pub fn is_within(&self, cutter: &CutterSolid, limit: f64) -> bool {
         let near = self.nearest_within(&CutterLines { cutter }, WHOLE, limit, limit);
         near.is_some_and(|near| near.distance < limit)
     }
 
-    /// As [`Self::nearest`], following a nearest place known to be close to `u` instead of searching
-    /// the whole side: for iterations that end with [`Self::nearest`].
+    /// As [`Self::nearest`], by a local search from a nearest point known to be close to `u`: for iterations
+    /// that end with [`Self::nearest`].
     pub fn nearest_from(&self, cutter: &CutterSolid, u: f64, v_from: f64, v_to: f64) -> Nearest {
         let query = CutterLines { cutter };
         let reach = 1.5 * (self.u[self.u.len() - 1] - self.u[0]) / self.u.len() as f64;
@@ -154,7 +157,7 @@ impl SideProbe {
         self.lowest(&query, &lines, reach)
     }
 
-    /// Nearest distance from `point` to the whole side.
+    /// Nearest point of the whole side to `point`.
     pub fn nearest_to_point(&self, point: &Point) -> Nearest {
         self.nearest_within(&PointLines { point }, WHOLE, f64::INFINITY, NONE_IS_ENOUGH)
             .unwrap_or_else(|| self.nothing())
@@ -164,7 +167,7 @@ impl SideProbe {
         Nearest { distance: f64::INFINITY, u: 0.0, v: 0.0, point: self.points[0] }
     }
 
-    /// Nearest place on the line `v`: Newton along u from `guess`, Brent where that does not do.
+    /// Nearest point on the line `v`: Newton's method along u from `guess`, Brent's method where that fails.
     fn on_line(&self, query: &impl Query, v: f64, guess: f64, low: f64, high: f64) -> Line {
         let (low, high) = (low.max(self.u[0]), high.min(self.u[self.u.len() - 1]));
         let mut curve = self.side.line(v);
@@ -198,8 +201,8 @@ impl SideProbe {
         line(if end.1 < inner.1 { end.0 } else { inner.0 }).1
     }
 
-    /// Nearest place over v from `v_from` to `v_to`; `None` when the side is surely further than `cutoff` mm. The first
-    /// place nearer than `enough` mm will do.
+    /// Nearest point over v from `v_from` to `v_to`; `None` when the side is certainly further away than
+    /// `cutoff` mm. Returns early with the first point nearer than `enough` mm.
     fn nearest_within(
         &self,
         query: &impl Query,
@@ -234,8 +237,8 @@ impl SideProbe {
         Nearest { distance: line.distance, u: line.u, v: line.v, point: self.side.point(line.u, line.v) }
     }
 
-    /// Where to look on the lines of the grid between `v_from` and `v_to`, and on these; no further than the first
-    /// grid point nearer than `enough` mm.
+    /// Start values on the lines of the grid between `v_from` and `v_to`, and on these two; stops at the
+    /// first grid point nearer than `enough` mm.
     fn seeds(&self, query: &impl Query, v_from: f64, v_to: f64, enough: f64) -> Seeds {
         let mut seeds = Seeds::default();
         let spacing = 1.0 / (self.v.len() - 1) as f64;
@@ -257,9 +260,9 @@ impl SideProbe {
         seeds
     }
 
-    /// Nearest place on the line of a seed, and how far in u it may have been from there.
+    /// Nearest point on the line of a seed, and the width of the range of u that was searched.
     fn line_near(&self, query: &impl Query, seed: &Seed) -> (Line, f64) {
-        // Another line stands for one between: its nearest point is a cell or two off.
+        // Between grid lines the seed is of the next one: the nearest point may be a cell or two away.
         let cells = if (seed.v - self.v[seed.line]).abs() < 1e-9 { 1 } else { 3 };
         let last = self.u.len() - 1;
         let (low, high) = (self.u[seed.index.saturating_sub(cells)], self.u[(seed.index + cells).min(last)]);
@@ -279,7 +282,7 @@ impl SideProbe {
                 nearest = (centres[b], b);
             }
         }
-        // The block with the nearest centre first: it rules most others out.
+        // Branch and bound: the block with the nearest centre first, as it rules most others out.
         let mut best = (f64::INFINITY, 0);
         let mut bound = f64::INFINITY;
         let mut look = |b: usize| {
@@ -291,7 +294,7 @@ impl SideProbe {
             for i in block.first..block.last {
                 let value = query.distance(&line[i]);
                 bound = bound.min(value - reaches[i]);
-                // Of equally near ones the first, whichever block came first.
+                // Of equally near points the first, independent of the order of the blocks.
                 if value < best.0 || value == best.0 && i < best.1 {
                     best = (value, i);
                 }
@@ -302,8 +305,8 @@ impl SideProbe {
         Seed { v: self.v[j], line: j, index: best.1, distance: best.0, bound }
     }
 
-    /// Nearest place, given the nearest ones on neighbouring `lines`, at which u is followed by no more than `drift`
-    /// beyond both lines.
+    /// Nearest point, given the nearest ones on neighbouring `lines`. Between two lines u is searched up to
+    /// `drift` beyond that of both.
     fn lowest(&self, query: &impl Query, lines: &[Line], drift: f64) -> Nearest {
         let mut best = lines[0];
         for line in &lines[1..] {
@@ -313,7 +316,7 @@ impl SideProbe {
             let (a, b) = (pair[0], pair[1]);
             let reach = (a.u.min(b.u) - drift, a.u.max(b.u) + drift);
             if a.height * b.height < 0.0 {
-                // On either side of the bottom plane there is one minimum.
+                // The distance has a kink at the bottom plane: at most one minimum on either side of it.
                 let share = a.height / (a.height - b.height);
                 let (u, v) = (a.u + share * (b.u - a.u), a.v + share * (b.v - a.v));
                 let plane = self.on_line(query, v, u, reach.0, reach.1);
@@ -327,7 +330,7 @@ impl SideProbe {
         self.found(&best)
     }
 
-    /// Looks between two lines for a place nearer than `best`, u within `reach`.
+    /// Searches between two lines for a point nearer than `best`, with u within `reach`.
     fn valley(&self, query: &impl Query, (a, b): (&Line, &Line), reach: (f64, f64), best: &mut Line) {
         let known = best.distance;
         let mut at = a.lower(b);
@@ -339,7 +342,8 @@ impl SideProbe {
         let (falls, rises) = (a.slope < 0.0, b.slope > 0.0);
         let mut searched = !(falls && b.distance > a.distance || rises && a.distance > b.distance);
         if falls && rises {
-            // Where the tangents of both lines meet bounds a valley; twice as far down, in case it is none.
+            // For a convex distance the end tangents meet at a lower bound; twice as deep, in case it is not
+            // convex.
             let (lower, width) = (a.distance.min(b.distance), b.v - a.v);
             let along = (b.distance - a.distance - b.slope * width) / (a.slope - b.slope);
             let bottom = a.distance + a.slope * along;
@@ -355,27 +359,28 @@ impl SideProbe {
             };
             search::root_from(slope_at, ends.0, ends.1, a.v + along, V_TOLERANCE);
         }
-        // Slopes do not tell everything where it goes down from the lower line and is up again at the other, as two
-        // nearest places change roles between them, nor inside the cutter, where several faces meet.
+        // Slopes are not enough where the distance falls from the nearer line and rises again to the other,
+        // as two local minima in u exchange roles between them, nor inside the cutter, where several surfaces
+        // meet.
         if !searched {
             search::minimum(|v| follow(v).distance, a.v, b.v, V_TOLERANCE);
         }
     }
 }
 
-/// Most lines of a search: those of the grid, and the ends of the range.
+/// Largest number of lines of a search: those of the grid, and the ends of the range.
 const MAX_LINES: usize = MAX_V_LINES + 2;
 
-/// Where to begin on a line of v.
+/// Start value of the search on a line of v.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seed {
     v: f64,
-    /// The grid line that stands for it.
+    /// The nearest grid line.
     line: usize,
-    /// Index in u of the nearest point of that, and its distance, mm.
+    /// Index in u of the nearest point of the grid line, and its distance, mm.
     index: usize,
     distance: f64,
-    /// Nothing that the points of the grid line stand for is nearer than this, mm.
+    /// Lower bound on the distance of the part of the side around the grid line, mm.
     bound: f64,
 }
 
@@ -385,7 +390,7 @@ struct Seeds {
     count: usize,
     /// Distance of the nearest grid point, mm.
     nearest: f64,
-    /// No place of the side is nearer than this, mm.
+    /// Lower bound on the distance of the side, mm.
     least: f64,
 }
 
@@ -403,7 +408,7 @@ impl Seeds {
         self.least = self.least.min(seed.bound);
     }
 
-    /// The lines between which the nearest place must be, if it is nearer than `cutoff` mm.
+    /// The lines between which the nearest point must be, if it is nearer than `cutoff` mm.
     fn near(&self, cutoff: f64) -> &[Seed] {
         let lines = &self.lines[..self.count];
         let limit = cutoff.min(self.nearest);
@@ -415,37 +420,37 @@ impl Seeds {
     }
 }
 
-/// Nearest place on a line of the side.
+/// Nearest point on a line of the side.
 #[derive(Clone, Copy, Debug, Default)]
 struct Line {
     v: f64,
     u: f64,
-    /// Signed distance, mm, and how it changes by v.
+    /// Signed distance, mm, and its derivative by v.
     distance: f64,
     slope: f64,
-    /// [`Query::height`] of the place.
+    /// [`Query::height`] of the point.
     height: f64,
 }
 
 impl Line {
-    /// The nearer of two, this one when both are as near.
+    /// The nearer of two, this one if they are equally near.
     fn lower(&self, other: &Self) -> Self {
         if other.distance < self.distance { *other } else { *self }
     }
 }
 
-/// What a side is near to.
+/// The object to which the distance of a side is measured.
 trait Query {
     /// Signed distance of a point of the side, mm.
     fn distance(&self, p: &Point) -> f64;
-    /// Where this changes its sign the distance may bend sharply.
+    /// The distance may have a kink where this value changes its sign.
     fn height(&self, p: &Point) -> f64;
     /// Distance of a point of the side, and its gradient.
     fn gradient(&self, p: &Point) -> (f64, Vector);
-    /// First and second derivative by u of something that is least where the distance is; `None` where there is
-    /// nothing of that kind.
+    /// First and second derivative by u of a smooth function with the same minimum as the distance; `None`
+    /// where there is none.
     fn slope(&self, p: &Point, pu: &Vector, puu: &Vector) -> Option<(f64, f64)>;
-    /// Whether the minimum of that is the minimum of the distance.
+    /// Whether the minimum of that function is certainly the minimum of the distance.
     fn smooth_at(&self, p: &Point) -> bool;
 }
 
@@ -453,12 +458,12 @@ struct CutterLines<'a> {
     cutter: &'a CutterSolid,
 }
 
-/// A point as seen from a cutter.
+/// A point in cylindrical coordinates of a cutter.
 struct Seen {
     /// From the axis to the point, mm.
     flat: Vector,
     radial: f64,
-    /// Beyond the cylinder and below the plane between which the corner is rounded, mm.
+    /// Distances beyond the cylinder and below the plane between which the corner is rounded, mm.
     beyond: f64,
     below: f64,
 }
@@ -499,7 +504,8 @@ impl Query for CutterLines<'_> {
         (sharp - self.cutter.corner_radius, gradient)
     }
 
-    /// Of half the squared distance from the axis, or from the edge of the bottom for points below that.
+    /// Derivatives of half the squared distance from the axis, or from the edge of the bottom for points
+    /// below that.
     #[inline]
     fn slope(&self, p: &Point, pu: &Vector, puu: &Vector) -> Option<(f64, f64)> {
         let Seen { flat, radial, beyond, below } = self.seen(p);
@@ -521,7 +527,7 @@ impl Query for CutterLines<'_> {
     }
 
     fn smooth_at(&self, p: &Point) -> bool {
-        // Under the bottom, and deep inside, other faces may be nearer.
+        // Under the bottom, and deep inside, another surface of the cutter may be nearer.
         let Seen { radial, beyond, below, .. } = self.seen(p);
         (beyond > 0.0 || below <= beyond) && radial > 0.5 * self.cutter.radius
     }

@@ -1,8 +1,9 @@
 //! The sense in which a wheel turns.
 //!
-//! Impellers press on the fluid with the side of their blades that leads: the pressure side. Seen along the way of the
-//! flow, blades run back against the sense of rotation: at the inlet towards the flow that comes to meet them, at the
-//! outlet swept back. So a blade's wrap tells the sense of rotation, and that the sides, where a file names neither.
+//! Impellers press on the fluid with the leading side of their blades: the pressure side. Along the flow,
+//! blades run back against the sense of rotation: at the inlet to meet the incoming flow, at the outlet as
+//! backsweep. So the wrap of a blade determines the sense of rotation, and that determines the sides, where a
+//! file names neither.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,29 +11,30 @@ use std::str::FromStr;
 /// Sense of rotation, seen from the inlet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Rotation {
-    /// With the clock.
+    /// Clockwise, seen from the inlet.
     #[serde(rename = "cw")]
     Clockwise,
-    /// Against it.
+    /// Counter-clockwise, seen from the inlet.
     #[serde(rename = "ccw")]
     Counterclockwise,
 }
 
 impl Rotation {
-    /// Both.
+    /// Both senses.
     pub const ALL: [Self; 2] = [Self::Clockwise, Self::Counterclockwise];
 
-    /// Of a wheel that turns about Z by `turn` (only the sign counts), whose inlet faces towards +Z if `inlet_up`.
+    /// Sense of rotation of a wheel that turns about Z by `turn` (only its sign counts) and whose inlet is
+    /// towards +Z if `inlet_up`.
     pub fn about_z(turn: f64, inlet_up: bool) -> Self {
         if (turn > 0.0) == inlet_up { Self::Counterclockwise } else { Self::Clockwise }
     }
 
-    /// Sign of the turn about Z of a wheel whose inlet faces towards +Z if `inlet_up`.
+    /// Sign of the turn about Z of a wheel whose inlet is towards +Z if `inlet_up`.
     pub fn sign_about_z(self, inlet_up: bool) -> f64 {
         if (self == Self::Counterclockwise) == inlet_up { 1.0 } else { -1.0 }
     }
 
-    /// The other one.
+    /// The opposite sense.
     #[must_use]
     pub fn reversed(self) -> Self {
         match self {
@@ -41,7 +43,7 @@ impl Rotation {
         }
     }
 
-    /// The word for it in files and on the command line.
+    /// Its keyword in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clockwise => "cw",
@@ -66,7 +68,7 @@ impl FromStr for Rotation {
         let text = text.to_lowercase();
         let known = Self::ALL.into_iter().find(|rotation| rotation.name() == text);
         known.ok_or_else(|| {
-            format!("`{text}` is no sense of rotation; give cw or ccw, as seen from the inlet")
+            format!("`{text}` is not a sense of rotation; give cw or ccw, as seen from the inlet")
         })
     }
 }

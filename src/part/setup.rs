@@ -1,25 +1,25 @@
-//! The setup: stock, tools, and what the programmer asks of the planner. Keys as in the TOML file.
+//! The setup: allowances, clearances, tools and planner parameters. Keys as in the TOML file.
 
 use super::tool::Tool;
 use super::{Channel, Impeller, PassageWidth};
 use crate::geometry::Vector;
 
-/// Axis policy of the plunge planner (paper A and ours).
+/// Axis policy of the plunge planner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AxisPolicy {
     /// Isoparametric axes, as commercial modules plan them.
     Conventional,
-    /// Paper A: the angle between hub normal and axis grows from position to position.
+    /// The angle between hub normal and axis grows from position to position ([plunge paper]).
     Monotone,
-    /// Ours: the least residual layer that no core contact allows.
+    /// Vanecut's own: the least residual stock without core contact.
     Minimal,
     /// Isoparametric axes, each plunge shortened until its core is free.
     Staircase,
 }
 
 impl AxisPolicy {
-    /// All of them, from what shops do today to ours.
+    /// All policies, from current practice to Vanecut's own.
     pub const ALL: [Self; 4] = [Self::Conventional, Self::Monotone, Self::Staircase, Self::Minimal];
 
     /// Its name in files and on the command line.
@@ -60,13 +60,13 @@ pub struct Stock {
     pub hub_allowance: f64,
     /// Stock that must stay on the blades.
     pub blade_allowance: f64,
-    /// Distance of the cutter above the blank before a rapid.
+    /// Clearance between the cutter and the blank in a rapid.
     pub safety_distance: f64,
-    /// Length of blank before the leading edge, along hub and shroud.
+    /// Length of blank upstream of the leading edge, along hub and shroud.
     pub inlet_extension: f64,
 }
 
-/// `[[plunge.section]]`: a stretch of s cut with one tool.
+/// `[[plunge.section]]`: a range of s cut with one tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionSetup {
     /// Number of the tool in the list of tools.
@@ -77,8 +77,8 @@ pub struct SectionSetup {
     pub to: f64,
     /// Direction of the rows; absent: inward.
     pub feed: Option<Feed>,
-    /// Whether it cuts only where the sections before it left a thick layer, single plunges instead of rows. Only `minimal`
-    /// does; the other policies leave such a section out.
+    /// Whether it is a rest milling section: single plunges only where earlier sections left a thick layer.
+    /// Only `minimal` plans it; the other policies skip it.
     pub rest: bool,
 }
 
@@ -89,37 +89,37 @@ pub struct PlungeSetup {
     pub axis: AxisPolicy,
     /// Upper limit of the step along a row, mm; absent: the insert width of each tool.
     pub step: Option<f64>,
-    /// Upper limit of the spacing of rows, mm; absent: 4/3 of each tool's radius.
+    /// Upper limit of the stepover between rows, mm; absent: 4/3 of each tool's radius.
     pub row_spacing: Option<f64>,
-    /// Greatest scallop between plunges along a wall, mm.
+    /// Largest scallop height between plunges along a wall, mm.
     pub wall_scallop: f64,
     /// Largest angle between the axes of neighbouring positions, rad (degrees in the file).
     pub max_axis_change: f64,
     /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
     pub max_tilt: f64,
-    /// Whether sections that are chosen get smaller cutters after them for what they leave beside leaning walls
-    /// ([`SectionSetup::rest`]).
+    /// Whether automatically chosen sections are followed by rest milling with smaller tools, for the stock
+    /// beside leaning walls ([`SectionSetup::rest`]).
     pub rest: bool,
     /// Sections, outlet → inlet; empty: chosen from the tools, for the least time.
     pub sections: Vec<SectionSetup>,
 }
 
-/// How the flank planner fills the channel with curves (paper B and ours).
+/// Strategy of the flank planner: how passes fill the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FlankScheme {
-    /// Isoparametric layers and curves through the whole channel: what commercial modules plan.
+    /// Isoparametric layers and passes through the whole channel, as commercial modules plan them.
     Isoparametric,
-    /// Layers of constant depth, isoparametric curves region by region.
+    /// Layers of constant depth, with isoparametric passes region by region.
     Layers,
-    /// Paper B: layers of constant depth, and in each region fans of offsets from both walls.
+    /// Layers of constant depth, and in each region fans of offsets from both walls ([flank paper]).
     Regions,
-    /// Ours: as few offsets as keep every gap within the interval.
+    /// Vanecut's own: as few offsets as keep every gap within the stepover.
     Balanced,
 }
 
 impl FlankScheme {
-    /// All of them, from the longest to ours.
+    /// All strategies, from the longest toolpath to Vanecut's own.
     pub const ALL: [Self; 4] = [Self::Isoparametric, Self::Layers, Self::Regions, Self::Balanced];
 
     /// Its name in files and on the command line.
@@ -138,39 +138,40 @@ impl FlankScheme {
 pub struct FlankSetup {
     /// Number of the tool; absent: chosen for the part.
     pub tool: Option<u32>,
-    /// Scheme of the result.
+    /// Strategy of the result.
     pub scheme: FlankScheme,
     /// Depth of a layer, mm.
     pub layer_depth: f64,
-    /// Allowed scallop, mm.
+    /// Largest scallop height on the floor, mm.
     pub allowed_error: f64,
-    /// How far curves run on beyond leading and trailing edge, mm along the meridian; absent: the cutter's radius.
+    /// Length of lead-in and lead-out beyond leading and trailing edge, mm along the meridian; absent: the
+    /// cutter's radius.
     pub extension: Option<f64>,
-    /// Feed of the curves beside others, mm/min; absent: 0.016 diameters a turn.
+    /// Feed rate of passes beside others, mm/min; absent: 0.016 diameters per revolution.
     pub feed: Option<f64>,
-    /// Feed of curves in full stock, mm/min; absent: 0.6 of `feed`.
+    /// Feed rate of passes in full stock, mm/min; absent: 0.6 of `feed`.
     pub slot_feed: Option<f64>,
-    /// Feed of the curves along the walls, mm/min; absent: 0.8 of `feed`.
+    /// Feed rate of passes along the walls, mm/min; absent: 0.8 of `feed`.
     pub wall_feed: Option<f64>,
-    /// Feed of ramps down into stock, mm/min; absent: 0.5 of `feed`.
+    /// Feed rate of ramps down into stock, mm/min; absent: 0.5 of `feed`.
     pub ramp_feed: Option<f64>,
 }
 
-/// Feeds of a flank plan by engagement, mm/min.
+/// Feed rates of a flank plan by engagement, mm/min.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlankFeeds {
-    /// Along curves beside others that are cut.
+    /// Passes beside others that are already cut.
     pub step: f64,
-    /// Along curves with stock on both sides.
+    /// Passes with stock on both sides.
     pub slot: f64,
-    /// Along walls.
+    /// Passes along walls.
     pub wall: f64,
-    /// Down into stock.
+    /// Ramps down into stock.
     pub ramp: f64,
 }
 
 impl FlankSetup {
-    /// Feeds with `tool`.
+    /// Feed rates with `tool`.
     pub fn feeds_of(&self, tool: &Tool) -> FlankFeeds {
         let step = self.feed.unwrap_or(0.016 * tool.diameter * tool.spindle);
         FlankFeeds {
@@ -181,28 +182,29 @@ impl FlankSetup {
         }
     }
 
-    /// Extension of the curves with `tool`, mm.
+    /// Length of lead-in and lead-out with `tool`, mm.
     pub fn extension_of(&self, tool: &Tool) -> f64 {
         self.extension.unwrap_or(tool.radius())
     }
 }
 
-/// `[machine]`: what the machine can reach.
+/// `[machine]`: limits of the machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
-    /// Largest angle of a tool axis from the part's axis of rotation, where that points out of the inlet, rad (degrees in the
-    /// file). π: any.
+    /// Largest angle between a tool axis and the part's axis of rotation, in the direction out of the inlet,
+    /// rad (degrees in the file). π: no limit.
     pub max_axis_tilt: f64,
 }
 
 impl Machine {
-    /// By how much `axis` (unit, tip → holder) at `part` is beyond what the machine reaches, rad; 0 or less when it is not.
+    /// Angle by which `axis` (unit, tip → holder) on `part` exceeds the machine's limit, rad; 0 or less
+    /// within it.
     pub fn beyond(&self, part: &Impeller, axis: &Vector) -> f64 {
         axis.angle(&part.out_of_inlet()) - self.max_axis_tilt
     }
 }
 
-/// A whole setup. [`Setup::for_part`] is what an empty file means.
+/// A complete setup. [`Setup::for_part`] gives that of an empty file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
     /// Name of the part the setup is meant for, if it says so (`part = "…"`).
@@ -220,15 +222,15 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Whether a plunge plan by the other setup is one by this: they differ in nothing but flank curves.
+    /// Whether the other setup leads to the same plunge plan: both differ at most in `[flank]`.
     pub fn same_but_for_flank(&self, other: &Self) -> bool {
         Self { flank: other.flank.clone(), ..self.clone() } == *other
     }
 }
 
-/// Number of parts of the outlet diameter that the default allowances are on a small wheel.
+/// Ratio of the outlet diameter to the default allowances on a small wheel.
 const ALLOWANCES_PER_DIAMETER: f64 = 200.0;
-/// Default allowances of wheels of usual size, mm; and the diameter from which on they grow again, mm.
+/// Default allowances on wheels of usual size, mm, and the diameter above which they grow again, mm.
 const USUAL_ALLOWANCE: f64 = 0.5;
 const LARGE_DIAMETER: f64 = 500.0;
 /// Largest default allowance, as shares of the narrowest passage and of the least height of the channel.
@@ -236,8 +238,9 @@ const NARROWEST_SHARE: f64 = 0.1;
 const HEIGHT_SHARE: f64 = 0.1;
 
 impl Setup {
-    /// What an empty file means for `part`: the values of [`Setup::default`], which suit wheels of 100 to 500 mm, scaled to
-    /// the size of the wheel, with allowances small against its narrowest passage and its least height.
+    /// The setup of an empty file for `part`: [`Setup::default`], which suits wheels of 100 to 500 mm, scaled
+    /// to the size of the wheel, with allowances that are small relative to its narrowest passage and its
+    /// least height.
     pub fn for_part(part: &Impeller) -> Self {
         let diameter = 2.0 * part.rim_radius();
         let usual = (diameter / ALLOWANCES_PER_DIAMETER).min(USUAL_ALLOWANCE);
@@ -249,7 +252,7 @@ impl Setup {
         for i in 0..=STATIONS {
             let s = f64::from(i) / f64::from(STATIONS);
             width = widths.iter().map(|passage| passage.narrowest(s)).fold(width, f64::min);
-            // Where hub and shroud meet nothing is to be cut anyway.
+            // Near the leading edge, where hub and shroud may meet, there is nothing to cut.
             if (0.1..=1.0).contains(&s) {
                 height = height.min(part.hub.point(s).distance(part.shroud.point(s)));
             }
@@ -268,20 +271,20 @@ impl Setup {
     }
 }
 
-/// Stations along the channel at which its narrowest place is looked for.
+/// Stations along the channel at which its width and height are sampled.
 const STATIONS: u32 = 40;
 /// Smallest default allowance, mm.
 const MIN_ALLOWANCE: f64 = 0.02;
 
-/// The greatest of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 and 8 times a power of ten that is not above `value`: a number as one
-/// would put into a setup. Infinite values stay.
+/// Rounds down to a preferred number: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 times a power of ten. Infinite
+/// values are returned as they are.
 fn round_down(value: f64) -> f64 {
     const DIGITS: [f64; 10] = [80.0, 60.0, 50.0, 40.0, 30.0, 25.0, 20.0, 15.0, 12.0, 10.0];
     if !value.is_finite() || value <= 0.0 {
         return value;
     }
     let exponent = value.log10().floor() as i32 - 1;
-    // Division by a power of ten gives the number nearest to the decimal one, multiplication by 0.1 would not.
+    // Dividing by a power of ten gives the number nearest to the decimal one; multiplying by 0.1 would not.
     let scaled = |digits: f64| match exponent {
         0.. => digits * 10f64.powi(exponent),
         _ => digits / 10f64.powi(-exponent),

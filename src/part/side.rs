@@ -4,15 +4,15 @@ use crate::geometry::cubic::{Cubic, chord_lengths};
 use crate::geometry::{Point, Vector, rotate_z, search};
 
 /// One side of a blade: S(u, v) with u from LE (0) to TE (1) and v from hub (0) to shroud (1). C2 in u;
-/// straight in v between two sections (a ruled blade), C2 in v through three or more. Straight
-/// beyond its borders in both directions.
+/// linear in v between two sections (a ruled blade), C2 in v through three or more. Extended linearly beyond
+/// its borders in both directions.
 #[derive(Clone, Debug)]
 pub struct BladeSide {
     /// v of the sections, first 0, last 1.
     stations: Vec<f64>,
     /// Between neighbouring sections: both section curves in one spline (xyz, xyz) …
     spans: Vec<Cubic<6>>,
-    /// … and, with three or more sections, their slopes by v.
+    /// … and, with three or more sections, their derivatives by v.
     slopes: Vec<Cubic<6>>,
 }
 
@@ -49,7 +49,7 @@ impl BladeSide {
         self.slopes.is_empty()
     }
 
-    /// Values of u at which the side has points: where to put mesh lines.
+    /// Values of u at which the side has points; suitable for mesh lines.
     pub fn u_knots(&self) -> &[f64] {
         self.spans[0].knots()
     }
@@ -97,7 +97,7 @@ impl BladeSide {
         (Point::from(p), pu, pv)
     }
 
-    /// The line `v` of the side, for a search along it.
+    /// The curve of constant `v`, prepared for a search along it.
     pub fn line(&self, v: f64) -> SideLine<'_> {
         let mut j = 0;
         while j + 1 < self.spans.len() && self.stations[j + 1] <= v {
@@ -107,7 +107,7 @@ impl BladeSide {
         let x = (v - self.stations[j]) / h;
         let (slopes, weights) = match self.slopes.get(j) {
             None => (None, [1.0 - x, x, 0.0, 0.0]),
-            // Straight beyond the end sections.
+            // Linear extension beyond the end sections.
             Some(slopes) if x < 0.0 => (Some(slopes), [1.0, 0.0, h * x, 0.0]),
             Some(slopes) if x > 1.0 => (Some(slopes), [0.0, 1.0, 0.0, h * (x - 1.0)]),
             Some(slopes) => {
@@ -119,7 +119,7 @@ impl BladeSide {
         SideLine { span: &self.spans[j], slopes, weights, segment: usize::MAX, cubic: [Vector::zeros(); 4] }
     }
 
-    /// The side turned about the rotation axis.
+    /// The side rotated by `angle` rad about Z.
     pub fn rotated(&self, angle: f64) -> Self {
         let u = self.u_knots().to_vec();
         let sections: Vec<Vec<Point>> = self
@@ -130,7 +130,7 @@ impl BladeSide {
         Self::loft(&u, &self.stations, &sections)
     }
 
-    /// First and last u of the surface; beyond them it is straight.
+    /// First and last u of the surface; beyond them it is extended linearly.
     pub fn u_range(&self) -> (f64, f64) {
         self.spans[0].domain()
     }
@@ -141,14 +141,13 @@ impl BladeSide {
         direction(1.0).angle(&direction(1.0 - SETTLED_U)) > ROUND_RAD
     }
 
-    /// The side without its rounded ends: from where its direction has come within 10° of the direction at
-    /// 8 % of the chord, to where it leaves the direction at 92 % by as much. It runs on straight beyond
-    /// both. An end that is cut off blunt, with a corner, or that runs out sharp stays whole: an end is round
-    /// where its direction turns by more than 30°.
+    /// The side without its rounded ends: from where its direction comes within 10° of that at 8 % of the
+    /// chord, to where it departs from that at 92 % by as much, extended linearly beyond both. An end is
+    /// round where its direction turns by more than 30°; a blunt end with a corner and a sharp one are kept.
     pub fn flank(&self) -> Self {
         const STEPS: usize = 60;
         const SETTLED_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
-        // Length of the round at the end of `v` that u = `end` is, as far as it reaches towards the middle.
+        // Length in u of the rounded end at u = `end` on the line `v`; `None` where that end is not round.
         let round = |end: f64, v: f64| {
             let u = |distance: f64| (end - distance).abs();
             let (_, settled, _) = self.derivatives(u(SETTLED_U), v);
@@ -158,7 +157,8 @@ impl BladeSide {
             }
             let at = |i: usize| SETTLED_U * i as f64 / STEPS as f64;
             let last = (0..STEPS).rev().find(|&i| bend(at(i)) > 0.0)?;
-            // Everything beside this place depends on it: a grid would move it by jumps.
+            // Refined to the root: much depends on this border, and on a grid it would jump as the part
+            // changes.
             Some(search::root(bend, at(last), at(last + 1), 1e-9))
         };
         let longest = |end: f64| [0.0, 0.5, 1.0].into_iter().filter_map(|v| round(end, v)).reduce(f64::max);
@@ -174,13 +174,13 @@ impl BladeSide {
     }
 }
 
-/// A line of constant v of a side. At constant v the loft is one cubic in u per segment: its coefficients are blended
-/// once a segment, not once a point.
+/// A line of constant v of a side. At constant v the loft is one cubic in u per segment: its coefficients are
+/// blended once per segment, not once per point.
 #[derive(Debug)]
 pub struct SideLine<'a> {
     span: &'a Cubic<6>,
     slopes: Option<&'a Cubic<6>>,
-    /// Of both sections, and of their slopes by v.
+    /// Hermite weights of both sections, and of their derivatives by v.
     weights: [f64; 4],
     /// Segment of which `cubic` holds the coefficients.
     segment: usize,
@@ -225,9 +225,9 @@ impl SideLine<'_> {
     }
 }
 
-/// Distance in u from an end at which a rounded end has surely become the flank.
+/// Distance in u from an end beyond which the side is certainly flank.
 const SETTLED_U: f64 = 0.08;
-/// By how much the direction of a side turns at an end that is rounded, rad.
+/// Least turn of the direction of a side at a rounded end, rad.
 const ROUND_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Common parameters and sections of one side from raw section points (which may differ in number):
@@ -276,7 +276,7 @@ pub(super) fn common_parameters(sections: &[Vec<Point>]) -> (Vec<f64>, Vec<Vec<P
 mod tests {
     use super::*;
 
-    /// A side through `count` sections that bends both ways.
+    /// A side through `count` sections that is curved in both directions.
     fn side(count: usize) -> BladeSide {
         let u: Vec<f64> = (0..=12).map(|i| f64::from(i) / 12.0).collect();
         let stations: Vec<f64> = (0..count).map(|j| j as f64 / (count - 1) as f64).collect();

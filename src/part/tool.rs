@@ -1,23 +1,23 @@
-//! Cutters.
+//! Tools.
 
 use crate::geometry::{CutterSolid, Point, Vector};
 
-/// A plunge cutter. All lengths mm.
+/// A milling tool: cutter, shank, holder and cutting data. All lengths mm.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Tool {
     /// Number in the machine's magazine.
     pub number: u32,
-    /// D = 2R.
+    /// Diameter D = 2R of the cutter.
     pub diameter: f64,
     /// Radius of the rounded corner, 0 for a sharp one; at most R.
     pub corner_radius: f64,
-    /// Radial width w of the bottom edges; inside R − w nothing cuts.
+    /// Radial width w of the bottom cutting edges; the core inside R − w has none.
     pub insert_width: f64,
     /// Free length from the tip to the holder.
     pub overhang: f64,
-    /// Feed of the plunge, mm/min.
+    /// Feed rate of a plunge, mm/min.
     pub plunge_feed: f64,
-    /// rev/min.
+    /// Spindle speed, rev/min.
     pub spindle: f64,
 }
 
@@ -42,14 +42,14 @@ impl Tool {
         CutterSolid { tip, axis, radius: self.radius(), corner_radius: self.corner_radius }
     }
 
-    /// The holder of the cutter that [`Self::placed`] puts there, as a cylinder without end.
+    /// The holder with the cutter at `tip` and its unit `axis`, as a cylinder unbounded towards the spindle.
     pub fn holder(&self, tip: Point, axis: Vector) -> CutterSolid {
         let radius = 0.5 * self.holder_diameter();
         CutterSolid { tip: tip + axis * self.overhang, axis, radius, corner_radius: 0.0 }
     }
 
-    /// Tip of the cutter with unit `axis` that touches a surface at `contact` with its corner, or with the rim of its
-    /// bottom; `normal` is the unit normal of the surface, out of the stock.
+    /// Tip of the cutter with unit `axis` that touches a surface at `contact` with its corner, or with the
+    /// rim of its bottom; `normal` is the unit normal of the surface, out of the stock.
     pub fn tip_at_contact(&self, contact: &Point, normal: &Vector, axis: &Vector) -> Point {
         let (rim, corner) = (self.radius() - self.corner_radius, self.corner_radius);
         let across = normal - axis * normal.dot(axis);

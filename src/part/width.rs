@@ -1,10 +1,10 @@
-//! How far apart the walls of a passage stand.
+//! Width of a passage: the distance between its walls.
 
 use super::channel::Passage;
 use super::impeller::Impeller;
 use super::probe::SideProbe;
 
-/// A passage made ready for measuring its width.
+/// Measures the width of a passage.
 #[derive(Debug)]
 pub struct PassageWidth<'a> {
     part: &'a Impeller,
@@ -13,13 +13,14 @@ pub struct PassageWidth<'a> {
 }
 
 impl<'a> PassageWidth<'a> {
-    /// For `passage` of `part`.
+    /// Prepares measurements of `passage` of `part`.
     pub fn new(part: &'a Impeller, passage: &'a Passage) -> Self {
         Self { part, passage, far_wall: SideProbe::new(passage.walls[1].whole_side(), 0.0, 1.0) }
     }
 
-    /// Distance from the wall at λ = 0 at (s, η) to the nearest place of the other wall, mm: on a staggered
-    /// blade the point at equal s is further off. `None` where the blade at λ = 0 does not reach.
+    /// Distance from the wall at λ = 0 at (s, η) to the nearest point of the other wall, mm; on staggered
+    /// blades the point at equal s is further away. `None` where the blade at λ = 0 does not extend to (s,
+    /// η).
     pub fn at(&self, s: f64, eta: f64) -> Option<f64> {
         let wall = self.passage.walls[0].at(self.part, s, eta)?;
         if !self.passage.walls[0].is_blade_at(&wall) {

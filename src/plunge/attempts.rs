@@ -1,5 +1,5 @@
-//! Rows of the policies `conventional` and `monotone`: starts that are free of stock, and the loop of
-//! stages 1 to 4 for one row.
+//! Rows of the policies `conventional` and `monotone`: search for a start that is free of stock, and the loop
+//! of stages 1 to 4 for one row.
 
 use std::convert::Infallible;
 
@@ -11,31 +11,31 @@ use super::sections::SetupPlace;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{AxisPolicy, Blank};
 
-/// Rounds after which a row that still changes is given up as not settled.
+/// Iterations after which a row that still changes is reported as not converged.
 const MAX_ROUNDS: usize = 12;
-/// Least leans of the first position that are tried for `monotone`, in degrees, after the unchanged one.
+/// Minimum lead angles of the first position that `monotone` tries after the unchanged one, degrees.
 const START_LEANS_DEG: [f64; 17] =
     [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 16.0, 18.0, 20.0];
-/// How far a start is moved out of the stock, one after the other, in cutter radii.
+/// Distances by which a start is moved out of the stock, tried in this order, in cutter radii.
 const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
 
-/// The attempts at one row: what they have in common.
+/// What all attempts at one row share.
 struct Attempts<'r> {
     maker: &'r RowMaker<'r>,
     ground: &'r RowGround,
-    /// Last s in the order of cutting.
+    /// Last s in cutting order.
     end: f64,
     earlier: &'r Columns,
     top: &'r BlankTop<'r>,
 }
 
 impl Attempts<'_> {
-    /// Conventional stations from `start` on.
+    /// Conventional stations from s = `start` on, cached.
     fn conventional(&self, start: f64) -> Result<Vec<Station>, Cancelled> {
         self.ground.conventional.get_or_make(start, || self.maker.conventional(start, self.end))
     }
 
-    /// The conventional station at `s`.
+    /// The conventional station at `s`, cached.
     fn first(&self, s: f64) -> Option<Station> {
         let make = || Ok::<_, Infallible>(self.maker.isoparametric(s));
         let Ok(station) = self.ground.firsts.get_or_make(s, make);
@@ -43,7 +43,7 @@ impl Attempts<'_> {
     }
 }
 
-/// Where a row starts.
+/// Start of a row.
 #[derive(Clone, Copy)]
 struct Start {
     s: f64,
@@ -52,12 +52,12 @@ struct Start {
     free: bool,
 }
 
-/// Whether two stations have the same axis to a ten-thousandth of a millimetre.
+/// Whether two stations have the same tip within 1e-4 mm and the same axis.
 fn same_axis(a: &Station, b: &Station) -> bool {
     (a.tip - b.tip).norm() < 1e-4 && (a.axis - b.axis).norm() < 1e-6
 }
 
-/// What was cut before the next position of a row: earlier sections and the row so far.
+/// Plunges cut before the next position of a row: earlier sections and the row so far.
 struct Known<'e> {
     earlier: &'e Columns,
     row: Columns,
@@ -70,12 +70,12 @@ impl<'e> Known<'e> {
         Self { earlier, row: Columns::default(), blank, top }
     }
 
-    /// Forgets the row.
+    /// Clears the row.
     fn forget(&mut self) {
         self.row = Columns::default();
     }
 
-    /// Whether the last of `stations` interferes; remembers it as cut.
+    /// Whether the last of `stations` interferes; adds it to the row.
     fn interferes(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         let Some(last) = stations.last() else { return false };
         let column = Column::new(maker.cutter(last), maker.tool.core_radius(), self.top);
@@ -85,7 +85,7 @@ impl<'e> Known<'e> {
         interferes
     }
 
-    /// Whether the last of `stations`, the first of which is free, is free as well; remembers it as cut.
+    /// Whether the last of `stations` is free, given that the first one is; adds it to the row.
     fn cut_freely(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         if let [first] = stations {
             self.row.push(Column::new(maker.cutter(first), maker.tool.core_radius(), self.top));
@@ -96,9 +96,9 @@ impl<'e> Known<'e> {
 }
 
 impl Planner<'_> {
-    /// Plans one row by `policy`. For `monotone` the first position is left as it is if the row is
-    /// then free of contact; else its lean is raised to the least of some fixed angles that
-    /// frees the row (or leaves the fewest contacts).
+    /// Plans one row by `policy`. For `monotone` the first position stays unchanged if the row is then free
+    /// of contact; otherwise its lead angle is raised to the smallest of some fixed angles that frees the
+    /// row, or else the start with the fewest contacts is taken.
     pub(super) fn row(
         &self,
         maker: &RowMaker,
@@ -110,7 +110,7 @@ impl Planner<'_> {
     ) -> Result<Row, PlanError> {
         let top = BlankTop::new(&self.blank);
         let attempts = Attempts { maker, ground, end: ends.1, earlier, top: &top };
-        // By retreat: how far the first position was moved for the lean before.
+        // For each retreat: shift of W that the previous lead angle needed, in s.
         let mut moved = [0.0; START_RETREATS.len()];
         if policy == AxisPolicy::Conventional {
             let Some(start) = self.free_start(&attempts, ends.0, None, &mut moved) else {
@@ -125,7 +125,7 @@ impl Planner<'_> {
         for lean in leans {
             monitor.check()?;
             let Some(start) = self.free_start(&attempts, ends.0, lean, &mut moved) else { continue };
-            // Angles below the jump of α from rear to front contact all start the row alike.
+            // Below the jump of α from rear to front contact all lead angles give the same start.
             if tried.iter().any(|t| same_axis(&t.first, &start.first)) {
                 continue;
             }
@@ -136,7 +136,7 @@ impl Planner<'_> {
                 return Ok(row);
             }
         }
-        // Nothing frees the row: the start with the fewest contacts.
+        // No start frees the row: take the one with the fewest contacts.
         let mut best: Option<(usize, Row)> = None;
         for start in &tried {
             if let Some(row) = self.settled_row(&attempts, policy, start, true, monitor)? {
@@ -149,8 +149,8 @@ impl Planner<'_> {
         Ok(best.map_or_else(|| Row::empty(maker.lambda), |b| b.1))
     }
 
-    /// Stages 1 to 4 until no position is added any more; `None` when a contact turns up and none is allowed. The
-    /// first position is known to have none then.
+    /// Iterates stages 1 to 4 until no position is added. `None` when a position interferes and contacts are
+    /// not allowed; in that case the first position must be free.
     fn settled_row(
         &self,
         attempts: &Attempts,
@@ -187,9 +187,9 @@ impl Planner<'_> {
         Ok(Some(row))
     }
 
-    /// Moves the start of a row, its first axis leaning by at least `lean`, out of the stock until its first core
-    /// column is free; where nothing frees it within a diameter, leaves it where it was. `None` where there is
-    /// no axis. `moved` are the amounts W was moved by for a smaller lean, in s; they are updated.
+    /// Moves the start of a row, with a lead angle of at least `lean` (rad), out of the stock until its first
+    /// core column is free; unmoved where no retreat frees it. `None` where there is no axis. `moved` holds
+    /// the shifts of W for a smaller lead angle, in s, and is updated.
     fn free_start(
         &self,
         attempts: &Attempts,
@@ -219,7 +219,7 @@ impl Planner<'_> {
         unmoved
     }
 
-    /// Number of interferential stations of a row that comes after `earlier`.
+    /// Number of interfering stations of a row.
     fn contacts(&self, attempts: &Attempts, stations: &[Station]) -> usize {
         let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
         (1..=stations.len()).filter(|&k| known.interferes(attempts.maker, &stations[..k])).count()

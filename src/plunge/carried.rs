@@ -1,6 +1,6 @@
-//! A plan while the search for a better one has hardly begun: the axes of the plan before, on the part as the setup
-//! wants it now. Each cutter is lowered onto the hub anew and stops short where its core would meet stock, as by
-//! `staircase`; axes along a wall turn until they clear it again.
+//! Warm start: a valid plan for a changed setup from the axes of the previous one, shown as a preview while
+//! the full search runs. Each cutter is lowered onto the hub again and stops short where its core would meet
+//! stock, as in `staircase`; axes along a wall turn until they clear it.
 
 use std::sync::Arc;
 
@@ -18,8 +18,8 @@ use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Tool};
 
 impl Planner<'_> {
-    /// The axes of the last whole plan by `policy` that is `known`, in this setup, judged. `None` when there is none, or
-    /// its sections had other cutters.
+    /// Plan with the axes of the last finished plan by `policy` in the cache `known`, fitted to this setup.
+    /// `None` when there is none, or its sections had other cutters.
     ///
     /// # Errors
     /// As [`Planner::plan`].
@@ -41,7 +41,7 @@ impl Planner<'_> {
         self.judge(placed, monitor).map(Some)
     }
 
-    /// Section `index` by the axes it had `before`, after the plunges of `columns`.
+    /// Section `index` with the axes it had `before`, after the plunges of `columns`.
     fn carried_section(
         &self,
         index: usize,
@@ -75,7 +75,7 @@ impl Planner<'_> {
         Ok(cut)
     }
 
-    /// A station of the row at `lambda` of the channel with its axis as it was.
+    /// Fits a station of the row at `lambda` of the channel again, keeping its axis where walls allow.
     fn again(
         &self,
         station: &Station,
@@ -93,7 +93,7 @@ impl Planner<'_> {
         };
         let order = |a: (f64, f64), b: (f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
         let ground = grounds.iter().min_by(|a, b| order(away(a), away(b)))?;
-        // Only the walls of a stretch matter here: what stands between them stands as it did.
+        // Only rows at a wall are fitted again; axes between the walls are kept.
         let walls = [0.0, 1.0];
         let at_wall = walls.into_iter().find(|&wall| ground.stretch.lambda_in_channel(wall) == lambda);
         let maker = self.row_maker(ground, tool, (at_wall.unwrap_or(0.5), 2), before.feed, monitor);

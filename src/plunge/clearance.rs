@@ -1,9 +1,9 @@
-//! How near a cutter comes to the finished part: measured, not derived from how it was placed.
+//! Distance of a cutter to the finished part, measured independently of how the cutter was placed.
 
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, receding, rotate_vector_z, rotate_z, search};
 use crate::part::{Impeller, Nearest, SideProbe};
 
-/// The finished surfaces around a channel, ready for many measurements.
+/// The finished surfaces around a channel, prepared for many distance queries.
 #[derive(Debug)]
 pub struct FinishedPart<'a> {
     /// The part itself.
@@ -12,7 +12,7 @@ pub struct FinishedPart<'a> {
 }
 
 impl<'a> FinishedPart<'a> {
-    /// The surfaces around channel 1 of `part`.
+    /// The surfaces around channel 1 of `part`, whose blade sides are `sides`.
     pub fn new(part: &'a Impeller, sides: &[crate::part::BladeSide]) -> Self {
         Self { part, blades: sides.iter().map(|s| SideProbe::new(s, 0.0, 1.0)).collect() }
     }
@@ -22,8 +22,9 @@ impl<'a> FinishedPart<'a> {
         &self.blades
     }
 
-    /// Least signed distance of the cutter (bottom and column) to any blade, mm: to those around the channel, and to the
-    /// next on either side, over which the column may lean where blades are wrapped strongly.
+    /// Minimum signed distance of the cutter (bottom and column) to the blades, mm: those around the channel,
+    /// and those one pitch further on either side, over which the column may tilt where the wrap angle is
+    /// large.
     pub fn blade_clearance(&self, cutter: &CutterSolid) -> f64 {
         let pitch = self.part.pitch();
         let turned = |angle: f64| CutterSolid {
@@ -36,20 +37,20 @@ impl<'a> FinishedPart<'a> {
         })
     }
 
-    /// As [`Self::blade_clearance`], or `cap` mm where no blade is nearer than that.
+    /// Minimum signed distance to the blades around the channel, mm, or `cap` where none is nearer than that.
     pub fn blade_clearance_below(&self, cutter: &CutterSolid, cap: f64) -> f64 {
         self.blades.iter().fold(cap, |least, blade| {
             blade.nearest_below(cutter, least).map_or(least, |near| near.distance.min(least))
         })
     }
 
-    /// Where the blades are nearest to the cutter, if that is less than `cutoff` mm.
+    /// Nearest point of the blades to the cutter, if it is nearer than `cutoff` mm.
     pub fn nearest_within(&self, cutter: &CutterSolid, cutoff: f64) -> Option<Nearest> {
         let near = self.blades.iter().filter_map(|blade| blade.nearest_below(cutter, cutoff));
         near.filter(|near| near.distance < cutoff).min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    /// Where the blades are nearest to a point; `None` without blades.
+    /// Nearest point of the blades to `point`; `None` without blades.
     pub fn nearest_blade(&self, point: &Point) -> Option<Nearest> {
         let near = self.blades.iter().map(|blade| blade.nearest_to_point(point));
         near.min_by(|a, b| a.distance.total_cmp(&b.distance))
@@ -60,7 +61,7 @@ impl<'a> FinishedPart<'a> {
         !self.blades.iter().any(|blade| blade.is_within(cutter, allowance))
     }
 
-    /// Least signed distance of the cutter's bottom and flank to the hub, mm.
+    /// Minimum signed distance of the cutter's bottom and flank to the hub, mm.
     pub fn hub_clearance(&self, cutter: &CutterSolid) -> f64 {
         let curve = self.part.hub.curve();
         let flat = cutter.radius - cutter.corner_radius;
@@ -68,7 +69,7 @@ impl<'a> FinishedPart<'a> {
         let (start, _) = curve.project(Meridional::of(&centre));
         let reach = 3.0 * cutter.radius + 0.05 * curve.length();
         let mut warm = start;
-        // Signed distance of a point, and the place of the hub next to it.
+        // Signed distance of a point, and its foot point on the hub.
         let mut distance = |p: &Point| {
             let m = Meridional::of(p);
             let (t, d) = curve.project_near(m, warm.clamp(start - reach, start + reach), reach);
@@ -84,12 +85,12 @@ impl<'a> FinishedPart<'a> {
         };
         let mut least = search::least_around::<18>(on_rim, 0.2);
         let step = std::f64::consts::TAU / 18.0;
-        // At a share of the rim's radius, and above the bottom.
+        // Distance at a share of the rim's radius and a height above the bottom.
         let mut at = |share: f64, phi: f64, up: f64| {
             let (p, _) = rim.at(phi.sin_cos());
             distance(&(centre + (p - centre) * share + cutter.axis * up)).0
         };
-        // Inside the disc, where the hub bulges; refined by halving steps from the best sample.
+        // Inside the disc, for convex hubs: compass search with halved steps from the best sample.
         let mut inner = (at(0.0, 0.0, 0.0), 0.0, 0.0);
         for ring in 1..3 {
             for i in 0..9 {
@@ -124,7 +125,7 @@ impl<'a> FinishedPart<'a> {
             }
             least = least.min(inner.0);
         }
-        // The flank of the column: the hub may curl up beside it.
+        // The flank of the column, for hubs that rise beside it.
         for up in [0.2, 1.0, 3.0] {
             for i in 0..9 {
                 least = least.min(at(1.0, step * 2.0 * f64::from(i), up * cutter.radius));

@@ -1,5 +1,5 @@
-//! The loop of paper A, fig. 16: conventional positions → step inspection → axis optimisation →
-//! slotting depth and safe height, again until nothing changes; then everything is measured.
+//! The loop of [plunge paper], fig. 16: conventional positions → step inspection → axis optimisation →
+//! drop-cutter depth and safe height, repeated until it converges; then contact and clearances are measured.
 
 use std::sync::Arc;
 
@@ -19,25 +19,26 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::setup::{AxisPolicy, Feed, SectionSetup};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 
-/// Times a plunge is lifted before its contact is left to the verdict.
+/// Maximum number of lifts of one plunge; contact that remains is reported as interference.
 const MAX_LIFTS: usize = 8;
-/// Air above the safety distance at a retract point, mm: between two looks along a link it may dip by some µm.
+/// Clearance added to the safety distance at a retract point, mm: between two samples of a link the distance
+/// may dip by some µm.
 const RETRACT_MARGIN: f64 = 0.02;
-/// Air left between a freed core and the stock below it, mm.
+/// Gap left between a lifted core and the stock below it, mm.
 const LIFT_MARGIN: f64 = 1e-3;
 
-/// Why there is no plan.
+/// Why planning failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlanError {
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Part and setup do not go together.
+    /// Part and setup do not match.
     #[error(transparent)]
     Setup(#[from] SetupFault),
 }
 
-/// Everything about a part and a setup that all policies share.
+/// Planner for one part and one setup; holds what all policies share.
 #[derive(Debug)]
 pub struct Planner<'a> {
     pub(super) part: &'a Impeller,
@@ -45,21 +46,22 @@ pub struct Planner<'a> {
     pub(super) setup: &'a Setup,
     pub(super) blank: Blank,
     pub(super) finished: Arc<FinishedPart<'a>>,
-    /// Per section what does not depend on the policy; nothing of those for the rest, which `minimal` alone cuts.
+    /// Layout of each section, independent of the policy; empty for rest-milling sections, which only
+    /// `minimal` cuts.
     grounds: Vec<Result<Vec<Ground<'a>>, PlanError>>,
 }
 
-/// A cutter in its final place.
+/// A cutter at its final depth, with its clearances to the finished part, mm.
 #[derive(Debug)]
 struct Placed {
     cutter: CutterSolid,
     hub_clearance: f64,
     blade_clearance: f64,
-    /// How far it stops short of the allowance, mm.
+    /// Distance by which it stops short of the hub allowance, mm.
     lift: f64,
 }
 
-/// A plan whose cutters stand where they go; nothing is known yet of their contact with stock, and of their retracts.
+/// A plan with final axes and depths; contact with stock and retract points are not computed yet.
 #[derive(Debug)]
 pub struct PlacedPlan {
     plan: PlungePlan,
@@ -67,7 +69,7 @@ pub struct PlacedPlan {
 }
 
 impl PlacedPlan {
-    /// The plan as far as it goes: contact reads as none, retract points as the tips.
+    /// The plan without contact and retracts: contact is 0, retract points equal the tips.
     pub fn plan(&self) -> &PlungePlan {
         &self.plan
     }
@@ -80,7 +82,7 @@ pub(super) struct Row {
     pub lambda: f64,
     pub rounds: usize,
     pub settled: bool,
-    /// s of places without an axis that clears the walls.
+    /// s at which no axis clears the walls.
     pub missing: Vec<f64>,
 }
 
@@ -90,16 +92,16 @@ impl Row {
     }
 }
 
-/// A row, cut: every cutter where it really goes.
+/// A planned row with the final position of every cutter.
 #[derive(Debug)]
 pub(super) struct CutRow {
     row: Row,
-    /// One for each station, or why blades or stock leave no place for it.
+    /// One entry per station: the placed cutter, or why the station is dropped.
     placed: Vec<Result<Placed, NoPlace>>,
 }
 
 impl CutRow {
-    /// Number of its positions.
+    /// Number of positions, without the dropped ones.
     pub fn len(&self) -> usize {
         self.placed.iter().flatten().count()
     }
@@ -109,7 +111,7 @@ impl CutRow {
         self.row.lambda
     }
 
-    /// The stations that have a place.
+    /// The stations that are not dropped.
     pub fn stations(&self) -> impl Iterator<Item = &Station> {
         self.row
             .stations
@@ -119,7 +121,7 @@ impl CutRow {
             .map(|(station, _)| station)
     }
 
-    /// The row without the stations that have no place.
+    /// The row without its dropped stations.
     pub fn without_dropped(mut self) -> Self {
         let placed = std::mem::take(&mut self.placed);
         let stations = std::mem::take(&mut self.row.stations);
@@ -130,8 +132,8 @@ impl CutRow {
         self
     }
 
-    /// The same positions in the same order, a new row wherever the axis turns by more than `limit` (rad) from one
-    /// that stayed to the next.
+    /// The same positions in the same order, with a new row wherever the axis turns by more than `limit`
+    /// (rad) between two consecutive positions that are not dropped.
     pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
         let Row { lambda, rounds, settled, missing, .. } = self.row;
         let empty = || Self { row: Row { rounds, settled, ..Row::empty(lambda) }, placed: Vec::new() };
@@ -155,7 +157,7 @@ impl CutRow {
     }
 }
 
-/// A section, cut.
+/// A planned section with the final position of every cutter.
 #[derive(Debug)]
 pub(super) struct SectionCut {
     pub feed: Feed,
@@ -167,18 +169,18 @@ pub(super) struct SectionCut {
 }
 
 impl SectionCut {
-    /// Nothing of a section that comes after the plunges of `columns`.
+    /// A section without rows, to be cut after the plunges of `columns`.
     pub fn empty(feed: Feed, columns: Columns) -> Self {
         Self { feed, rows: Vec::new(), columns, added: None }
     }
 
-    /// As [`Self::empty`], of a section that nothing was found of before planning was cancelled.
+    /// As [`Self::empty`], for a section that planning did not reach before it was cancelled.
     fn unbegun(section: &SectionSetup, columns: Columns) -> Self {
         let feed = section.feed.unwrap_or(Feed::Inward);
         Self { added: Some((0, Stopped::Cancelled)), ..Self::empty(feed, columns) }
     }
 
-    /// Notes that the row at `lambda` has no axis at these s.
+    /// Records that the row at `lambda` has no axis at the s in `missing`.
     pub fn note_missing(&mut self, lambda: f64, missing: Vec<f64>) {
         if !missing.is_empty() {
             let row = Row { missing, ..Row::empty(lambda) };
@@ -193,7 +195,7 @@ impl SectionCut {
 }
 
 impl<'a> Planner<'a> {
-    /// For `part` with its `channel` and a `setup` that [`super::sections::resolve`] has completed.
+    /// Planner for `part` with its `channel` and a `setup` completed by [`super::sections::resolve`].
     pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
         let mut planner = Self {
             part,
@@ -211,10 +213,10 @@ impl<'a> Planner<'a> {
         planner
     }
 
-    /// What section `index` stands on whatever the policy; nothing where it cuts the rest.
+    /// Layout of section `index`, the same for all policies; empty for a rest-milling section.
     ///
     /// # Errors
-    /// When its cutter does not fit.
+    /// When the section's tool is missing.
     pub(super) fn shared_grounds(&self, index: usize) -> Result<&[Ground<'a>], PlanError> {
         self.grounds[index].as_deref().map_err(PlanError::clone)
     }
@@ -224,18 +226,19 @@ impl<'a> Planner<'a> {
         &self.blank
     }
 
-    /// Plans one channel by `policy`. Once the monitor asks to stop, the plan is what was found until then, measured: all
-    /// sections that are finished, and what there is of the one that is not.
+    /// Plans one channel by `policy`. When the monitor is stopped, the plan consists of what was found until
+    /// then: all finished sections and the finished part of the current one, with contact and clearances.
     ///
     /// # Errors
-    /// [`PlanError::Cancelled`] soon after the monitor asks for it, or to stop where nothing was found yet;
-    /// [`PlanError::Setup`] when a cutter does not fit where it shall work.
+    /// [`PlanError::Cancelled`] when the monitor is cancelled, or stopped before any position was found;
+    /// [`PlanError::Setup`] when part and setup do not match.
     pub fn plan(&self, policy: AxisPolicy, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
         self.plan_knowing(policy, &mut KnownSections::default(), monitor)
     }
 
-    /// As [`Self::plan`], with what is known from the last plan of the same part by the same policy. Remembers what
-    /// it plans, the finished sections of a plan that was cancelled as well.
+    /// As [`Self::plan`], reusing the sections in `known` that are still valid: the cache from earlier plans
+    /// of the same part by the same policy. Finished sections are stored in it, even if planning is
+    /// cancelled.
     ///
     /// # Errors
     /// As [`Self::plan`].
@@ -250,7 +253,7 @@ impl<'a> Planner<'a> {
         Ok(plan)
     }
 
-    /// The first half of [`Self::plan_knowing`]: positions, axes and depths.
+    /// The first half of planning: positions, axes and depths.
     ///
     /// # Errors
     /// As [`Self::plan`].
@@ -260,11 +263,11 @@ impl<'a> Planner<'a> {
         known: &mut KnownSections,
         monitor: &Monitor,
     ) -> Result<PlacedPlan, PlanError> {
-        // A plan hands out work in many small pieces: each would be a change of thread for one that is not of the pool.
+        // Enters the rayon pool once; otherwise every small parallel task would cross threads.
         rayon::scope(|_| self.place_sections(policy, known, monitor))
     }
 
-    /// [`Self::place`] by a thread of the pool.
+    /// [`Self::place`], running on a thread of the pool.
     fn place_sections(
         &self,
         policy: AxisPolicy,
@@ -299,7 +302,7 @@ impl<'a> Planner<'a> {
         Ok(placed)
     }
 
-    /// The plan that consists of these sections.
+    /// Assembles the plan of these sections.
     pub(super) fn assembled(
         &self,
         policy: AxisPolicy,
@@ -359,11 +362,11 @@ impl<'a> Planner<'a> {
         Ok(PlacedPlan { plan, last: cuts.last().cloned() })
     }
 
-    /// The second half of [`Self::plan_knowing`]: contact of the cores, retract points and links. What was found is judged
-    /// whether it is all or not: only a cancel counts.
+    /// The second half of planning: contact of the cores, retract points and links. A stopped monitor is
+    /// ignored here, so that partial plans are measured too.
     ///
     /// # Errors
-    /// [`PlanError::Cancelled`] soon after the monitor asks for it.
+    /// [`PlanError::Cancelled`] when the monitor is cancelled.
     pub fn judge(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
         let PlacedPlan { mut plan, last } = placed;
         let monitor = &monitor.closing();
@@ -374,8 +377,8 @@ impl<'a> Planner<'a> {
         Ok(plan)
     }
 
-    /// The cutter of a station with its clearances to the finished part, measured. Where the bottom is a hair
-    /// too deep it is lifted.
+    /// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
+    /// violates the hub allowance by rounding.
     fn placed(&self, station: &Station, tool: &Tool) -> Result<Placed, NoPlace> {
         let stock = &self.setup.stock;
         let mut cutter = tool.placed(station.tip, station.axis);
@@ -385,7 +388,7 @@ impl<'a> Planner<'a> {
             if deep <= 0.0 {
                 break;
             }
-            // On steep axes a lift gains only part of itself.
+            // On an axis oblique to the hub a lift raises the clearance by only part of itself.
             cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
             hub_clearance = self.finished.hub_clearance(&cutter);
         }
@@ -396,8 +399,9 @@ impl<'a> Planner<'a> {
         Ok(Placed { cutter, hub_clearance, blade_clearance, lift: 0.0 })
     }
 
-    /// Places the cutters of a row and adds them to `columns`. With `most_lift` each one stops short where its core
-    /// would meet stock, and is left out where that takes more than this share of its way through the blank.
+    /// Places the cutters of a row and adds them to `columns`. With `max_lift` each plunge stops short where
+    /// its core would meet stock, and is dropped where that takes more than this share of its depth in the
+    /// blank.
     pub(super) fn cut_row(
         &self,
         row: Row,
@@ -426,8 +430,8 @@ impl<'a> Planner<'a> {
             columns.extend(deep.into_iter().flatten());
             return Ok(CutRow { row, placed });
         };
-        // Side by side, as if all before were as deep; then one by one those that do meet stock, and those near a
-        // plunge that is less deep or missing.
+        // In parallel, as if all earlier plunges reached their full depth; then in sequence those that meet
+        // stock and those near a plunge that was lifted or dropped.
         let first = columns.len();
         columns.extend(deep.iter().flatten().copied());
         let free: Vec<bool> = (first..columns.len())
@@ -457,8 +461,10 @@ impl<'a> Planner<'a> {
         Ok(CutRow { row, placed })
     }
 
-    /// The cutter, lifted until its core is free of what `earlier` plunges left, where that takes no more than the share
-    /// `most_lift` of its way through the blank.
+    /// The cutter, lifted until its core is free of the stock that `earlier` plunges left.
+    ///
+    /// # Errors
+    /// [`NoPlace::Contact`] when that takes more than the share `max_lift` of its depth in the blank.
     fn freed(
         &self,
         mut placed: Placed,
@@ -489,7 +495,7 @@ impl<'a> Planner<'a> {
         Ok(placed)
     }
 
-    /// Plans section `index` after the plunges of `columns`.
+    /// Plans section `index` by `policy` after the plunges of `columns`.
     fn section(
         &self,
         index: usize,
@@ -525,7 +531,7 @@ impl<'a> Planner<'a> {
         Ok(cut)
     }
 
-    /// Rows of section `index` by a policy that plans them one by one.
+    /// Rows of section `index` by a policy that plans each row on its own.
     fn section_rows(
         &self,
         index: usize,
@@ -579,7 +585,7 @@ impl<'a> Planner<'a> {
         Err(too_many(positions as f64, &self.setup.plunge, tool, place).into())
     }
 
-    /// Contact, clearances and retract of every position.
+    /// Measures contact and computes the retract point of every position.
     fn measure(&self, plan: &mut PlungePlan, columns: &Columns, monitor: &Monitor) -> Result<(), PlanError> {
         let stock = &self.setup.stock;
         let tops: Vec<RetractSurface> = plan

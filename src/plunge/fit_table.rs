@@ -1,34 +1,35 @@
-//! A table of side fits along one wall, filled where it is needed and interpolated in between.
+//! A lazily filled table of fitted axes along one wall, interpolated between its nodes.
 //!
-//! A fit costs some tens of microseconds and the searches of stage 3 ask for tens of thousands of them; as a
-//! function of s and of the tilt along the row it is smooth, so few serve all rows, rounds and policies.
+//! A fit costs some tens of microseconds, and the searches of stage 3 need tens of thousands of them. As a
+//! function of s and of the shift s(M) − s(W) a fit is smooth, so a few nodes serve all rows, iterations
+//! and policies.
 
 use std::sync::OnceLock;
 
 use crate::geometry::wrap_angle;
 
-/// An axis of the table.
+/// A node of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct FitNode {
     /// θ of M and W, rad.
     pub angles: [f64; 2],
-    /// The same less those of the plain offset of the ruling, rad.
+    /// Difference of these angles from those of the plain offset of the ruling, rad.
     pub beside_plain: [f64; 2],
-    /// Whether it is on the smooth branch of fits, so that it may be interpolated.
+    /// Whether it is on the smooth branch of fits and may be interpolated with its neighbours.
     pub is_fitted: bool,
 }
 
-/// What the table says of a place.
+/// Result of a look-up.
 #[derive(Clone, Copy, Debug)]
 pub enum Reading {
-    /// θ of M and W, rad, interpolated on the branch of fits.
+    /// θ of M and W, rad, interpolated on the smooth branch of fits.
     Fitted([f64; 2]),
-    /// Angles beside those of the plain offset, rad, by the nodes around that have an axis; whether all of these
-    /// are fits.
+    /// Difference from the angles of the plain offset, rad, interpolated from the surrounding nodes that have
+    /// an axis, and whether all of these are fits.
     Beside([f64; 2], bool),
     /// Outside the table.
     Outside,
-    /// None of the nodes around has an axis.
+    /// None of the surrounding nodes has an axis.
     Nothing,
 }
 
@@ -45,7 +46,7 @@ const SHIFT_LIMIT: f64 = 1.0;
 const SHIFT_SPACING: f64 = 0.05;
 const COLUMNS: usize = (2.0 * SHIFT_LIMIT / SHIFT_SPACING) as usize + 1;
 
-/// Makes one node: (s of M, shift) to its axis.
+/// Computes one node from (s of M, shift).
 type Fit<'a> = &'a dyn Fn(f64, f64) -> Option<FitNode>;
 
 impl FitTable {
@@ -55,8 +56,9 @@ impl FitTable {
         Self { spacing, nodes: (0..rows * COLUMNS).map(|_| OnceLock::new()).collect() }
     }
 
-    /// The table at (`s`, `shift`), the nodes it needs made by `fit`: by cubic interpolation in s and quadratic in shift
-    /// where all of them are fits, or else beside the plain offset by those next to the place.
+    /// Looks up (`s`, `shift`), computing missing nodes with `fit`: Lagrange interpolation, cubic in s and
+    /// quadratic in shift, where all nodes are fits; otherwise bilinear interpolation of the differences from
+    /// the plain offset.
     pub fn at(&self, s: f64, shift: f64, fit: Fit) -> Reading {
         let rows = self.nodes.len() / COLUMNS;
         let x = (s - S_FROM) / self.spacing;
@@ -73,7 +75,7 @@ impl FitTable {
         }
     }
 
-    /// The interpolation; `None` where one of the nodes it needs is not a fit.
+    /// Lagrange interpolation; `None` where one of its nodes is not a fit.
     fn interpolated(
         &self,
         (row, column): (usize, usize),
@@ -91,7 +93,7 @@ impl FitTable {
         for (i, wx) in by_s.iter().enumerate() {
             for (j, wy) in by_shift.iter().enumerate() {
                 let weight = wx * wy;
-                // On a line of the table its neighbours are not needed (and need not exist).
+                // Exactly on a grid line the neighbouring nodes are not needed (and may not exist).
                 if weight.abs() < 1e-12 {
                     continue;
                 }
@@ -105,7 +107,8 @@ impl FitTable {
         Some([base[0] + sum[0], base[1] + sum[1]])
     }
 
-    /// Bilinear in what the four nodes around (`x`, `y`) are beside the plain offset, by those that have an axis.
+    /// Bilinear interpolation of the differences from the plain offset over those of the four nodes around
+    /// (`x`, `y`) that have an axis.
     fn beside(&self, x: f64, y: f64, fit: Fit) -> Reading {
         let rows = self.nodes.len() / COLUMNS;
         let (row, column) = (x.floor() as usize, (y.max(0.0).floor() as usize).min(COLUMNS - 2));

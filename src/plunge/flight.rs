@@ -1,4 +1,5 @@
-//! Flights above the blank: the tip runs straight from one place to another while the axis turns evenly.
+//! Rapid links above the blank: the tip moves straight from one position to another while the axis turns at a
+//! constant rate.
 
 use rayon::prelude::*;
 
@@ -6,28 +7,28 @@ use super::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Point, Vector, frame_about, search};
 use crate::part::{Blank, Tool};
 
-/// Places looked at along a flight, in cutter diameters, and the most of them.
+/// Spacing of the samples along a link, in cutter diameters.
 const SAMPLE_DIAMETERS: f64 = 0.25;
-/// See [`SAMPLE_DIAMETERS`].
+/// Maximum number of samples along a link.
 const MAX_SAMPLES: usize = 400;
 
-/// A flight of a cutter from one position to another, each a tip and the unit axis there.
+/// A rapid link of a tool between two positions, each a tip (mm) and a unit axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Flight<'a> {
-    /// The cutter.
+    /// The tool.
     pub tool: &'a Tool,
-    /// What it flies over.
+    /// The blank to stay clear of.
     pub blank: &'a Blank,
-    /// Where it begins.
+    /// Start of the link.
     pub from: (Point, Vector),
-    /// Where it ends.
+    /// End of the link.
     pub to: (Point, Vector),
 }
 
-/// Greatest turn of the axis between two places looked at, rad.
+/// Maximum turn of the axis between two samples, rad.
 const SAMPLE_TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
-/// An even turn of an axis (spherical linear interpolation).
+/// Turn of an axis at a constant rate (spherical linear interpolation).
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     from: Vector,
@@ -37,13 +38,13 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// From one unit axis to another; between opposite axes it is one of many.
+    /// Turn from one unit axis to another; between opposite axes an arbitrary one of the possible turns.
     pub fn new(from: Vector, to: &Vector) -> Self {
         let across = (to - from * from.dot(to)).try_normalize(1e-12);
         Self { from, across: across.unwrap_or_else(|| frame_about(&from).0), angle: from.angle(to) }
     }
 
-    /// The axis at a share of the turn, and its derivative by the share.
+    /// The axis at `share` (0…1) of the turn, and its derivative by the share.
     pub fn at(&self, share: f64) -> (Vector, Vector) {
         let (sin, cos) = (share * self.angle).sin_cos();
         (self.from * cos + self.across * sin, (self.across * cos - self.from * sin) * self.angle)
@@ -51,20 +52,20 @@ impl Turn {
 }
 
 impl Flight<'_> {
-    /// Number of places to look at between both ends, `spacing` mm apart or nearer.
+    /// Number of samples between both ends for at most `spacing` mm between them.
     fn samples(&self, turn: &Turn, spacing: f64) -> usize {
         let looks = ((self.to.0 - self.from.0).norm() / spacing).max(turn.angle / SAMPLE_TURN);
         (looks.ceil() as usize).clamp(1, MAX_SAMPLES)
     }
 
-    /// Least distance of the cutter's bottom to the blank between both ends, mm; any of its distances below `enough` when
-    /// there is one. `ends`: the bottom where the flight begins and ends.
+    /// Minimum distance of the cutter's bottom to the blank between both ends, mm; if a sample is below
+    /// `enough`, that minimum is not refined further. `ends` are the bottoms at start and end.
     pub fn clearance(&self, ends: [&NearBottom; 2], enough: f64) -> f64 {
         let (from, to) = (self.from, self.to);
         let (motion, turn) = (to.0 - from.0, Turn::new(from.1, &to.1));
         let samples = self.samples(&turn, SAMPLE_DIAMETERS * self.tool.diameter);
         let spacing = 1.0 / (samples + 1) as f64;
-        // Clearance at a share of the way, and its slope there.
+        // Clearance at a share of the link, and its derivative by the share.
         let look = |share: f64, known: Option<&NearBottom>| {
             let (axis, turning) = turn.at(share);
             let cutter = self.tool.placed(from.0 + motion * share, axis);
@@ -78,7 +79,7 @@ impl Flight<'_> {
         };
         let looks: Vec<(f64, f64)> = (0..samples + 2).into_par_iter().with_min_len(16).map(at).collect();
         let mut least = looks[1..=samples].iter().map(|look| look.0).fold(f64::INFINITY, f64::min);
-        // Where it falls at one and rises at the next it comes nearer still between them.
+        // Where the clearance falls at one sample and rises at the next, it has a minimum in between.
         for (i, pair) in looks.windows(2).enumerate() {
             let (from, to) = (pair[0], pair[1]);
             if least < enough || from.1 >= 0.0 || to.1 <= 0.0 {
@@ -91,8 +92,9 @@ impl Flight<'_> {
         least
     }
 
-    /// How far above its bottom the tool, as a cylinder without end, reaches into the blank somewhere on the way, mm; 0
-    /// where it does not. `surface`: of the blank, at the distance of the cutter's corner radius.
+    /// Maximum depth over the link to which the tool, taken as an endless cylinder, is in the blank, measured
+    /// from its bottom, mm; 0 where it is clear. `surface` is that of the blank at the distance of the corner
+    /// radius.
     pub fn depth_of_tool(&self, surface: &RetractSurface) -> f64 {
         let (motion, turn) = (self.to.0 - self.from.0, Turn::new(self.from.1, &self.to.1));
         let samples = self.samples(&turn, self.tool.diameter);

@@ -1,5 +1,5 @@
-//! What a section stands on: its stretches of the passages, the cutter's lanes through them and the
-//! places of its rows. None of it depends on the policy, so that all policies share it.
+//! Layout of a section: its stretches of the passages, the wall axes of the cutter in them and the λ of its
+//! rows. It does not depend on the policy, so all policies share it.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -14,10 +14,10 @@ use crate::monitor::Monitor;
 use crate::part::setup::{Feed, SectionSetup};
 use crate::part::{Passage, Tool};
 
-/// Air between the core and the rim at the start of a row, mm.
+/// Gap between the core and the rim at the start of a row, mm.
 const START_MARGIN: f64 = 0.05;
 
-/// A stretch as its cutter sees it, with what was found out about it: shared by all policies.
+/// Layout of one stretch for one cutter, shared by all policies.
 #[derive(Debug)]
 pub(super) struct Ground<'a> {
     pub stretch: Stretch<'a>,
@@ -27,20 +27,20 @@ pub(super) struct Ground<'a> {
     pub rows: Vec<RowGround>,
 }
 
-/// A row's place across its stretch, and what is conventional about it.
+/// A row of a stretch, with caches of its conventional stations.
 #[derive(Debug)]
 pub(super) struct RowGround {
     /// λ within the stretch.
     pub lambda: f64,
-    /// First stations that were asked for, by s.
+    /// Conventional first stations, by s.
     pub firsts: Memory<Option<Station>>,
-    /// Where the row can be, by s of its start.
+    /// Cuttable stretches of the row, by s of its start.
     pub runs: Memory<Runs>,
-    /// Whole rows, by s of their start.
+    /// Conventional rows, by s of their start.
     pub conventional: Memory<Vec<Station>>,
 }
 
-/// Answers to questions asked by s, each made once whoever asks.
+/// Thread-safe cache keyed by s.
 #[derive(Debug)]
 pub(super) struct Memory<T>(Mutex<Vec<(f64, T)>>);
 
@@ -49,8 +49,11 @@ impl<T: Clone> Memory<T> {
         Self(Mutex::new(Vec::new()))
     }
 
-    /// The answer at `s`, from `make` unless it is known. Who asks at the same time waits: `make` may not
-    /// hand work to other threads.
+    /// The value at `s`, computed by `make` on the first call. The lock is held meanwhile, so `make` must not
+    /// start work on other threads.
+    ///
+    /// # Errors
+    /// Those of `make`.
     pub fn get_or_make<E>(&self, s: f64, make: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, answer)) = known.iter().find(|(at, _)| *at == s) {
@@ -66,34 +69,35 @@ impl<T: Clone> Memory<T> {
 #[derive(Debug)]
 pub(super) struct Stretch<'a> {
     pub passage: &'a Passage,
-    /// λ of the passage's walls in the whole channel.
+    /// λ of the passage's walls across the whole channel.
     pub lambdas: (f64, f64),
-    /// Outlet end and inlet end, s.
+    /// s of the outlet end.
     pub from: f64,
+    /// s of the inlet end.
     pub to: f64,
 }
 
 impl Stretch<'_> {
-    /// s at a share of the way from the outlet end to the inlet end.
+    /// s at `share` (0…1) of the distance from the outlet end to the inlet end.
     pub fn s_at(&self, share: f64) -> f64 {
         self.from + (self.to - self.from) * share
     }
 
-    /// λ across the whole channel of a row at `lambda` across the stretch.
+    /// λ across the whole channel of a row at `lambda` of the stretch.
     pub fn lambda_in_channel(&self, lambda: f64) -> f64 {
         self.lambdas.0 + lambda * (self.lambdas.1 - self.lambdas.0)
     }
 }
 
 impl<'a> Planner<'a> {
-    /// The passages a section runs through, outlet end first.
+    /// The stretches of a section, outlet end first.
     fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<Stretch<'a>> {
         let whole =
             |from: f64, to: f64| Stretch { passage: &self.channel.full, lambdas: (0.0, 1.0), from, to };
         let Some([hub, shroud]) = self.channel.splitter_s else {
             return vec![whole(section.from, section.to)];
         };
-        // In front of the nose by the cutter's own reach the passages become one.
+        // The passages join upstream of the splitter's nose by the radius and allowance of the cutter.
         let reach = (tool.radius() + self.setup.stock.blade_allowance) / self.part.hub.length();
         let nose = (hub.min(shroud) - reach).max(0.0);
         let mut stretches = Vec::new();
@@ -103,7 +107,8 @@ impl<'a> Planner<'a> {
             for (passage, lambdas) in
                 self.channel.beside_splitter.iter().zip([(0.0, share.0), (share.1, 1.0)])
             {
-                // Upstream of the nose the flanks run on and may close in: the rows end where they do.
+                // Upstream of the nose the extended flanks may converge; the rows end where the cutter no
+                // longer fits.
                 let to = self.open_until(passage, tool, section.to.max(nose), hub.min(shroud));
                 joined = joined.max(to);
                 stretches.push(Stretch { passage, lambdas, from: section.from, to });
@@ -119,7 +124,7 @@ impl<'a> Planner<'a> {
         Lane::new(self.part, passage, Arc::clone(&self.finished), tool, &self.setup.stock)
     }
 
-    /// How far inwards of `from` the cutter fits in `passage`, at most to `to`, s.
+    /// The s down to which the cutter fits in `passage` when going inwards from `from`, at most to `to`.
     fn open_until(&self, passage: &'a Passage, tool: &Tool, to: f64, from: f64) -> f64 {
         let lane = self.lane(passage, tool);
         let steps = 16;
@@ -153,7 +158,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// What there is to know about a section before its policy.
+    /// Layout of a section.
     pub(super) fn ground(&self, section: &SectionSetup) -> Result<Vec<Ground<'a>>, PlanError> {
         let tool = tool_of(self.setup, section.tool)?;
         let grounds = self.stretches(section, tool).into_iter().map(|stretch| {
@@ -171,8 +176,9 @@ impl<'a> Planner<'a> {
         grounds.collect()
     }
 
-    /// λ of the rows of a stretch: both walls, and between them no further apart than the row
-    /// spacing on the hub, nor so far at the shroud that a ridge is left standing. None where the cutter fits nowhere.
+    /// λ of the rows of a stretch: both walls, and between them equal gaps that exceed neither the stepover
+    /// on the hub nor the distance that leaves uncut stock at the shroud. Empty where the cutter fits
+    /// nowhere.
     fn row_places(&self, lane: &Lane, stretch: &Stretch, tool: &Tool) -> Vec<f64> {
         let spacing = row_spacing(&self.setup.plunge, tool);
         let widths: Vec<Option<(f64, f64)>> =
@@ -193,8 +199,7 @@ impl<'a> Planner<'a> {
         (0..=count).map(|i| i as f64 / count as f64).collect()
     }
 
-    /// First and last s of a stretch's rows in the order of cutting, before the start is moved out of
-    /// the stock.
+    /// First and last s of a stretch's rows in cutting order, before the start is moved out of the stock.
     pub(super) fn row_ends(&self, index: usize, stretch: &Stretch, inward: f64) -> (f64, f64) {
         let sections = &self.setup.plunge.sections;
         let section = &sections[index];
@@ -211,7 +216,7 @@ impl<'a> Planner<'a> {
                 let out = tool.core_radius().max(0.0) + START_MARGIN;
                 start += inward * out / hub.length();
             } else if let Some(previous) = before.and_then(|b| tool_of(self.setup, b.tool).ok()) {
-                // Front rims of the larger cutter before and of this one flush.
+                // Aligns the front rims of the previous, larger cutter and this one.
                 let shift = (previous.radius() - tool.radius()).max(0.0) / hub.length();
                 let shifted = start - inward * shift;
                 if (end - shifted) * inward < 0.0 {
@@ -222,7 +227,7 @@ impl<'a> Planner<'a> {
         (start, end)
     }
 
-    /// What makes the stations of the row at `lambda`, one of `rows` of the ground.
+    /// Maker of the stations of the row at `lambda`, one of `rows` rows of the stretch.
     pub(super) fn row_maker<'r>(
         &'r self,
         ground: &'r Ground<'r>,

@@ -1,71 +1,73 @@
-//! A look at one position of a finished plan: the cut through its axis along its row, as lines in the plane of the
-//! section. Only reads plans; nothing here decides anything.
+//! Sectional view of one position of a finished plan: the cut through its axis along its row. For display
+//! only.
 //!
-//! Rounded corners of earlier cutters are left out; of the position's own cutter they are drawn.
+//! Earlier cutters are drawn with sharp corners, the position's own cutter with its corner radius.
 //!
-//! Frame of the section: x along the feed of the row, y along the axis of the cutter, the tip at (0, 0); mm.
+//! Frame of the view: x along the feed direction of the row, y along the axis of the cutter, tip at (0, 0);
+//! mm.
 
 use super::plan::{PlungePlan, Position};
 use crate::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, norm2};
 use crate::part::{Blank, Impeller, Tool};
 
-/// A point of the section: (x, y), mm.
+/// A point of the view: (x, y), mm.
 pub type Place = [f64; 2];
 
-/// The cut through the axis of a position, along its row.
+/// Sectional view through the axis of a position, along its row.
 #[derive(Clone, Debug)]
 pub struct SectionView {
-    /// Origin of the section: the tip.
+    /// The tip, origin of the view, in the frame of the part, mm.
     pub tip: Point,
     /// Unit axis, direction of y.
     pub axis: Vector,
-    /// Unit direction of x: where the row goes to, at right angles to the axis.
+    /// Unit direction of x: the feed direction, perpendicular to the axis.
     pub feed: Vector,
     /// The finished hub.
     pub hub: Vec<Place>,
-    /// What must stay on it.
+    /// The finished hub raised by the hub allowance.
     pub allowance: Vec<Place>,
-    /// Stock as this position finds it: top of what stands on the hub, after all earlier positions.
+    /// Top of the stock on the hub after all earlier positions.
     pub before: Vec<Place>,
     /// The same after this position.
     pub after: Vec<Place>,
-    /// Stock inside the core's column above the bottom, as stretches of y at an x: what the dead centre meets.
+    /// Stock that the core meets: intervals of y above the bottom at an x.
     pub contact: Vec<(f64, [f64; 2])>,
-    /// The bottom of the cutter, seen from above.
+    /// The core's disc in cells, seen along the axis.
     pub patch: Vec<PatchCell>,
-    /// The cutter.
+    /// The tool.
     pub tool: Tool,
-    /// Angle between hub normal and axis in the section's own plane, rad: positive when the axis leans forward.
+    /// Angle between hub normal and axis in the plane of the view, rad: positive when the axis is inclined
+    /// forward, in feed direction.
     pub lean: f64,
-    /// Step from the position before in the same row: distance of the axes at the hub, mm; 0 at the first.
+    /// Step from the previous position in the same row, mm; 0 at the first. See [`step_before`].
     pub step: f64,
-    /// Stock left above the hub where this cutter worked: greatest height along y within its radius, mm.
+    /// Maximum height along y of the stock left on the hub within the radius of the cutter, mm.
     pub left: f64,
 }
 
-/// A cell of the bottom disc.
+/// A cell of the core's disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchCell {
-    /// Along the feed, mm.
+    /// Coordinate along the feed direction, mm.
     pub x: f64,
-    /// Across it, mm.
+    /// Coordinate across the feed direction, mm.
     pub across: f64,
-    /// How far above the bottom stock reaches there, mm; 0 where there is none.
+    /// Height of stock above the bottom, mm; 0 where there is none.
     pub depth: f64,
 }
 
 /// Samples along x.
 const SAMPLES: usize = 241;
-/// The section reaches this many radii to either side.
+/// Half width of the view in cutter radii.
 const REACH: f64 = 2.2;
-/// Cells of the patch across the core.
+/// Number of cells across the core.
 const PATCH: usize = 25;
-/// Steps of a search for a surface, and how near counts as there, mm.
+/// Maximum steps and tolerance (mm) of the sphere tracing.
 const MAX_STEPS: usize = 96;
 const NEAR: f64 = 1e-4;
 
-/// Cuts through position `index` of `plan`, with `allowance` mm to stay on the hub; `None` where the plan has no such
-/// position.
+/// Sectional view through position `index` of `plan`, with a hub allowance of `allowance` mm; `None` where
+/// the plan has no such position.
 pub fn section_view(
     part: &Impeller,
     blank: &Blank,
@@ -139,20 +141,20 @@ pub fn section_view(
 }
 
 impl SectionView {
-    /// Height of the cutter's bottom at `x` within its radius, mm: 0 but for a rounded corner.
+    /// Height of the cutter's bottom at `x` within its radius, mm: 0 except on the rounded corner.
     pub fn bottom(&self, x: f64) -> f64 {
         let corner = self.tool.corner_radius;
         let beyond = (x.abs() - (self.tool.radius() - corner)).clamp(0.0, corner);
         corner - (corner * corner - beyond * beyond).max(0.0).sqrt()
     }
 
-    /// Deepest stock over the core, mm.
+    /// Maximum contact depth over the core, mm.
     pub fn contact_depth(&self) -> f64 {
         self.patch.iter().map(|cell| cell.depth).fold(0.0, f64::max)
     }
 }
 
-/// Where the row goes to at position `index`, at right angles to its axis.
+/// Unit feed direction of the row at position `index`, perpendicular to its axis.
 pub fn feed_direction(part: &Impeller, plan: &PlungePlan, index: usize) -> Vector {
     let position = &plan.positions[index];
     let neighbour = |k: Option<usize>| {
@@ -164,7 +166,7 @@ pub fn feed_direction(part: &Impeller, plan: &PlungePlan, index: usize) -> Vecto
         (Some(a), Some(b)) => b.tip - a.tip,
         (Some(a), None) => position.tip - a.tip,
         (None, Some(b)) => b.tip - position.tip,
-        // Alone in its row: along the meridian, towards the inlet.
+        // The only position of its row: along the meridian, towards the inlet.
         (None, None) => {
             let theta = position.tip.y.atan2(position.tip.x);
             let tangent = part.hub.at(position.s).tangent;
@@ -175,8 +177,8 @@ pub fn feed_direction(part: &Impeller, plan: &PlungePlan, index: usize) -> Vecto
     if flat.norm() > 1e-9 { flat.normalize() } else { crate::geometry::frame_about(&position.axis).0 }
 }
 
-/// Step to position `index` from the one before it in its row: the larger of the distances of the axes at both
-/// tips, mm; 0 at the first of a row.
+/// Step from the previous position of the row to position `index`: the larger of the distances of the axes at
+/// both tips, mm; 0 at the first of a row.
 pub fn step_before(plan: &PlungePlan, index: usize) -> f64 {
     let Some(here) = plan.positions.get(index) else { return 0.0 };
     let Some(before) = index.checked_sub(1).and_then(|k| plan.positions.get(k)) else { return 0.0 };
@@ -190,7 +192,7 @@ pub fn step_before(plan: &PlungePlan, index: usize) -> f64 {
     off(before, here).max(off(here, before))
 }
 
-/// The row that position `index` belongs to: indices of its first and one past its last position.
+/// Range of indices of the row that position `index` belongs to.
 pub fn row_of(plan: &PlungePlan, index: usize) -> std::ops::Range<usize> {
     let Some(here) = plan.positions.get(index) else { return 0..0 };
     let same = |p: &&Position| p.section == here.section && p.row == here.row;
@@ -199,18 +201,18 @@ pub fn row_of(plan: &PlungePlan, index: usize) -> std::ops::Range<usize> {
     start..end
 }
 
-/// Cutters of the positions before `index` that come near its column.
+/// Cutters of the positions before `index` that may meet its column.
 fn earlier_cutters(plan: &PlungePlan, index: usize, reach: f64) -> Vec<CutterSolid> {
     let here = &plan.positions[index];
     let placed = plan.positions[..index].iter().filter_map(|p| {
         let tool = &plan.sections.get(p.section)?.tool;
         Some(tool.placed(p.tip, p.axis))
     });
-    // Axes differ by some ten degrees over a channel's depth; further away than this none is met.
+    // Axes differ by some ten degrees over the depth of a channel; cutters further away cannot be met.
     placed.filter(|c| (c.tip - here.tip).norm() < 4.0 * reach + c.radius).collect()
 }
 
-/// Lines along the axis of the position.
+/// Casts lines parallel to the axis of the position.
 struct Lines<'a> {
     part: &'a Impeller,
     blank: &'a Blank,
@@ -219,12 +221,13 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// Height at which the line through `origin` meets the hub, raised by `offset`, if it does within `reach`.
+    /// Height at which the line through `origin` meets the hub raised by `offset`, if it does within `reach`.
     fn hub(&self, origin: &Point, offset: f64, reach: f64) -> Option<f64> {
         descend(self.part.hub.curve(), offset, origin, &self.axis, reach)
     }
 
-    /// Stretches of stock on the line, lowest first: from the hub up to the blank, less what earlier cutters took.
+    /// Intervals of stock on the line, lowest first: from the hub up to the blank, less what earlier cutters
+    /// removed.
     fn stock(&self, origin: &Point, hub: f64, reach: f64) -> Vec<[f64; 2]> {
         let high = hub + 40.0 * reach;
         let Some(top) = self.blank.highest_inside(origin, &self.axis, hub, high, &mut None) else {
@@ -238,7 +241,7 @@ impl Lines<'_> {
     }
 }
 
-/// Takes an interval out of stretches that are in order.
+/// Removes an interval from ordered intervals.
 fn remove(stock: &mut Vec<[f64; 2]>, taken: Option<(f64, f64)>) {
     let Some((low, high)) = taken else { return };
     let old = std::mem::take(stock);
@@ -256,13 +259,14 @@ fn remove(stock: &mut Vec<[f64; 2]>, taken: Option<(f64, f64)>) {
     }
 }
 
-/// Top of what stands on the hub.
+/// Top of the stock on the hub.
 fn first_top(stock: &[[f64; 2]], hub: f64) -> f64 {
     stock.first().filter(|s| s[0] <= hub + 1e-6).map_or(hub, |s| s[1])
 }
 
-/// Height at which a line comes down onto the surface of revolution at `offset` from `curve`: sphere tracing, as the
-/// distance to the curve never exceeds that to the surface along the line. `None` beyond the ends of the curve.
+/// Height at which a line from above meets the surface of revolution at `offset` from `curve`, by sphere
+/// tracing: the distance to the curve never exceeds that to the surface along the line. `None` beyond the
+/// ends of the curve.
 fn descend(curve: &MeridionalCurve, offset: f64, origin: &Point, axis: &Vector, reach: f64) -> Option<f64> {
     let mut h = 0.5 * reach;
     let (mut guess, _) = curve.project(Meridional::of(&(origin + axis * h)));
@@ -282,7 +286,7 @@ fn descend(curve: &MeridionalCurve, offset: f64, origin: &Point, axis: &Vector, 
     None
 }
 
-/// Angle between the normal of a line of the section at x = 0 and y, rad.
+/// Angle between the normal of the hub line at x = 0 and the y direction, rad.
 fn lean(hub: &[Place]) -> f64 {
     let Some(at) = hub.iter().position(|p| p[0] >= 0.0) else { return 0.0 };
     let (a, b) = (hub[at.saturating_sub(2)], hub[(at + 2).min(hub.len() - 1)]);

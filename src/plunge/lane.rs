@@ -1,13 +1,14 @@
-//! Lanes: passages as one cutter sees them, and the axes in them that clear both walls.
+//! Lanes: a lane is a passage with the axes of one cutter that clear both of its walls.
 //!
-//! A wall axis starts as the offset of the wall's ruling by R + allowance (paper C, fig. 5 to 7); that plain
-//! offset gouges where rulings twist. It is corrected against the true surface until the cutter
-//! is equally far from the wall near its root and near its tip and its nearest place anywhere is at the
-//! allowance: a fit that is unique whether the wall bulges towards the cutter or away from it.
+//! A wall axis starts as the offset of the wall's ruling by R + allowance ([assessment paper], fig. 5 to 7).
+//! This plain offset gouges where rulings twist. A damped Newton iteration corrects it against the true
+//! surface until the cutter is equally far from the wall in the root third and in the tip third, and its
+//! minimum distance equals the allowance. That fit is unique for walls that are convex and for walls that are
+//! concave towards the cutter.
 //!
-//! Fits follow the flank, which runs on straight beyond its ends so that rows can run out. Where blades are wrapped
-//! strongly or their edges are swept, that continuation may cross the channel and leave no fit: there the axis is laid
-//! beside the finished blades alone, with the side lean nearest to the ruling's that clears them.
+//! Fits follow the flank, which is extended straight beyond its ends so that rows can run out. Where the wrap
+//! angle is large or edges are swept, that extension may cross the channel and leave no fit. There the axis
+//! is placed beside the finished blades only, with the tilt angle closest to the ruling's that clears them.
 
 use std::sync::Arc;
 
@@ -17,15 +18,15 @@ use crate::geometry::{CutterSolid, Point, Vector, norm2, wrap_angle};
 use crate::part::setup::Stock;
 use crate::part::{Impeller, Nearest, Passage, SideProbe, Tool};
 
-/// A passage with the cutter that is to work in it.
+/// A passage with the axes of one cutter along its walls.
 #[derive(Debug)]
 pub struct Lane<'a> {
     part: &'a Impeller,
     passage: &'a Passage,
     finished: Arc<FinishedPart<'a>>,
-    /// Flanks with the straight continuations that rows run out along.
+    /// Flanks with the straight extensions along which rows run out.
     probes: [SideProbe; 2],
-    /// The same sides as the finished blades have them, and the sign that turns ∂u × ∂v into the passage.
+    /// The same sides without extensions, each with the sign that makes ∂u × ∂v point into the passage.
     blades: [(SideProbe, f64); 2],
     radius: f64,
     corner_radius: f64,
@@ -47,18 +48,18 @@ pub struct AxisEnds {
     pub theta_shroud: f64,
 }
 
-/// How the clearance from one third of a wall stands, and answers to turning the ends of the axis.
+/// Clearance from one third of a wall, and its derivatives by the angles of the ends of the axis.
 #[derive(Clone, Copy, Debug)]
 struct Answer {
-    /// mm per rad of M.
+    /// Derivative by θ of M, mm/rad.
     by_hub: f64,
-    /// mm per rad of W.
+    /// Derivative by θ of W, mm/rad.
     by_shroud: f64,
-    /// Clearance beyond the allowance, mm.
+    /// Clearance minus the allowance, mm.
     excess: f64,
 }
 
-/// A fit in progress: root, middle and tip third of the wall.
+/// State of the Newton iteration: responses of the root, middle and tip third of the wall.
 #[derive(Clone, Copy, Debug)]
 struct FitState {
     answers: [Answer; 3],
@@ -72,14 +73,14 @@ impl FitState {
         [low, middle, high].into_iter().min_by(|a, b| a.excess.total_cmp(&b.excess)).unwrap_or(low)
     }
 
-    /// How far from what a fit shall be, mm.
+    /// Residual of the fit, mm: 0 for an exact one.
     fn merit(&self) -> f64 {
         let [low, _, high] = self.answers;
         self.nearest().excess.abs().max((low.excess - high.excess).abs())
     }
 
-    /// Newton step of M's and W's angles towards root and tip equally far off and the nearest place at the
-    /// allowance.
+    /// Newton step of the angles of M and W towards equal clearance at root and tip and a minimum clearance
+    /// equal to the allowance.
     fn step(&self) -> Option<(f64, f64)> {
         let [low, _, high] = self.answers;
         let nearest = self.nearest();
@@ -97,20 +98,20 @@ pub fn is_wall(lambda: f64) -> bool {
     lambda == 0.0 || lambda == 1.0
 }
 
-/// How far the side lean of a fitted axis may leave the plain offset of the ruling.
+/// Maximum difference of the tilt angle of a fitted axis from that of the plain offset of the ruling.
 const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
-/// Side leans beside that of the plain offset that are tried where no fit exists, degrees.
+/// Tilt angles relative to the plain offset that are tried where no fit exists, degrees.
 const SIDE_LEANS_DEG: [f64; 15] =
     [0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0, 13.0, -13.0, 17.0, -17.0, 22.0, -22.0, 28.0, -28.0];
-/// Least height of the channel, in hub allowances, in which axes are laid.
+/// Minimum height of the channel for an axis, in hub allowances.
 const LEAST_HEIGHTS: f64 = 1.2;
-/// Clearance is met to this, mm, always on the safe side.
+/// Tolerance of the clearance, mm, always on the safe side.
 const FIT_TOLERANCE: f64 = 2e-7;
-/// Two searches for the nearest place of a wall may differ by so much, mm: fits stay clear of it.
+/// Maximum difference between two searches for the nearest point of a wall, mm: fits keep this as a margin.
 const SEARCH_ERROR: f64 = 4e-6;
 
 impl<'a> Lane<'a> {
-    /// `passage` of a part, whose `finished` blades are in the way, for `tool`.
+    /// The lane of `tool` through `passage` of `part` between the `finished` blades.
     pub fn new(
         part: &'a Impeller,
         passage: &'a Passage,
@@ -120,8 +121,8 @@ impl<'a> Lane<'a> {
     ) -> Self {
         let (hub_allowance, blade_allowance) = (stock.hub_allowance, stock.blade_allowance);
         let probe = |i: usize| {
-            // The flank runs on as far as rows reach beyond its ends; further out its extension would only
-            // stand in the way of columns that lean over it.
+            // The flank is extended only as far as rows run beyond its ends: a longer extension would
+            // obstruct tilted columns.
             let side = passage.walls[i].side();
             let (from, to) = side.u_range();
             let chord = (side.point(1.0, 0.5) - side.point(0.0, 0.5)).norm();
@@ -150,14 +151,14 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// M of `ends`.
+    /// M of `ends`, in the frame of the part, mm.
     pub fn hub_point(&self, ends: &AxisEnds) -> Point {
         let here = self.part.hub.at(ends.s_hub);
         let (p, n, a) = (here.point, here.normal, self.hub_allowance);
         crate::geometry::Meridional { r: p.r + a * n.r, z: p.z + a * n.z }.at_angle(ends.theta_hub)
     }
 
-    /// W of `ends`.
+    /// W of `ends`, in the frame of the part, mm.
     pub fn shroud_point(&self, ends: &AxisEnds) -> Point {
         self.part.shroud.point(ends.s_shroud).at_angle(ends.theta_shroud)
     }
@@ -173,13 +174,14 @@ impl<'a> Lane<'a> {
         CutterSolid { tip, axis, radius: self.radius, corner_radius: self.corner_radius }
     }
 
-    /// +1 where growing θ leads into the passage from this wall.
+    /// +1 where increasing θ leads into the passage from this wall, else −1.
     fn inward(&self, wall: usize) -> f64 {
         self.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 }
     }
 
-    /// Axis along `wall` (0 or 1) with M at `s_hub` and W at `s_shroud`; `warm` is a neighbouring solution to start
-    /// from. `None` where the wall does not reach, or no axis beside it clears the blades.
+    /// Axis along `wall` (0 or 1) with M at `s_hub` and W at `s_shroud`, starting from the neighbouring
+    /// solution `warm`. `None` where the wall does not extend to these s, or no axis beside it clears the
+    /// blades.
     pub fn wall_axis(
         &self,
         wall: usize,
@@ -191,7 +193,8 @@ impl<'a> Lane<'a> {
         fitted.or_else(|| self.beside_blades(wall, s_hub, s_shroud))
     }
 
-    /// The axis along `wall` fitted on the branch of the ruling; see [`Self::wall_axis`].
+    /// The axis along `wall` by damped Newton iteration, on the branch of the ruling; see
+    /// [`Self::wall_axis`].
     fn fitted(&self, wall: usize, s_hub: f64, s_shroud: f64, warm: Option<AxisEnds>) -> Option<AxisEnds> {
         let plain = self.plain_offset(wall, s_hub, s_shroud)?;
         let plain_lean = plain.theta_shroud - plain.theta_hub;
@@ -199,7 +202,7 @@ impl<'a> Lane<'a> {
             Some(w) => AxisEnds { s_hub, s_shroud, theta_shroud: w.theta_shroud, theta_hub: w.theta_hub },
             None => plain,
         };
-        // Where each third of the wall was nearest: found once, then followed.
+        // Nearest u of each third of the wall: found globally once, then tracked.
         let mut places = [None; 3];
         let mut state = self.fit_state(wall, &ends, &mut places);
         for _ in 0..12 {
@@ -212,7 +215,7 @@ impl<'a> Lane<'a> {
             // Several fits may exist on a twisted wall: stay on the branch of the ruling.
             let lean_limit = LEAN_LIMIT_RAD.tan() * state.height / r_shroud;
             let limit = 0.25 * self.radius / r_hub;
-            // A step that makes things worse has left the stretch where slopes tell the truth: halve it.
+            // Damping: a step that increases the residual is shortened.
             let mut scale = 1.0;
             let mut improved = false;
             for _ in 0..5 {
@@ -235,15 +238,15 @@ impl<'a> Lane<'a> {
             }
         }
         let (ends, near) = self.turned_off(&self.probes[wall], wall, ends, 0.0)?;
-        // What rests on the continuation of a flank may stand in another blade.
+        // A cutter that touches the extension of a flank may be inside another blade.
         let (from, to) = self.passage.walls[wall].side().u_range();
         let on_flank = (from..=to).contains(&near.u);
         (on_flank || self.finished.clears(&self.cutter(&ends), self.blade_allowance - SEARCH_ERROR))
             .then_some(ends)
     }
 
-    /// The axis beside `wall` that clears the finished blades with the side lean nearest to that of the ruling, turned
-    /// into the passage as far as needed.
+    /// The axis beside `wall`, turned into the passage until it clears the finished blades, with the tilt
+    /// angle closest to that of the ruling for which that is possible.
     fn beside_blades(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
         let plain = self.plain_offset(wall, s_hub, s_shroud)?;
         let (m, w) = (self.hub_point(&plain), self.shroud_point(&plain));
@@ -254,8 +257,8 @@ impl<'a> Lane<'a> {
         })
     }
 
-    /// Turns both ends of an axis into the passage from `wall` until the cutter clears all finished blades; `None` where
-    /// that takes more than half the pitch.
+    /// Turns both ends of an axis into the passage from `wall` until the cutter clears all finished blades;
+    /// `None` where that takes more than half the pitch.
     fn clear_of_blades(&self, wall: usize, mut ends: AxisEnds) -> Option<AxisEnds> {
         let limit = 0.5 * self.part.pitch().abs();
         let mut turned = 0.0;
@@ -268,7 +271,8 @@ impl<'a> Lane<'a> {
             let up = (near.point - cutter.tip).dot(&cutter.axis);
             let away = (cutter.tip + cutter.axis * up - near.point).try_normalize(1e-9)?;
             let gain = away.dot(&turning) * self.inward(wall);
-            // Against the turn lies a blade on the far side of the passage, or its own that it has to pass through.
+            // Without gain, the blade is on the far side of the passage, or the cutter has to pass through
+            // its own blade.
             let short = if gain > 0.0 {
                 self.blade_allowance - near.distance
             } else {
@@ -285,7 +289,7 @@ impl<'a> Lane<'a> {
         None
     }
 
-    /// Clearances of an axis from the thirds of a wall, and how they answer to turning M and W.
+    /// Clearances of an axis from the thirds of a wall, with their derivatives by the angles of M and W.
     fn fit_state(&self, wall: usize, ends: &AxisEnds, places: &mut [Option<f64>; 3]) -> FitState {
         let cutter = self.cutter(ends);
         let (m, w) = (self.hub_point(ends), self.shroud_point(ends));
@@ -311,8 +315,8 @@ impl<'a> Lane<'a> {
         FitState { answers, height }
     }
 
-    /// Direction in which the cutter leaves the nearest place of a side of `wall`, and its clearance there: negative
-    /// without end when the axis itself is beyond the wall.
+    /// Unit direction from the nearest point of a side of `wall` to the axis, and the clearance there. When
+    /// the axis itself is beyond the wall, the direction is reversed and the clearance is negative.
     fn away(&self, probe: &SideProbe, wall: usize, cutter: &CutterSolid, near: &Nearest) -> (Vector, f64) {
         let d = near.point - cutter.tip;
         let flat = -(d - cutter.axis * d.dot(&cutter.axis));
@@ -323,18 +327,18 @@ impl<'a> Lane<'a> {
         let away = flat / length;
         let (_, pu, pv) = probe.side().derivatives(near.u, near.v);
         let beyond = away.dot(&pu.cross(&pv)) * self.blades[wall].1 < 0.0;
-        // At the end of a blade the cutter may well stand beyond the plane of the side.
+        // At the end of a blade a clear cutter may be beyond the plane of the side.
         let at_end = (near.u <= 1e-6 || near.u >= 1.0 - 1e-6) && near.distance > 0.0;
         if beyond && !at_end { (-away, -length - self.radius) } else { (away, near.distance) }
     }
 
-    /// Turns both ends away from `wall` until the cutter, its bottom `lift` mm above M, keeps the
-    /// allowance from the finished blade everywhere. `None` when turning does not help.
+    /// Turns both ends away from `wall` until the cutter, its bottom `lift` mm above M, keeps the allowance
+    /// from the finished blade. `None` when turning does not achieve that.
     fn push_clear(&self, wall: usize, ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
         self.turned_off(&self.blades[wall].0, wall, ends, lift).map(|(ends, _)| ends)
     }
 
-    /// As [`Self::push_clear`] from the side of `probe`, with the place where that is nearest in the end.
+    /// As [`Self::push_clear`], for the side of `probe`; also returns its nearest point to the final cutter.
     fn turned_off(
         &self,
         probe: &SideProbe,
@@ -346,7 +350,7 @@ impl<'a> Lane<'a> {
         for _ in 0..20 {
             let mut cutter = self.cutter(&ends);
             cutter.tip += cutter.axis * lift;
-            // Turned by micrometres, the cutter stays nearest to the same place.
+            // After a turn by micrometres the nearest point hardly moves: search locally.
             let near = match place {
                 Some(u) => probe.nearest_from(&cutter, u, 0.0, 1.0),
                 None => probe.nearest(&cutter, 0.0, 1.0),
@@ -369,11 +373,12 @@ impl<'a> Lane<'a> {
         None
     }
 
-    /// The ruling's ends, each moved by R + allowance along the surface of hub or shroud.
+    /// The ends of the wall's ruling, each moved by R + allowance along the surface of hub or shroud. `None`
+    /// where the wall does not extend to these s, or the channel is too low.
     fn plain_offset(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
         let foot = self.passage.walls[wall].at(self.part, s_hub, 0.0)?;
         let top = self.passage.walls[wall].at(self.part, s_shroud, 1.0)?;
-        // Where the channel is hardly higher than the allowance an axis from M to W has no direction.
+        // Where the channel is hardly higher than the allowance the direction from M to W is undefined.
         let (hub, shroud) = (self.part.hub.at(s_hub), self.part.shroud.point(s_shroud));
         let (rise_r, rise_z) = (shroud.r - hub.point.r, shroud.z - hub.point.z);
         let height = rise_r * hub.normal.r + rise_z * hub.normal.z;
@@ -395,7 +400,7 @@ impl<'a> Lane<'a> {
         })
     }
 
-    /// Both wall axes at the same ends; `None` where a wall does not reach or the cutter does not
+    /// Both wall axes at the same s; `None` where a wall does not extend to these s or the cutter does not
     /// fit between them.
     pub fn wall_pair(&self, s_hub: f64, s_shroud: f64) -> Option<[AxisEnds; 2]> {
         let low = self.wall_axis(0, s_hub, s_shroud, None)?;
@@ -403,8 +408,8 @@ impl<'a> Lane<'a> {
         self.ordered(low, high)
     }
 
-    /// The axes beside both walls, that at λ = 1 with its angles next to those of the other; `None` where the cutter does
-    /// not fit between them.
+    /// The axes beside both walls, with the angles of that at λ = 1 wrapped next to those of the other;
+    /// `None` where the cutter does not fit between them.
     fn ordered(&self, low: AxisEnds, mut high: AxisEnds) -> Option<[AxisEnds; 2]> {
         let half = 0.5 * self.part.pitch();
         let beside = |a: f64, b: f64| a + wrap_angle(b - a - half) + half;
@@ -415,8 +420,8 @@ impl<'a> Lane<'a> {
             .then_some([low, high])
     }
 
-    /// Distance across the flow between the two wall axes at `s`: on the hub and on the shroud, mm. `None` where the
-    /// cutter does not fit.
+    /// Distance between the two wall axes at `s`, on the hub and on the shroud, mm: perpendicular to the flow
+    /// or to the axis, whichever is smaller. `None` where the cutter does not fit.
     pub fn width(&self, s: f64) -> Option<(f64, f64)> {
         let (low, high) = self.guides(s, s, true)?;
         let pair = self.ordered(low, high)?;
@@ -436,8 +441,8 @@ impl<'a> Lane<'a> {
         Some((ends(&|e| self.hub_point(e)), ends(&|e| self.shroud_point(e))))
     }
 
-    /// By how much the conventional axis along `wall` leans over the channel from the hub normal, across the
-    /// wall, rad; negative where the wall leans away. `None` where there is no axis.
+    /// Lean of `wall` at `s`: angle of the conventional axis along it to the hub normal, across the wall,
+    /// rad; positive over the channel. `None` where there is no axis.
     pub fn lean_over(&self, wall: usize, s: f64) -> Option<f64> {
         let ends = self.table_axis(wall, s, s, true)?;
         let along = self.hub_point(&self.table_axis(wall, s - 1e-3, s - 1e-3, true)?) - self.hub_point(&ends);
@@ -449,9 +454,10 @@ impl<'a> Lane<'a> {
         Some(lean.atan2(axis.dot(&normal)))
     }
 
-    /// Axis of `wall` read from its table of fits, a few µm from the exact one; beside steep or swept edges, where
-    /// there are no smooth fits, one that may still have to be turned off the blades. With `refit` it is fitted anew
-    /// where only nodes further off are no fits: searches ask too often for that.
+    /// Axis of `wall` from its table of fits, a few µm from the exact one; beside steep or swept edges,
+    /// where fits are not smooth, it may still have to be turned off the blades. With `refit` it is fitted
+    /// exactly where the four surrounding nodes are fits and others of the interpolation are not; that is too
+    /// slow for searches.
     fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64, refit: bool) -> Option<AxisEnds> {
         let fit = |s_hub: f64, shift: f64| {
             let plain = self.plain_offset(wall, s_hub, s_hub - shift)?;
@@ -489,8 +495,8 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// Axis of the row at `lambda` between the walls, from the tables of fits: for searches.
-    /// `None` where no axis beside its wall clears the blades, or the cutter does not fit between the walls.
+    /// Axis of the row at `lambda` between the walls from the tables of fits, for searches. `None` where no
+    /// axis beside its wall clears the blades, or the cutter does not fit between the walls.
     pub fn row_axis(&self, lambda: f64, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
         self.axis_between(lambda, s_hub, s_shroud, false)
     }
@@ -508,7 +514,8 @@ impl<'a> Lane<'a> {
         })
     }
 
-    /// The axes beside both walls that rows between them follow: where a wall has none, the plain offset of its ruling.
+    /// The axes beside both walls between which rows are interpolated; where a wall has none, the plain
+    /// offset of its ruling.
     fn guides(&self, s_hub: f64, s_shroud: f64, refit: bool) -> Option<(AxisEnds, AxisEnds)> {
         let guide = |wall: usize| {
             let axis = self.table_axis(wall, s_hub, s_shroud, refit);
@@ -517,14 +524,15 @@ impl<'a> Lane<'a> {
         Some((guide(0)?, guide(1)?))
     }
 
-    /// The conventional axis of the row at `lambda` with M at `s`: M and W at the same fraction of arc length. Outside the
-    /// channel both go on by the same distance, so that the axis stays as it is at the rim (or the leading edge).
+    /// The conventional axis of the row at `lambda` with M at `s`: M and W are at the same fraction of arc
+    /// length. Outside the channel both move on by the same distance, so that the axis keeps its direction at
+    /// the rim (or the leading edge).
     pub fn isoparametric(&self, lambda: f64, s: f64) -> Option<AxisEnds> {
         self.axis_between(lambda, s, self.isoparametric_shroud(s), true)
     }
 
-    /// As [`Self::isoparametric`], the plain offset of the ruling where no axis beside a wall clears the blades: what tilted
-    /// axes at the same place are reckoned from.
+    /// As [`Self::isoparametric`], with the plain offset of the ruling where no axis beside a wall clears the
+    /// blades: the reference for inclined axes at the same s.
     pub fn guide(&self, lambda: f64, s: f64) -> Option<AxisEnds> {
         let plain = || {
             let wall = is_wall(lambda).then_some(lambda as usize)?;
@@ -539,8 +547,8 @@ impl<'a> Lane<'a> {
         inside + (s - inside) * self.part.hub.length() / self.part.shroud.length()
     }
 
-    /// A row's axis made exact: an axis at a wall, its bottom `lift` mm above M, rests at the
-    /// allowance; others are good as they are.
+    /// Exact axis of a row: at a wall, turned until the cutter, its bottom `lift` mm above M, clears the
+    /// finished blade by the allowance; unchanged between the walls.
     pub fn settled(&self, lambda: f64, ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
         if is_wall(lambda) { self.push_clear(lambda as usize, ends, lift) } else { Some(ends) }
     }

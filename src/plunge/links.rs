@@ -1,7 +1,7 @@
 //! Stage 5, continued: links between plunges stay above the blank.
 //!
-//! A link runs straight from retract point to retract point while the axis turns evenly. Where it would come
-//! nearer to the blank than the safety distance, both its ends are pulled further back.
+//! A link runs straight from retract point to retract point while the axis turns at a constant rate. Where it
+//! would come nearer to the blank than the safety distance, both its ends are retracted further.
 
 use rayon::prelude::*;
 
@@ -11,11 +11,11 @@ use super::retract::{NearBottom, pulled_clear};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
-/// Times a link, and the whole plan, is looked at again.
+/// Maximum number of iterations for one link, and for the whole plan.
 const MAX_ROUNDS: usize = 20;
 
-/// Pulls retract points back until links and retracts keep `safety` mm from `blank`, and measures what each
-/// retract point and the link after it keep.
+/// Moves retract points up their axes until links and retracts keep `safety` mm from `blank`, and measures
+/// the clearance of each retract point and its following link.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
@@ -27,7 +27,7 @@ pub fn raise_links(
 ) -> Result<(), Cancelled> {
     let numbers: Vec<usize> = (0..plan.positions.len().saturating_sub(1))
         .filter(|&k| {
-            // A tool change happens at home, far from the part.
+            // Tool changes take place at the home position, far from the part.
             let tool = |k: usize| plan.sections[plan.positions[k].section].tool.number;
             tool(k) == tool(k + 1)
         })
@@ -37,7 +37,7 @@ pub fn raise_links(
         .par_iter()
         .map(|p| if monitor.is_cancelled() { NearBottom::NOWHERE } else { bottom_of(plan, p, blank) })
         .collect();
-    // What each of the links keeps.
+    // Clearance of each link, mm.
     let mut kept = Vec::new();
     for _ in 0..MAX_ROUNDS {
         monitor.check()?;
@@ -101,15 +101,15 @@ fn raise(
 /// The links of a plan over its blank.
 struct Links<'a> {
     plan: &'a PlungePlan,
-    /// Of every position at its retract point.
+    /// The bottom of every position at its retract point.
     bottoms: &'a [NearBottom],
     blank: &'a Blank,
     safety: f64,
 }
 
 impl Links<'_> {
-    /// Least distance of the bottom to the blank along the link after position `k`, mm; any of its distances below
-    /// `safety` when there is one.
+    /// Minimum distance of the bottom to the blank along the link after position `k`, mm; below `safety` it
+    /// is not refined further.
     fn clearance(&self, k: usize) -> f64 {
         let (a, b) = (&self.plan.positions[k], &self.plan.positions[k + 1]);
         let tool = &self.plan.sections[a.section].tool;

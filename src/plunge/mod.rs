@@ -1,16 +1,16 @@
-//! The plunge planner (paper A, fig. 16): each stage its own file.
+//! The plunge planner ([plunge paper], fig. 16), one file per stage.
 //!
 //! | stage | file |
 //! |---|---|
-//! | which cutter works where | [`sections`], [`survey`], [`choice`] |
+//! | which tool cuts which section | [`sections`], [`survey`], [`choice`] |
 //! | axes that clear the walls | [`lane`] |
 //! | 1 conventional positions, 2 step inspection | [`row`] |
 //! | 3 axis optimisation | [`monotone`] |
-//! | 4 slotting depth | [`slotting`] |
+//! | 4 drop-cutter depth (slotting depth in the paper) | [`slotting`] |
 //! | 5 safe height | [`retract`], [`flight`], [`links`] |
-//! | 6 the loop | [`cycle`], and what still holds of the plan before: [`KnownSections`], `carried` |
-//! | the truth: contact of the core, clearances | [`contact`], [`clearance`] |
-//! | a look at one position of a plan | [`inspect`] |
+//! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`KnownSections`], `carried` |
+//! | verification: contact of the core, clearances | [`contact`], [`clearance`] |
+//! | sectional view through one position | [`inspect`] |
 
 mod attempts;
 mod carried;

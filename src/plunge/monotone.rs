@@ -1,30 +1,31 @@
-//! Stage 3 by paper A's rule: α grows from position to position in the order of cutting.
+//! Stage 3 by the rule of [plunge paper], axis optimisation, step 3: α grows from position to position in
+//! cutting order.
 //!
-//! The first position of a row stays as it is (or starts at a least angle); then every W moves along
-//! the row's shroud curve, against the cut, by the least amount for which α exceeds that of the
-//! position before. The paper walks a discretisation of that curve in steps of 1e-5; here the least
-//! amount is solved for.
+//! The first position of a row stays unchanged (or gets a minimum lead angle). Then every W moves along the
+//! row's shroud curve, against the cutting direction, by the smallest amount for which α exceeds that of the
+//! previous position. The paper walks a discretisation of that curve in steps of 1e-5; here the amount is
+//! found by bracketing and root finding.
 
 use super::plan::Blocked;
 use super::row::{RowMaker, Station};
 use crate::geometry::search;
 
-/// How much α must grow at least, rad: it makes "greater" well defined in floating point.
+/// Minimum growth of α, rad: it makes "greater" well defined in floating point.
 pub const LEAST_GROWTH_RAD: f64 = 1e-9;
-/// W is placed on the shroud curve to this fraction of its length.
+/// Tolerance of the position of W on the shroud curve, as a fraction of its length.
 const PLACE_TOLERANCE: f64 = 1e-6;
-/// How far W may run upstream or downstream of the shroud curve's trimmed ends, in s.
+/// Distance by which W may pass the trimmed ends of the shroud curve, in s.
 const SHROUD_OVERRUN: f64 = 0.5;
 
 impl RowMaker<'_> {
-    /// α as the rule sees it: positive when the axis leans towards the uncut side.
+    /// Lead angle, rad: α in cutting direction, positive when the axis is inclined towards the uncut side.
     fn lean(&self, station: &Station) -> f64 {
         station.alpha * self.inward
     }
 
-    /// Applies the rule to a conventional row. `start` is the least lean of the first position
-    /// (`None`: first position unchanged). Axes tilt at most `max_tilt` from the conventional one.
-    /// After each position `accept` sees the row so far; `None` when it refuses.
+    /// Applies the rule to a conventional row. `start` is the minimum lead angle (rad) of the first position,
+    /// `None` to leave it unchanged. Axes are inclined by at most `max_tilt` (rad) from the conventional
+    /// ones. `accept` is called with the row so far after each position; `None` when it returns `false`.
     pub fn monotone(
         &self,
         conventional: &[Station],
@@ -37,7 +38,7 @@ impl RowMaker<'_> {
         self.monotone_after(first, rest, max_tilt, accept)
     }
 
-    /// As [`Self::monotone`] with the first position as it shall be, the others conventional.
+    /// As [`Self::monotone`], with a final `first` position and the conventional `rest`.
     pub fn monotone_after(
         &self,
         first: Station,
@@ -59,9 +60,9 @@ impl RowMaker<'_> {
         accept(&row).then_some(row)
     }
 
-    /// The station with W moved by the least amount for which its lean is at least `wanted`; the last
-    /// one that blades, shroud or tilt limit allow, marked as blocked, where it cannot be had.
-    /// `likely` is the amount the neighbour needed, in s.
+    /// The station with W moved by the smallest amount for which its lead angle is at least `wanted` (rad).
+    /// Where that is impossible, the last one that blades, shroud and tilt limit allow, marked as blocked.
+    /// `likely` is the amount the neighbour needed, in s: the first guess of the bracket.
     pub fn leaning_at_least(&self, from: &Station, wanted: f64, likely: f64, max_tilt: f64) -> Station {
         if self.lean(from) >= wanted {
             return *from;
@@ -77,7 +78,7 @@ impl RowMaker<'_> {
             }
             Ok(Station { s_shroud_conventional: from.s_shroud_conventional, ..station })
         };
-        // The bracket is kept as (amount, lean beyond the wanted one): drafts are cheap to make again.
+        // The bracket holds (amount, lead angle minus `wanted`): drafts are cheap to compute again.
         let excess = |amount: f64| moved(amount).map(|s| self.lean(&s) - wanted);
         let unit = 1.0 / self.part.shroud.length();
         let mut low = (0.0, self.lean(from) - wanted);
@@ -110,7 +111,7 @@ impl RowMaker<'_> {
         let guess = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
         let missing = |amount: f64| excess(amount).unwrap_or(f64::NEG_INFINITY);
         let root = search::root_from(missing, low, high, guess, PLACE_TOLERANCE);
-        // The wall is met exactly now, which shifts α a little: go on until it suffices.
+        // The exact wall axis shifts α a little: increase the amount until it suffices.
         let mut amount = root;
         let mut nudge = PLACE_TOLERANCE;
         for _ in 0..24 {

@@ -1,41 +1,41 @@
-//! What a plunge plan is: positions in cutting order, with everything measured of them.
+//! The plunge plan: positions in cutting order, each with its measured contact and clearances.
 
 use crate::geometry::{Point, Vector};
 use crate::part::Tool;
 use crate::part::setup::{AxisPolicy, Feed};
 
-/// Contact of the core with stock during one plunge (DESIGN section 3).
+/// Contact of the core with stock during one plunge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct CoreContact {
-    /// How far above the final bottom the stock reaches, mm; 0 when the core is free.
+    /// Height above the final bottom up to which the core meets stock, mm; 0 when the core is free.
     pub depth: f64,
     /// Share of the core disc in stock at the end of the plunge, 0…1.
     pub area_share: f64,
 }
 
-/// Contact depth above which a position counts as interferential, mm.
+/// Contact depth above which a plunge counts as interfering, mm.
 pub const CONTACT_TOLERANCE: f64 = 0.02;
 
 impl CoreContact {
-    /// Whether the position is interferential.
+    /// Whether the plunge interferes.
     pub fn interferes(&self) -> bool {
         self.depth > CONTACT_TOLERANCE
     }
 }
 
-/// What is to be said of a position.
+/// Overall condition of a position, from good to bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Condition {
-    /// Its core meets no stock.
+    /// It has the prescribed axis, and its core meets no stock.
     Sound,
-    /// The blades keep it from the axis its policy asks for.
+    /// It lacks the axis its policy prescribes; see [`Blocked`].
     Blocked,
     /// Its core meets stock.
     Interferential,
 }
 
 impl Condition {
-    /// The word for it.
+    /// Name, as shown to the user and written to glTF files.
     pub fn word(self) -> &'static str {
         match self {
             Self::Sound => "sound",
@@ -45,24 +45,24 @@ impl Condition {
     }
 }
 
-/// Why no more plunges were planned in a section.
+/// Why no more plunges were added to a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stopped {
-    /// None that is possible would take enough.
+    /// No possible plunge would remove enough stock.
     NothingWorthwhile,
-    /// There are as many as a section may get beside its rows.
+    /// The limit of added plunges per section, a multiple of those of its rows, is reached.
     ShareReached,
-    /// The whole plan has as many positions as one may have for more to be added.
+    /// The number of positions at which a plan gets no further plunges is reached.
     PlanFull,
-    /// What is left is for the smaller cutter that comes after.
+    /// The remaining stock is left to the smaller tool of a later rest-milling section.
     SmallerCutter,
-    /// Planning was cancelled: what there is of the section is the best so far.
+    /// Planning was cancelled; the section holds the best result so far.
     Cancelled,
 }
 
 impl Stopped {
-    /// Its name in files.
+    /// Key in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::NothingWorthwhile => "nothing_worthwhile",
@@ -76,41 +76,41 @@ impl Stopped {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
-            Self::NothingWorthwhile => "no other would take enough",
-            Self::ShareReached => "as many as a section may get",
-            Self::PlanFull => "the plan is too long for more",
-            Self::SmallerCutter => "the rest is for a smaller cutter",
-            Self::Cancelled => "cancelled: the best so far",
+            Self::NothingWorthwhile => "no further plunge would remove enough",
+            Self::ShareReached => "limit for the section reached",
+            Self::PlanFull => "limit of positions for the plan reached",
+            Self::SmallerCutter => "the rest is left to a smaller cutter",
+            Self::Cancelled => "cancelled: best result so far",
         }
     }
 }
 
-/// Why a position could not get the axis its policy asks for.
+/// Why a position lacks the axis its policy prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Blocked {
-    /// No axis with the tilt asked for clears both walls.
+    /// No axis with the required inclination clears both walls.
     Walls,
-    /// The row's shroud curve ends before the tilt asked for is reached.
+    /// The row's shroud curve ends before the required inclination is reached.
     ShroudEnd,
-    /// The tilt asked for is beyond `max_tilt`.
+    /// The required inclination exceeds `max_tilt`.
     TiltLimit,
 }
 
-/// What keeps a position of `minimal` from the axis that would leave the least there.
+/// What limits a position of `minimal`: why it lacks the axis that would leave the least stock there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Held {
-    /// A blade is in the way of that axis.
+    /// That axis does not clear the blades.
     Walls,
-    /// It is further from the axis before than `max_axis_change`.
+    /// That axis differs from the previous one by more than `max_axis_change`.
     AxisChange,
-    /// The core would meet stock, here or further on.
+    /// The core would meet stock, at this position or a later one.
     Contact,
 }
 
 impl Held {
-    /// All of them.
+    /// All variants.
     pub const ALL: [Self; 3] = [Self::Walls, Self::AxisChange, Self::Contact];
 
     /// In words.
@@ -123,14 +123,14 @@ impl Held {
     }
 }
 
-/// One plunge.
+/// One plunge. Points and directions are in the frame of the part, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Position {
     /// Centre of the bottom at the end of the plunge.
     pub tip: Point,
     /// Unit axis, tip → holder.
     pub axis: Vector,
-    /// Point on the axis at which the cutter is clear of the blank.
+    /// Position of the tip on the axis at which the cutter is clear of the blank.
     pub retract: Point,
     /// Index into [`PlungePlan::sections`].
     pub section: usize,
@@ -146,22 +146,22 @@ pub struct Position {
     pub contact_point: Point,
     /// Contact of the core with stock.
     pub contact: CoreContact,
-    /// How far the plunge stops short of the allowance for its core to be free, mm.
+    /// Distance by which the plunge stops short of the hub allowance so that its core is free, mm.
     pub lift: f64,
-    /// Why the policy's axis could not be had, if so.
+    /// Why the position lacks the axis its policy prescribes, if it does.
     pub blocked: Option<Blocked>,
-    /// What keeps it from the axis that would leave the least, if anything does. Only `minimal` knows.
+    /// What keeps it from the axis that would leave the least stock; set by `minimal` only.
     pub held: Option<Held>,
-    /// Least distance of the cutter to the finished hub, mm.
+    /// Minimum distance of the cutter to the finished hub, mm.
     pub hub_clearance: f64,
-    /// Least distance of the cutter to the finished blades, mm.
+    /// Minimum distance of the cutter to the finished blades, mm.
     pub blade_clearance: f64,
-    /// Least distance of the bottom to the blank at the retract point and on the link after it, mm.
+    /// Minimum distance of the bottom to the blank at the retract point and on the following link, mm.
     pub retract_clearance: f64,
 }
 
 impl Position {
-    /// What is to be said of it; contact of the core counts first.
+    /// Overall condition; contact of the core takes precedence over [`Blocked`].
     pub fn condition(&self) -> Condition {
         if self.contact.interferes() {
             Condition::Interferential
@@ -172,7 +172,7 @@ impl Position {
         }
     }
 
-    /// A planned position before anything was measured of it.
+    /// A planned position before contact and clearances are measured.
     pub(super) fn unmeasured(station: &super::row::Station, section: usize, row: usize, lambda: f64) -> Self {
         Self {
             tip: station.tip,
@@ -195,67 +195,67 @@ impl Position {
     }
 }
 
-/// Why there is no place for a cutter.
+/// Why a position was dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoPlace {
-    /// It does not clear the blades.
+    /// The cutter does not clear the blades.
     Blades,
-    /// It would have to stop so short for its core to be free that it would cut next to nothing.
+    /// The plunge would have to stop so short for its core to be free that it would cut next to nothing.
     Contact,
-    /// It is shorter than its way through the blank: the holder would run into the blank.
+    /// The overhang is shorter than the depth in the blank: the holder would enter the blank.
     Overhang,
 }
 
 impl NoPlace {
-    /// All of them.
+    /// All variants.
     pub const ALL: [Self; 3] = [Self::Blades, Self::Contact, Self::Overhang];
 
-    /// What is counted of this kind, in words.
+    /// Relative clause that completes "n positions …" in reports.
     pub fn words(self) -> &'static str {
         match self {
-            Self::Blades => "that clear no blade",
-            Self::Contact => "whose core would be free only far above the hub",
-            Self::Overhang => "that the cutter is too short for",
+            Self::Blades => "that do not clear the blades",
+            Self::Contact => "whose core is free of stock only far above the hub",
+            Self::Overhang => "for which the tool is too short",
         }
     }
 }
 
-/// A position that was left out because there is no place for its cutter.
+/// A position that was dropped because the tool cannot cut there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dropped {
     /// Index of the section.
     pub section: usize,
     /// Row within the section.
     pub row: usize,
-    /// s of the tip it would have had.
+    /// s of M, the foot of its axis.
     pub s: f64,
     /// Why.
     pub why: NoPlace,
 }
 
-/// A stretch of s cut with one tool.
+/// Plan of one section: a stretch of s cut with one tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionPlan {
-    /// The cutter.
+    /// The tool.
     pub tool: Tool,
     /// s at the outlet end.
     pub from: f64,
     /// s at the inlet end.
     pub to: f64,
-    /// Direction of the rows.
+    /// Cutting direction of the rows.
     pub feed: Feed,
     /// Number of rows.
     pub rows: usize,
-    /// Whether it cuts only what the sections before it left thick.
+    /// Whether it is a rest-milling section, which cuts only where earlier sections left thick stock.
     pub rest: bool,
-    /// Plunges that were added to those of the rows, and why no more; `None` by policies that add none, unless they were
-    /// cancelled.
+    /// Number of plunges added to those of the rows, and why no more; `None` for policies that add none,
+    /// unless they were cancelled.
     pub added: Option<(usize, Stopped)>,
 }
 
 impl SectionPlan {
-    /// Whether it is part of the program: one for the rest may turn out to have nothing to cut.
+    /// Whether it is part of the program; a rest-milling section may have nothing to cut.
     pub fn is_cut(&self) -> bool {
         !self.rest || self.rows > 0
     }
@@ -270,16 +270,17 @@ pub struct PlungePlan {
     pub sections: Vec<SectionPlan>,
     /// Positions in cutting order: section by section, row by row.
     pub positions: Vec<Position>,
-    /// Positions left out because the blades are in the way.
+    /// Positions that were dropped, with the reason.
     pub dropped: Vec<Dropped>,
-    /// Rounds of the outer loop (fig. 16).
+    /// Largest number of iterations of the loop over any row ([plunge paper], fig. 16).
     pub rounds: usize,
-    /// Whether the loop came to rest.
+    /// Whether the loop converged in every row.
     pub settled: bool,
 }
 
 impl PlungePlan {
-    /// Whether planning was cancelled before this plan was finished: it is sound, but leaves more than it would have.
+    /// Whether planning was cancelled before the plan was finished: it is valid, but leaves more stock than a
+    /// finished one.
     pub fn is_unfinished(&self) -> bool {
         self.sections.iter().any(|s| matches!(s.added, Some((_, Stopped::Cancelled))))
     }

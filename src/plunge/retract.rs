@@ -1,48 +1,48 @@
-//! Stage 5: how far a cutter must be pulled back along its axis to be clear of the blank.
+//! Stage 5, safe height: how far a cutter must be retracted along its axis to be clear of the blank.
 
 use super::slotting::DepthSurface;
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, receding, search};
 use crate::part::Blank;
 
-/// The top of the blank as something a bottom must clear: the shroud surface, touched on its rim like the hub,
-/// and the circles of the leading-edge line and of the rim.
+/// The top of the blank as a drop-cutter surface: the shroud surface and the circles of the leading-edge line
+/// and of the rim.
 #[derive(Debug)]
 pub struct RetractSurface<'a> {
     top: DepthSurface<'a>,
 }
 
 impl<'a> RetractSurface<'a> {
-    /// For cutters that keep `distance` mm (safety distance plus corner radius) from `blank`.
+    /// The surface at `distance` mm (safety distance plus corner radius) from `blank`.
     pub fn new(blank: &'a Blank, distance: f64) -> Self {
         Self { top: DepthSurface::new(&blank.shroud, distance).with_edges(blank.end_circles()) }
     }
 
-    /// Height above `tip` along `axis` at which a flat bottom of `radius` is clear of the blank and
-    /// stays so further up; at least 0.
+    /// Height above `tip` along `axis` (unit), mm, from which on a flat bottom of `radius` mm is clear of the
+    /// blank; at least 0.
     pub fn height(&self, tip: &Point, axis: &Vector, radius: f64) -> f64 {
         self.top.touch(tip, axis, radius).map_or(0.0, |touch| touch.height.max(0.0))
     }
 }
 
-/// Where a cutter's bottom is nearest to the blank.
+/// The nearest points of a cutter's bottom and the blank.
 #[derive(Clone, Copy, Debug)]
 pub struct NearBottom {
-    /// Least distance of the bottom to the blank, mm. Negative when the bottom is in the blank.
+    /// Minimum distance of the bottom to the blank, mm. Negative when the bottom is in the blank.
     pub clearance: f64,
-    /// The place of the bottom (before its corner is rounded) and the one of the blank's outline.
+    /// The point of the bottom, inset by the corner radius, and that of the blank's outline.
     point: Point,
     foot: Meridional,
 }
 
 impl NearBottom {
-    /// Before anything was looked at.
+    /// Initial value of a minimum search.
     pub const NOWHERE: Self = Self {
         clearance: f64::INFINITY,
         point: Point::new(0.0, 0.0, 0.0),
         foot: Meridional { r: 0.0, z: 0.0 },
     };
 
-    /// Looks for it on a dense rim and rings, independent of how the retract height was found.
+    /// Searches rim, a ring and centre of the bottom, independently of how the retract height was computed.
     pub fn of(cutter: &CutterSolid, blank: &Blank) -> Self {
         let flat = cutter.radius - cutter.corner_radius;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
@@ -70,8 +70,8 @@ impl NearBottom {
         Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest }
     }
 
-    /// How fast the clearance grows while the tip of the `cutter` it is about moves by `motion` and its axis by
-    /// `turning` (across it), mm per unit of both.
+    /// Derivative of the clearance, mm per unit, while the tip of its `cutter` moves by `motion` and the axis
+    /// by `turning` (perpendicular to it).
     pub fn growth(&self, cutter: &CutterSolid, motion: &Vector, turning: &Vector) -> f64 {
         let turn = cutter.axis.cross(turning);
         let velocity = motion + turn.cross(&(self.point - cutter.tip));
@@ -80,19 +80,19 @@ impl NearBottom {
     }
 }
 
-/// Least distance of a cutter's bottom to the blank, mm. Negative when the bottom is in the blank.
+/// Minimum distance of a cutter's bottom to the blank, mm. Negative when the bottom is in the blank.
 pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
     NearBottom::of(cutter, blank).clearance
 }
 
-/// Times a cutter is pulled back further before it has to do.
+/// Maximum number of retract steps.
 const MAX_PULLS: usize = 30;
 
-/// Tip of `cutter` when it is pulled back along its axis until its bottom keeps `safety` mm from `blank`, and what it keeps
-/// there; `clearance` is what it keeps now.
+/// Tip of `cutter` after retracting along its axis until its bottom keeps `safety` mm from `blank`, and the
+/// clearance there; `clearance` is the current one, mm.
 ///
-/// Where a [`RetractSurface`] has brought it this is seldom more than nothing: the flat ends of the blank lie between the
-/// circles of that surface.
+/// After [`RetractSurface::height`] this rarely moves the tip: only near the flat ends of the blank, which
+/// that surface represents by their circles.
 pub fn pulled_clear(cutter: &CutterSolid, clearance: f64, blank: &Blank, safety: f64) -> (Point, f64) {
     let (mut cutter, mut clearance) = (*cutter, clearance);
     for _ in 0..MAX_PULLS {

@@ -1,4 +1,4 @@
-//! Rows of positions, and stages 1 and 2: conventional positions and step inspection.
+//! Rows of positions: stage 1 (conventional positions) and stage 2 (step inspection) of [plunge paper].
 
 use super::lane::{AxisEnds, Lane};
 use super::plan::{Blocked, Held};
@@ -12,56 +12,56 @@ use crate::part::{Impeller, Tool};
 pub struct Station {
     /// Ends of the axis.
     pub ends: AxisEnds,
-    /// s of W before any optimisation.
+    /// s of W before axis optimisation.
     pub s_shroud_conventional: f64,
-    /// Tip after slotting.
+    /// Tip at the drop-cutter depth, frame of the part, mm.
     pub tip: Point,
     /// Unit axis, tip → holder.
     pub axis: Vector,
-    /// Touch point on the allowance surface of the hub.
+    /// Contact point on the allowance surface of the hub, mm.
     pub contact_point: Point,
-    /// α, rad, positive towards the inlet.
+    /// α: angle between hub normal and axis, rad, positive towards the inlet.
     pub alpha: f64,
-    /// Why the axis asked for could not be had.
+    /// Why it lacks the axis the policy prescribes, if it does.
     pub blocked: Option<Blocked>,
-    /// What keeps it from the axis that would leave the least.
+    /// What keeps it from the axis that would leave the least stock.
     pub held: Option<Held>,
 }
 
 impl Station {
-    /// How far W was moved from its conventional place, in s.
+    /// Distance of W from its conventional position, in s.
     pub fn moved(&self) -> f64 {
         (self.s_shroud_conventional - self.ends.s_shroud).abs()
     }
 }
 
-/// Makes the stations of one row: everything that is the same along it.
+/// Makes the stations of one row; holds what is constant along it.
 #[derive(Clone, Debug)]
 pub struct RowMaker<'a> {
     /// The part.
     pub part: &'a Impeller,
-    /// The passage with its cutter.
+    /// The passage with its wall axes for this cutter.
     pub lane: &'a Lane<'a>,
     /// Hub, offset by allowance and corner radius.
     pub hub: &'a DepthSurface<'a>,
-    /// The cutter.
+    /// The tool.
     pub tool: &'a Tool,
-    /// Place of the row across the passage, 0…1.
+    /// Position of the row across the passage, 0 at the suction wall, 1 at the pressure wall.
     pub lambda: f64,
-    /// +1 when the row is cut outlet → inlet, −1 the other way.
+    /// +1 when the row is cut outlet → inlet, −1 when it is cut inlet → outlet.
     pub inward: f64,
     /// Upper limit of the step, mm.
     pub step_limit: f64,
-    /// Asked between stations whether to go on.
+    /// Checked for cancellation between stations.
     pub monitor: &'a Monitor,
 }
 
-/// Where a row can be, see [`RowMaker::runs`].
+/// The cuttable stretches of a row; see [`RowMaker::runs`].
 #[derive(Clone, Debug, Default)]
 pub struct Runs {
     /// First and last s of each stretch.
     pub stretches: Vec<(f64, f64)>,
-    /// s of the places without an axis.
+    /// s of the samples at which no axis clears the walls.
     pub missing: Vec<f64>,
 }
 
@@ -71,12 +71,13 @@ impl RowMaker<'_> {
         self.exact(&self.lowered(self.lane.isoparametric(self.lambda, s)?))
     }
 
-    /// A station near enough for a search: its axis from `s_hub` to `s_shroud` a few µm off the walls.
+    /// A station from the tables of fits, for searches: its axis from `s_hub` to `s_shroud` is a few µm off.
     pub fn draft(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
         Some(self.lowered(self.lane.row_axis(self.lambda, s_hub, s_shroud)?))
     }
 
-    /// `draft` made exact: clear of its wall at the depth it really goes to.
+    /// `draft` made exact: fixed-point iteration of drop-cutter depth and clearance from the wall at that
+    /// depth.
     pub fn exact(&self, draft: &Station) -> Option<Station> {
         let mut station = *draft;
         for _ in 0..3 {
@@ -95,7 +96,7 @@ impl RowMaker<'_> {
         })
     }
 
-    /// Stage 4 for an axis that is given: tip, contact point and α.
+    /// Stage 4 for a given axis: drop-cutter tip, contact point and α.
     pub fn lowered(&self, ends: AxisEnds) -> Station {
         let (m, axis) = self.lane.line(&ends);
         let corner = self.tool.corner_radius;
@@ -103,12 +104,12 @@ impl RowMaker<'_> {
         let touch = self.hub.touch_near(&m, &axis, self.tool.radius() - corner, arc);
         let (tip, contact_point, alpha) = match touch {
             Some(t) => {
-                // On the edge of the hub the normal that counts is still the hub's.
+                // At an edge of the hub α refers to the normal of the hub surface.
                 let theta = t.point.y.atan2(t.point.x);
                 let normal = self.part.hub.curve().at(t.arc).normal.direction_at_angle(theta);
                 (m + axis * (t.height - corner), t.point, self.alpha(&m, &axis, &normal, &ends))
             }
-            // Beside the hub: the tip stays at M, the angle is that to the hub's normal there.
+            // The bottom misses the hub: the tip stays at M, α refers to the hub normal there.
             None => {
                 let normal = self.part.hub.normal(ends.s_hub).direction_at_angle(ends.theta_hub);
                 (m, m, self.alpha(&m, &axis, &normal, &ends))
@@ -140,8 +141,8 @@ impl RowMaker<'_> {
         self.tool.placed(station.tip, station.axis)
     }
 
-    /// The stretches of s from `start` to `end` on which the conventional axis clears the walls, in the order of cutting,
-    /// and the places between them where it does not: looked at every step.
+    /// The stretches of s from `start` to `end` on which the conventional axis clears the walls, in cutting
+    /// order, and the samples between them at which it does not. Sampled at the step limit.
     ///
     /// # Errors
     /// When the work is cancelled.
@@ -164,8 +165,8 @@ impl RowMaker<'_> {
         Ok(runs)
     }
 
-    /// Stage 1: isoparametric stations from s = `start` to s = `end`, evenly, no further apart than
-    /// the step limit at hub and shroud; up to the first place where no axis clears the walls.
+    /// Stage 1: isoparametric stations evenly spaced from s = `start` to s = `end`, no further apart than the
+    /// step limit at hub and shroud, up to the first one at which no axis clears the walls.
     ///
     /// # Errors
     /// When the work is cancelled.
@@ -185,7 +186,7 @@ impl RowMaker<'_> {
                 None => break,
             }
         }
-        // Rows run oblique to the meridian: measure how long they really are.
+        // Rows run oblique to the meridian, so the spacing is measured on a coarse row first.
         let stretch = sparse.windows(2).map(|w| self.spacing(&w[0], &w[1])).fold(0.0, f64::max);
         let per_gap = ((stretch / self.step_limit - 1e-9).ceil() as usize).clamp(1, 64);
         if per_gap == 1 {
@@ -207,7 +208,8 @@ impl RowMaker<'_> {
         Ok(stations)
     }
 
-    /// Spacing S of two neighbouring axes: the larger of their distances at hub and shroud, mm.
+    /// Spacing S of two neighbouring axes ([plunge paper], fig. 6): the larger of their distances at hub and
+    /// shroud, mm.
     pub fn spacing(&self, a: &Station, b: &Station) -> f64 {
         let across = |p: Point| {
             let d = p - a.tip;
@@ -216,15 +218,15 @@ impl RowMaker<'_> {
         across(self.lane.hub_point(&b.ends)).max(across(self.lane.shroud_point(&b.ends)))
     }
 
-    /// Whether a position is missing between `a` and `b`, which stand `apart` in s: the step limit is passed, and there
-    /// is room for one.
+    /// Whether a station has to be inserted between `a` and `b`, which are `apart` in s: their spacing
+    /// exceeds the step limit, and they are not yet so close on the hub that inserting would not help.
     pub fn needs_another(&self, a: &Station, b: &Station, apart: f64) -> bool {
         self.spacing(a, b) > self.step_limit * (1.0 + 1e-9)
             && apart.abs() * self.part.hub.length() > 0.02 * self.step_limit
     }
 
-    /// Stage 2: inserts isoparametric stations wherever the spacing exceeds the step limit (fig. 6).
-    /// Returns how many.
+    /// Stage 2: inserts isoparametric stations into `conventional` wherever the spacing of the `optimised`
+    /// ones exceeds the step limit ([plunge paper], fig. 6). Returns the number inserted.
     pub fn inspect_steps(&self, optimised: &[Station], conventional: &mut Vec<Station>) -> usize {
         let mut refined = Vec::with_capacity(conventional.len());
         let mut inserted = 0;

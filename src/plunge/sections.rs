@@ -1,4 +1,5 @@
-//! Which cutter works where: sections given by the setup, or a sensible choice.
+//! Sections: stretches of the channel with their tool, given by the setup or chosen automatically; checks of
+//! the setup against the part.
 
 use super::choice::fit::cylinders;
 use super::choice::search::SHORTEST;
@@ -7,10 +8,10 @@ use super::survey::Survey;
 use crate::part::setup::{PlungeSetup, SectionSetup};
 use crate::part::{Channel, Impeller, Setup, Tool};
 
-/// What of a setup a fault is about, so that whoever has its file can tell the line.
+/// Location of a fault in a setup, from which the reader of the file finds the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SetupPlace {
-    /// Nothing in particular.
+    /// No particular key.
     Whole,
     /// The key `part`.
     Part,
@@ -22,7 +23,7 @@ pub enum SetupPlace {
     Flank(&'static str),
     /// The tool of this number.
     Tool(u32),
-    /// A section by its index; its tool where the setup leaves the sections to us.
+    /// A section by its index, or its tool where the sections are chosen automatically.
     Section {
         /// Index in the list of sections.
         index: usize,
@@ -31,7 +32,7 @@ pub enum SetupPlace {
     },
 }
 
-/// Why a setup does not go with a part.
+/// Mismatch of a setup and a part.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{what}; {cure}")]
 pub struct SetupFault {
@@ -39,12 +40,12 @@ pub struct SetupFault {
     pub what: String,
     /// What to do about it.
     pub cure: String,
-    /// What of the setup it is about.
+    /// Where in the setup it is.
     pub place: SetupPlace,
 }
 
 impl SetupFault {
-    /// A fault of the setup as a whole, with its cure.
+    /// A fault of the setup as a whole: what is wrong and how to fix it.
     pub fn new(what: impl Into<String>, cure: impl Into<String>) -> Self {
         Self { what: what.into(), cure: cure.into(), place: SetupPlace::Whole }
     }
@@ -55,23 +56,23 @@ impl SetupFault {
     }
 }
 
-/// Most positions a plan of one channel may have. Half as many take about a gigabyte while the plan is made.
+/// Maximum number of positions in the plan of one channel. Planning half as many takes about a gigabyte.
 pub const MAX_POSITIONS: usize = 200_000;
 
-/// A setup with everything filled in that it left open.
+/// A setup with all defaults filled in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
     /// The setup, with tools and sections.
     pub setup: Setup,
-    /// For each section why it was chosen; `None` where the setup gave it.
+    /// For each section why it was chosen; `None` where the setup defines it.
     pub reasons: Vec<Option<String>>,
 }
 
-/// The setup with tools and sections filled in where it gives none: tools from `library`, which may not be empty,
+/// Fills in tools and sections where the setup gives none: tools from `library`, which must not be empty,
 /// sections by [`choose`].
 ///
 /// # Errors
-/// When part and setup do not go together.
+/// When part and setup do not match, a section uses a missing tool, or the plan would be too large.
 pub fn resolve(
     setup: &Setup,
     library: &[Tool],
@@ -113,7 +114,7 @@ pub fn resolve(
     Ok(Resolved { setup: resolved, reasons })
 }
 
-/// The tools that sections ask for, in the order of cutting.
+/// The tools that sections use, in cutting order.
 fn used_tools(setup: &Setup) -> Vec<Tool> {
     let mut used: Vec<Tool> = Vec::new();
     for section in &setup.plunge.sections {
@@ -124,9 +125,9 @@ fn used_tools(setup: &Setup) -> Vec<Tool> {
     used
 }
 
-/// Largest diameter to choose from a library, mm: room for about three rows at the outlet, no cutter that bridges the
-/// hub's curve or that is much wider than the outlet is deep. Time alone would ask for the largest that
-/// fits, which leaves the worst floor.
+/// Largest diameter to choose from a library, mm: about three rows fit side by side at the outlet, and the
+/// cutter neither bridges the curvature of the hub nor is much wider than the depth of the outlet. The
+/// estimate of time alone would prefer the largest that fits, which leaves the most stock on the floor.
 fn largest_diameter(setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
     let outlet = survey.stations.iter().filter(|station| station.s >= 0.7 - 1e-9);
     let width = outlet.map(|station| station.narrowest).fold(f64::INFINITY, f64::min);
@@ -135,7 +136,10 @@ fn largest_diameter(setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
     (0.65 * room).min(0.12 * part.rim_radius()).min(2.0 * depth)
 }
 
-/// Refuses a setup that names another part.
+/// Checks that the setup is for this part.
+///
+/// # Errors
+/// When the setup names another part.
 pub fn check_part(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
     match &setup.part {
         Some(name) if *name != part.name => Err(SetupFault::new(
@@ -163,8 +167,8 @@ fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault>
     .at(SetupPlace::Stock("hub_allowance")))
 }
 
-/// Upper limit of the step along a row, mm: the insert width, what the setup asks for, and at walls the scallop
-/// S ≤ 2·√(2Rh − h²).
+/// Upper limit of the step along a row, mm: the insert width and the `step` of the setup, and for wall rows
+/// the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
 pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
     let radius = tool.radius();
     let mut limit = tool.insert_width.min(radius);
@@ -176,21 +180,21 @@ pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
     limit
 }
 
-/// Upper limit of the spacing of rows, mm.
+/// Maximum stepover between rows on the hub, mm.
 pub fn row_spacing(plunge: &PlungeSetup, tool: &Tool) -> f64 {
     plunge.row_spacing.unwrap_or(4.0 / 3.0 * tool.radius())
 }
 
-/// How far apart neighbouring axes may stand at the shroud before a ridge stays between them, mm.
+/// Maximum distance of neighbouring axes at the shroud without uncut stock between them, mm.
 pub fn ridge_spacing(tool: &Tool) -> f64 {
     1.9 * tool.radius()
 }
 
-/// Refuses a setup whose plan would have more than [`MAX_POSITIONS`] positions, by a low estimate.
+/// Errors when the plan would have more than [`MAX_POSITIONS`] positions by a low estimate.
 fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), SetupFault> {
     let plunge = &setup.plunge;
     let mut total = 0.0;
-    // Where the limit is passed.
+    // The section in which the limit is exceeded.
     let mut beyond = None;
     for (index, section) in plunge.sections.iter().enumerate().filter(|(_, section)| !section.rest) {
         let tool = tool_of(setup, section.tool)?;
@@ -208,7 +212,8 @@ fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), Set
     beyond.map_or(Ok(()), |(tool, place)| Err(too_many(total, plunge, tool, place)))
 }
 
-/// The fault of a plan with about so many `positions`, where the setup is finest.
+/// The fault of a plan with about `positions` positions, at the key that is finest in relation to its
+/// default.
 pub(super) fn too_many(positions: f64, plunge: &PlungeSetup, tool: &Tool, place: SetupPlace) -> SetupFault {
     let step = 0.8 * tool.insert_width;
     let asked = [
@@ -231,17 +236,20 @@ pub(super) fn too_many(positions: f64, plunge: &PlungeSetup, tool: &Tool, place:
 }
 
 /// Tool number `number` of the setup.
+///
+/// # Errors
+/// When the setup has no tool of that number.
 pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
     setup.tools.iter().find(|t| t.number == number).ok_or_else(|| {
         SetupFault::new(
-            format!("a section asks for tool {number}, which the setup does not have"),
+            format!("a section uses tool {number}, which the setup does not define"),
             "add the tool or name another",
         )
         .at(SetupPlace::Tool(number))
     })
 }
 
-/// Refuses a blade allowance with which no cutter fits anywhere in the channel.
+/// Errors when no cutter fits anywhere in the channel because of the blade allowance.
 fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFault> {
     let widest = survey.widest(1.0, 0.0);
     let smallest = setup.tools.iter().map(|tool| tool.diameter).fold(f64::INFINITY, f64::min);
@@ -257,11 +265,11 @@ fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFaul
     .at(SetupPlace::Stock("blade_allowance")))
 }
 
-/// Room that the smallest cutter needs to cut anything, in diameters.
+/// Width that the smallest cutter needs to cut at all, in diameters.
 const TIGHT_ROOM: f64 = 1.25;
 
-/// Refuses sections of which none has a place that its cutter goes into. Where a cutter fits a part of its section, that
-/// part is planned.
+/// Errors when no section has a station that its cutter fits. Where a cutter fits in a part of its section,
+/// that part is planned.
 fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<(), SetupFault> {
     let allowance = setup.stock.blade_allowance;
     let mut widest = None;
@@ -282,8 +290,8 @@ fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<()
         None => "lower the blade allowance".to_string(),
     };
     let what = format!(
-        "tool {} (D {}) is wider than the channel: at most {width:.2} mm between the walls, {room:.2} mm inside the \
-         allowances",
+        "tool {} (D {}) is wider than the channel: at most {width:.2} mm between the walls, {room:.2} mm \
+         inside the allowances",
         tool.number, tool.diameter
     );
     Err(SetupFault::new(what, cure).at(place))

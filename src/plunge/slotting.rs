@@ -1,72 +1,73 @@
-//! Stage 4 and 5 of fig. 16: how deep a cutter may go along its axis until its bottom touches a
-//! surface of revolution (paper A, fig. 13–15).
+//! Stages 4 and 5 of [plunge paper], fig. 16: the drop-cutter depth, at which a cutter lowered along its axis
+//! touches a surface of revolution with its bottom ("slotting depth", [plunge paper], fig. 13 to 15).
 //!
-//! On a saddle the touch point lies on the rim of the bottom and the rim is tangent to the surface
-//! there, so the height of the surface above the bottom is searched along the rim only. Where the surface
-//! bulges under the disc (both principal curvatures bend away) the points whose normal is the axis
-//! count as well, and so do the circles in which the surface ends: together the whole disc.
+//! On a saddle the contact point lies on the rim of the bottom, and the rim is tangent to the surface there,
+//! so the maximum height of the surface above the bottom is searched along the rim only. Where the surface is
+//! convex under the disc (both principal curvatures bend away), the points whose normal is parallel to the
+//! axis are candidates as well, and so are the circles that bound the surface; together they cover the whole
+//! disc.
 
 use crate::geometry::{Circle, Meridional, MeridionalCurve, Point, Vector, norm2, search};
 use crate::part::Tool;
 
-/// A surface of revolution that a flat bottom may touch but not enter, offset to its outer side.
+/// A surface of revolution, offset to its outer side, that a flat bottom may touch but not enter.
 #[derive(Clone, Debug)]
 pub struct DepthSurface<'a> {
     curve: &'a MeridionalCurve,
     offset: f64,
-    /// Arc lengths of the offset curve that count.
+    /// Range of arc length of the curve that belongs to the surface, mm.
     from: f64,
     to: f64,
-    /// Circles in which the surface ends, and others to stay clear of by the offset.
+    /// Circles about Z that bound the surface, and others to keep the offset from.
     edges: Vec<Meridional>,
-    /// Stretches of arc length at which the surface bulges outwards in both directions.
+    /// Intervals of arc length on which the surface is convex outwards in both directions, mm.
     bulges: Vec<(f64, f64)>,
 }
 
-/// Where a bottom comes to rest.
+/// Contact of a lowered bottom with the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// Height of the bottom's centre above the reference point along the axis, mm.
     pub height: f64,
-    /// Touch point on the offset surface.
+    /// Contact point on the offset surface, mm.
     pub point: Point,
-    /// Arc length on the curve of the place touched, mm.
+    /// Arc length of the contact point on the curve, mm.
     pub arc: f64,
 }
 
-/// Samples of the rim before refinement. The height along the rim of a disc on a surface of revolution has two
-/// waves; a highest place between two samples shows in their slopes.
+/// Samples of the rim before refinement. The height along the rim of a disc on a surface of revolution has
+/// two waves; a maximum between two samples shows in their slopes.
 const RIM_SAMPLES: usize = 12;
 /// Angle between two samples, rad.
 const RIM_STEP: f64 = std::f64::consts::TAU / RIM_SAMPLES as f64;
-/// The highest place of the rim is met to this, rad.
+/// Tolerance of the rim angle of the maximum, rad.
 const RIM_TOLERANCE: f64 = 1e-5;
 
-/// Newton steps below which a ray counts as met, mm: while the rim is scanned, and in the end. The error is then
-/// of the order of the step's square.
+/// Newton steps below which the intersection of a ray has converged, mm, while the rim is scanned. The error
+/// is of the order of the step's square.
 const SCAN_TOLERANCE: f64 = 1e-3;
-/// See [`SCAN_TOLERANCE`].
+/// As [`SCAN_TOLERANCE`], for the final result.
 const RAY_TOLERANCE: f64 = 1e-5;
 
-/// Rim of a disc in the plane of a reference point, and the axis along which it moves.
+/// Rim of a disc in the plane of the reference point, and the axis along which the disc moves.
 struct Rim {
     circle: Circle,
     axis: Vector,
 }
 
-/// Where a ray along the axis from a point of the rim meets the surface.
+/// Intersection of the surface with a ray along the axis from a point of the rim.
 #[derive(Clone, Copy, Debug, Default)]
 struct Hit {
-    /// Arc length, mm, and its derivative by the angle of the rim.
+    /// Arc length, mm, and its derivative by the rim angle.
     arc: f64,
     arc_slope: f64,
-    /// Height along the axis, mm, and its derivative by the angle of the rim.
+    /// Height along the axis, mm, and its derivative by the rim angle.
     height: f64,
     height_slope: f64,
 }
 
 impl Hit {
-    /// The hit expected `turn` rad further along the rim.
+    /// Linear extrapolation by `turn` rad along the rim.
     fn ahead(&self, turn: f64) -> Self {
         let (arc, height) = (self.arc + turn * self.arc_slope, self.height + turn * self.height_slope);
         Self { arc, height, ..*self }
@@ -79,8 +80,8 @@ fn rim_directions() -> &'static [(f64, f64); RIM_SAMPLES] {
     DIRECTIONS.get_or_init(|| std::array::from_fn(|i| (RIM_STEP * i as f64).sin_cos()))
 }
 
-/// Slope of the cubic with the heights and slopes of two hits: u + v x + w x², x from 0 at the first to 1 at the
-/// other, mm.
+/// Derivative of the Hermite cubic through two hits: coefficients of u + v x + w x², with x from 0 at the
+/// first to 1 at the second, mm.
 fn hermite_slope(a: &(f64, Hit), b: &(f64, Hit)) -> (f64, f64, f64) {
     let (u, end) = (a.1.height_slope * (b.0 - a.0), b.1.height_slope * (b.0 - a.0));
     let rise = b.1.height - a.1.height;
@@ -92,12 +93,13 @@ fn touch_at(height: f64, point: &Point, arc: f64) -> Touch {
 }
 
 impl<'a> DepthSurface<'a> {
-    /// The whole `curve`, offset by `offset` mm (allowance plus corner radius), ending in circles.
+    /// The surface of the whole `curve`, offset by `offset` mm (allowance plus corner radius) and bounded by
+    /// the circles of its ends.
     pub fn new(curve: &'a MeridionalCurve, offset: f64) -> Self {
         Self::between(curve, offset, 0.0, curve.length())
     }
 
-    /// The stretch of `curve` between arc lengths `from` and `to`.
+    /// As [`Self::new`], for the part of `curve` between arc lengths `from` and `to`, mm.
     pub fn between(curve: &'a MeridionalCurve, offset: f64, from: f64, to: f64) -> Self {
         let count = 256;
         let at = |i: usize| from + (to - from) * i as f64 / count as f64;
@@ -117,20 +119,20 @@ impl<'a> DepthSurface<'a> {
         Self { curve, offset, from, to, edges: vec![curve.point(from), curve.point(to)], bulges }
     }
 
-    /// Adds circles to stay clear of by the offset.
+    /// Adds circles about Z to keep the offset from.
     pub fn with_edges(mut self, edges: impl IntoIterator<Item = Meridional>) -> Self {
         self.edges.extend(edges);
         self
     }
 
-    /// Lowest place of a disc of `radius` mm whose centre moves on the line through `on_axis` along
-    /// `axis` (unit), coming from above. `None` when the disc misses the surface.
+    /// Drop-cutter contact of a disc of `radius` mm whose centre moves on the line through `on_axis` along
+    /// `axis` (unit) from above. `None` when the disc misses the surface.
     pub fn touch(&self, on_axis: &Point, axis: &Vector, radius: f64) -> Option<Touch> {
         let (middle, _) = self.curve.project(Meridional::of(on_axis));
         self.touch_near(on_axis, axis, radius, middle)
     }
 
-    /// As [`Self::touch`], for a point on the axis known to be near arc length `middle` of the curve.
+    /// As [`Self::touch`], for a point on the axis known to be near arc length `middle` (mm) of the curve.
     pub fn touch_near(&self, on_axis: &Point, axis: &Vector, radius: f64, middle: f64) -> Option<Touch> {
         let rim = Rim { circle: Circle::new(on_axis, axis, radius), axis: *axis };
         let mut warm = Hit { arc: middle, ..Hit::default() };
@@ -146,7 +148,7 @@ impl<'a> DepthSurface<'a> {
                 best = Some(at());
             }
         };
-        // From the highest sample on, so that most others need not be looked at.
+        // Starts at the highest sample, so that most other intervals are pruned by its height.
         let (mut first, mut highest) = (0, f64::NEG_INFINITY);
         for (i, hit) in hits.iter().enumerate() {
             if let Some(hit) = hit.filter(|h| self.holds(h) && h.height > highest) {
@@ -171,20 +173,21 @@ impl<'a> DepthSurface<'a> {
         best
     }
 
-    /// Tip of `tool` on the line through `on_axis` along `axis` (unit), lowered until its bottom touches the surface, which
-    /// is offset by what shall stay under the cutter plus the corner radius. `None` when the bottom misses the surface.
+    /// Drop-cutter tip of `tool` on the line through `on_axis` along `axis` (unit). The offset of the surface
+    /// must be the allowance under the cutter plus the corner radius. `None` when the bottom misses the
+    /// surface.
     pub fn tip(&self, tool: &Tool, on_axis: &Point, axis: &Vector) -> Option<Point> {
         let touch = self.touch(on_axis, axis, tool.radius() - tool.corner_radius)?;
         Some(on_axis + axis * (touch.height - tool.corner_radius))
     }
 
-    /// Whether a hit is on the stretch that counts; beyond it the surface runs on straight.
+    /// Whether a hit is on the surface; beyond its ends the curve continues straight.
     fn holds(&self, hit: &Hit) -> bool {
         (self.from..=self.to).contains(&hit.arc)
     }
 
-    /// Highest places of the rim between two of its hits, each with its angle, as far as the surface goes. Where it
-    /// ends the circle of its end is what counts.
+    /// Local maxima of the height between two hits of the rim, each with its angle, on the surface only.
+    /// Beyond its ends the bounding circles are considered instead.
     fn tops_between(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> [Option<(f64, Hit)>; 2] {
         let (inside, alike) = (self.holds(&a.1), self.holds(&a.1) == self.holds(&b.1));
         if !alike {
@@ -197,12 +200,13 @@ impl<'a> DepthSurface<'a> {
         }
     }
 
-    /// A hit between two that are on the surface, or both beyond the same end, where it is the other way round.
+    /// A hit at an extremum of the arc length between two others: beyond the end of the surface between two
+    /// hits on it, or on the surface between two hits beyond the same end.
     fn excursion(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit)) -> Option<(f64, Hit)> {
         if a.1.arc_slope * b.1.arc_slope >= 0.0 {
             return None;
         }
-        // No further than the tangents' meeting point.
+        // Estimate of the extremum: the intersection of both tangents.
         let turn = (b.1.arc - a.1.arc - b.1.arc_slope * (b.0 - a.0)) / (a.1.arc_slope - b.1.arc_slope);
         let turn = turn.clamp(0.0, b.0 - a.0);
         let other_way = |hit: &Hit| self.holds(hit) != self.holds(&a.1);
@@ -212,7 +216,8 @@ impl<'a> DepthSurface<'a> {
         self.follow(rim, (a, b), a.0 + turn, |hit| hit.arc_slope).filter(|(_, hit)| other_way(hit))
     }
 
-    /// As [`Self::top_between`], between a hit on the surface and one beyond its end.
+    /// As [`Self::top_between`], between a hit on the surface and one beyond its end: the interval is cut at
+    /// that end.
     fn top_up_to_end(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> Option<(f64, Hit)> {
         let outside = if self.holds(&a.1) { b.1.arc } else { a.1.arc };
         let end = if outside > self.to { self.to } else { self.from };
@@ -221,13 +226,13 @@ impl<'a> DepthSurface<'a> {
         if self.holds(&a.1) { self.top_between(rim, a, c, known) } else { self.top_between(rim, c, b, known) }
     }
 
-    /// Highest place of the rim between two of its hits. `None` where it is no higher inside than at its ends, or
-    /// surely no higher than `known` mm.
+    /// Local maximum of the height between two hits of the rim. `None` where the height is largest at one of
+    /// the hits, or where a bound shows that it is at most `known` mm.
     fn top_between(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> Option<(f64, Hit)> {
         let (rises, falls) = (a.1.height_slope >= 0.0, b.1.height_slope <= 0.0);
         let (u, v, w) = hermite_slope(&a, &b);
         if rises != falls {
-            // Up or down all the way, unless the slope seems to change its sign between, or nearly.
+            // Monotonic, unless the Hermite slope changes its sign in between, or nearly does.
             let share = -0.5 * v / w;
             let turns = (0.0..=1.0).contains(&share) && (u + 0.5 * v * share) * u < 0.1 * u * u;
             if !turns {
@@ -242,7 +247,7 @@ impl<'a> DepthSurface<'a> {
         if !rises {
             return None;
         }
-        // Where the tangents of both meet bounds an arch; twice that, in case it is none.
+        // The intersection of both tangents bounds a concave arch; doubled, in case it is not concave.
         let (rise, width) = (b.1.height - a.1.height, b.0 - a.0);
         let turn = (rise - b.1.height_slope * width) / (a.1.height_slope - b.1.height_slope);
         let ends = a.1.height.max(b.1.height);
@@ -255,7 +260,8 @@ impl<'a> DepthSurface<'a> {
         self.follow(rim, (a, b), guess, |hit| hit.height_slope).filter(|(_, hit)| self.holds(hit))
     }
 
-    /// The hit between two at which `value` is 0: it has different signs at them.
+    /// Root of `value` between two hits at which its signs differ; every evaluation starts warm from the last
+    /// hit.
     fn follow(
         &self,
         rim: &Rim,
@@ -276,8 +282,8 @@ impl<'a> DepthSurface<'a> {
         (!lost).then_some(near)
     }
 
-    /// Where the rim at an angle, given as (sin, cos), is above the surface: from a warm start, or from scratch
-    /// when that fails.
+    /// The hit below the rim point at an angle, given as (sin, cos): from a warm start, or by projection when
+    /// that fails.
     fn rim_hit(&self, rim: &Rim, direction: (f64, f64), warm: Hit, tolerance: f64) -> Option<Hit> {
         let (origin, turning) = rim.circle.at(direction);
         self.ray(&origin, &turning, &rim.axis, warm, tolerance).or_else(|| {
@@ -286,8 +292,9 @@ impl<'a> DepthSurface<'a> {
         })
     }
 
-    /// Where `origin + height · axis` meets the offset surface: Newton from `start` until a step is shorter than
-    /// `tolerance` mm. Slopes are those along `turning`, the derivative of the origin.
+    /// Intersection of `origin + height · axis` with the offset surface: Newton iteration from `start` until
+    /// a step is shorter than `tolerance` mm. Slopes are derivatives along `turning`, the derivative of the
+    /// origin.
     fn ray(
         &self,
         origin: &Point,
@@ -329,7 +336,7 @@ impl<'a> DepthSurface<'a> {
         None
     }
 
-    /// Points inside the disc at which the surface is level: its normal is the axis.
+    /// Considers points inside the disc at which the normal of a convex surface is parallel to the axis.
     fn bulge_touch(
         &self,
         on_axis: &Point,
@@ -376,8 +383,9 @@ impl<'a> DepthSurface<'a> {
         }
     }
 
-    /// Touch of a circle about Z that the disc must clear by the offset, also from beside, where it is higher than
-    /// `known` mm.
+    /// Contact with a circle about Z that the disc must clear by the offset in every direction, if it is
+    /// higher than `known` mm.
+    /// mm.
     fn edge_touch(
         &self,
         edge: Meridional,
@@ -387,13 +395,13 @@ impl<'a> DepthSurface<'a> {
         known: f64,
     ) -> Option<Touch> {
         let limit = radius + self.offset;
-        // (distance from the axis, height along it) of a point.
+        // (distance from the tool axis, height along it) of a point.
         let seen = |point: &Point| {
             let d = point - on_axis;
             let height = d.dot(axis);
             ((d.norm_squared() - height * height).max(0.0).sqrt(), height)
         };
-        // The circle's point nearest to the axis, by going back and forth twice.
+        // The circle's point nearest to the tool axis, by alternating projection.
         let beside = |p: &Point| {
             let scale = edge.r / norm2(p.x, p.y).max(1e-9);
             Point::new(p.x * scale, p.y * scale, edge.z)
@@ -405,7 +413,7 @@ impl<'a> DepthSurface<'a> {
         if seen(&near).0 > 1.5 * limit + 1.0 {
             return None;
         }
-        // The arc that counts is `half` wide on either side of it; no place of it is higher than this.
+        // Only the arc of `half` rad to either side can make contact; `highest` bounds its height.
         let half = (1.6 * limit / edge.r).min(std::f64::consts::PI);
         let (toward, aside) = (near.x * axis.x + near.y * axis.y, near.x * axis.y - near.y * axis.x);
         let off = aside.abs().atan2(toward) - half;
@@ -424,12 +432,12 @@ impl<'a> DepthSurface<'a> {
             let (distance, height) = seen(point);
             let beside = (distance - radius).max(0.0);
             if beside >= self.offset.max(1e-12) {
-                // Out of reach: a slope back towards the reach keeps the search going.
+                // No contact here: a penalty that falls towards the contact range guides the search.
                 return height - 1e3 - beside;
             }
             height + (self.offset * self.offset - beside * beside).max(0.0).sqrt()
         };
-        // Samples evenly along the arc, each turned on from the one before.
+        // Evenly spaced samples of the arc, each rotated from the previous one.
         const STEPS: usize = 32;
         let step = 2.0 * half / STEPS as f64;
         let (s, c) = step.sin_cos();

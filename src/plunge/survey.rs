@@ -1,5 +1,5 @@
-//! What the channel offers a cutter, measured once along s: how wide and deep the passages are, and how far a row
-//! runs through them. Knows no cutter.
+//! Survey of the channel along s: width and depth of its passages, and the length of their rows. Independent
+//! of any tool.
 
 use std::sync::Arc;
 
@@ -11,24 +11,25 @@ use crate::geometry::{Point, Vector};
 use crate::part::setup::Stock;
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Tool};
 
-/// Even steps of s at which the channel is measured.
+/// Number of equal steps of s at which the channel is measured.
 const STEPS: usize = 50;
-/// A joint nearer to an even station than this takes its place, s.
+/// A joint this close to a station (in s) uses that station instead of a new one.
 const SAME_STATION: f64 = 1e-6;
 
-/// A passage as it is at one station.
+/// Measures of one passage at one station.
 #[derive(Clone, Copy, Debug)]
 pub struct Across {
-    /// 0 the full channel, 1 and 2 beside the splitter.
+    /// 0 for the full channel, 1 and 2 for the passages beside the splitter.
     pub passage: usize,
-    /// Distance from wall to wall on the hub, across the flow and across the axis, mm.
+    /// Distance between the walls on the hub, perpendicular to the flow or to the axis, whichever is smaller,
+    /// mm.
     pub hub: f64,
     /// The same on the shroud, mm.
     pub shroud: f64,
     /// Length of the isoparametric axis between hub and shroud, in the middle of the passage, mm.
     pub depth: f64,
-    /// How far the axes of a row move, measured across themselves, from one end of s to the other if it all were as
-    /// here, mm: the larger of hub and shroud.
+    /// Speed of a row's axis along s, measured perpendicular to the axis, mm per unit of s: the larger of hub
+    /// and shroud.
     pub advance: f64,
 }
 
@@ -37,14 +38,15 @@ pub struct Across {
 pub struct Station {
     /// s.
     pub s: f64,
-    /// Least width of any passage at any height, mm; infinite where no wall reaches.
+    /// Minimum width of all passages over their height, mm; infinite where the blades do not extend to this
+    /// s.
     pub narrowest: f64,
     /// Longest isoparametric axis, walls included, mm.
     pub deepest: f64,
-    /// Thickest of the cylinders tried that clears both walls of every passage here with the conventional axis, mm;
-    /// infinite as long as none was tried, 0 where none does.
+    /// Largest diameter of the tried cylinders that clears both walls of every passage with the conventional
+    /// axis, mm; infinite before [`Survey::try_cylinders`], 0 if none clears.
     pub clear: f64,
-    /// The passages that are here.
+    /// The passages at this s.
     pub passages: Vec<Across>,
 }
 
@@ -53,13 +55,13 @@ pub struct Station {
 pub struct Survey {
     /// Stations from leading edge to rim, s = 0 and s = 1 among them.
     pub stations: Vec<Station>,
-    /// Index of the station at which the passages beside a splitter join, if sections shall meet there.
+    /// Index of the station at which the passages beside a splitter join, if sections have to meet there.
     pub joint: Option<usize>,
 }
 
 impl Survey {
-    /// Measures `channel` of `part`. Sections shall meet where a splitter begins, unless less than `shortest` of s
-    /// would be left on a side of it.
+    /// Measures `channel` of `part`. Sections have to meet where a splitter begins, unless less than
+    /// `shortest` (in s) would remain on one side of it.
     pub fn of(part: &Impeller, channel: &Channel, shortest: f64) -> Self {
         let mut s: Vec<f64> = (0..=STEPS).map(|i| i as f64 / STEPS as f64).collect();
         let joint = channel
@@ -77,8 +79,8 @@ impl Survey {
         Self { stations: s.into_par_iter().map(|s| tape.station(s)).collect(), joint }
     }
 
-    /// Tries cylinders of these diameters, mm, largest first, between the walls of every station: the way the planner
-    /// will fit its axes. Nearest widths alone do not tell, as walls twist.
+    /// Tries cylinders of `diameters` (mm, largest first) between the walls at every station, with the same
+    /// fits as the planner: between twisted walls the width alone does not decide what fits.
     pub fn try_cylinders(&mut self, part: &Impeller, channel: &Channel, stock: &Stock, diameters: &[f64]) {
         let finished = Arc::new(FinishedPart::new(part, &channel.sides));
         let room = |station: &Station| station.narrowest - 2.0 * stock.blade_allowance;
@@ -98,7 +100,7 @@ impl Survey {
         });
     }
 
-    /// Indices of the stations that a stretch of s covers; an end between two stations counts as the nearer one too.
+    /// Indices of the stations covered by a stretch of s, including the station nearest to each end.
     pub fn covered(&self, from: f64, to: f64) -> std::ops::RangeInclusive<usize> {
         let nearest = |s: f64| {
             let distance = |i: &usize| (self.stations[*i].s - s).abs();
@@ -110,14 +112,14 @@ impl Survey {
         first..=last.max(nearest(from))
     }
 
-    /// Greatest of the least widths between the walls over a stretch of s, mm, where walls reach; 0 where none does.
+    /// Maximum over a stretch of s of the minimum width between the walls, mm; 0 where there are no walls.
     pub fn widest(&self, from: f64, to: f64) -> f64 {
         let widths = self.stations[self.covered(from, to)].iter().map(|station| station.narrowest);
         widths.filter(|width| width.is_finite()).fold(0.0, f64::max)
     }
 }
 
-/// A tool that is nothing but its diameter, mm.
+/// An endless cylinder of this diameter (mm) as a tool.
 fn cylinder(diameter: f64) -> Tool {
     Tool {
         number: 0,
@@ -130,7 +132,7 @@ fn cylinder(diameter: f64) -> Tool {
     }
 }
 
-/// Measures a part.
+/// Measures the stations of a channel.
 struct Tape<'a> {
     part: &'a Impeller,
     channel: &'a Channel,
@@ -193,8 +195,8 @@ impl<'a> Tape<'a> {
         Some([at(0.0)?, at(1.0)?])
     }
 
-    /// See [`Across::hub`]. Near the ends of the blades the nearest distance is no measure for rows: the other wall
-    /// ends, rows run on.
+    /// See [`Across::hub`]. The nearest distance is not used here: near the ends of the blades the other wall
+    /// ends, while rows continue.
     fn width(&self, passage: &Passage, s: f64, eta: f64) -> Option<f64> {
         let near = passage.point(self.part, s, 0.0, eta)?;
         let gap = passage.point(self.part, s, 1.0, eta)?.point - near.point;
@@ -206,7 +208,7 @@ impl<'a> Tape<'a> {
         [across(near.by_s), across(top - foot)].into_iter().flatten().reduce(f64::min)
     }
 
-    /// See [`Across::advance`]; without walls to follow, the longer of hub and shroud.
+    /// See [`Across::advance`]; without walls, the longer of hub and shroud.
     fn advance(&self, passage: &Passage, s: f64) -> f64 {
         let followed = || {
             let [foot, top] = self.axis(passage, s, 0.5)?;

@@ -1,5 +1,5 @@
-//! From the plan of one channel to that of several: the order of their plunges, the links between them, and contact over
-//! all plunges as they are cut.
+//! Extends the plan of one channel to several: order of the plunges, links between them, and contact over all
+//! plunges in cutting order.
 
 use rayon::prelude::*;
 
@@ -10,16 +10,17 @@ use crate::geometry::{rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
 
-/// Times that plunges are lifted before their contact is left to the verdict.
+/// Maximum number of lifts of the plunges; contact that remains is reported as interference.
 const MAX_ROUNDS: usize = 8;
-/// Air left between a freed core and the stock below it, mm.
+/// Gap left between a lifted core and the stock below it, mm.
 const LIFT_MARGIN: f64 = 1e-3;
 
-/// The plan of the first `channels` channels of `part`, whose `one` is that of channel 1, from `blank` with links `safety` mm
-/// above it. Rows count on from channel to channel.
+/// Plan of the first `channels` channels of `part`, given the plan `one` of channel 1. Links keep `safety` mm
+/// from `blank`. Row numbers continue from channel to channel.
 ///
-/// Tool by tool, so that none is loaded twice, and channel by channel with each. A plunge whose core meets stock only because
-/// of that order stops short by as much; one that interferes in channel 1 as well stays as it is.
+/// The order is tool by tool, so that no tool is loaded twice, and channel by channel with each tool. A
+/// plunge whose core meets stock only because of that order is lifted clear; one that interferes in channel 1
+/// as well is left unchanged.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
@@ -39,7 +40,7 @@ pub fn plan_channels(
     Ok(plan)
 }
 
-/// The positions of channel 1, turned into each channel.
+/// The positions of channel 1, rotated into each channel.
 fn repeated(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
     let mut plan =
         PlungePlan { positions: Vec::with_capacity(channels * one.positions.len()), ..one.clone() };
@@ -63,7 +64,7 @@ fn repeated(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
     plan
 }
 
-/// Measures contact in cutting order, and lifts plunges that interfere here and did not in their own channel.
+/// Measures contact in cutting order and lifts the plunges that interfere only in this order.
 fn free_cores(plan: &mut PlungePlan, blank: &Blank, monitor: &Monitor) -> Result<(), Cancelled> {
     let top = BlankTop::new(blank);
     let lone: Vec<bool> = plan.positions.iter().map(|p| p.contact.interferes()).collect();

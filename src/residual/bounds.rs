@@ -1,8 +1,8 @@
-//! What can be said of a whole row of cells at once, so that most cutters need no look at its cells.
+//! Bounds of a whole row of cells, by which most cutters are decided without evaluating its cells.
 //!
-//! Most plunges that reach a tile pass over ground that earlier ones cut deeper: they sweep it, remove
-//! nothing and meet nothing. Where this is plain for a whole row, its cells need not be asked. Answers
-//! keep a margin far above what single precision loses, so the cells would have said the same.
+//! Most plunges that reach a tile pass over floor that earlier ones cut deeper: they sweep it, remove nothing
+//! and have no contact. Where the bounds prove this for a whole row, its cells are skipped. The margins are
+//! far above the rounding of single precision, so cell by cell the result would be the same.
 
 use super::field::FieldCutter;
 use super::meeting::{Meeting, Row, dot, greatest, larger, mask, smaller};
@@ -14,7 +14,7 @@ const LAST: usize = TILE - 1;
 /// One value per row and lane of a tile.
 type Cells = [Row<f32>; TILE];
 
-/// For each row of a tile its middle ray and how far the others are from it. Lengths in mm.
+/// For each row of a tile its middle ray and bounds on the deviation of the others. Lengths in mm.
 #[derive(Clone, Debug)]
 pub(super) struct RowBounds {
     /// Foot of the middle ray.
@@ -23,17 +23,17 @@ pub(super) struct RowBounds {
     normal: [Row<f32>; 3],
     /// From the middle foot to that of the last cell.
     span: [Row<f32>; 3],
-    /// All feet are this close to the middle one.
+    /// Greatest distance of a foot from the middle one.
     radius: Row<f32>,
-    /// All feet are this close to the line along `span`.
+    /// Greatest distance of a foot from the line along `span`.
     bend: Row<f32>,
-    /// All normals are this close to the middle one; no unit.
+    /// Greatest difference of a normal from the middle one; no unit.
     spread: Row<f32>,
     least_blank: Row<f32>,
     greatest_blank: Row<f32>,
 }
 
-/// What a cutter does to each row of a tile.
+/// Effect of a cutter on each row of a tile.
 pub(super) struct RowVerdicts {
     /// All bits set if the cutter may enter a ray of the row below the blank's surface.
     pub(super) reached: Row<u32>,
@@ -78,11 +78,11 @@ impl RowBounds {
         bounds
     }
 
-    /// What `cutter` does to rows with this stock.
+    /// Effect of `cutter` on rows with this stock.
     ///
-    /// At equal heights the rays of a row are within `reach` of the middle one. So where one of them
-    /// enters the cutter, the middle one enters a cutter grown by `reach`; and where the middle one enters
-    /// a cutter shrunk by it, all of them are inside.
+    /// At equal heights the rays of a row are within `reach` of the middle one. So where one of them enters
+    /// the cutter, the middle one enters a cutter grown by `reach`; and where the middle one enters a cutter
+    /// shrunk by it, all of them are inside.
     pub(super) fn verdicts(&self, cutter: &FieldCutter, stock: &RowStock) -> RowVerdicts {
         let mut verdicts = RowVerdicts { reached: [0; TILE], swept: [0; TILE], untouched: [0; TILE] };
         for row in 0..TILE {
@@ -92,10 +92,10 @@ impl RowBounds {
             let reach = self.radius[row] + self.greatest_blank[row] * self.spread[row] + REACH_MARGIN;
             let grown = ray.raised(reach).entry(square(cutter.radius + reach));
             let shrunk = ray.raised(-reach - cutter.corner_radius).entry(square(cutter.radius - reach));
-            // A core much thinner than the cutter would be lost in rounding.
+            // A shrunk cutter much thinner than the cutter itself would be lost in rounding.
             let has_core = 2.0 * reach < cutter.radius;
-            // Height of the stock above the bottom. Over ground cut before, the feet may rise along the row
-            // while the heights fall: only their sum tells.
+            // Height of the stock above the bottom. Over floor cut before, the feet may rise along the row
+            // while the heights fall: only their sum is a useful bound.
             let slope = larger(ray.slope, 0.0);
             let tilt = dot(span, cutter.axis) + slope * stock.tilt[row];
             let top = ray.z + slope * (stock.middle[row] + stock.bulge[row]) + tilt.abs();
@@ -109,8 +109,8 @@ impl RowBounds {
     }
 }
 
-/// For each row of a tile a line above its stock: height `middle` + t·`tilt` + `bulge` at the place t from
-/// −1, the first cell, to 1, the last one. All in mm.
+/// For each row of a tile a line above its stock: height `middle` + t·`tilt` + `bulge` at the parameter t
+/// from −1, the first cell, to 1, the last one. All in mm.
 #[derive(Clone, Debug)]
 pub(super) struct RowStock {
     middle: Row<f32>,
@@ -130,7 +130,7 @@ impl RowStock {
         stock
     }
 
-    /// Takes the heights of one row.
+    /// Updates the line above one row from its heights.
     #[inline(always)]
     pub(super) fn set(&mut self, row: usize, heights: &Row<f32>) {
         let (first, last) = (heights[0], heights[LAST]);
@@ -142,7 +142,7 @@ impl RowStock {
     }
 }
 
-/// Place of a lane along its row, −1…1.
+/// Parameter of a lane along its row, −1…1.
 #[inline(always)]
 fn place(lane: usize) -> f32 {
     (2 * lane) as f32 / LAST as f32 - 1.0

@@ -1,8 +1,8 @@
-//! The heightfield of stock left on the hub: CPU twin of `shaders/residual.wgsl`.
+//! The heightfield of stock left on the hub: CPU counterpart of `shaders/residual.wgsl`.
 //!
-//! Every cell has a ray P + h·n from the finished hub along its normal. A plunge removes the cylinder
-//! from its tip upwards, and the cell keeps the lowest height at which its ray enters one. Both kernels
-//! do the same operations in the same order on f32; keep them that way, a test compares them.
+//! Every cell has a ray P + h·n from the finished hub along its normal. A plunge removes the cylinder from
+//! its tip upwards, and the cell keeps the lowest height at which its ray enters one. Both kernels do the
+//! same operations in the same order on f32; keep it so, a test compares them.
 
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ pub const CONTACT_TOLERANCE: f32 = crate::plunge::plan::CONTACT_TOLERANCE as f32
 /// Height by which a cell must drop to count as cut, mm. The kernel gets it as a constant.
 pub const CUT_TOLERANCE: f32 = 1e-4;
 
-/// One plunge as the kernels see it: a cylinder from the tip upwards.
+/// One plunge as the kernels take it: a cylinder from the tip upwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FieldCutter {
     /// Tip M: centre of the bottom, mm.
@@ -41,7 +41,7 @@ pub struct ResidualField {
     pub traces: Vec<PositionTrace>,
 }
 
-/// Walks `cutters` in cutting order over every cell of `grid`.
+/// Applies `cutters` in cutting order to every cell of `grid`.
 ///
 /// For the state after k positions pass `&cutters[..k]`.
 pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualField {
@@ -65,7 +65,7 @@ pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualFiel
             seen
         })
         .collect();
-    // Sums and maxima: the result does not depend on how the tasks were shared out.
+    // Integer sums and maxima do not depend on how the tasks were distributed.
     let mut sums = vec![TraceSums::default(); cutters.len()];
     for (&k, part) in bins.list.iter().zip(seen.iter().flatten()) {
         sums[k as usize].join(part);
@@ -95,7 +95,8 @@ impl Tile {
         let mut floor = [[0; TILE]; TILE];
         for row in 0..TILE {
             for lane in 0..TILE {
-                // Beyond the edge of the grid the last cell is repeated, but is no floor and not stored.
+                // Beyond the edge of the grid the last cell is repeated, but it does not count as floor and
+                // is not stored.
                 let (i, j) = (down * TILE + row, across * TILE + lane);
                 let cell = i.min(grid.rows - 1) * grid.columns + j.min(grid.columns - 1);
                 for axis in 0..3 {
@@ -121,7 +122,7 @@ impl Tile {
         }
     }
 
-    /// Writes the heights to their place in a row of tiles.
+    /// Writes the heights to a row of tiles.
     fn store(&self, heights: &mut [f32], across: usize, columns: usize) {
         let first = across * TILE;
         let lanes = TILE.min(columns - first);
@@ -175,7 +176,8 @@ impl Tile {
             return;
         }
         if cutter.corner_radius > 0.0 {
-            // The corner only lets the cutter in later: nothing changes where the sharp one comes too late.
+            // A rounded corner only delays the entry: cells that the sharp cutter enters too late do not
+            // change.
             let limit = if sweeps_all { height } else { blank };
             for lane in 0..TILE {
                 if entries[lane] < limit[lane] {

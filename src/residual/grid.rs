@@ -8,18 +8,18 @@ use crate::geometry::{Meridional, search};
 use crate::part::setup::Stock;
 use crate::part::{Blank, Channel, Impeller};
 
-/// What a floor is made from.
+/// Inputs of a floor grid.
 #[derive(Clone, Copy, Debug)]
 pub struct FloorSource<'a> {
     /// The part.
     pub part: &'a Impeller,
     /// Its channel.
     pub channel: &'a Channel,
-    /// What is there before the first cut.
+    /// The blank before the first cut.
     pub blank: &'a Blank,
-    /// What must stay.
+    /// Allowances.
     pub stock: &'a Stock,
-    /// Which cutters work where. Without any, all of the floor counts as reachable.
+    /// Ranges of s and the cutters used there. Without any, the whole floor counts as reachable.
     pub cutters: &'a [CutterStretch],
 }
 
@@ -36,15 +36,16 @@ pub struct FloorGrid {
     pub points: Vec<[f32; 3]>,
     /// Unit normal of the hub at the foot, into the channel.
     pub normals: Vec<[f32; 3]>,
-    /// Height along the normal at which the ray first leaves the stock before any cut: at the outline of the
-    /// blank, or at the underside of a blade that leans over the cell, less the blade allowance. 0 under a blade.
+    /// Height along the normal at which the ray first leaves the stock before any cut, mm: at the outline of
+    /// the blank, or at the underside of a blade that leans over the cell, less the blade allowance. 0 under
+    /// a blade.
     pub blank_heights: Vec<f32>,
     /// Area of each cell, mm².
     pub areas: Vec<f32>,
     /// Whether the cell belongs to the floor (not under a splitter, not within the blade allowance).
     pub floor: Vec<bool>,
-    /// Whether a cutter of those that work there could take stock off the cell (see [`super::reach`]); true
-    /// of all cells with the sky free above them.
+    /// Whether any cutter used there could remove stock from the cell (see [`super::reach`]); true for all
+    /// cells without a blade above them.
     pub reachable: Vec<bool>,
 }
 
@@ -160,7 +161,7 @@ fn first_exit(blank: &Blank, at: impl Fn(f64) -> Meridional, reach: f64) -> f64 
         if here.1 <= 0.0 {
             return if inside.1 > 0.0 { search::root_from(depth, inside, here, h, 1e-6) } else { inside.0 };
         }
-        // The outline is at least as far off as the point is deep.
+        // Sphere tracing: the outline is at least as far away as the point is deep.
         inside = here;
         h += stride.max(here.1);
     }

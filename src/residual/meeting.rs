@@ -1,7 +1,7 @@
-//! How one ray lies to one cutter: the arithmetic of the field for one cell.
+//! Intersection of one ray with one cutter: the arithmetic of the field for one cell.
 //!
-//! `shaders/residual.wgsl` has the same functions and constants under the same names. Only the steps
-//! around a rounded corner branch, so that loops over the others become vector instructions.
+//! `shaders/residual.wgsl` has the same functions and constants under the same names. Only the steps around a
+//! rounded corner branch, so that loops over the others become vector instructions.
 
 use super::field::FieldCutter;
 use super::tiles::TILE;
@@ -12,7 +12,7 @@ pub(super) const FAR: f32 = 1e30;
 const MIN_SQUARED_SINE: f32 = 1e-12;
 /// Least cosine between ray and axis: a ray along the bottom plane crosses it far away.
 const MIN_COSINE: f32 = 1e-6;
-/// Most Newton steps towards a rounded corner.
+/// Largest number of Newton steps towards a rounded corner.
 const CORNER_STEPS: u32 = 8;
 /// Distance from the rounded corner that counts as on it, mm.
 const CORNER_TOLERANCE: f32 = 2e-5;
@@ -20,7 +20,7 @@ const CORNER_TOLERANCE: f32 = 2e-5;
 /// A value per lane: one row of a tile.
 pub(super) type Row<T> = [T; TILE];
 
-/// How one ray lies to one cutter's axis. At height h the ray is at height `z + h·slope` above the
+/// One ray relative to the axis of one cutter. At height h the ray is at height `z + h·slope` above the
 /// bottom, and at squared distance `squared_distance + 2 h·closing + h²·squared_sine` from the axis.
 #[derive(Clone, Copy)]
 pub(super) struct Meeting {
@@ -79,14 +79,14 @@ impl Meeting {
         if meets { entry } else { FAR }
     }
 
-    /// The same ray, higher above the bottom.
+    /// The same ray, `by` mm higher above the bottom.
     #[inline(always)]
     pub(super) fn raised(self, by: f32) -> Meeting {
         Meeting { z: self.z + by, ..self }
     }
 
-    /// False only where [`Meeting::contact_depth`] is 0: the cylinder passes the ray by, or all stock lies
-    /// below the bottom plane. Spares most rows the roots.
+    /// False only where [`Meeting::contact_depth`] is 0: the cylinder misses the ray, or all stock is below
+    /// the bottom plane. Avoids the square roots for most rows.
     #[inline(always)]
     pub(super) fn may_touch(&self, squared_core: f32, height: f32) -> bool {
         let above = (self.z + height * self.slope > 0.0) | (self.slope <= 0.0);
@@ -176,7 +176,7 @@ pub(super) fn mask(condition: bool) -> u32 {
     u32::from(condition).wrapping_neg()
 }
 
-/// The larger of two numbers. Unlike `f32::max` it says nothing about NaN, and so is one instruction.
+/// The larger of two numbers. Unlike `f32::max` it does not handle NaN, and so is one instruction.
 #[inline(always)]
 pub(super) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -191,7 +191,7 @@ pub(super) fn smaller(a: f32, b: f32) -> f32 {
 /// The greatest value of a row, at least 0.
 #[inline(always)]
 pub(super) fn greatest(row: Row<f32>) -> f32 {
-    // Halves against each other: a chain of comparisons over the lanes would wait for each.
+    // Pairwise reduction: in a chain of comparisons over the lanes each would wait for the one before.
     let mut row = row;
     let mut half = TILE / 2;
     while half > 0 {

@@ -1,5 +1,5 @@
-//! The residual layer as a heightfield over one channel's hub floor: the fast picture of what a
-//! plan leaves (DESIGN section 5). Single precision, same arithmetic as the WGSL kernel.
+//! The residual stock as a heightfield over one channel's hub floor: a fast estimate of what a plan leaves.
+//! Single precision, same arithmetic as the WGSL kernel.
 
 use crate::part::setup::SectionSetup;
 use crate::part::{Setup, Tool};
@@ -25,7 +25,7 @@ pub use statistics::{ResidualStatistics, statistics};
 pub use tiles::TileBins;
 pub use trace::PositionTrace;
 
-/// The plunges of a plan, in cutting order, as the kernels take them.
+/// The plunges of a plan, in cutting order, as input of the kernels.
 pub fn cutters_of(plan: &PlungePlan) -> Vec<FieldCutter> {
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     plan.positions
@@ -43,15 +43,15 @@ pub fn cutters_of(plan: &PlungePlan) -> Vec<FieldCutter> {
         .collect()
 }
 
-/// Which cutters a setup lets work where; of a resolved setup, all of them. Those that cut the rest do not count: the floor
-/// to be cut is what the rows reach.
+/// The ranges of s of the sections of a setup, with the cutter of each; all sections only if the setup is
+/// resolved. Rest milling sections do not count: the rows define which floor is reachable.
 pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
     let radius = |number: u32| setup.tools.iter().find(|tool| tool.number == number).map(Tool::radius);
     let stretch = |s: &SectionSetup| Some(CutterStretch { from: s.from, to: s.to, radius: radius(s.tool)? });
     setup.plunge.sections.iter().filter(|section| !section.rest).filter_map(stretch).collect()
 }
 
-/// Which cutters work where in a plan; see [`stretches_of_setup`].
+/// As [`stretches_of_setup`], of the sections of a plan.
 pub fn stretches_of(plan: &PlungePlan) -> Vec<CutterStretch> {
     let stretch = |s: &SectionPlan| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
     plan.sections.iter().filter(|section| !section.rest).map(stretch).collect()

@@ -1,20 +1,20 @@
-//! The walls of a channel as the rays of its floor meet them.
+//! Intersection of the rays of a channel's floor with its walls.
 //!
-//! A ray from the hub stays in its meridional plane, and the wheel is symmetric: at height h the rays of all
-//! cells of one s pass the same meridional point, at which a wall has one angle θ(s, h). Walls are tabulated over
-//! (s, h) by Newton and read in between; beside a wall that leans over the channel a ray ends where θ(s, h), less
-//! the angle of the blade allowance, comes over it.
+//! A ray from the hub stays in its meridional plane, and the hub is a surface of revolution: at height h the
+//! rays of all cells of one s pass through the same meridional point, at which a wall has one angle θ(s, h).
+//! Walls are tabulated over (s, h) by Newton's method and interpolated; beside a wall that leans over the
+//! channel a ray ends where θ(s, h), less the angle of the blade allowance, passes over it.
 
 use rayon::prelude::*;
 
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::{Channel, Impeller, Wall, passage_angle};
 
-/// Rows of the tables, in the middles of equal stretches of s.
+/// Rows of the tables, at the midpoints of equal intervals of s.
 pub(super) const ROWS: usize = 48;
 /// Heights per row, evenly from the foot up.
 pub(super) const LEVELS: usize = 25;
-/// Greatest height in the tables, by the distance from hub to shroud at equal s.
+/// Greatest height in the tables, relative to the distance from hub to shroud at equal s.
 const REACH: f64 = 1.5;
 
 /// s of row `row` of the tables.
@@ -22,7 +22,7 @@ pub(super) fn s_of_row(row: usize) -> f64 {
     (row as f64 + 0.5) / ROWS as f64
 }
 
-/// The rows of the tables on either side of `s`, and how far it is from the first to the second.
+/// The rows of the tables on either side of `s`, and the interpolation weight of the second.
 pub(super) fn rows_beside(s: f64) -> (usize, usize, f64) {
     let at = (s * ROWS as f64 - 0.5).clamp(0.0, (ROWS - 1) as f64);
     let row = at as usize;
@@ -37,11 +37,12 @@ fn level_height(part: &Impeller, s: f64) -> f64 {
 /// A wall at one s and h.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    /// Angle from the wall's own foot, in the direction from the first wall of the channel to the second, rad.
+    /// Angle from the wall's own foot, in the direction from the first wall of the channel to the second,
+    /// rad.
     turn: f64,
     /// Angle that the blade allowance takes here, rad.
     margin: f64,
-    /// Place on the blade side: LE 0 … TE 1, hub 0 … tip 1.
+    /// Parameters on the blade side: LE 0 … TE 1, hub 0 … tip 1.
     u: f64,
     /// See `u`.
     pub(super) v: f64,
@@ -59,7 +60,7 @@ impl Node {
         point: Point::new(f64::NAN, f64::NAN, f64::NAN),
     };
 
-    /// Whether this lies between LE and TE; beyond them the side runs on in thought only.
+    /// Whether this is between LE and TE; beyond them the side is a linear extension.
     pub(super) fn is_on_blade(&self) -> bool {
         (0.0..=1.0).contains(&self.u)
     }
@@ -89,8 +90,8 @@ impl<'a> Face<'a> {
         &self.nodes[row * LEVELS..(row + 1) * LEVELS]
     }
 
-    /// Angles at which the blade with its allowance begins over the floor at `s`, level by level, where the
-    /// wall's foot is at `foot`. NaN where there is no blade; its foot is there if `at_foot`.
+    /// Angles at which the blade with its allowance begins over the floor at `s`, per level, rad; the foot of
+    /// the wall is at `foot`. NaN where there is no blade; with `at_foot` the blade includes its foot.
     fn bounds(&self, s: f64, foot: f64, at_foot: bool) -> [f64; LEVELS] {
         let (first, second, share) = rows_beside(s);
         let (first, second) = (self.row(first), self.row(second));
@@ -112,7 +113,7 @@ fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &
     for (level, node) in nodes.iter_mut().enumerate() {
         let h = step * level as f64;
         let at = Meridional { r: hub.point.r + h * hub.normal.r, z: hub.point.z + h * hub.normal.z };
-        // Walls are nearly straight: the last two levels foretell the next.
+        // Walls are nearly straight: the last two levels are extrapolated to the start value of the next.
         let Some(found) = wall.search(at, 2.0 * u[1] - u[0], 2.0 * v[1] - v[0]) else { return };
         let further = wrap_angle(found.theta - theta) * part.pitch().signum();
         if further.abs() > 0.5 * part.pitch().abs() {
@@ -131,7 +132,7 @@ fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &
     }
 }
 
-/// The walls of a channel, tabulated: first and second wall, and with a splitter the side of it that faces the
+/// The tabulated walls of a channel: first and second wall, and with a splitter the side of it that faces the
 /// first wall and the one that faces the second.
 #[derive(Debug)]
 pub(super) struct WallTables<'a> {
@@ -143,7 +144,7 @@ pub(super) struct WallTables<'a> {
 }
 
 impl<'a> WallTables<'a> {
-    /// Walls of `channel` that keep `blade_allowance` mm.
+    /// Tabulates the walls of `channel` with an allowance of `blade_allowance` mm.
     pub(super) fn new(part: &'a Impeller, channel: &'a Channel, blade_allowance: f64) -> Self {
         let [low, high] = &channel.full.walls;
         let mut walls = vec![(low, 1.0), (high, -1.0)];
@@ -158,7 +159,7 @@ impl<'a> WallTables<'a> {
         }
     }
 
-    /// What stands over the floor at `s`.
+    /// The blades over the floor at `s`.
     pub(super) fn over(&self, s: f64) -> Over {
         let pitch = self.part.pitch();
         let level_height = level_height(self.part, s);
@@ -189,14 +190,14 @@ impl<'a> WallTables<'a> {
     }
 }
 
-/// What stands over the floor at one s. Angles count from the foot of the first wall towards the second, rad.
+/// The blades over the floor at one s. Angles count from the foot of the first wall towards the second, rad.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Over {
     /// θ of the foot of the first wall.
     pub(super) from: f64,
     /// Angle of the foot of the second wall.
     pub(super) width: f64,
-    /// Angles of the feet of all faces; NaN where there is none.
+    /// Angles of the feet of all walls; NaN where there is none.
     pub(super) feet: [f64; 4],
     /// Blades with their allowance.
     solids: [Option<Solid>; 3],
@@ -204,32 +205,32 @@ pub(super) struct Over {
 }
 
 impl Over {
-    /// Height at which the ray at `angle` comes into a blade or its allowance, mm: 0 where its foot is in it, infinite
-    /// where it never does.
+    /// Height at which the ray at `angle` enters a blade or its allowance, mm: 0 where its foot is in it,
+    /// infinite where it never does.
     pub(super) fn underside(&self, angle: f64) -> f64 {
         let levels = self.solids.iter().flatten().filter_map(|solid| solid.first_level(angle));
         self.level_height * levels.fold(f64::INFINITY, f64::min)
     }
 }
 
-/// What one blade covers, level by level.
+/// Angles that one blade covers, level by level.
 #[derive(Clone, Copy, Debug)]
 struct Solid {
     from: [f64; LEVELS],
     to: [f64; LEVELS],
-    /// Least `from` and greatest `to`: most rays pass by.
+    /// Least `from` and greatest `to`, for early rejection.
     span: (f64, f64),
 }
 
 impl Solid {
     fn new(from: [f64; LEVELS], to: [f64; LEVELS]) -> Self {
-        // Both pass over what is NaN.
+        // Both `min` and `max` ignore NaN.
         let least = from.into_iter().fold(f64::INFINITY, f64::min);
         let greatest = to.into_iter().fold(f64::NEG_INFINITY, f64::max);
         Self { from, to, span: (least, greatest) }
     }
 
-    /// Level, between two of them, at which the ray at `angle` comes in from below.
+    /// Fractional level at which the ray at `angle` enters from below.
     fn first_level(&self, angle: f64) -> Option<f64> {
         if angle <= self.span.0 || angle >= self.span.1 {
             return None;

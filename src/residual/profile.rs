@@ -1,4 +1,5 @@
-//! A tabulated wall cut by the plane of a cutter's axes, and how near the flank of the cutter comes to it there.
+//! Profile of a tabulated wall in the plane of a cutter's axis, and how near the flank of the cutter can come
+//! to it there.
 
 use super::overhang::{Face, LEVELS, ROWS};
 use crate::geometry::{Point, Vector};
@@ -9,17 +10,17 @@ pub(super) struct Flank {
     pub(super) axis: [f64; 3],
     /// tan φ.
     pub(super) lean: f64,
-    /// R and the blade allowance, mm.
+    /// R plus the blade allowance, mm.
     pub(super) reach: f64,
-    /// Height of the near end of the rim above the centre of the bottom, and of every place where the flank touches a
-    /// wall above the place of the axis that stands across from it, mm.
+    /// Height of the near end of the rim above the centre of the bottom, mm. Every contact of the flank with
+    /// a wall is higher by as much than the point of the axis opposite to it.
     pub(super) rise: f64,
 }
 
 /// Where a wall's level crosses the plane of an axis and e, and the wall's slope there.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Crossing {
-    /// Across the wall, mm.
+    /// Coordinate across the wall, mm.
     pub(super) d: f64,
     /// Height, mm.
     z: f64,
@@ -48,8 +49,8 @@ impl Frame {
         [p.dot(&self.along), p.dot(&self.across), p.dot(&self.normal)]
     }
 
-    /// Crossing of level `level` of `face` with the plane f = `slope`·z + `at`, looked for from table row `row` on,
-    /// which follows it. `None` where the blade does not reach the plane.
+    /// Crossing of level `level` of `face` with the plane f = `slope`·z + `at`. Searches from table row
+    /// `row`, and sets it to the row found as a warm start. `None` where the blade does not reach the plane.
     pub(super) fn cross(
         &self,
         face: &Face,
@@ -87,12 +88,12 @@ impl Frame {
     }
 }
 
-/// A wall in the plane of an axis and e: what of it stands between hub and tip, from below upwards.
+/// Profile of a wall in the plane of an axis and e, between hub and tip, from below upwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Profile {
     /// Number of points.
     pub(super) count: usize,
-    /// Their coordinates, mm.
+    /// Coordinates of the points, mm.
     z: [f64; LEVELS],
     d: [f64; LEVELS],
     /// ∂w/∂f and ∂w/∂z.
@@ -100,14 +101,14 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    /// `face` in the plane f = `slope`·z of `frame`, whose foot stands at table row `row`.
+    /// Profile of `face` in the plane f = `slope`·z of `frame`, whose foot is in table row `row`.
     pub(super) fn of(frame: &Frame, face: &Face, slope: f64, mut row: usize) -> Self {
         let mut crossings = [Crossing::default(); LEVELS];
         let mut count = 0;
         for level in 0..LEVELS {
             let Some(mut here) = frame.cross(face, level, [slope, 0.0], &mut row) else { continue };
             if count > 0 && here.v > 1.0 {
-                // Up to the tip.
+                // Clip the profile at the tip.
                 let below = crossings[count - 1];
                 let share = ((1.0 - below.v) / (here.v - below.v)).clamp(0.0, 1.0);
                 here.d = below.d + (here.d - below.d) * share;
@@ -128,7 +129,8 @@ impl Profile {
             let (below, above) = (&crossings[k.saturating_sub(1)], &crossings[(k + 1).min(count - 1)]);
             let rise = above.z - below.z;
             let in_plane = if rise > 0.0 { (above.d - below.d) / rise } else { 0.0 };
-            // The level leads out of the plane: what it gains beyond the plane's own slope is the slope along f.
+            // The level leaves the plane: its change of d beyond the slope in the plane gives the slope along
+            // f.
             let [f, d, z] = crossings[k].step;
             let out = f - slope * z;
             let by_f = if out.abs() > 1e-9 { (d - in_plane * z) / out } else { 0.0 };
@@ -138,27 +140,27 @@ impl Profile {
         profile
     }
 
-    /// Greatest dw/dz in the plane, seen from the lowest point and locally.
+    /// Greatest dw/dz in the plane, from the lowest point and locally.
     pub(super) fn steepest(&self) -> f64 {
         let slope = |a: usize, b: usize| (self.d[b] - self.d[a]) / (self.z[b] - self.z[a]);
         (1..self.count).map(|k| slope(k - 1, k).max(slope(0, k))).fold(0.0, f64::max)
     }
 
-    /// Room in direction d between the wall's point `k` and the axis at equal height, as a flank needs it.
+    /// Distance in d that the flank needs between the wall's point `k` and the axis at equal height, mm.
     fn room(&self, k: usize, flank: &Flank) -> f64 {
         let ([f, z], axis) = (self.slopes[k], &flank.axis);
         let through = axis[1] - f * axis[0] - z * axis[2];
         flank.reach * (1.0 + f * f + z * z - through * through).max(0.0).sqrt()
     }
 
-    /// Gain in d of the axis upon the wall between the height of the wall's point `k` and that of the place of the axis
-    /// across from it.
+    /// Change of d of the axis relative to the wall between the height of the wall's point `k` and that of
+    /// the point of the axis opposite to it, mm.
     fn gain(&self, k: usize, flank: &Flank) -> f64 {
         let [f, z] = self.slopes[k];
         (flank.lean - z - f * flank.axis[0] / flank.axis[2]) * flank.rise
     }
 
-    /// Least d of the axis at z = 0 that keeps the flank from the wall at and above z = `from`.
+    /// Least d of the axis at z = 0 that keeps the flank clear of the wall at and above z = `from`, mm.
     pub(super) fn nearest_axis(&self, flank: &Flank, from: f64) -> f64 {
         let at = |k: usize| self.d[k] + self.room(k, flank) + self.gain(k, flank) - flank.lean * self.z[k];
         let mut most = f64::NEG_INFINITY;
@@ -174,7 +176,8 @@ impl Profile {
         most
     }
 
-    /// Greatest d of the axis at z = 0 that keeps the flank from this facing wall at and above z = `from`.
+    /// Greatest d of the axis at z = 0 that keeps the flank clear of this opposite wall at and above z =
+    /// `from`, mm.
     pub(super) fn furthest_axis(&self, flank: &Flank, from: f64) -> f64 {
         (0..self.count)
             .filter(|&k| self.z[k] >= from)

@@ -1,23 +1,26 @@
-//! Floor that no cutter can free: the corner under a wall that leans over the channel.
+//! Inaccessible floor: the corner under a wall that leans over the channel.
 //!
-//! Beside such a wall the flank of a cutter follows the wall, its bottom rests on the far end of its rim, and the
-//! near end stands 2R·sin β above the hub; the floor within about 2R·sin β·tan β of the wall's foot stays under
-//! stock whatever is planned. Here this distance is found for the wall as it is, row by row.
+//! Beside such a wall the flank of a cutter follows the wall, its bottom rests on the far end of its rim, and
+//! the near end is 2R·sin β above the hub; the floor within about 2R·sin β·tan β of the wall's foot
+//! stays under stock in every plan. Here this distance is computed for the actual wall, row by row.
 //!
 //! In the frame of the foot (T along the wall, e across into the channel, n along the hub normal; coordinates
-//! f, d, z) an axis is a ∝ tan α · T + tan φ · e + n, and in the plane of e and a the wall is a profile w(z). The
-//! flank comes as near as it can: beside the tangent plane at every height of the wall that it touches, the axis keeps
+//! f, d, z) an axis is a ∝ tan α · T + tan φ · e + n, and in the plane of e and a the wall is a profile
+//! w(z). The flank comes as near as it can: beside the tangent plane at every height of the wall that it
+//! touches, the axis keeps
 //!
-//!   d ≥ w + (R + blade allowance)·g,   g² = |∇|² − (∇·a)²,   ∇ = (−∂w/∂f, 1, −∂w/∂z),
+//!   d ≥ w + (R + blade allowance)·g,
+//!   g² = |∇|² − (∇·a)²,   ∇ = (−∂w/∂f, 1, −∂w/∂z),
 //!
-//! taken where the axis stands across from the touch, lower by the rise of the near end of the rim over the centre of
-//! the bottom. That is exact for a plane. Facing walls bound the axis from the other side alike. The bottom is as low as
-//! the hub, to second order about the foot, lets its disc come with the hub allowance. The least d that the disc reaches
-//! is minimised over φ, from upright to beyond the steepest slope of the wall, and over α.
+//! at the point of the axis opposite to the contact, which is lower by the rise of the near end of the rim
+//! over the centre of the bottom. That is exact for a plane. Opposite walls bound the axis from the other
+//! side in the same way. The bottom is as low as its disc can be over the hub, to second order about the
+//! foot, with the hub allowance. The least d that the disc reaches is minimised over φ, from 0 to beyond the
+//! steepest slope of the wall, and over α.
 //!
-//! What bounds an axis besides (holder, limits of tilt, the hub further up, other positions) is left out, and so is
-//! the corner radius: floor that is called out of reach is so for every plan, and floor that a plan leaves though
-//! it is not called so counts as uncut. Only rays that end under a blade can be out of reach at all.
+//! Other bounds of an axis (holder, tilt limits, the hub further up, other positions) and the corner radius
+//! are ignored: floor reported as inaccessible is so for every plan, and floor that a plan leaves without
+//! being reported counts as uncut. Only rays that end under a blade can be inaccessible.
 
 use rayon::prelude::*;
 
@@ -27,7 +30,7 @@ use super::profile::{Flank, Frame, Profile};
 use crate::geometry::{Vector, search};
 use crate::part::Impeller;
 
-/// A stretch of s and the radius of the cutter that works there.
+/// A range of s and the radius of the cutter used there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutterStretch {
     /// s at the outlet end.
@@ -39,27 +42,28 @@ pub struct CutterStretch {
 }
 
 impl CutterStretch {
-    /// How far `s` lies outside the stretch.
+    /// Distance of `s` from the range, 0 within it.
     fn away(&self, s: f64) -> f64 {
         (s - self.from).max(self.to - s).max(0.0)
     }
 }
 
-/// tan α that are tried; the best is refined between its neighbours.
+/// Values of tan α that are tried; the best is refined between its neighbours.
 const SLOPES: [f64; 7] = [-0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6];
 /// Tolerance of tan α and tan φ.
 const TOLERANCE: f64 = 1e-3;
 /// Points of the rim where the bottom may touch the hub.
 const RIM_POINTS: usize = 16;
-/// Weight of lacking room between the walls, against distance from the foot.
+/// Weight of missing clearance between the walls, relative to distance from the foot.
 const PENALTY: f64 = 20.0;
-/// Lacking room that is forgiven, mm.
+/// Missing clearance that is tolerated, mm.
 const ROOM_TOLERANCE: f64 = 0.05;
 
-/// Out of reach at one row of the tables, per face: angle from its foot, rad; 0 where all is in reach.
+/// Inaccessible floor at one row of the tables, per wall: angle from its foot, rad; 0 where all is
+/// accessible.
 type Reach = [f64; 4];
 
-/// Floor out of reach along s.
+/// Inaccessible floor along s.
 #[derive(Debug)]
 pub(super) struct ReachTables {
     stretches: Vec<(CutterStretch, Vec<Reach>)>,
@@ -74,7 +78,7 @@ impl ReachTables {
                 blade_allowance: source.stock.blade_allowance,
             };
             let rows = (0..ROWS).into_par_iter().map(|row| {
-                // Rows are read in pairs. Further off no cutter works, and nothing is excused.
+                // Rows are interpolated in pairs. Further from the range of the cutter they are not used.
                 if stretch.away(s_of_row(row)) > 1.0 / ROWS as f64 {
                     return [0.0; 4];
                 }
@@ -90,9 +94,9 @@ impl ReachTables {
         Self { stretches: source.cutters.iter().map(stretch).collect() }
     }
 
-    /// What of the floor at `s` is out of reach, where it lies under a blade at all.
+    /// Inaccessible ranges of the floor at `s`; they apply only to floor under a blade.
     pub(super) fn covered(&self, s: f64, over: &Over) -> Covered {
-        // Of the cutters that work nearest to s the smallest comes furthest.
+        // Of the cutters nearest to s the smallest reaches furthest.
         let order = |a: &CutterStretch, b: &CutterStretch| {
             a.away(s).total_cmp(&b.away(s)).then(a.radius.total_cmp(&b.radius))
         };
@@ -122,7 +126,7 @@ impl Covered {
     }
 }
 
-/// The cutter and what it must keep, mm.
+/// Radius of the cutter, and allowances, mm.
 struct Cutter {
     radius: f64,
     hub_allowance: f64,
@@ -135,7 +139,7 @@ struct Corner<'a> {
     facing: [Option<&'a Face<'a>>; 2],
     row: usize,
     frame: Frame,
-    /// Direction around the wheel, into the channel.
+    /// Circumferential direction, into the channel.
     around: Vector,
     hub: HubHere,
     /// Radius of the foot, mm.
@@ -153,7 +157,7 @@ struct HubHere {
 }
 
 impl<'a> Corner<'a> {
-    /// `None` where the wall is not found or leans over nothing.
+    /// `None` where the wall has no foot on the blade in this row.
     fn new(part: &Impeller, walls: &'a WallTables, index: usize, row: usize) -> Option<Self> {
         let face = &walls.faces[index];
         let foot = &face.row(row)[0];
@@ -183,7 +187,7 @@ impl<'a> Corner<'a> {
             kt * t[1] * t[1] + kc * c[1] * c[1],
         ];
         let ends = [part.hub.arc_at(s), (1.0 - s) * part.hub.length()];
-        // The second side of a splitter is behind the first one.
+        // The far side of a splitter is hidden behind its near side.
         let facing = match index {
             0 => [Some(1), Some(2)],
             1 => [Some(0), Some(3)],
@@ -201,12 +205,12 @@ impl<'a> Corner<'a> {
         })
     }
 
-    /// `face` in the plane of the axes that lean by tan α = `slope` along the wall.
+    /// Profile of `face` in the plane of the axes with tan α = `slope` along the wall.
     fn profile(&self, face: &Face, slope: f64) -> Profile {
         Profile::of(&self.frame, face, slope, self.row)
     }
 
-    /// Angle about the wheel from the foot within which the floor is out of reach, rad.
+    /// Angle about Z from the foot within which the floor is inaccessible, rad.
     fn out_of_reach(&self, cutter: &Cutter) -> f64 {
         let upright = self.profile(self.face, 0.0);
         if upright.steepest() < TOLERANCE {
@@ -218,14 +222,14 @@ impl<'a> Corner<'a> {
         let (low, high) = (SLOPES[best.saturating_sub(1)], SLOPES[(best + 1).min(SLOPES.len() - 1)]);
         let (_, refined) = search::minimum(of, low, high, 10.0 * TOLERANCE);
         let nearest = refined.min(values[best]);
-        // Where no axis finds the wall, nothing is known of it and nothing excused.
+        // Where the wall meets no plane of axes, the floor counts as accessible.
         if nearest.is_finite() { self.angle_to(nearest.max(0.0)) } else { 0.0 }
     }
 
-    /// The angle from the foot to the place of the row that lies `distance` from the wall's trace.
+    /// The angle from the foot to the point of the row that is `distance` mm from the wall's trace, rad.
     fn angle_to(&self, distance: f64) -> f64 {
         let (f, d) = (self.around.dot(&self.frame.along), self.around.dot(&self.frame.across));
-        // The trace bends away from its tangent.
+        // Fixed-point iteration, as the trace curves away from its tangent.
         let mut arc = distance / d.max(0.05);
         for _ in 0..3 {
             arc = (distance + self.trace(arc * f)) / d.max(0.05);
@@ -233,13 +237,13 @@ impl<'a> Corner<'a> {
         arc.max(0.0) / self.foot_radius
     }
 
-    /// d of the wall's trace on the hub at f.
+    /// d of the wall's trace on the hub at f, mm.
     fn trace(&self, f: f64) -> f64 {
         let mut row = self.row;
         self.frame.cross(self.face, 0, [0.0, f], &mut row).map_or(0.0, |c| c.d)
     }
 
-    /// Least distance from the foot that a cutter reaches whose axis leans by tan α = `slope` along the wall, mm.
+    /// Least distance from the foot that a cutter reaches whose axis has tan α = `slope` along the wall, mm.
     fn nearest(&self, cutter: &Cutter, slope: f64) -> f64 {
         let near = self.profile(self.face, slope);
         if near.count < 2 {
@@ -251,8 +255,8 @@ impl<'a> Corner<'a> {
         distance
     }
 
-    /// Distance from the foot at which the bottom begins, for the axis (`slope`, `lean`) beside the wall, mm. Where
-    /// the facing walls leave no room this is further than anything.
+    /// Distance from the foot at which the bottom begins, for the axis (`slope`, `lean`) beside the wall, mm,
+    /// with a penalty where opposite walls leave too little clearance.
     fn stand(
         &self,
         cutter: &Cutter,
@@ -265,7 +269,7 @@ impl<'a> Corner<'a> {
         let axis = [slope / length, lean / length, 1.0 / length];
         let reach = cutter.radius + cutter.blade_allowance;
         let bottom = cutter.hub_allowance + self.hub.lift(&axis, cutter.radius, reach);
-        // The disc across the wall: half its width, and its near end.
+        // Half the width of the disc across the wall, and the rise of its near end.
         let half = (1.0 - axis[1] * axis[1]).sqrt();
         let rise = cutter.radius * axis[1] * axis[2] / half;
         let flank = Flank { axis, lean, reach, rise };
@@ -285,7 +289,8 @@ impl<'a> Corner<'a> {
 }
 
 impl HubHere {
-    /// Height of the centre of a disc of radius `radius` across `axis`, about `d` from the foot, when it touches the hub.
+    /// Height of the centre of a disc of radius `radius` perpendicular to `axis`, about `d` mm from the foot,
+    /// when it touches the hub, mm.
     fn lift(&self, axis: &[f64; 3], radius: f64, d: f64) -> f64 {
         let axis = Vector::from(*axis);
         let u = (Vector::new(0.0, 1.0, 0.0) - axis * axis.y).normalize();
@@ -303,7 +308,7 @@ impl HubHere {
             let (sin, cos) = (std::f64::consts::TAU * k as f64 / RIM_POINTS as f64).sin_cos();
             above((u * cos + v * sin) * radius)
         };
-        // A disc beyond the end of the hub rests on nothing.
+        // A disc beyond the end of the hub touches nothing.
         (0..RIM_POINTS).map(rim).fold(above(Vector::zeros()), f64::max).max(-radius)
     }
 }

@@ -1,17 +1,17 @@
-//! What a heightfield amounts to: mean, 95th percentile, greatest height, uncut share.
+//! Statistics of a heightfield: mean, 95th percentile, greatest height, uncut share.
 
 use super::grid::FloorGrid;
 
-/// Share of the blank's height from which on a cell counts as uncut.
+/// Share of the blank's height at and above which a cell counts as uncut.
 const UNCUT_SHARE_OF_BLANK: f32 = 0.999;
-/// Bits of a height that do not tell its drawer: drawers are a hundredth of a height wide.
+/// Low bits of a height that do not select its bin: a bin is about a hundredth of a height wide.
 const DRAWER_BITS: u32 = 16;
 
-/// Figures of the residual layer, weighted by the area of the cells.
+/// Statistics of the residual stock, weighted by the area of the cells.
 ///
-/// Heights are those of *cut* cells: stock that no plunge reaches stands as high as the channel and would
-/// hide the layer itself. It is what `uncut_share` tells. Floor out of reach of every cutter says nothing about
-/// a plan; it is told apart from both in `unreachable_share`.
+/// Heights are those of *cut* cells: stock that no plunge reaches is as high as the channel and would
+/// dominate the rest; it is reported in `uncut_share`. Inaccessible floor says nothing about a plan and is
+/// reported separately, in `unreachable_share`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ResidualStatistics {
     /// Mean height, mm.
@@ -22,14 +22,14 @@ pub struct ResidualStatistics {
     pub max: f32,
     /// Uncut share of the reachable area, 0…1.
     pub uncut_share: f32,
-    /// Unreachable share of the floor, 0…1.
+    /// Inaccessible share of the floor, 0…1.
     pub unreachable_share: f32,
-    /// Reachable area looked at, mm².
+    /// Reachable area evaluated, mm².
     pub area: f32,
 }
 
-/// Figures of `heights`, one per cell of `grid`, over the floor in the rows that `in_question` picks. All zero
-/// where there is none.
+/// Statistics of `heights`, one per cell of `grid`, over the floor in the rows that `in_question` selects.
+/// All zero where there is none.
 pub fn statistics(
     grid: &FloorGrid,
     heights: &[f32],
@@ -38,8 +38,8 @@ pub fn statistics(
     statistics_of_channels(grid, &[(heights, 1)], in_question)
 }
 
-/// As [`statistics`], over channels with the same floor: heights of its cells, and in how many channels they are like this.
-/// `area` is that of all channels.
+/// As [`statistics`], over channels with the same floor: heights of its cells, and the number of channels
+/// that have them. `area` is that of all channels.
 pub fn statistics_of_channels(
     grid: &FloorGrid,
     channels: &[(&[f32], usize)],
@@ -80,10 +80,11 @@ pub fn statistics_of_channels(
     }
 }
 
-/// The least height at which the weights of all cells up to it sum to `target`. Heights are 0 or more.
+/// Weighted percentile: the least height at which the weights of all cells up to it sum to `target`. Heights
+/// are 0 or more.
 fn percentile(cells: &[(f32, f32)], target: f64) -> f32 {
-    // Bits of floating-point numbers above 0 are in the order of the numbers: those in front tell in which of a few
-    // thousand drawers a height belongs.
+    // Bucket selection: the bits of non-negative floating-point numbers are ordered like the numbers, so the
+    // leading ones select one of a few thousand bins.
     let drawer = |height: f32| (height.max(0.0).to_bits() >> DRAWER_BITS) as usize;
     let mut weights = vec![0.0; drawer(f32::INFINITY) + 1];
     for &(height, weight) in cells {

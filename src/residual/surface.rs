@@ -1,26 +1,26 @@
-//! The floor of a grid as a surface to be drawn: which cells become its corners, and its triangles.
+//! Triangulation of the floor of a grid for drawing.
 
 use super::FloorGrid;
 use crate::mesh::grid_triangles;
 
-/// Most lines along s and across of a surface that shows every plunge.
+/// Largest number of lines along s and across of a surface that shows every plunge.
 pub const FINE: (usize, usize) = (257, 129);
 
-/// Height below which a cell counts as cut although the blank is hardly higher, mm.
+/// Distance below the blank's height within which a cell still counts as uncut, mm.
 const UNCUT_TOLERANCE: f32 = 1e-3;
 
-/// The floor in triangles over some of its cells.
+/// The floor as triangles with some of its cells as vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorSurface {
-    /// Cells that are corners, row by row.
+    /// Cells that are vertices, row by row.
     pub cells: Vec<usize>,
-    /// Three indices into `cells` each, counter-clockwise seen along −s × λ. Cells that are no floor (under a splitter,
-    /// within the allowance of a wall) have none.
+    /// Three indices into `cells` each, counter-clockwise seen along −s × λ. Cells outside the floor
+    /// (under a splitter, within the allowance of a wall) have none.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl FloorSurface {
-    /// The floor, thinned to `most` lines along s and across. The outermost ones stay.
+    /// The floor, thinned to at most `most` lines along s and across. The outermost lines are kept.
     pub fn new(grid: &FloorGrid, most: (usize, usize)) -> Self {
         let pick = |count: usize, most: usize| -> Vec<usize> {
             let kept = count.min(most);
@@ -45,8 +45,8 @@ pub fn is_uncut(grid: &FloorGrid, cell: usize, height: f32) -> bool {
     height >= grid.blank_heights[cell] - UNCUT_TOLERANCE
 }
 
-/// A colour range that one outlier does not ruin: lowest height to the 98th percentile of what
-/// was cut, mm. (0, 1) when nothing was.
+/// Colour range that is robust to outliers: lowest height to the 98th percentile of cut cells, mm. (0, 1)
+/// without cut cells.
 pub fn fitting_range(grid: &FloorGrid, heights: &[f32]) -> (f32, f32) {
     let mut cut: Vec<f32> = heights
         .iter()

@@ -7,7 +7,7 @@ use super::grid::FloorGrid;
 
 /// Cells along one edge of a tile: one workgroup on the GPU, sixteen lanes of a row on the CPU.
 pub const TILE: usize = 16;
-/// Tiles along one edge of a block. Blocks sort out most cutters before any tile looks at them.
+/// Tiles along one edge of a block. Blocks reject most cutters before any tile is tested.
 const BLOCK: usize = 8;
 /// Added to the reach of every cutter, mm: more than single precision loses within 1 m of the origin.
 pub(super) const REACH_MARGIN: f32 = 0.01;
@@ -29,7 +29,7 @@ pub struct TileBins {
 }
 
 impl TileBins {
-    /// Sorts `cutters` into the tiles of `grid`. Errs only towards too many.
+    /// Assigns `cutters` to the tiles of `grid`. Conservative: a tile may get cutters that do not reach it.
     pub fn new(grid: &FloorGrid, cutters: &[FieldCutter]) -> TileBins {
         let down = grid.rows.div_ceil(TILE);
         let across = grid.columns.div_ceil(TILE);
@@ -77,8 +77,8 @@ impl TileBins {
     }
 }
 
-/// Everything within `radius` of the segment from `foot` to `top`; holds all rays of a tile from the hub
-/// to the blank. A sphere would be as wide as the channel is deep, and let in ten times the cutters.
+/// Everything within `radius` of the segment from `foot` to `top`; contains all rays of a tile from the hub
+/// to the blank. A sphere would be as wide as the channel is deep, and accept ten times the cutters.
 #[derive(Clone, Copy, Debug)]
 struct Capsule {
     foot: [f32; 3],
@@ -88,7 +88,7 @@ struct Capsule {
 
 impl Capsule {
     fn around_tile(grid: &FloorGrid, down: usize, across: usize) -> Capsule {
-        // All rays as high as the highest: beside walls that lean over, heights fall to nothing from cell to cell.
+        // All rays get the greatest height: beside leaning walls, heights drop to zero from cell to cell.
         let rows = down * TILE..((down + 1) * TILE).min(grid.rows);
         let lanes = TILE.min(grid.columns - across * TILE);
         let cells_of = |row: usize| {

@@ -1,13 +1,13 @@
-//! What each position did to the floor, summed up over its cells.
+//! Effect of each position on the floor, summed over its cells.
 //!
-//! Removed volume is summed in whole units of a fixed size: whole numbers add up to the same in any
-//! order, so the result does not depend on how cells were shared out among threads or workgroups.
+//! Removed volume is summed as a whole number of fixed units: integer sums do not depend on the order, so the
+//! result does not depend on how cells are distributed over threads or workgroups.
 
 use rayon::prelude::*;
 
 use super::grid::FloorGrid;
 
-/// What the heightfield saw of one position.
+/// Effect of one position on the heightfield.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PositionTrace {
     /// Greatest height of stock in the core above its bottom, mm along the tool axis.
@@ -16,14 +16,14 @@ pub struct PositionTrace {
     pub contact_cells: u32,
     /// Cells the cutter sweeps over.
     pub swept_cells: u32,
-    /// Cells in which it removes stock; the rest of the swept cells is cut in air.
+    /// Cells in which it removes stock; the other swept cells are air cuts.
     pub cut_cells: u32,
     /// Volume it removes over the floor, mm³: drop in height times area of the cell on the hub. As rays
     /// spread above a convex hub and close in above a hollow one, it is an estimate, best near the hub.
     pub removed_volume: f32,
 }
 
-/// A [`PositionTrace`] as the kernels sum it up.
+/// A [`PositionTrace`] as the kernels accumulate it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TraceSums {
     /// Greatest depth of contact, mm.
@@ -36,7 +36,7 @@ pub(crate) struct TraceSums {
 }
 
 impl TraceSums {
-    /// Joins what two parts of the grid saw of the same position.
+    /// Adds the sums over another part of the grid for the same position.
     pub(crate) fn join(&mut self, other: &TraceSums) {
         self.contact_depth = self.contact_depth.max(other.contact_depth);
         self.contact_cells += other.contact_cells;
@@ -58,17 +58,17 @@ impl TraceSums {
 
 /// Size of the units in which the kernels sum up removed volume, mm³; a power of two.
 ///
-/// It is the smallest of which all stock over the floor is at most 2³¹ and that over one cell at most 2²².
-/// So the sum of one position fits 32 bits with a bit to spare for rounding, however large the cutter and
-/// however many cells it meets, and single precision tells every unit of a cell. The stock of a channel,
-/// some 500 cm³, has units of 2⁻¹² mm³ from 64 × 64 cells on. Each cell rounds its volume of stock to whole
-/// units, before and after a cut, so what rounding adds to one position it takes from the next.
+/// It is the smallest for which all stock over the floor is at most 2³¹ units and that over one cell at
+/// most 2²². So the sum of one position fits in 32 bits with one bit to spare for rounding, for any cutter
+/// and any number of cells, and single precision resolves every unit of a cell. The stock of a channel, some
+/// 500 cm³, has units of 2⁻¹² mm³ from 64 × 64 cells on. The stock of each cell is rounded to whole
+/// units before and after a cut, so a rounding error added to one position is subtracted from the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct VolumeUnit(f32);
 
-/// Units that all stock over the floor may have.
+/// Largest number of units of all stock over the floor.
 const MOST_UNITS: f64 = (1_u32 << 31) as f64;
-/// Units that the stock over one cell may have.
+/// Largest number of units of the stock over one cell.
 const MOST_UNITS_OF_CELL: f64 = (1_u32 << 22) as f64;
 
 impl VolumeUnit {
@@ -80,7 +80,7 @@ impl VolumeUnit {
         let stock: f64 = rows.iter().map(|[sum, _]| sum).sum();
         let greatest = rows.iter().map(|[_, greatest]| *greatest).fold(0.0, f64::max);
         let least = (stock / MOST_UNITS).max(greatest / MOST_UNITS_OF_CELL);
-        // Without stock there is nothing to sum up, and too small a unit would not be a number.
+        // Without stock any unit will do; the lower limit keeps it representable.
         let exponent = if least > 0.0 { least.log2().ceil().max(-100.0) } else { 0.0 };
         VolumeUnit(exponent.exp2() as f32)
     }
@@ -93,8 +93,8 @@ impl VolumeUnit {
 
 /// Whole units between two volumes of stock over one cell, in units and each rounded, ties to even.
 ///
-/// From 2²³ to 2²⁴ single precision knows just the whole numbers, and their bits count up with them. A cast
-/// would do, but it takes the lanes of a row one at a time.
+/// From 2²³ to 2²⁴ single precision represents exactly the whole numbers, and their bit patterns are
+/// consecutive. A cast would do, but it is not vectorised.
 #[inline(always)]
 pub(crate) fn whole_units_between(above: f32, below: f32) -> u32 {
     const FIRST_WHOLE: f32 = (1 << 23) as f32;

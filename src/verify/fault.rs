@@ -1,15 +1,15 @@
-//! What is wrong with a program, in words: the same for plunges and flank curves.
+//! Faults of a program and their messages, common to plunge and flank programs.
 
 use crate::geometry::Vector;
 use crate::part::setup::Stock;
 use crate::part::{Impeller, Setup, Tool};
 
-/// By how much less than the safety distance a rapid may keep: rounding, mm.
+/// Tolerance of the safety distance in a rapid, for rounding, mm.
 const RAPID_TOLERANCE: f64 = 1e-3;
-/// Tilt beyond the machine's limit that is put down to rounding, rad.
+/// Tilt beyond the machine's limit that is tolerated as rounding, rad.
 const TILT_TOLERANCE: f64 = 1e-6;
 
-/// What kind of rule a program breaks.
+/// Kind of a fault, and the meaning of its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {
@@ -25,28 +25,28 @@ pub enum FaultKind {
     RapidInStock,
     /// In a rapid the tool above its bottom runs into the blank; value: how far above the bottom, mm.
     ToolInBlank,
-    /// The holder runs into a blade, the stock that stays on it, or the hub.
+    /// The holder collides with a blade, its allowance, or the hub.
     HolderCollision,
-    /// The holder runs into stock that still stands; value: the stock it meets, mm³.
+    /// The holder collides with remaining stock; value: the stock it meets, mm³.
     HolderInStock,
-    /// The axis tilts further than the machine does; value: the tilt, degrees.
+    /// The axis tilts beyond the machine's limit; value: the tilt, degrees.
     AxisTilt,
     /// The axis turns too far in one move; value: the turn, degrees.
     AxisTurn,
     /// A cut engages deeper than the tool is long; value: the depth, mm.
     TooDeep,
-    /// Cuts without a feed; value: their number.
+    /// Cuts without a feed rate; value: their number.
     NoFeed,
     /// The program cuts nothing of the part.
     CutsNothing,
     /// A tool differs from the one of that number in the setup; value: its diameter, mm.
     ToolDiffers,
-    /// Something is missing, so that a cut cannot be judged.
+    /// A cut cannot be checked, as something is missing.
     NotJudged,
 }
 
 impl FaultKind {
-    /// What is counted of this kind, in words.
+    /// Noun phrase for a number of faults of this kind.
     pub fn words(self) -> &'static str {
         match self {
             Self::CoreContact => "plunges whose core meets stock",
@@ -60,7 +60,7 @@ impl FaultKind {
             Self::AxisTilt => "axes beyond the machine's tilt",
             Self::AxisTurn => "moves that turn the axis too far",
             Self::TooDeep => "cuts deeper than the tool is long",
-            Self::NoFeed => "cuts without a feed",
+            Self::NoFeed => "cuts without a feed rate",
             Self::CutsNothing => "programs that cut nothing",
             Self::ToolDiffers => "tools that differ from the setup",
             Self::NotJudged => "cuts that cannot be judged",
@@ -73,11 +73,11 @@ impl FaultKind {
 pub struct Fault {
     /// Line of the program, 0 when there is none.
     pub line: usize,
-    /// Which rule is broken.
+    /// Kind of fault.
     pub kind: FaultKind,
-    /// By how much: see [`FaultKind`].
+    /// Measured value: see [`FaultKind`].
     pub value: Option<f64>,
-    /// What is wrong.
+    /// Message: what is wrong, and what to do about it.
     pub what: String,
 }
 
@@ -93,7 +93,7 @@ impl Finding {
         Self { kind, value: value.into(), what: what.into() }
     }
 
-    /// In a line of the program.
+    /// The fault in line `line` of the program.
     pub(super) fn at(self, line: usize) -> Fault {
         Fault { line, kind: self.kind, value: self.value, what: self.what }
     }
@@ -112,7 +112,7 @@ impl Fault {
     }
 }
 
-/// How many faults of each kind there are, in words, the most serious kind first; empty without any.
+/// Counts of faults of each kind, in words, the most serious kind first; empty without faults.
 pub fn counted(faults: &[Fault]) -> String {
     let mut kinds: Vec<FaultKind> = faults.iter().map(|fault| fault.kind).collect();
     kinds.sort_unstable();
@@ -120,25 +120,26 @@ pub fn counted(faults: &[Fault]) -> String {
     words.collect::<Vec<_>>().join(", ")
 }
 
-/// What is wrong with a cut `distance` mm from the finished hub, which may miss its allowance by `tolerance`.
+/// The fault of a cut `distance` mm from the finished hub, if it misses its allowance by more than
+/// `tolerance` mm.
 pub(super) fn near_hub(distance: f64, stock: &Stock, tolerance: f64) -> Option<Finding> {
     let allowance = stock.hub_allowance;
     (distance < allowance - tolerance).then(|| {
-        let what = format!("comes {distance:.4} mm near the hub; the allowance is {allowance} mm");
+        let what = format!("comes within {distance:.4} mm of the hub; the allowance is {allowance} mm");
         Finding::new(FaultKind::HubAllowance, distance, what)
     })
 }
 
-/// The same of the finished blades.
+/// As [`near_hub`], for the finished blades.
 pub(super) fn near_blade(distance: f64, stock: &Stock, tolerance: f64) -> Option<Finding> {
     let allowance = stock.blade_allowance;
     (distance < allowance - tolerance).then(|| {
-        let what = format!("comes {distance:.4} mm near a blade; the allowance is {allowance} mm");
+        let what = format!("comes within {distance:.4} mm of a blade; the allowance is {allowance} mm");
         Finding::new(FaultKind::BladeAllowance, distance, what)
     })
 }
 
-/// What is wrong with a rapid `distance` mm from the blank.
+/// The fault of a rapid `distance` mm from the blank, if that is too near.
 pub(super) fn rapid_near_blank(distance: f64, stock: &Stock) -> Option<Finding> {
     let safety = stock.safety_distance;
     (distance < safety - RAPID_TOLERANCE).then(|| {
@@ -148,7 +149,7 @@ pub(super) fn rapid_near_blank(distance: f64, stock: &Stock) -> Option<Finding> 
     })
 }
 
-/// What is wrong with a tool axis that the machine of `setup` does not reach.
+/// The fault of a tool axis beyond the machine's limit in `setup`.
 pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> Option<Finding> {
     let (limit, beyond) = (setup.machine.max_axis_tilt, setup.machine.beyond(part, axis));
     (beyond > TILT_TOLERANCE).then(|| {
@@ -161,18 +162,19 @@ pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> O
     })
 }
 
-/// Cuts without a feed: `lines` of them.
+/// The fault of cuts without a feed rate, at `lines`.
 pub(super) fn without_feed(lines: &[usize]) -> Option<Fault> {
     let first = *lines.first()?;
     let count = lines.len();
     let what = match count {
-        1 => "cuts without a feed; give FEDRAT before it".to_owned(),
-        _ => format!("cuts without a feed, as {} others do; give FEDRAT before them", count - 1),
+        1 => "cuts without a feed rate; give FEDRAT before it".to_owned(),
+        _ => format!("cuts without a feed rate, as {} others do; give FEDRAT before them", count - 1),
     };
     Some(Finding::new(FaultKind::NoFeed, count as f64, what).at(first))
 }
 
-/// A tool of the program, first used in `line`, that is another than the setup's of the same number.
+/// The fault of a tool of the program, first used in `line`, that differs from the setup's tool of the same
+/// number.
 pub(super) fn other_tool(line: usize, tool: &Tool, setup: &Setup) -> Option<Fault> {
     let known = setup.tools.iter().find(|known| known.number == tool.number)?;
     let differs = (known.diameter - tool.diameter).abs() > 1e-3

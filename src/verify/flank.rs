@@ -1,8 +1,8 @@
-//! Checks programs that mill with the flank of the cutter, along all their moves: what they cut too deep, where cutter and
-//! holder run into something, what they leave on walls and floor.
+//! Checks flank milling programs along all their moves: gouges, collisions of cutter and holder, stock left
+//! on walls and floor.
 //!
-//! Stock is followed over the floor of a channel by the heightfield: what stands beside walls that lean away from
-//! the channel, above no cell of the floor, is not seen by the check of rapids.
+//! Stock is tracked over the floor of a channel by the heightfield: stock beside walls that lean away from
+//! the channel is above no cell of the floor, so the check of rapids does not include it.
 
 mod gouge;
 mod steps;
@@ -32,22 +32,22 @@ use stock::{Floor, Place, Probe, Struck, floor_after};
 pub use uncovered::Uncovered;
 use walls::wall_deviation;
 
-/// What a flank program does to the part. Lengths mm; NaN where there is nothing to measure.
+/// Result of checking a flank program. Lengths mm; NaN where there is nothing to measure.
 #[derive(Clone, Debug)]
 pub struct FlankVerdict {
-    /// Number of channels the program works in.
+    /// Number of channels with cuts.
     pub channels: usize,
-    /// Moves under feed.
+    /// Number of moves under feed.
     pub positions: usize,
     /// Number of tools used.
     pub tools: usize,
-    /// Length under feed, and in rapid.
+    /// Cutting length, and rapid length.
     pub cut_length: f64,
     /// See `cut_length`.
     pub rapid_length: f64,
-    /// Time from feeds, s; tool changes and accelerations are left out.
+    /// Estimated time, s, without tool changes and accelerations.
     pub time_estimate: f64,
-    /// Least distance of the cutter to the finished hub, told up to 1 mm above the allowance.
+    /// Least distance of the cutter to the finished hub, capped at 1 mm above the allowance.
     pub min_hub_clearance: f64,
     /// The same to the blades.
     pub min_blade_clearance: f64,
@@ -55,32 +55,35 @@ pub struct FlankVerdict {
     pub min_retract_clearance: f64,
     /// Greatest turn of the axis in one move under feed, rad.
     pub max_axis_change: f64,
-    /// Greatest cut below the blades' allowance; noses and blunt trailing edges count here.
+    /// Greatest overcut: cut below the blades' allowance, noses and blunt trailing edges included.
     pub max_overcut: f64,
-    /// Greatest stock left on a wall, above its allowance, where cutters come near to it; without noses, blunt trailing
-    /// edges, and the foot of the wall that corners do not reach.
+    /// Greatest undercut: stock left on a wall above its allowance, where cutters come near to it; without
+    /// noses, blunt trailing edges, and the foot of the wall that the tool corner does not reach.
     pub max_undercut: f64,
-    /// The floor on which more is left than the setup's allowed error, of the channel with the most of it.
+    /// Shares of the floor on which more is left than the setup's scallop height, of the channel with the
+    /// most of it.
     pub uncovered: Uncovered,
-    /// The layer left on the floor of that channel.
+    /// Residual stock on the floor of that channel.
     pub layer: ResidualStatistics,
-    /// Deepest cut: how far above the bottom of the cutter the stock it removes at once reaches over the floor, mm.
+    /// Deepest cut: height above the bottom of the cutter of the stock over the floor that it removes at
+    /// once, mm.
     pub deepest_cut: f64,
-    /// Everything that must not be, by line.
+    /// All faults, by line.
     pub faults: Vec<Fault>,
 }
 
-/// How far a cut may come below the hub's allowance, mm: straight ways between positions cut a little off.
+/// Gouge below the hub's allowance that is tolerated, mm: linear moves between positions deviate a little.
 const HUB_TOLERANCE: f64 = 1e-3;
-/// The same at the blades, where the cylinder that fits a twisted wall best cuts up to 5 µm too deep.
+/// The same at the blades, where the best fit of a cylinder to a twisted wall cuts up to 5 µm too deep.
 const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
-/// Height at which the flank of a cutter may begin, in corner radii: with an axis that leans by 30°.
+/// Height at which the flank of a cutter begins when its axis is tilted by 30°, in corner radii.
 const LEANING_CORNER: f64 = 1.5;
-/// See [`most_depth`].
+/// Depth of a plausible cut, in layers of the setup.
 const MOST_LAYERS: f64 = 4.0;
-/// See [`most_depth`].
+/// Depth of a plausible cut, in cutter diameters.
 const MOST_DIAMETERS: f64 = 4.0;
-/// Turn of the axis in one move that is too much for a controller to interpolate as it was meant, rad.
+/// Largest turn of the axis in one move under feed, rad: controllers may interpolate a larger one in another
+/// manner than intended.
 const MOST_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Whether a program mills with the flank: most of its moves under feed do not plunge along the axis.
@@ -106,7 +109,7 @@ pub fn is_flank(program: &ClProgram) -> bool {
 /// Checks `program` against `part` with the allowances of `setup`.
 ///
 /// # Errors
-/// The line of the program and what is missing when a cut cannot be judged: no tool before it.
+/// When a cut cannot be checked because no tool with a diameter comes before it; the fault names the line.
 pub fn verify_flank(
     part: &Impeller,
     channel: &Channel,
@@ -116,28 +119,28 @@ pub fn verify_flank(
     FlankVerifier::new(part, channel, setup).verdict(program)
 }
 
-/// Checks programs against one part, one after another: what was seen along a step is not looked at again.
+/// Checks programs against one part, one after another; the result of each step is cached.
 pub struct FlankVerifier<'a> {
     part: &'a Impeller,
     channel: &'a Channel,
     setup: &'a Setup,
     blank: Blank,
     finished: FinishedPart<'a>,
-    /// The tools of the last program, and what was seen along steps with them.
+    /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     seen: HashMap<StepKey, Look>,
 }
 
-/// A program, looked at.
+/// The steps of a program with their results.
 struct Examined {
     steps: Vec<Step>,
     looks: Vec<Look>,
-    /// By channels that are worked in.
+    /// The floor of each channel with cuts.
     channels: Vec<(i64, Floor)>,
     faults: Vec<Fault>,
 }
 
-/// Where a step leads: index of the tool, whether it is under feed, and the numbers of both ends.
+/// Cache key of a step: index of the tool, whether it is under feed, and the bits of both ends.
 type StepKey = (usize, bool, [u64; 12]);
 
 fn key(step: &Step) -> StepKey {
@@ -147,7 +150,7 @@ fn key(step: &Step) -> StepKey {
 }
 
 impl<'a> FlankVerifier<'a> {
-    /// For programs that cut `part` with the allowances of `setup`.
+    /// A verifier of programs that cut `part` with the allowances of `setup`.
     pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
         Self {
             part,
@@ -160,7 +163,7 @@ impl<'a> FlankVerifier<'a> {
         }
     }
 
-    /// What must not be in `program`, by line; `Ok(Err(…))` when the work is cancelled.
+    /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled.
     ///
     /// # Errors
     /// As [`verify_flank`].
@@ -172,12 +175,12 @@ impl<'a> FlankVerifier<'a> {
         Ok(self.examined(program, monitor)?.map(|examined| examined.faults))
     }
 
-    /// Everything about `program`.
+    /// The complete verdict on `program`.
     ///
     /// # Errors
     /// As [`verify_flank`].
     pub fn verdict(&mut self, program: &ClProgram) -> Result<FlankVerdict, Fault> {
-        // Nobody cancels it.
+        // The default monitor never cancels.
         let Ok(Examined { steps, looks, channels, faults }) = self.examined(program, &Monitor::default())?
         else {
             return Ok(FlankVerdict::of_nothing());
@@ -206,7 +209,7 @@ impl<'a> FlankVerifier<'a> {
             let cuts: Vec<&Step> =
                 steps.iter().filter(|s| s.channel == *number && s.feed.is_some()).collect();
             let corner = cuts.iter().map(|s| tools[s.tool].corner_radius).fold(0.0, f64::max);
-            // Beside a leaning axis the flank begins higher than its corner is round.
+            // With a tilted axis the flank begins above the corner radius.
             let uncut = setup.stock.hub_allowance + LEANING_CORNER * corner;
             let walls = wall_deviation(part, channel, tools, &cuts, setup.stock.blade_allowance, uncut);
             verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
@@ -254,7 +257,7 @@ impl<'a> FlankVerifier<'a> {
         Ok(Ok(Examined { steps, looks, channels, faults }))
     }
 
-    /// Looks along all steps.
+    /// Results of all steps, from the cache where they are in it.
     fn looks(&mut self, steps: &[Step], monitor: &Monitor) -> Result<Vec<Look>, Cancelled> {
         let around = Surroundings {
             finished: &self.finished,
@@ -264,7 +267,7 @@ impl<'a> FlankVerifier<'a> {
         };
         let (seen, blank) = (&self.seen, &self.blank);
         let known: Vec<Option<&Look>> = steps.par_iter().map(|step| seen.get(&key(step))).collect();
-        // Where one step ends the next begins.
+        // Each end is evaluated once: the next step begins there.
         let ends: Vec<Option<Clearance>> = steps
             .par_iter()
             .zip(&known)
@@ -289,7 +292,7 @@ impl<'a> FlankVerifier<'a> {
         Ok(looks)
     }
 
-    /// The floor of the channel of a number after its steps.
+    /// The floor of channel `number` after its steps.
     fn floor(&self, steps: &[Step], looks: &[Look], number: i64) -> Floor {
         let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
         let ours: Vec<&Step> = here.iter().map(|&k| &steps[k]).collect();
@@ -303,7 +306,7 @@ impl<'a> FlankVerifier<'a> {
         floor_after(&self.finished, self.channel, self.setup, &self.blank, &self.tools, &ours, &places)
     }
 
-    /// What is wrong with a step.
+    /// The faults of a step.
     fn faults_of(&self, step: &Step, look: &Look) -> impl Iterator<Item = Fault> + use<> {
         let stock = &self.setup.stock;
         let Clearance { hub, blade, holder } = look.clearance;
@@ -312,15 +315,16 @@ impl<'a> FlankVerifier<'a> {
             near_hub(hub, stock, HUB_TOLERANCE),
             near_blade(blade, stock, BLADE_TOLERANCE),
             holder.then(|| {
-                let what = "the holder runs into a blade, the stock that stays on it, or the hub";
+                let what = "the holder runs into a blade, its allowance, or the hub";
                 Finding::new(FaultKind::HolderCollision, None, what)
             }),
             rapid_near_blank(look.retract, stock),
             beyond_machine(self.part, self.setup, &step.to.1),
             turns.then(|| {
                 let turn = step.turn().to_degrees();
-                let what =
-                    format!("turns the axis by {turn:.0}° in one move under feed; give positions between");
+                let what = format!(
+                    "turns the axis by {turn:.0}° in one move under feed; add intermediate positions"
+                );
                 Finding::new(FaultKind::AxisTurn, turn, what)
             }),
         ];
@@ -328,7 +332,7 @@ impl<'a> FlankVerifier<'a> {
         found.into_iter().flatten().map(move |finding| finding.at(line))
     }
 
-    /// What is wrong with a cut `depth` mm deep.
+    /// The fault of a cut `depth` mm deep, if any.
     fn too_deep(&self, depth: f64, step: &Step) -> Option<Fault> {
         let tool = &self.tools[step.tool];
         if depth > tool.overhang {
@@ -337,13 +341,14 @@ impl<'a> FlankVerifier<'a> {
         (depth > most_depth(tool, self.setup)).then(|| too_thick(depth, tool, self.setup).at(step.line))
     }
 
-    /// What is wrong with the program as a whole: nothing cut, no feed, other tools than those of the setup.
+    /// Faults of the program as a whole: nothing cut, no feed rate, tools that differ from those of the
+    /// setup.
     fn senseless(&self, program: &ClProgram, steps: &[Step], channels: &[(i64, Floor)]) -> Vec<Fault> {
         let mut faults = Vec::new();
         if channels.iter().map(|(_, floor)| floor.removed).sum::<f64>() <= 0.0 {
             let first = steps.iter().find(|step| step.feed.is_some()).map_or(0, |step| step.line);
-            let what = "the program cuts nothing of the part: no cut reaches stock over the floor; check its units \
-                        and its origin";
+            let what = "the program cuts nothing of the part: no cut reaches stock over the floor; check its \
+                        units and its origin";
             faults.push(Finding::new(FaultKind::CutsNothing, None, what).at(first));
         }
         let no_feed = |step: &&Move| step.tool.is_some() && step.motion == Motion::Feed(None);
@@ -357,37 +362,37 @@ impl<'a> FlankVerifier<'a> {
     }
 }
 
-/// The greatest depth of a cut that is not plainly wrong, mm: a few layers of the setup, or what a cutter can do in full
-/// stock.
+/// The greatest plausible depth of a cut, mm: a few layers of the setup, or a few diameters of the cutter.
 fn most_depth(tool: &Tool, setup: &Setup) -> f64 {
     (MOST_LAYERS * setup.flank.layer_depth).max(MOST_DIAMETERS * tool.diameter)
 }
 
 fn too_thick(depth: f64, tool: &Tool, setup: &Setup) -> Finding {
     let what = format!(
-        "cuts {depth:.1} mm deep at once with a cutter of D {}; the layers of the setup are {} mm deep: cut those above \
-         first",
+        "cuts {depth:.1} mm deep at once with a cutter of D {}; the layers of the setup are {} mm deep: cut \
+         the layers above first",
         tool.diameter, setup.flank.layer_depth
     );
     Finding::new(FaultKind::TooDeep, depth, what)
 }
 
 impl Struck {
-    /// What is wrong with the step of that line.
+    /// The fault of the step at `line`.
     fn fault(&self, line: usize) -> Fault {
         let volume = self.volume;
         let (kind, what) = match self.what {
             Probe::Rapid => (
                 FaultKind::RapidInStock,
                 format!(
-                    "moves in rapid through stock, about {volume:.0} mm³; cut it before, or move under feed"
+                    "moves in rapid through stock, about {volume:.0} mm³; remove it first, or move under \
+                     feed"
                 ),
             ),
             Probe::Holder => (
                 FaultKind::HolderInStock,
                 format!(
-                    "the holder runs into stock that still stands, about {volume:.0} mm³; cut it before, or give the \
-                     cutter more overhang"
+                    "the holder runs into remaining stock, about {volume:.0} mm³; remove it first, or give \
+                     the tool more overhang"
                 ),
             ),
         };
@@ -395,22 +400,23 @@ impl Struck {
     }
 }
 
-/// What was seen along a step.
+/// Result of a step.
 #[derive(Clone)]
 struct Look {
     clearance: Clearance,
     /// At the end of a step under feed.
     end: Option<Clearance>,
-    /// Least distance of a rapid that does not stay in its column to the blank, mm; infinite for others and within it.
+    /// Least distance to the blank of a rapid that is not along the axis, where it is outside the blank, mm;
+    /// infinite for other steps.
     retract: f64,
-    /// Shares of the way at which a rapid is within the outline of the blank.
+    /// Parameters 0…1 along a rapid at which it is inside the outline of the blank.
     inside: Vec<f64>,
-    /// Shares of the way at which the holder is, under feed.
+    /// The same of the holder, under feed.
     holder_inside: Vec<f64>,
 }
 
-/// Looks along a step under feed for what it cuts, along a rapid for what it may run into; `ends` are the clearances at
-/// both ends, where they are known.
+/// Examines a step: under feed for the clearance of the cut, in rapid for collisions. `ends` are the
+/// clearances at both ends, where they are known.
 fn look(step: &Step, ends: [Option<Clearance>; 2], around: &Surroundings, blank: &Blank) -> Look {
     let mut look = Look {
         clearance: Clearance::FAR,
@@ -426,11 +432,11 @@ fn look(step: &Step, ends: [Option<Clearance>; 2], around: &Surroundings, blank:
             let (tip, axis) = step.at(*share);
             bottom_clearance(&tool.holder(tip, axis), blank) < 0.0
         };
-        // The whole way of a holder that far above is clear of what both its ends are.
+        // The holder is far above the cut: its middle and end represent the whole step.
         look.holder_inside = [0.5, 1.0].into_iter().filter(within).collect();
         return look;
     }
-    // Up its own column a cutter meets nothing that it has not cut.
+    // Retracting along its own axis, a cutter meets nothing that it has not cut.
     if step.length() == 0.0 && step.turn() == 0.0 || step.is_way_out() {
         return look;
     }
@@ -451,7 +457,7 @@ fn look(step: &Step, ends: [Option<Clearance>; 2], around: &Surroundings, blank:
 }
 
 impl FlankVerdict {
-    /// Of a program without moves.
+    /// The verdict on a program without moves.
     fn of_nothing() -> Self {
         Self {
             channels: 0,

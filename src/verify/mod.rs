@@ -1,6 +1,6 @@
-//! Checks any cutter-location program against a part (DESIGN sections 3 and 7).
+//! Checks any cutter-location program against a part.
 //!
-//! Nothing here knows how a program was planned: it looks at cutters where the program puts them.
+//! The checks are independent of the planner: they use only the tool positions of the program.
 
 mod fault;
 mod flank;
@@ -29,33 +29,33 @@ use crate::plunge::flight::Flight;
 use crate::plunge::retract::{NearBottom, RetractSurface};
 use crate::plunge::{CoreContact, PlungePlan, Position, SectionPlan};
 
-/// Tolerance of distances in a program of six decimals, mm.
+/// Tolerance of distances in a program with six decimals, mm.
 const PROGRAM_TOLERANCE: f64 = 2e-6;
-/// A turn of the axis from which on nobody knows which way a rapid takes it, rad.
+/// Turn of the axis above which its direction in a rapid is ambiguous, rad.
 const OPPOSITE: f64 = 175.0 * std::f64::consts::PI / 180.0;
-/// How far above its bottom a tool may reach into the blank in a rapid, mm: rounding.
+/// Depth of the tool in the blank that is tolerated in a rapid as rounding, mm.
 const TOOL_TOLERANCE: f64 = 0.01;
 
-/// What a program does to the part.
+/// Result of checking a plunge program.
 #[derive(Clone, Debug)]
 pub struct Verdict {
-    /// The program as a plan of channel 1's frame: every cut measured. Cuts of other channels are
-    /// turned into channel 1.
+    /// The program as a plan in the frame of channel 1, with every cut measured. Cuts of other channels are
+    /// rotated into channel 1.
     pub plan: PlungePlan,
-    /// By how many pitches each position lies ahead of channel 1.
+    /// Number of pitches by which each position is ahead of channel 1.
     pub turns: Vec<i64>,
-    /// Number of channels the program works in.
+    /// Number of channels with cuts.
     pub channels: usize,
     /// Deepest plunge: from its bottom to the top of the blank above it, mm.
     pub deepest_plunge: f64,
-    /// Everything that must not be, by line.
+    /// All faults, by line.
     pub faults: Vec<Fault>,
 }
 
-/// Share of the cuts of the channel with most of them that another must have to count as worked in.
+/// Least number of cuts in a channel that counts, as a share of that in the channel with the most.
 const LEAST_SHARE: f64 = 0.1;
 
-/// What is measured of a cut.
+/// Measurements of one cut.
 struct Measured {
     contact: CoreContact,
     hub: f64,
@@ -63,18 +63,19 @@ struct Measured {
     retract: f64,
     /// Whether the bottom ends in the blank.
     in_blank: bool,
-    /// Height above the tip at which the cutter has left the blank, mm, and how much of that this cut removes; the latter
-    /// only where it may be more than the tool's length.
+    /// Height above the tip at which the cutter has left the blank, mm, and height of the stock that this cut
+    /// removes, mm; the latter only where it may exceed the overhang of the tool.
     top: f64,
     engaged: f64,
     rapids: Vec<Fault>,
 }
 
-/// Checks `program` against `part` with the allowances of `setup`; tools of the setup say how wide the
-/// inserts are where the program does not.
+/// Checks `program` against `part` with the allowances of `setup`. Where the program gives no insert width,
+/// that of the setup's tool is used.
 ///
 /// # Errors
-/// The line of the program and what is missing when a cut cannot be judged: no tool before it.
+/// When the program has no cuts, or a cut cannot be checked because no tool with a diameter comes before it;
+/// the fault names the line.
 pub fn verify(
     part: &Impeller,
     channel: &Channel,
@@ -141,7 +142,8 @@ pub fn verify(
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| {
                 let what = format!(
-                    "interferes: the core meets stock up to {:.3} mm above its bottom, over {:.0} % of its area",
+                    "interferes: the core meets stock up to {:.3} mm above its bottom, over {:.0} % of its \
+                     area",
                     contact.depth,
                     100.0 * contact.area_share
                 );
@@ -187,7 +189,7 @@ pub fn verify(
     Ok(Verdict { plan, turns, channels, deepest_plunge, faults })
 }
 
-/// Whether the bottom of a cutter is in the blank: its centre, or some of its rim.
+/// Whether the bottom of a cutter is in the blank: its centre, or a sample of its rim.
 fn reaches_into(cutter: &CutterSolid, blank: &Blank) -> bool {
     let within = |p: &Point| blank.depth(Meridional::of(p)) > 0.0;
     let rim = Circle::new(&cutter.tip, &cutter.axis, cutter.radius);
@@ -195,16 +197,17 @@ fn reaches_into(cutter: &CutterSolid, blank: &Blank) -> bool {
     within(&cutter.tip) || (0..12).any(|i| within(&on_rim(i)))
 }
 
-/// What is wrong with a cut that removes stock up to `depth` mm above the bottom of `tool`.
+/// The fault of a cut that removes stock up to `depth` mm above the bottom of `tool`.
 fn too_deep(depth: f64, tool: &Tool) -> Finding {
     let what = format!(
-        "cuts {depth:.1} mm deep at once; tool {} is {:.1} mm long below its holder: cut in steps, or give more overhang",
+        "cuts {depth:.1} mm deep at once; tool {} is {:.1} mm long below its holder: cut in steps, or give \
+         more overhang",
         tool.number, tool.overhang
     );
     Finding::new(FaultKind::TooDeep, depth, what)
 }
 
-/// Least distance of the bottom to the blank in the rapids of a cut, mm, and what is wrong with them.
+/// Least distance of the bottom to the blank in the rapids of a cut, mm, and the faults of these rapids.
 fn rapids_of(cut: &Cut, blank: &Blank, stock: &Stock) -> (f64, Vec<Fault>) {
     let surface = RetractSurface::new(blank, cut.tool.corner_radius);
     let mut least = f64::INFINITY;
@@ -220,14 +223,16 @@ fn rapids_of(cut: &Cut, blank: &Blank, stock: &Stock) -> (f64, Vec<Fault>) {
             let found = [
                 (turn > OPPOSITE).then(|| {
                     let what = format!(
-                        "turns the axis by {:.0}° in one rapid, which way is open; give positions between",
+                        "turns the axis by {:.0}° in one rapid, in an ambiguous direction; add intermediate \
+                         positions",
                         turn.to_degrees()
                     );
                     Finding::new(FaultKind::AxisTurn, turn.to_degrees(), what)
                 }),
                 (depth > TOOL_TOLERANCE && clearance >= 0.0).then(|| {
                     let what = format!(
-                        "swings the tool through the blank in rapid, {depth:.1} mm above its bottom; retract further before the axis turns"
+                        "swings the tool through the blank in rapid, {depth:.1} mm above its bottom; retract \
+                         further before the axis turns"
                     );
                     Finding::new(FaultKind::ToolInBlank, depth, what)
                 }),
@@ -240,7 +245,8 @@ fn rapids_of(cut: &Cut, blank: &Blank, stock: &Stock) -> (f64, Vec<Fault>) {
     (least, faults)
 }
 
-/// Number of channels that `turns` tell of. Some cuts over leaning blades seem to be in a neighbouring channel.
+/// Number of channels with cuts. A few cuts over leaning blades are assigned to a neighbouring channel; they
+/// do not count.
 fn channels_worked_in(turns: &[i64]) -> usize {
     let mut sorted = turns.to_vec();
     sorted.sort_unstable();
@@ -253,7 +259,7 @@ fn turned(cutter: &CutterSolid, angle: f64) -> CutterSolid {
     CutterSolid { tip: rotate_z(&cutter.tip, angle), axis: rotate_vector_z(&cutter.axis, angle), ..*cutter }
 }
 
-/// By how many pitches `tip` lies ahead of channel 1.
+/// Number of pitches by which `tip` is ahead of channel 1.
 fn channel_of(part: &Impeller, channel: &Channel, tip: &Point) -> i64 {
     let s = part.hub.s_at(part.hub.curve().project(Meridional::of(tip)).0).clamp(0.0, 1.0);
     let Some([low, high]) = channel.full.wall_angles(part, s, 0.0) else { return 0 };
@@ -263,7 +269,7 @@ fn channel_of(part: &Impeller, channel: &Channel, tip: &Point) -> i64 {
     if turns > count / 2 { turns - count } else { turns }
 }
 
-/// Stretches between tool changes as sections: which tool, and over which s.
+/// The cuts between two tool changes as sections, each with its tool and range of s.
 fn sections_of(part: &Impeller, cuts: &[Cut]) -> Vec<SectionPlan> {
     let count = cuts.iter().map(|c| c.section + 1).max().unwrap_or(0);
     (0..count)

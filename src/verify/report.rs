@@ -1,4 +1,4 @@
-//! Everything that is told of a plunge program: what `plan` reports of the program that it writes, and `verify` of any.
+//! Report on a plunge program: of the one that `plan` writes, and of any that `verify` reads.
 
 use super::summary::{Floors, Summary, Travel};
 use super::{Fault, Verdict, verify};
@@ -8,26 +8,26 @@ use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::{PlungePlan, Position};
 use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 
-/// By how much plunges of two channels may differ to count as the same, mm: a program has six decimals.
+/// Tolerance within which plunges of two channels count as equal, mm: a program has six decimals.
 const SAME: f64 = 1e-5;
-/// Uncut share of the reachable floor from which on it is said.
+/// Uncut share of the reachable floor above which a note is added.
 const MUCH_UNCUT: f64 = 0.1;
 
-/// A plunge program, judged. Counts, lengths and times are of the whole program; figures of the floor are over all channels
-/// that it works in.
+/// A checked plunge program. Counts, lengths and times are of the whole program; figures of the floor are
+/// over all channels with cuts.
 #[derive(Clone, Debug)]
 pub struct PlungeReport {
-    /// Every cut measured, and everything that must not be.
+    /// The measured cuts, and all faults.
     pub verdict: Verdict,
-    /// The figures.
+    /// Figures of the whole program.
     pub summary: Summary,
-    /// Of each section of the verdict's plan.
+    /// Figures of each section of the verdict's plan.
     pub sections: Vec<Summary>,
-    /// What is no fault, but should be known.
+    /// Remarks that are not faults.
     pub notes: Vec<String>,
 }
 
-/// Judges `program` against `part` with the allowances of `setup`; the floor in `cells` × `cells`.
+/// Checks `program` against `part` with the allowances of `setup`; the floor has `cells` × `cells` cells.
 ///
 /// # Errors
 /// As [`verify`].
@@ -52,21 +52,20 @@ pub fn report_plunges(
     let sections = (0..plan.sections.len()).map(section).collect();
     let mut notes = Vec::new();
     if summary.uncut_share > MUCH_UNCUT {
-        notes.push(format!(
-            "much is left: {:.1} % of the reachable floor stays uncut",
-            100.0 * summary.uncut_share
-        ));
+        notes.push(format!("{:.1} % of the reachable floor stays uncut", 100.0 * summary.uncut_share));
     }
     Ok(PlungeReport { verdict, summary, sections, notes })
 }
 
-/// Heights of the floor after the program, and in how many channels they are like this.
+/// Heights of the floor after the program, once per group of equal channels, and the number of channels in
+/// the group.
 fn fields_of(part: &Impeller, verdict: &Verdict, grid: &FloorGrid) -> Vec<(Vec<f32>, usize)> {
     let mut numbers = verdict.turns.clone();
     numbers.sort_unstable();
     let counts: Vec<(i64, usize)> =
         numbers.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect();
-    // A few cuts over leaning blades seem to be in a neighbouring channel: the most used ones are those worked in.
+    // A few cuts over leaning blades are assigned to a neighbouring channel: only the channels with the most
+    // cuts count.
     let mut worked_in = counts.clone();
     worked_in.sort_by_key(|&(number, count)| (std::cmp::Reverse(count), number));
     worked_in.truncate(verdict.channels);
@@ -87,8 +86,8 @@ fn fields_of(part: &Impeller, verdict: &Verdict, grid: &FloorGrid) -> Vec<(Vec<f
     kinds.into_iter().map(field).collect()
 }
 
-/// The plunges that may reach the floor of the channel `number` pitches ahead of channel 1, turned into channel 1: its own,
-/// then those of its neighbours.
+/// The plunges that may reach the floor of the channel `number` pitches ahead of channel 1, rotated into
+/// channel 1: its own, then those of its neighbours.
 fn around(part: &Impeller, verdict: &Verdict, number: i64) -> Vec<Position> {
     let count = part.blade_count as i64;
     let mut found = Vec::new();
@@ -105,7 +104,7 @@ fn around(part: &Impeller, verdict: &Verdict, number: i64) -> Vec<Position> {
     found
 }
 
-/// Whether two lists of plunges are the same but for rounding.
+/// Whether two lists of plunges are equal except for rounding.
 fn same(a: &[Position], b: &[Position]) -> bool {
     a.len() == b.len()
         && a.iter().zip(b).all(|(a, b)| {

@@ -1,4 +1,4 @@
-//! The numbers that decide, of a whole plan or of one section of it.
+//! Key figures of a plan, or of one section of it.
 
 use crate::formats::apt::{ClProgram, Motion};
 use crate::plunge::choice::estimate::RAPID_FEED;
@@ -6,24 +6,25 @@ use crate::plunge::{PlungePlan, Position};
 use crate::residual::statistics::statistics_of_channels;
 use crate::residual::{FloorGrid, ResidualField};
 
-/// Numbers of one plan, or of one section of it (mm; NaN where there is nothing to measure).
+/// Key figures of a plan, or of one section of it (mm; NaN where there is nothing to measure).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Number of positions.
     pub positions: usize,
-    /// Positions whose core meets stock.
+    /// Interfering plunges: positions whose core meets stock.
     pub interferential: usize,
-    /// Deepest contact.
+    /// Deepest contact of a core with stock.
     pub max_contact_depth: f64,
-    /// Mean residual layer over the reachable floor that was cut.
+    /// Mean residual stock on the reachable floor that was cut.
     pub residual_mean: f64,
-    /// 95th percentile.
+    /// 95th percentile of the residual stock.
     pub residual_p95: f64,
-    /// Greatest.
+    /// Greatest residual stock.
     pub residual_max: f64,
     /// Share of the reachable floor that no position reaches.
     pub uncut_share: f64,
-    /// Share of the whole floor that is out of reach of every cutter; none of the figures of the layer include it.
+    /// Share of the whole floor that is inaccessible to every cutter; all other figures of the floor exclude
+    /// it.
     pub unreachable_share: f64,
     /// Least distance of the cutter to the finished hub.
     pub min_hub_clearance: f64,
@@ -33,39 +34,42 @@ pub struct Summary {
     pub min_retract_clearance: f64,
     /// Largest angle between neighbouring axes of a row, rad.
     pub max_axis_change: f64,
-    /// Length under plunge feed, mm.
+    /// Cutting length, mm.
     pub cut_length: f64,
-    /// Length in rapid, mm.
+    /// Rapid length, mm.
     pub rapid_length: f64,
-    /// Time from feeds, s: plunges and rapids at [`RAPID_FEED`]; tool changes and accelerations are left out.
+    /// Estimated time, s: cuts at their feed rates and rapids at [`RAPID_FEED`], without tool changes and
+    /// accelerations.
     pub time_estimate: f64,
-    /// Positions the blades block, those left out included.
+    /// Positions blocked by the blades, including those that were left out.
     pub blocked: usize,
 }
 
-/// What is left on the floors of some channels.
+/// Residual stock on the floors of several channels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Floors<'a> {
     /// The floor of a channel.
     pub grid: &'a FloorGrid,
-    /// Heights of its cells, and in how many channels they are like this.
+    /// Heights of its cells, and the number of channels that have them.
     pub heights: &'a [(&'a [f32], usize)],
 }
 
 impl Summary {
-    /// Of the whole plan.
+    /// Figures of the whole plan.
     pub fn of(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField) -> Self {
         let program = ClProgram::of_plan("", plan);
         Self::over(plan, &Floors { grid, heights: &[(&field.heights, 1)] }, &Travel::of(&program), None)
     }
 
-    /// Of section `index` of the plan: its positions, and the floor between its borders. Lengths and time are of the whole.
+    /// Figures of section `index` of the plan: its positions, and the floor between its borders. Lengths and
+    /// time are 0, as only those of the whole program are computed.
     pub fn of_section(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField, index: usize) -> Self {
         let floors = Floors { grid, heights: &[(&field.heights, 1)] };
         Self::over(plan, &floors, &Travel::default(), Some(index))
     }
 
-    /// Of a plan that was read from a program, or of one section of it; `floors` as the program leaves them.
+    /// Figures of a plan read from a program, or of one section of it; `floors` is the state after the
+    /// program.
     pub(super) fn over(plan: &PlungePlan, floors: &Floors, travel: &Travel, section: Option<usize>) -> Self {
         let ours = |p: &&Position| section.is_none_or(|s| p.section == s);
         let positions: Vec<&Position> = plan.positions.iter().filter(ours).collect();
@@ -101,22 +105,22 @@ impl Summary {
     }
 }
 
-/// Feed of a cut of which nobody says any, mm/min.
+/// Feed rate assumed for a cut without one, mm/min.
 const UNKNOWN_FEED: f64 = 300.0;
 
-/// The ways of a program. Tools come from nowhere: those to and from a tool change are left out.
+/// Lengths and time of the moves of a program, without those to and from a tool change.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Travel {
-    /// Under feed, mm.
+    /// Cutting length, mm.
     pub cut: f64,
-    /// In rapid, mm.
+    /// Rapid length, mm.
     pub rapid: f64,
-    /// s.
+    /// Estimated time, s.
     pub time: f64,
 }
 
 impl Travel {
-    /// Of all moves with a tool.
+    /// Sums of all moves with a tool.
     pub fn of(program: &ClProgram) -> Self {
         let mut travel = Self::default();
         for pair in program.moves.windows(2) {

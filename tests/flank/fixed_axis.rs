@@ -1,4 +1,4 @@
-//! Fixed axes of inner curves against brute force, on real parts.
+//! Fixed axes of inner passes, compared with brute force on real parts.
 
 use std::path::Path;
 
@@ -36,8 +36,8 @@ fn tool(diameter: f64, corner_radius: f64, overhang: f64) -> Tool {
     }
 }
 
-/// Contacts `height` mm above the hub's allowance where the corner of the tool clears the walls, `count` stations of up
-/// to `across` contacts.
+/// Contacts `height` mm above the hub's allowance where the corner of the tool clears the walls: `count`
+/// stations with up to `across` contacts each.
 fn stations(
     part: &Impeller,
     channel: &Channel,
@@ -70,7 +70,7 @@ fn stations(
         .collect()
 }
 
-/// Whether a cutter is free, by exact distances: blades, hub, and a holder that is twice as thick.
+/// Whether a cutter and a holder of twice its diameter clear blades, hub and stock, by exact distances.
 fn is_free(
     part: &Impeller,
     finished: &FinishedPart,
@@ -90,7 +90,7 @@ fn is_free(
         corner_radius: 0.0,
         ..*cutter
     };
-    // The end of the holder, in rings, against the layer in work and what is below.
+    // Samples the end face of the holder in rings against the stock of the current layer and below.
     let top = hub.project(Meridional::of(&contact.point)).1 + LIMITS.standing;
     let in_stock = |ring: usize, k: usize| {
         let circle = Circle::new(&holder.tip, &holder.axis, holder.radius * ring as f64 / 3.0);
@@ -106,7 +106,7 @@ fn is_free(
         && finished.hub_clearance(cutter) >= LIMITS.hub_allowance - 1e-4
 }
 
-/// The fewest runs with axes of a grid of directions `step` apart, by looking at all of them everywhere.
+/// The minimum number of runs with axes of a grid of directions `step`, rad, apart, by brute force.
 fn fewest_runs(
     part: &Impeller,
     channel: &Channel,
@@ -146,7 +146,7 @@ fn fewest_runs(
     runs
 }
 
-/// Every station is in one run or named, and every cutter of every run is free.
+/// Checks that every contact is in exactly one run or reported, and that every cutter of every run is free.
 fn check(
     part: &Impeller,
     channel: &Channel,
@@ -255,7 +255,7 @@ fn lifted_bottoms_stay_above_the_layer() {
 fn what_has_no_axis_is_named_with_its_reason() {
     let part = part_at("assets/parts/impeller9x9.toml");
     let channel = Channel::of(&part);
-    // The holder begins far below the tips of the blades, and is wider than the passage.
+    // The holder is wider than the passage and begins far below the blade tips.
     let tool = Tool { overhang: 9.0, ..tool(8.0, 4.0, 0.0) };
     let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + tool.corner_radius);
     let passage = &channel.beside_splitter[0];

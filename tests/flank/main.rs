@@ -1,4 +1,4 @@
-//! Flank plans of real and made parts: walls, floors, programs, and what `verify` says of them.
+//! Flank plans of real and synthetic parts: walls, floors, programs, and their check by `verify`.
 
 mod fixed_axis;
 mod plan;

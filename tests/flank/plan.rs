@@ -1,5 +1,5 @@
-//! The flank region planner's layers and curves against what they are defined by: geodesic distances found without
-//! geodesics, gaps found by looking, and the lengths the schemes are known for.
+//! Layers and passes of the flank planner, compared with their definitions: geodesic distances by length
+//! minimisation, gaps by dense sampling, and the published lengths of the strategies.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ fn sample(name: &str) -> Impeller {
     open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name))
 }
 
-/// The three parts of our own, and a real compressor where it is at hand.
+/// The three sample parts, and a real compressor from outside the repository where its file exists.
 fn parts() -> Vec<Impeller> {
     let mut parts: Vec<Impeller> =
         ["impeller532.toml", "impeller9x9.toml", "pump6.toml"].map(sample).into_iter().collect();
@@ -40,7 +40,7 @@ fn planned(part: &Impeller, setup: &Setup) -> Result<(FlankCurves, Tool), FlankE
     Ok((source.plan(&Monitor::default())?, chosen.tool))
 }
 
-/// Length of the shortest way over the layer between two places: a chain of points, pulled tight.
+/// Length of the shortest path over the layer between two points, mm: minimised over chains of points.
 fn shortest(layer: &Layer, a: LayerPoint, b: LayerPoint) -> f64 {
     const LINKS: usize = 24;
     let mut chain: Vec<LayerPoint> = (0..=LINKS).map(|k| a.lerp(b, k as f64 / LINKS as f64)).collect();
@@ -55,7 +55,7 @@ fn shortest(layer: &Layer, a: LayerPoint, b: LayerPoint) -> f64 {
             .sum::<f64>()
     };
     let mut best = length(&chain);
-    // Coordinate descent in y at even x (or in x where the way runs round), with steps that halve.
+    // Coordinate descent in y at even x (or in x where the path is circumferential), with halving steps.
     let across = (b.x - a.x).abs() < layer.radius(a.x).0 * (b.y - a.y).abs();
     let mut step = 0.02 * best.max(1.0) / if across { 1.0 } else { layer.radius(a.x).0 };
     while step > 1e-7 && pull > 0.0 {
@@ -98,7 +98,8 @@ fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
             offset.into_iter().filter(|p| (layer.from + 8.0..layer.to - 8.0).contains(&p.x)).collect();
         assert!(inside.len() > 10);
         for p in inside.iter().step_by(inside.len() / 4) {
-            // The nearest of dense places of the wall, by the straight way first and the pulled one then.
+            // The nearest points of a dense sampling of the wall: candidates by straight distance, then by
+            // path.
             let dense =
                 wall.points.windows(2).flat_map(|w| (0..8).map(move |k| w[0].lerp(w[1], f64::from(k) / 8.0)));
             let mut places: Vec<LayerPoint> = dense.collect();
@@ -127,7 +128,7 @@ fn a_chart_knows_distances_between_its_nodes() {
             if known > 12.0 || !known.is_finite() {
                 continue;
             }
-            // Near a wall the straight way is the geodesic, but for the spacing of the wall's points.
+            // Near a wall, the straight line is the geodesic, apart from the spacing of the wall's points.
             assert!(known <= straight + 0.02 && known > straight - 0.25, "{name:?}: {known} {straight}");
             looked += 1;
         }
@@ -158,7 +159,7 @@ fn balanced_curves_leave_no_wide_gap_and_no_more_length_than_seams_ask_for() {
         assert!(length <= 1.01 * bound, "{}: {length} mm, at most {bound}", part.name);
         let wide = curves.wide_share(FlankScheme::Balanced);
         assert!(wide < 1e-4, "{}: {wide} of the area is wide", part.name);
-        // The same look finds the gaps that the fans of both walls leave in the middle.
+        // The same measure finds the gaps that `regions` leaves in the middle between the fans of both walls.
         let fans = curves.wide_share(FlankScheme::Regions);
         assert!((0.005..0.1).contains(&fans), "{}: {fans} of the fans' area is wide", part.name);
     }
@@ -174,7 +175,8 @@ fn every_place_between_balanced_curves_is_near_one() {
         let layer = &found.layer;
         let borders = Borders::of(&part, &channel, layer, 20.0, tool.corner_radius).expect("walls");
         let chart = Chart::new(layer, &borders, clear, found.interval, 0.3, 0.0);
-        // Points of the curves an eighth of a millimetre apart, and places that are no nodes of the plan's chart.
+        // Points of the passes at most an eighth of a millimetre apart, and random points between the walls,
+        // which are not nodes of the plan's chart.
         let dense: Vec<LayerPoint> = found
             .curves
             .iter()
@@ -255,7 +257,7 @@ fn what_cannot_be_planned_is_said_in_a_line() {
     assert!(fault(&|s| s.flank.layer_depth = 0.0).contains("more than 0"));
     assert!(fault(&|s| s.flank.layer_depth = 40.0).contains("deeper than the channel"));
     assert!(fault(&|s| s.flank.layer_depth = 1e-9).contains("layers"));
-    assert!(fault(&|s| s.flank.allowed_error = 0.0).contains("between curves"));
+    assert!(fault(&|s| s.flank.allowed_error = 0.0).contains("stepover"));
     assert!(fault(&|s| s.flank.tool = Some(9999)).contains("9999"));
     assert!(fault(&|s| s.tools = vec![tool(60.0)]).contains("no cutter fits"));
     let thick = fault(&|s| {

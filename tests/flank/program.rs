@@ -1,4 +1,4 @@
-//! Whole flank plans, written and judged by `verify`, which knows nothing of how they were planned.
+//! Complete flank plans, written and checked by `verify`, which is independent of the planner.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ fn verify_finds_no_fault_in_the_programs() {
         let verdict = verify_flank(&outcome.part, &channel, &outcome.setup, &program).expect("judged");
         assert!(verdict.faults.is_empty(), "{name} {scheme:?}: {:?}", verdict.faults.first());
         if scheme == FlankScheme::Balanced {
-            // What is left is the ball's fillet beside the walls, not a gap between curves or beside a nose.
+            // Only the ball's fillet beside the walls remains, no gap between passes or beside a nose.
             assert!(verdict.uncovered.gap < 0.005, "{name}: {:?}", verdict.uncovered);
             assert!(verdict.max_undercut < 0.03, "{name}: {} mm left on a wall", verdict.max_undercut);
         }
@@ -61,7 +61,7 @@ fn a_program_cuts_from_the_top_down_and_flies_only_above() {
     assert_eq!(cuts.last(), Some(&0));
     assert_eq!(moves.first().map(|m| m.kind), Some(MoveKind::Rapid));
     assert_eq!(moves.last().map(|m| m.kind), Some(MoveKind::Rapid));
-    // A feed move never follows a flight without the way down.
+    // Between a rapid and a cut there is always an approach.
     for pair in moves.windows(2) {
         assert!(
             !(pair[0].kind == MoveKind::Rapid && pair[1].kind == MoveKind::Cut),
@@ -94,13 +94,13 @@ fn every_curve_has_one_feed_by_what_stands_beside_it() {
         at(1000.0),
         at(500.0)
     );
-    // The first curve of a layer has stock on both sides.
+    // The first pass of a layer has stock on both sides.
     for layer in 0..outcome.plan.curves.layers.len() {
         let first = cuts().find(|m| m.layer == layer && !m.wall).map(|m| m.feed);
         assert_eq!(first, Some(500.0), "layer {layer}");
     }
     assert!(moves.iter().any(|m| m.kind == MoveKind::Approach && m.feed == 200.0), "it ramps somewhere");
-    // Program and time follow.
+    // The program and its time use the same feed rates.
     let text = write_apt(&ClProgram::of_flank(&outcome.part.name, &outcome.plan.tool, moves));
     for feed in ["FEDRAT/1000", "FEDRAT/500", "FEDRAT/700", "FEDRAT/200"] {
         assert!(text.contains(feed), "{feed}");
@@ -131,7 +131,7 @@ fn a_flank_file_reads_back_and_damage_is_told() {
         assert!((a.tip - b.tip).norm() < 1e-5 && a.axis.angle(&b.axis) < 1e-6 && a.kind == b.kind);
         assert!((a.feed - b.feed).abs() < 1e-2, "{} {}", a.feed, b.feed);
     }
-    // Files of older versions have one feed.
+    // Files of older versions have one feed rate.
     let at = text.rfind(",\"feeds\":[").expect("feeds come last");
     let old = read_flank_bytes("f.json", format!("{}}}\n", &text[..at]).as_bytes()).expect("an older file");
     assert!(old.moves.iter().all(|m| m.kind == MoveKind::Rapid || m.feed == old.feed));

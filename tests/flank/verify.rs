@@ -1,4 +1,5 @@
-//! `verify` on made flank programs: good ones, and ones that gouge, collide, fly through stock, or leave strips.
+//! `verify` on synthetic flank programs: correct ones, and ones that gouge, collide, cross stock in rapid, or
+//! leave strips.
 
 use std::path::Path;
 
@@ -11,7 +12,7 @@ use vanecut::plunge::clearance::FinishedPart;
 use vanecut::plunge::slotting::DepthSurface;
 use vanecut::verify::{FaultKind, FlankVerdict, is_flank, verify_flank};
 
-/// Where the passes run, as s of the foot of the axis. Beyond the hub's ends cutters would sink.
+/// Range of the passes, as s of the foot of the axis: beyond the hub's ends, cutters would drop too low.
 const ALONG: std::ops::RangeInclusive<f64> = 0.0..=0.98;
 
 type Place = (Point, Vector);
@@ -21,13 +22,14 @@ struct Made {
     channel: Channel,
     tool: Tool,
     setup: Setup,
-    /// Along the walls, on the lowest layer.
+    /// Passes along the walls, on the lowest layer.
     walls: [Vec<Place>; 2],
-    /// Side by side between them.
+    /// Passes between them.
     inner: Vec<Vec<Place>>,
 }
 
-/// Passes of a ball over the floor of the impeller without splitters, two of them along the walls.
+/// Passes of a ball-end mill over the floor of the impeller without splitters: two along the walls, `inner`
+/// between them.
 fn made(inner: usize) -> Made {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller532.toml");
     let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
@@ -62,7 +64,7 @@ fn made(inner: usize) -> Made {
         let tip = |s: &WallStation| Some((s.tip?, s.axis));
         axes[wall].stations(0).iter().filter(|s| ALONG.contains(&s.s)).filter_map(tip).collect()
     });
-    // The axis of a wall at s, by the stations around it.
+    // Foot and axis at a wall for s, interpolated between stations.
     let at = |wall: usize, s: f64| {
         let stations = axes[wall].stations(0);
         let k = stations.partition_point(|x| x.s < s).clamp(1, stations.len() - 1);
@@ -86,8 +88,8 @@ fn made(inner: usize) -> Made {
 }
 
 impl Made {
-    /// A program of passes, each from above in rapid to its first place, and up again from its last; `change` may alter
-    /// the moves.
+    /// A program of passes, each with a rapid above its first position and from its last one; `change` may
+    /// modify the moves.
     fn program<'p>(
         &self,
         passes: impl IntoIterator<Item = &'p Vec<Place>>,
@@ -118,12 +120,12 @@ impl Made {
         ClProgram { part: self.part.name.clone(), tools: vec![tool], moves, ..ClProgram::default() }
     }
 
-    /// What `verify` says of the program as it is written to a file.
+    /// The verdict of `verify` on the written program.
     fn verdict(&self, program: &ClProgram) -> FlankVerdict {
         let read = read_apt_bytes("flank.apt", write_apt(program).as_bytes()).expect("readable");
         assert!(is_flank(&read), "a flank program");
         let verdict = verify_flank(&self.part, &self.channel, &self.setup, &read).expect("can be judged");
-        // These programs mill the whole depth at once, which is a fault of its own.
+        // These programs mill the full depth at once, which is a separate fault.
         let others = verdict.faults.iter().filter(|fault| fault.kind != FaultKind::TooDeep);
         FlankVerdict { faults: others.cloned().collect(), ..verdict }
     }
@@ -140,7 +142,7 @@ fn a_good_program_has_no_fault_and_leaves_the_fewer_strips_the_more_passes() {
     assert!(all.faults.is_empty(), "{:#?}", shown(&all));
     assert!(all.deepest_cut > 50.0, "one layer as deep as the channel: {} mm", all.deepest_cut);
     assert!(all.max_overcut < 1e-3, "{} mm over", all.max_overcut);
-    // The passes end a little short of the walls' ends.
+    // The passes end slightly before the ends of the walls.
     assert!(all.max_undercut > 0.0 && all.max_undercut < 0.3, "{} mm under", all.max_undercut);
     assert!((all.min_blade_clearance - 0.5).abs() < 1e-3, "{}", all.min_blade_clearance);
     assert!((all.min_hub_clearance - 0.5).abs() < 1e-3, "{}", all.min_hub_clearance);
@@ -149,7 +151,7 @@ fn a_good_program_has_no_fault_and_leaves_the_fewer_strips_the_more_passes() {
     assert!(all.uncovered.gap < 0.06, "{:?}", all.uncovered);
     assert!(half.uncovered.gap > all.uncovered.gap + 0.1, "{:?}", half.uncovered);
     assert!(none.uncovered.gap > half.uncovered.gap + 0.1, "{:?}", none.uncovered);
-    // Beside the walls the round of the ball leaves the same whatever is cut between them: a strip of up to a radius.
+    // Beside the walls, the ball leaves a fillet up to a radius wide, whatever is cut between them.
     assert!(all.uncovered.fillet > 0.05 && all.uncovered.fillet < 0.25, "{:?}", all.uncovered);
     assert!((half.uncovered.fillet - all.uncovered.fillet).abs() < 0.05, "{:?}", half.uncovered);
     assert!(all.uncovered.no_axis < 0.01, "{:?}", all.uncovered);
@@ -162,14 +164,14 @@ fn a_holder_that_comes_into_stock_is_found_and_one_above_cut_stock_is_not() {
         verdict.faults.iter().filter(|f| f.what.contains("holder") && f.what.contains(what)).count()
     };
     let middle: Vec<Place> = made.inner[15][60..140].to_vec();
-    // Far above the part: no fault of that kind.
+    // With a long cutter, the holder stays far above the part.
     let long = made.verdict(&made.program([&middle], |_| {}));
     assert_eq!(with_holder(&long, "stock"), 0, "{:#?}", shown(&long));
-    // In the middle of the channel the holder of the short cutter is clear of the blades, but not of the stock.
+    // In the middle of the channel, the holder of the short cutter clears the blades, but not the stock.
     made.tool.overhang = 25.0;
     let short = made.verdict(&made.program([&middle], |_| {}));
-    assert!(with_holder(&short, "stock that still stands") > 0, "{:#?}", shown(&short));
-    // After a long cutter has taken the channel out nothing is left to meet.
+    assert!(with_holder(&short, "remaining stock") > 0, "{:#?}", shown(&short));
+    // After a long cutter has cleared the channel, there is no stock to collide with.
     made.tool.overhang = 90.0;
     let mut program = made.program(made.walls.iter().chain(&made.inner), |_| {});
     made.tool.overhang = 25.0;
@@ -178,13 +180,13 @@ fn a_holder_that_comes_into_stock_is_found_and_one_above_cut_stock_is_not() {
     program.tools[1].number = 2;
     program.moves.extend(again.moves.into_iter().map(|m| Move { tool: Some(1), ..m }));
     let after = made.verdict(&program);
-    assert_eq!(with_holder(&after, "stock that still stands"), 0, "{:#?}", shown(&after));
+    assert_eq!(with_holder(&after, "remaining stock"), 0, "{:#?}", shown(&after));
 }
 
 #[test]
 fn gouges_are_found_also_between_positions() {
     let made = made(0);
-    // Moved into the wall by 0.1 mm at one place.
+    // One position moved into the wall by 0.1 mm.
     let deep = made.program(&made.walls[..1], |moves| {
         let k = moves.len() / 2;
         let along = (moves[k + 1].tip - moves[k - 1].tip).normalize();
@@ -196,8 +198,8 @@ fn gouges_are_found_also_between_positions() {
     let verdict = made.verdict(&deep);
     assert!((verdict.max_overcut - 0.1).abs() < 0.01, "{} mm over", verdict.max_overcut);
     assert!((1..=3).contains(&verdict.faults.len()), "{:#?}", shown(&verdict));
-    assert!(verdict.faults.iter().all(|f| f.what.contains("near a blade")), "{:#?}", shown(&verdict));
-    // Every position is good, but the straight way between them cuts the wall that bulges there.
+    assert!(verdict.faults.iter().all(|f| f.what.contains("mm of a blade")), "{:#?}", shown(&verdict));
+    // Every position is correct, but straight moves between distant ones cut the convex wall.
     let over: Vec<f64> = made
         .walls
         .iter()
@@ -207,7 +209,7 @@ fn gouges_are_found_also_between_positions() {
         })
         .collect();
     assert!(over.iter().copied().fold(0.0, f64::max) > 0.2, "{over:?}");
-    // Lowered into the hub.
+    // One position lowered into the hub's allowance.
     let low = made.program(&made.walls[..1], |moves| {
         let k = moves.len() / 2;
         let axis = moves[k].axis;
@@ -215,7 +217,7 @@ fn gouges_are_found_also_between_positions() {
     });
     let verdict = made.verdict(&low);
     assert!(verdict.min_hub_clearance < 0.35, "{}", verdict.min_hub_clearance);
-    assert!(verdict.faults.iter().any(|f| f.what.contains("near the hub")), "{:#?}", shown(&verdict));
+    assert!(verdict.faults.iter().any(|f| f.what.contains("mm of the hub")), "{:#?}", shown(&verdict));
 }
 
 #[test]
@@ -238,12 +240,12 @@ fn rapids_through_stock_are_found_and_those_through_cut_space_allowed() {
             moves[k + 1].motion = Motion::Rapid;
         })
     };
-    // In the first pass stock is there; in the second it is gone.
+    // The first pass still has stock; the second, along the same path, has none.
     let first = made.verdict(&rapid(0));
     assert!(first.faults.iter().any(|f| f.what.contains("rapid through stock")), "{:#?}", shown(&first));
     let second = made.verdict(&rapid(1));
     assert!(second.faults.is_empty(), "{:#?}", shown(&second));
-    // Straight down in rapid into uncut stock.
+    // A rapid straight down into uncut stock.
     let down = made.verdict(&made.program(passes.iter().copied().take(1), |moves| {
         let k = moves.len() / 2;
         let (tip, axis) = (moves[k].tip, moves[k].axis);
@@ -253,7 +255,7 @@ fn rapids_through_stock_are_found_and_those_through_cut_space_allowed() {
         *moves = begun;
     }));
     assert!(down.faults.iter().any(|f| f.what.contains("rapid through stock")), "{:#?}", shown(&down));
-    // Across, too near above the blank.
+    // A rapid across, too low.
     let low = made.verdict(&made.program(passes.iter().copied(), |moves| {
         let length = moves.len() / 2;
         let up = moves[length - 1].axis * 149.0;

@@ -1,4 +1,4 @@
-//! Flank milling of walls against brute force, on real parts.
+//! Flank milling of walls, compared with brute force on real parts.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use vanecut::part::{BladeSide, BladeWall, Channel, Impeller, Passage, Tool, Wall
 use vanecut::plunge::clearance::FinishedPart;
 use vanecut::plunge::slotting::DepthSurface;
 
-/// Blades through three sections, bowed.
+/// A part with bowed blades through three span sections.
 const BOWED: &str = "tests/cli/assess_bowed/part.toml";
 const ALLOWANCE: f64 = 0.5;
 const DEPTH: f64 = 3.0;
@@ -52,13 +52,13 @@ fn walls(channel: &Channel) -> Vec<(&Passage, usize)> {
     walls
 }
 
-/// The layers of a channel, `depth` mm each, hub first, running on beyond it.
+/// The layers of a channel, `depth` mm each, hub first, extrapolated beyond its ends.
 fn layers_of(part: &Impeller, depth: f64) -> Vec<MeridionalCurve> {
     let heights = (0..).map(|k| (depth * f64::from(k)).max(ALLOWANCE));
     heights.map_while(|height| Some(Layer::at_height(part, height)?.run_on(25.0, 0.5))).collect()
 }
 
-/// What a cutter rests on, on these layers.
+/// Drop-cutter surfaces of these layers.
 fn rests<'a>(layers: &'a [MeridionalCurve], tool: &Tool) -> Vec<DepthSurface<'a>> {
     layers.iter().map(|layer| DepthSurface::new(layer, tool.corner_radius)).collect()
 }
@@ -83,7 +83,7 @@ fn fitted(part: &Impeller, channel: &Channel, tool: &Tool, tolerance: f64) -> Ve
     fitted_on(part, channel, tool, tolerance, &rests(&layers, tool))
 }
 
-/// The positions of a cutter on one layer, with how far along the axis from its foot the tip is.
+/// The positions of a cutter on one layer, with the offset of the tip from the foot along the axis, mm.
 struct OnLayer<'a> {
     stations: &'a [WallStation],
     tips: Vec<Option<f64>>,
@@ -96,7 +96,8 @@ impl<'a> OnLayer<'a> {
         Self { stations, tips: stations.iter().map(tip).collect() }
     }
 
-    /// The cutter between a station and the next as a controller moves it; `None` where it misses the layer.
+    /// The cutter between a station and the next, interpolated as by a controller; `None` where it misses the
+    /// layer.
     fn between(&self, station: usize, share: f64, tool: &Tool) -> Option<CutterSolid> {
         let [a, b] = [station, station + 1].map(|k| &self.stations[k]);
         let [from, to] = [self.tips[station]?, self.tips[station + 1]?];
@@ -105,7 +106,7 @@ impl<'a> OnLayer<'a> {
         Some(tool.placed(tip, axis))
     }
 
-    /// Least distance of `point` from the sweep, by looking at very many places of it.
+    /// Minimum distance of `point` from the sweep, mm, by dense sampling.
     fn distance(&self, point: &Point, tool: &Tool) -> f64 {
         let last = (self.stations.len() - 1) as f64;
         let at = |t: f64| {
@@ -124,7 +125,7 @@ impl<'a> OnLayer<'a> {
     }
 }
 
-/// Every so many places of a map are looked at.
+/// Every STRIDE-th point of a map is checked.
 const STRIDE: usize = 83;
 
 #[test]
@@ -146,7 +147,7 @@ fn the_map_tells_what_a_dense_sweep_leaves() {
             );
             let mut on: Vec<OnLayer> = (0..count).map(|k| OnLayer::of(&axes, k)).collect();
             if axes.stations(0)[0].axis == axes.stations(1)[0].axis {
-                // All layers share their axes, which are judged as lines without end.
+                // All layers share their axes, which the map treats as infinite lines.
                 on.truncate(1);
                 on[0].tips.iter_mut().for_each(|tip| *tip = Some(-1e3));
             }
@@ -154,14 +155,16 @@ fn the_map_tells_what_a_dense_sweep_leaves() {
             for k in (0..map.deviation.len()).step_by(STRIDE) {
                 let (u, v) = (map.u[k / map.v.len()], map.v[k % map.v.len()]);
                 let point = side.point(u, v);
-                // Exactly 0 stands where only the corner of the cutter comes; next to that it is a matter of its lean.
+                // The deviation is 0 where only the corner of the cutter is; next to that it depends on the
+                // axis.
                 let (_, height) = part.hub.curve().project(Meridional::of(&point));
                 if map.deviation[k] == 0.0 || height < ALLOWANCE + 1.5 * cutter.corner_radius {
                     continue;
                 }
                 looked += 1;
                 let left = on.iter().map(|on| on.distance(&point, &cutter)).fold(f64::INFINITY, f64::min);
-                // Next to where the flank begins its round corner leaves a little more than a cylinder; a lower layer's cutter may take some of what is left above its strip; not all of that is looked at.
+                // The corner leaves slightly more than the cylinder next to the lower end of the flank, and
+                // the cutter of a lower layer may remove some stock above its strip. The map neglects both.
                 let off = map.deviation[k] - (left - ALLOWANCE);
                 assert!(
                     off > -3e-4 && off < 1e-3,
@@ -269,7 +272,7 @@ fn what_stands_in_the_way_is_named() {
     let part = part_at("assets/parts/impeller532.toml");
     let channel = Channel::of(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
-    // The passage is 12.5 mm wide at its narrowest.
+    // The narrowest width of the passage is 12.5 mm.
     let cutter = tool(16.0, 0.0);
     for axes in fitted(&part, &channel, &cutter, 0.005) {
         let stations = axes.stations(0);
@@ -312,7 +315,7 @@ fn cutters_of_all_shapes_come_to_rest_on_the_hub() {
     }
 }
 
-/// Distance of a line of the wall at height `v`, near `u`, from an axis.
+/// Distance of the wall's line at height `v`, near `u`, from an axis, mm.
 fn line_distance(side: &BladeSide, v: f64, u: f64, (foot, axis): (Point, Vector)) -> f64 {
     let at = |u: f64| {
         let d = side.point(u, v) - foot;
@@ -330,7 +333,7 @@ fn line_distance(side: &BladeSide, v: f64, u: f64, (foot, axis): (Point, Vector)
 
 #[test]
 fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
-    // One layer has to form the whole wall; of more, each its strip.
+    // A single layer forms the whole wall; of several, each forms its strip.
     for (name, diameter, depth) in [
         ("assets/parts/pump6.toml", 12.0, 100.0),
         ("assets/parts/pump6.toml", 12.0, 12.0),
@@ -343,7 +346,7 @@ fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
         let layers = layers_of(&part, depth);
         assert_eq!(layers.len() > 1, depth < 100.0, "{name}: {} layers", layers.len());
         let rests = rests(&layers, &cutter);
-        // Cut as deep as left: each axis is the best of its own.
+        // With this tolerance, overcut may equal undercut: each axis is the optimum of its station.
         let axes = fitted_on(&part, &channel, &cutter, 1.0, &rests);
         let walls = walls(&channel).into_iter().zip(axes);
         let ((passage, wall), axes) = walls.max_by(|a, b| a.1.forced.total_cmp(&b.1.forced)).expect("a wall");
@@ -354,7 +357,7 @@ fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
         assert_eq!(station.forced, axes.forced);
         let reach = cutter.radius() + ALLOWANCE;
         let height = (side.point(station.u, 1.0) - side.point(station.u, 0.0)).norm();
-        // Where the flank begins on a layer; above the tip where it does not.
+        // Height at which the flank begins on a layer; 1 where it does not.
         let begins = |layer: usize| {
             let centre = rests.get(layer).and_then(|rest| rest.tip(&cutter, &station.foot, &station.axis));
             let along = |p: Point| (p - station.foot).dot(&station.axis);
@@ -377,14 +380,14 @@ fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
-        // Lines around it, moved and tilted any way by some hundredths of a millimetre and less and less.
+        // Random search over lines around it, moved and tilted by amounts that shrink with the iterations.
         let mut best = ([0.0f64; 4], off((station.foot, station.axis)));
         let first = best.1;
         for round in 0..1500 {
             let size = 0.2 * (-f64::from(round) / 180.0).exp();
             let numbers = best.0.map(|x| x + size * random());
             let [a, b, c, d] = numbers;
-            // Far along the wall it would be another position.
+            // A line further along the wall would be another position.
             if (a * a + b * b).sqrt() > 0.3 {
                 continue;
             }

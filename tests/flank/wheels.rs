@@ -1,4 +1,5 @@
-//! Flank plans of wheels from other hands, and of one with overlapping blades: no program that `verify` faults.
+//! Flank plans of third-party wheels and of one with overlapping blades: `verify` finds no fault in their
+//! programs.
 
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
@@ -12,7 +13,8 @@ use vanecut::monitor::Monitor;
 use vanecut::part::{Channel, FlankScheme, Impeller, Setup, Tool};
 use vanecut::verify::{FlankVerdict, verify_flank};
 
-/// A pump with five nearly cylindrical blades that overlap far: their leading edges stand 70° from the meridian on a disc.
+/// A pump with five nearly cylindrical blades that overlap far: blade angles at the leading edge are 70° from
+/// the meridional direction, on a flat disc.
 const OVERLAPPING: &str = r#"
 name = "overlapping"
 blades = 5
@@ -49,7 +51,7 @@ fn planned(part: &Impeller, setup: Setup) -> FlankOutcome {
     FlankJob::default().run(&request, &Monitor::default()).expect("a plan")
 }
 
-/// What `verify` says of the written program.
+/// The verdict of `verify` on the written program.
 fn verdict(outcome: &FlankOutcome) -> FlankVerdict {
     let (part, plan) = (&outcome.part, &outcome.plan);
     let text = write_apt(&ClProgram::of_flank(&part.name, &plan.tool, &plan.moves));
@@ -57,12 +59,12 @@ fn verdict(outcome: &FlankOutcome) -> FlankVerdict {
     verify_flank(part, &Channel::of(part), &outcome.setup, &program).expect("can be judged")
 }
 
-/// The plan of [`overlapping`], made once.
+/// The plan of [`overlapping`], computed once.
 static OVERLAPPING_PLAN: LazyLock<FlankOutcome> = LazyLock::new(|| planned(&overlapping(), Setup::default()));
 
 #[test]
 fn no_program_is_written_that_verify_faults() {
-    // Fewer layers than a shop would take: what is at fault on one is on most.
+    // Fewer layers than in practice: a fault on one occurs on most.
     let mut few_layers = Setup::default();
     few_layers.flank.layer_depth = 6.0;
     for outcome in [&planned(&kj66(), few_layers), &*OVERLAPPING_PLAN] {
@@ -87,7 +89,7 @@ fn no_program_is_written_that_verify_faults() {
 fn the_mouth_between_overlapping_blades_is_covered() {
     let outcome = &*OVERLAPPING_PLAN;
     let of = |scheme: FlankScheme| outcome.plan.curves.totals[scheme as usize];
-    // The chart's nodes blur the ends of arcs round a nose.
+    // The chart does not resolve the ends of arcs around a nose.
     let gap = of(FlankScheme::Balanced).coverage.largest_gap;
     assert!(gap < 1.2, "{gap} intervals");
     assert!(of(FlankScheme::Layers).length <= of(FlankScheme::Isoparametric).length);

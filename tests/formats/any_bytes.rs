@@ -1,5 +1,5 @@
-//! No byte string makes a reader, or what comes right after it, panic or run long: random bytes, and
-//! valid files cut off, with bytes changed and with numbers replaced.
+//! No input makes a reader, or the code that uses its result, panic or run long: random bytes, and valid
+//! files that are cut off, with bytes changed and with numbers replaced.
 
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
@@ -73,7 +73,7 @@ to = 0.8
 feed = "inward"
 "#;
 
-/// The sample part, a plan of it, and both as files.
+/// Files of the sample part and of a plan of it.
 struct Samples {
     part: Impeller,
     setup: Setup,
@@ -159,10 +159,11 @@ fn geomturbo(part: &Impeller) -> String {
     text + "NI_END nirow\n"
 }
 
-/// `.inf`, hub, shroud and profiles.
+/// The `.inf`, hub, shroud and profile files of a part.
 fn turbogrid(part: &Impeller) -> [String; 4] {
-    let inf = "Axis of Rotation: Z\nNumber of Blade Sets: 7\nNumber of Blades Per Set: 2\nGeometry Units: MM\n\
-               Hub Data File: hub.curve\nShroud Data File: shroud.curve\nProfile Data File: profile.curve\n";
+    let inf = "Axis of Rotation: Z\nNumber of Blade Sets: 7\nNumber of Blades Per Set: 2\n\
+               Geometry Units: MM\nHub Data File: hub.curve\nShroud Data File: shroud.curve\n\
+               Profile Data File: profile.curve\n";
     let curve = |points: &Vec<Meridional>| -> String {
         points.iter().map(|p| format!("{:.6} 0.0 {:.6}\n", p.r, p.z)).collect()
     };
@@ -180,7 +181,7 @@ fn turbogrid(part: &Impeller) -> [String; 4] {
     [inf.to_owned(), curve(&hub), curve(&shroud), profile]
 }
 
-/// One change of a file.
+/// One random change of a file.
 #[derive(Clone, Debug)]
 enum Change {
     Byte(Index, u8),
@@ -218,7 +219,8 @@ const NUMBERS: [&str; 22] = [
 fn change() -> impl Strategy<Value = Change> {
     prop_oneof![
         3 => (any::<Index>(), any::<u8>()).prop_map(|(at, byte)| Change::Byte(at, byte)),
-        3 => (any::<Index>(), select(b"0123456789.-+e[], \n=\"".as_slice())).prop_map(|(at, b)| Change::Byte(at, b)),
+        3 => (any::<Index>(), select(b"0123456789.-+e[], \n=\"".as_slice()))
+            .prop_map(|(at, b)| Change::Byte(at, b)),
         8 => (any::<Index>(), select(NUMBERS.as_slice())).prop_map(|(at, number)| Change::Number(at, number)),
         2 => (any::<Index>(), 1u8..40).prop_map(|(at, count)| Change::Remove(at, count)),
         2 => (any::<Index>(), 1u8..60).prop_map(|(at, count)| Change::Repeat(at, count)),
@@ -230,11 +232,11 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
     vec(change(), 1..5)
 }
 
-/// Numbers that leave many files valid.
+/// Replacement numbers that leave many files valid.
 const MILD_NUMBERS: [&str; 14] =
     ["0.2", "0.4", "0.8", "1", "1.5", "3", "5", "9", "12", "18", "22", "27", "35", "42"];
 
-/// Few numbers replaced: changes that a part or a setup often survives.
+/// Up to two replaced numbers, after which a part or a setup is often still valid.
 fn new_numbers() -> impl Strategy<Value = Vec<Change>> {
     let number = prop_oneof![4 => select(MILD_NUMBERS.as_slice()), 1 => select(NUMBERS.as_slice())];
     vec((any::<Index>(), number).prop_map(|(at, number)| Change::Number(at, number)), 0..3)
@@ -290,7 +292,7 @@ fn changed(text: &str, changes: &[Change]) -> Vec<u8> {
     bytes
 }
 
-/// Everything that happens to a part before it is planned.
+/// Runs everything that is done with a part before planning.
 fn prepare(description: &PartDescription) {
     if let Ok(part) = Impeller::build(description) {
         let channel = Channel::of(&part);
@@ -304,7 +306,7 @@ fn part(bytes: &[u8], extension: &str) {
     }
 }
 
-/// A coarse plan of whatever the files hold.
+/// Makes a coarse plan if the files are valid.
 fn planned(part: &[u8], setup: &[u8]) {
     let Ok(Ok(part)) = read_part_bytes("a", part, "toml").map(|description| Impeller::build(&description))
     else {
@@ -336,7 +338,7 @@ fn soon(work: impl FnOnce()) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// As many cases as `PROPTEST_CASES` says, else 256.
+/// Number of cases: `PROPTEST_CASES`, else 256.
 fn cases() -> ProptestConfig {
     ProptestConfig { failure_persistence: None, max_shrink_iters: 200, ..ProptestConfig::default() }
 }
@@ -389,7 +391,7 @@ fn read_turbogrid(files: &[String; 4], which: usize, bytes: &[u8]) -> Option<Par
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases().cases / 16, ..cases() })]
 
-    // No time limit: small numbers may mean a long plan. Its length has a limit of its own.
+    // Without time limit: small numbers may give a long plan, and plans have their own size limit.
     #[test]
     fn changed_parts_planned(part_changes in new_numbers(), setup_changes in new_numbers()) {
         planned(&changed(PART, &part_changes), &changed(SETUP, &setup_changes));
@@ -411,7 +413,11 @@ proptest! {
     }
 
     #[test]
-    fn random_lines(lines in vec("(NI_BEGIN|NI_END|CHANNEL|nirow|XYZ|ZR|[+]?[0-9]{1,7}|GOTO/|CUTTER/|LOADTL/1|FEDRAT/|[0-9.,-]{1,9}|\\[\\[tool\\]\\]|\\[hub\\]|=| |\n){1,8}", 0..30)) {
+    fn random_lines(lines in vec(
+        "(NI_BEGIN|NI_END|CHANNEL|nirow|XYZ|ZR|[+]?[0-9]{1,7}|GOTO/|CUTTER/|LOADTL/1|FEDRAT/|[0-9.,-]{1,9}\
+         |\\[\\[tool\\]\\]|\\[hub\\]|=| |\n){1,8}",
+        0..30,
+    )) {
         let text = lines.join("\n");
         soon(|| {
             part(text.as_bytes(), "toml");

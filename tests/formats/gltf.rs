@@ -1,4 +1,4 @@
-//! glTF files: their structure, and the shapes in them.
+//! Written glTF files: their structure and shapes.
 
 mod file;
 mod plan;
@@ -54,7 +54,7 @@ fn the_blades_are_one_mesh_in_several_places() {
         assert_eq!(mesh_of(&format!("blade_{}", k + 1)), mesh_of("blade_1"));
         for (kind, solid) in [("blade", &shape.main), ("splitter", &shape.splitters[0])] {
             let (points, _) = file.placed(&format!("{kind}_{}", k + 1));
-            // Corners of the solid, turned by the pitch, upright, in metres: all of them, and no others.
+            // Exactly the corners of the solid, rotated by the pitch, Y up, in metres.
             let expected: Vec<[f64; 3]> = solid
                 .points
                 .iter()

@@ -1,4 +1,4 @@
-//! Broken, hostile and unusual glTF files: one clear line each, or the mesh that is meant.
+//! Broken, hostile and unusual glTF files give a one-line error each, or the intended mesh.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -13,10 +13,10 @@ use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{MeshOptions, NamedMesh};
 use vanecut::part::Impeller;
 
-/// Longest time that a small file may take.
+/// Time limit for reading a small file.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// Two triangles in one mesh on one node, with the buffer as a file of its own.
+/// Two triangles in one mesh on one node, with the buffer in a separate file.
 fn square() -> (Value, Vec<u8>) {
     let mut bytes: Vec<u8> = Vec::new();
     for x in [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0] {
@@ -79,7 +79,7 @@ type Edit = fn(&mut Value, &mut Vec<u8>);
 #[test]
 fn broken_files_are_refused_in_one_line() {
     let broken: [(&str, &str, Edit); 31] = [
-        ("no asset", "no glTF", |d, _| drop(d.as_object_mut().unwrap().remove("asset"))),
+        ("no asset", "not glTF", |d, _| drop(d.as_object_mut().unwrap().remove("asset"))),
         ("old version", "glTF `1.0`", |d, _| d["asset"]["version"] = json!("1.0")),
         ("cycle", "twice or below itself", |d, _| d["nodes"][0]["children"] = json!([0])),
         ("two parents", "twice or below itself", |d, _| d["scenes"][0]["nodes"] = json!([0, 0])),
@@ -100,7 +100,7 @@ fn broken_files_are_refused_in_one_line() {
         ("absurd count", "more than", |d, _| d["accessors"][0]["count"] = json!(u64::MAX)),
         ("offset overflows", "needs 4 elements", |d, _| d["accessors"][0]["byteOffset"] = json!(u64::MAX)),
         ("stride too short", "needs 4 elements", |d, _| d["bufferViews"][0]["byteStride"] = json!(4)),
-        ("negative count", "no glTF", |d, _| d["accessors"][0]["count"] = json!(-1)),
+        ("negative count", "not glTF", |d, _| d["accessors"][0]["count"] = json!(-1)),
         ("wrong type", "does not suit", |d, _| d["accessors"][0]["type"] = json!("VEC2")),
         ("unknown component", "does not suit", |d, _| d["accessors"][1]["componentType"] = json!(5126)),
         ("index out of range", "there are 4 corners", |_, b| b[48] = 200),
@@ -149,7 +149,7 @@ fn deep_graphs_and_long_lists_end() {
     is_clear(&edited(|d, _| d["nodes"] = json!(many)).unwrap_err());
     let nested = "[".repeat(200_000);
     is_clear(&read_meshes_bytes("a.gltf", format!("{{\"asset\":{nested}").as_bytes()).unwrap_err());
-    // Many nodes that show one mesh of many triangles.
+    // Many nodes that refer to one mesh.
     let crowd: Vec<Value> = vec![json!({ "mesh": 0 }); 20_000];
     let error = edited(|d, _| {
         d["nodes"] = json!(crowd);
@@ -203,7 +203,7 @@ fn unusual_meshes_are_read_as_meant() {
     };
     let plain = edited(|_, _| {}).unwrap();
     assert_eq!(plain[0].mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
-    // Strips turn every other triangle, fans share their first corner, lists need no indices.
+    // Strips reverse every other triangle, fans share their first corner, lists may omit indices.
     let strip = edited(|d, b| {
         d["meshes"][0]["primitives"][0]["mode"] = json!(5);
         d["accessors"][1]["count"] = json!(4);
@@ -226,11 +226,11 @@ fn unusual_meshes_are_read_as_meant() {
         });
         assert_eq!(corners(&read.unwrap()), corners(&plain));
     }
-    // A mirror turns the triangles over, so that they still face outwards.
+    // A mirrored transform reverses the triangles, so that they still face outwards.
     let mirrored = edited(|d, _| d["nodes"][0]["scale"] = json!([-1, 2, 1])).unwrap();
     assert_eq!(mirrored[0].mesh.triangles, [[0, 2, 1], [0, 3, 2]]);
     assert_eq!(mirrored[0].mesh.points[2].coords.as_slice(), [-1.0, 2.0, 0.0]);
-    // Sparse values replace those of the view.
+    // Sparse values replace those of the buffer view.
     let sparse = edited(|d, b| {
         b.extend([2, 0, 0, 0]);
         b.extend([5.0f32, 6.0, 7.0].iter().flat_map(|x| x.to_le_bytes()));
@@ -243,7 +243,7 @@ fn unusual_meshes_are_read_as_meant() {
         });
     });
     assert_eq!(sparse.unwrap()[0].mesh.points[2].coords.as_slice(), [5.0, 6.0, 7.0]);
-    // Instances, under a node that is moved itself.
+    // Instances of a node that has a transform itself.
     let instanced = edited(|d, _| {
         d["nodes"] = json!([{ "mesh": 0, "name": "hub", "translation": [0, 0, 1], "extensions": {
             "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0 } }
@@ -254,7 +254,7 @@ fn unusual_meshes_are_read_as_meant() {
     assert_eq!(instanced[2].mesh.points[0].coords.as_slice(), [1.0, 1.0, 1.0]);
 }
 
-/// A small wheel as a file.
+/// A small wheel as a `.glb` file.
 static WHEEL: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller9x9.toml");
     let part = Impeller::build(&read_part(&path).unwrap()).unwrap();
@@ -279,10 +279,14 @@ fn the_wheel_is_valid() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, max_shrink_iters: 50, cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        failure_persistence: None, max_shrink_iters: 50, cases: 48, ..ProptestConfig::default()
+    })]
 
     #[test]
-    fn changed_bytes(changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), in_json in any::<bool>()) {
+    fn changed_bytes(
+        changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), in_json in any::<bool>(),
+    ) {
         let mut bytes = WHEEL.clone();
         let json = u32::from_le_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]) as usize;
         for (at, to) in changes {
@@ -293,13 +297,18 @@ proptest! {
     }
 
     #[test]
-    fn changed_numbers(at in any::<prop::sample::Index>(), to in prop_oneof![Just("0"), Just("99999999999"), Just("1e999"), Just("-1"), Just("7")]) {
-        // A number of the JSON becomes another one.
+    fn changed_numbers(
+        at in any::<prop::sample::Index>(),
+        to in prop_oneof![Just("0"), Just("99999999999"), Just("1e999"), Just("-1"), Just("7")],
+    ) {
+        // One number of the JSON is replaced.
         let json = u32::from_le_bytes([WHEEL[12], WHEEL[13], WHEEL[14], WHEEL[15]]) as usize;
         let text = std::str::from_utf8(&WHEEL[20..20 + json]).unwrap();
         let starts: Vec<usize> = text
             .char_indices()
-            .filter(|(i, c)| c.is_ascii_digit() && !text[..*i].ends_with(|c: char| c.is_ascii_digit() || c == '.'))
+            .filter(|(i, c)| {
+                c.is_ascii_digit() && !text[..*i].ends_with(|c: char| c.is_ascii_digit() || c == '.')
+            })
             .map(|(i, _)| i)
             .collect();
         let start = starts[at.index(starts.len())];

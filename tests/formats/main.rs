@@ -1,4 +1,4 @@
-//! Files: what is read from them, what is written, and what becomes of faulty ones.
+//! Files: reading, writing, and errors of invalid files.
 
 mod any_bytes;
 mod gltf;

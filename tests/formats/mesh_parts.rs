@@ -1,4 +1,4 @@
-//! Parts that went through triangles are the parts they were.
+//! Parts that are converted to triangles and back stay the same.
 
 mod body;
 mod faults;
@@ -27,7 +27,7 @@ fn named(name: String, node: usize, mesh: TriangleMesh) -> NamedMesh {
     NamedMesh { name, other_names: Vec::new(), node, instance: 0, mesh }
 }
 
-/// Hub, shroud and all blades of a part, each in a mesh of its own, mm.
+/// Hub, shroud and all blades of a part, each as a separate mesh, mm.
 fn separate(part: &Impeller) -> Vec<NamedMesh> {
     let t = Tessellation::new(part, &Fineness::default());
     let mut meshes = vec![named("Hub".into(), 0, t.hub.mesh()), named("Shroud".into(), 1, t.shroud.mesh())];
@@ -45,7 +45,7 @@ fn separate(part: &Impeller) -> Vec<NamedMesh> {
     meshes
 }
 
-/// What has to be said of bare triangles of a part: the sample parts turn against the wrap of their blades.
+/// Options needed for triangles without metadata: the sample parts turn against the wrap of their blades.
 fn turning(part: &Impeller) -> MeshOptions {
     MeshOptions { rotation: Some(part.rotation()), ..MeshOptions::default() }
 }
@@ -55,19 +55,19 @@ fn back(meshes: Vec<NamedMesh>, options: &MeshOptions) -> Impeller {
     Impeller::build(&description).expect("an impeller")
 }
 
-/// The part as its own writer's file.
+/// The part as a `.glb` file of `GltfScene`.
 fn glb(part: &Impeller, fineness: &Fineness) -> Vec<u8> {
     GltfScene::of_part(part, &Tessellation::new(part, fineness)).glb()
 }
 
-/// The part as its own writer's file, read back.
+/// The part written as `.glb` and read back.
 fn through_glb(part: &Impeller) -> Impeller {
     let bytes = glb(part, &Fineness::default());
     Impeller::build(&read_part_bytes("back.glb", &bytes, "glb").expect("readable")).expect("an impeller")
 }
 
-/// Largest distance of points of `a` from the blade `b`, mm; half of the points on the first tenth, the nose, where
-/// both sides may part at different lines.
+/// Largest distance of points of `a` from the blade `b`, mm; half of the points are on the first tenth, at
+/// the nose, where the sides of the two blades may begin at different lines.
 fn off(a: &BladeSide, b: &Blade) -> f64 {
     let probes = [&b.suction, &b.pressure].map(|side| SideProbe::new(side, 0.0, 1.0));
     let mut worst: f64 = 0.0;
@@ -83,7 +83,7 @@ fn off(a: &BladeSide, b: &Blade) -> f64 {
     worst
 }
 
-/// Both parts have the same surfaces within `tolerance` mm, and the same blades.
+/// Checks that both parts have the same surfaces within `tolerance` mm, and the same blades.
 fn same(one: &Impeller, other: &Impeller, tolerance: f64) {
     assert_eq!(one.blade_count, other.blade_count);
     assert_eq!(one.splitters.len(), other.splitters.len());
@@ -112,7 +112,7 @@ fn same(one: &Impeller, other: &Impeller, tolerance: f64) {
     }
 }
 
-/// Both sides of every blade part at the same line of the nose: what is measured from there is the same.
+/// Checks that the sides of every blade begin at the same line of the nose in both parts.
 fn same_leading_edges(one: &Impeller, other: &Impeller) {
     for (a, b) in std::iter::once((&one.main, &other.main)).chain(one.splitters.iter().zip(&other.splitters))
     {
@@ -131,12 +131,12 @@ fn own_files_give_the_part_back() {
         same(&part, &again, 0.02);
         same_leading_edges(&part, &again);
         assert!((part.pitch() - again.pitch()).abs() < 1e-12, "{name}: the suction side is the same one");
-        // All three are ruled, and known to be so again.
+        // All three are ruled, and are recognised as ruled after reading.
         assert!(again.main.suction.is_ruled() && again.main.pressure.is_ruled(), "{name}");
     }
 }
 
-/// A compressor that is not of this project, where it is at hand.
+/// A compressor from outside the repository, if available.
 fn compressor() -> Option<Impeller> {
     let path =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/cc_autoblade/cc_autoblade.geomTurbo");
@@ -174,7 +174,7 @@ fn bare_triangles_tell_the_sides_by_the_blades_wrap() {
         assert!(again.notes.is_empty(), "{name}: {:?}", again.notes);
         for rotation in Rotation::ALL {
             let options = MeshOptions { rotation: Some(rotation), ..MeshOptions::default() };
-            assert_eq!(back(separate(&part), &options).rotation(), rotation, "{name}: as it is told");
+            assert_eq!(back(separate(&part), &options).rotation(), rotation, "{name}: as given");
         }
     }
 }
@@ -199,7 +199,7 @@ fn blades_that_hardly_wrap_are_asked_about() {
     let again = back(separate(&part), &MeshOptions::default());
     let note = again.notes.first().expect("a word about it");
     assert!(note.contains("--rotation") && !note.contains('\n'), "{note}");
-    assert!(back(separate(&part), &turning(&part)).notes.is_empty(), "no doubt once it is told");
+    assert!(back(separate(&part), &turning(&part)).notes.is_empty(), "no note if the rotation is given");
 }
 
 const SAMPLES: [&str; 3] = ["impeller532.toml", "impeller9x9.toml", "pump6.toml"];
@@ -215,8 +215,8 @@ fn planned(part: &Impeller, policy: AxisPolicy) -> PolicyResult {
     run(&request, &Monitor::default()).expect("a plan").after
 }
 
-/// Greatest distance of tips (mm) and angle of axes (degrees) between positions at the same places of the same rows, and
-/// the number of positions that only one of both plans has.
+/// Largest distance of tips (mm) and largest angle between axes (degrees) of matching plunges (same row and
+/// s), and the number of plunges that only one of the plans has.
 fn differences(a: &PlungePlan, b: &PlungePlan) -> (f64, f64, usize) {
     let at =
         |p: &Position, q: &Position| (p.section, p.row) == (q.section, q.row) && (p.s - q.s).abs() < 5e-4;
@@ -231,7 +231,7 @@ fn differences(a: &PlungePlan, b: &PlungePlan) -> (f64, f64, usize) {
     (moved, turned, a.positions.len() + b.positions.len() - 2 * met)
 }
 
-/// What a plan by `policy` of a part that went through its file differs in; see [`differences`].
+/// [`differences`] of the plans by `policy` of a part before and after writing and reading.
 fn changes(part: &Impeller, policy: AxisPolicy) -> (f64, f64, usize) {
     let [a, b] = [part, &through_glb(part)].map(|part| planned(part, policy).plan);
     let (moved, turned, alone) = differences(&a, &b);
@@ -253,7 +253,7 @@ fn plans_of_own_files_stay_the_same() {
 
 #[test]
 fn minimal_plans_of_own_files_leave_as_much() {
-    // A search takes another turn at the slightest change; what it comes to stays.
+    // The search may take another path after the smallest change; only its result is comparable.
     for name in ["impeller532.toml", "pump6.toml"] {
         let part = sample(name);
         let (a, b) = (planned(&part, AxisPolicy::Minimal), planned(&through_glb(&part), AxisPolicy::Minimal));
@@ -290,7 +290,7 @@ fn fillets_belong_to_neither_hub_nor_blade() {
         let body = Body { fillet: radius, ..Body::default() }.of(&part);
         println!("{name}, fillets of {radius} mm");
         same(&part, &back(vec![named("Solid1".into(), 0, body.whole())], &turning(&part)), 0.05);
-        // Fillets as part of the blades, or of the hub.
+        // Fillets as part of the blades or of the hub.
         for with_blades in [true, false] {
             let (hub, blades) = body.separate(with_blades);
             let mut meshes = vec![named("hub".into(), 0, hub)];
@@ -319,7 +319,7 @@ fn a_body_whose_blades_hang_together_is_refused_with_what_to_separate() {
         .map(|_| ())
         .unwrap_err()
         .to_string();
-    assert!(error.contains("hangs together") && error.contains("meshes of their own"), "{error}");
+    assert!(error.contains("connected with each other") && error.contains("separate meshes"), "{error}");
 }
 
 #[test]
@@ -374,7 +374,7 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
         Impeller::build(&describe("back", meshes, Unit::Metre, options).expect("a part"))
             .expect("an impeller")
     };
-    // Along x and along an odd axis beside the origin.
+    // Rotation axis along x, and along an oblique axis off the origin.
     same(&part, &build(metres(&|p| Point::new(p.z, p.x, p.y)), &turning(&part)), 0.02);
     let odd = Rotation3::from_euler_angles(0.3, 0.8, -0.4);
     let tilted = build(metres(&|p| odd * p + Vector::new(0.1, 0.2, -0.05)), &MeshOptions::default());
@@ -385,7 +385,7 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
     assert!(huge.to_string().contains("--unit mm"), "{huge}");
     let options = MeshOptions { unit: Some(Unit::Millimetre), ..turning(&part) };
     same(&part, &build(separate(&part), &options), 0.02);
-    // Names that tell nothing.
+    // Names that do not indicate roles.
     let mut meshes = separate(&part);
     for (k, m) in meshes.iter_mut().enumerate() {
         m.name = format!("Body{k}");

@@ -1,4 +1,4 @@
-//! The sample parts have the dimensions they claim.
+//! The sample parts have their documented dimensions.
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
-//! Readers and writers on whole files: real parts where they are at hand, and damaged input of
-//! every format.
+//! Readers and writers on whole files: real parts if available, and damaged input of every format.
 
 use std::path::PathBuf;
 
@@ -10,11 +9,11 @@ use vanecut::formats::{
 use vanecut::geometry::Point;
 use vanecut::part::{BladeDescription, CurveDescription, PartDescription};
 
-/// A real part beside the project, where it is at hand.
+/// A real part from outside the repository, if available.
 fn sample(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
     if !path.exists() {
-        println!("skipped: {name} is not at hand");
+        println!("skipped: {name} is not available");
         return None;
     }
     Some(path)
@@ -64,8 +63,8 @@ fn turn(a: Point, b: Point) -> f64 {
     (a.x * b.y - a.y * b.x).atan2(a.x * b.x + a.y * b.y)
 }
 
-/// The pressure side leads when the wheel turns against the wrap of its blades: the rule by which
-/// TurboGrid loops, which do not name their sides, are split, held against a file that names them.
+/// The pressure side leads when the wheel turns against the wrap of its blades. TurboGrid loops, which do
+/// not name their sides, are split by this rule; it is checked against a file that names them.
 #[test]
 fn named_sides_agree_with_the_wrap() {
     let Some(path) = sample("cc_autoblade/cc_autoblade.geomTurbo") else { return };
@@ -95,7 +94,7 @@ fn axial_turbogrid_set() {
         let chord = |side: &[Point]| (side[0] - side[side.len() - 1]).norm();
         assert!((chord(s) - chord(p)).abs() < 1.0, "both sides end at the trailing edge");
         assert!(chord(s) > 50.0 && s[s.len() - 1].z > s[0].z + 20.0, "{} → {}", s[0], s[s.len() - 1]);
-        // The suction side of a compressor blade is the longer way round.
+        // The suction side of a compressor blade is the longer side.
         let length = |side: &[Point]| side.windows(2).map(|p| (p[1] - p[0]).norm()).sum::<f64>();
         println!("suction {:.3} pressure {:.3} chord {:.3}", length(s), length(p), chord(s));
         assert!(length(s) > length(p), "suction {} pressure {}", length(s), length(p));
@@ -129,26 +128,31 @@ angle = [[0.0, 50.0]]
 thickness = [[0.0, 1.0]]
 "#;
 
-const GEOMTURBO: &str = "UNITS Meters\nNI_BEGIN CHANNEL\nNI_BEGIN basic_curve\nNAME h\nNI_BEGIN zrcurve\nZR\n2\n0 .02\n.02 .05\n\
-NI_END zrcurve\nNI_END basic_curve\nNI_BEGIN channel_curve hub\nVERTEX CURVE_P h 0\nVERTEX CURVE_P h 1\nNI_END channel_curve hub\n\
-NI_BEGIN channel_curve shroud\nVERTEX CURVE_P h 1\nVERTEX CURVE_P h 0\nNI_END channel_curve shroud\nNI_END CHANNEL\nNI_BEGIN nirow\n\
-PERIODICITY 5\nNI_BEGIN NIBlade\nNI_BEGIN nibladegeometry\nsuction\nSECTIONAL\n2\nXYZ\n2\n0 0 0\n0 1 1\nZRTH\n2\n1 1 0\n2 2 1\n\
-pressure\nSECTIONAL\n2\nXYZ\n2\n0 0 0\n0 1 1\nXYZ\n2\n0 0 0\n0 1 1\nNI_END nibladegeometry\nNI_END NIBlade\nNI_END nirow\n";
+const GEOMTURBO: &str = "UNITS Meters\nNI_BEGIN CHANNEL\n\
+NI_BEGIN basic_curve\nNAME h\nNI_BEGIN zrcurve\nZR\n2\n0 .02\n.02 .05\nNI_END zrcurve\nNI_END basic_curve\n\
+NI_BEGIN channel_curve hub\nVERTEX CURVE_P h 0\nVERTEX CURVE_P h 1\nNI_END channel_curve hub\n\
+NI_BEGIN channel_curve shroud\nVERTEX CURVE_P h 1\nVERTEX CURVE_P h 0\nNI_END channel_curve shroud\n\
+NI_END CHANNEL\nNI_BEGIN nirow\nPERIODICITY 5\nNI_BEGIN NIBlade\nNI_BEGIN nibladegeometry\n\
+suction\nSECTIONAL\n2\nXYZ\n2\n0 0 0\n0 1 1\nZRTH\n2\n1 1 0\n2 2 1\n\
+pressure\nSECTIONAL\n2\nXYZ\n2\n0 0 0\n0 1 1\nXYZ\n2\n0 0 0\n0 1 1\n\
+NI_END nibladegeometry\nNI_END NIBlade\nNI_END nirow\n";
 
-const SETUP: &str = "part = \"x\"\n[stock]\nhub_allowance = 0.5\n[[tool]]\ndiameter = 30.0\n[plunge]\naxis = \"monotone\"\n\
-max_tilt = 40\n[[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.6\nfeed = \"inward\"\n[flank]\ntool = 4\n";
+const SETUP: &str = "part = \"x\"\n[stock]\nhub_allowance = 0.5\n[[tool]]\ndiameter = 30.0\n\
+[plunge]\naxis = \"monotone\"\nmax_tilt = 40\n\
+[[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.6\nfeed = \"inward\"\n[flank]\ntool = 4\n";
 
-const APT: &str = "PARTNO x\nUNITS/INCHES\nTLDATA/MILL,16.,0.8,75.,0.,0.\nLOAD/TOOL,3\nPPRINT/INSERT WIDTH 3 5.0\nMULTAX/ON\n\
-FROM/0,0,9\nRAPID\nGOTO/1,2,3,$\n0.6,0,0.8 $$ x\nFEDRAT/MMPM,150.\nGODLTA/-1\nLOADTL/1,LENGTH,120.\n$$-> CUTTER / 3.0\nGOTO/1,2,3\nFINI\n";
+const APT: &str = "PARTNO x\nUNITS/INCHES\nTLDATA/MILL,16.,0.8,75.,0.,0.\nLOAD/TOOL,3\n\
+PPRINT/INSERT WIDTH 3 5.0\nMULTAX/ON\nFROM/0,0,9\nRAPID\nGOTO/1,2,3,$\n0.6,0,0.8 $$ x\nFEDRAT/MMPM,150.\n\
+GODLTA/-1\nLOADTL/1,LENGTH,120.\n$$-> CUTTER / 3.0\nGOTO/1,2,3\nFINI\n";
 
-const INF: &str = "! x\nAxis of Rotation: Z\nNumber of Blade Sets: 9\nGeometry Units: CM\nHub Data File: c.curve\n\
-Shroud Data File: c.curve\nProfile Data File: p.curve\n";
+const INF: &str = "! x\nAxis of Rotation: Z\nNumber of Blade Sets: 9\nGeometry Units: CM\n\
+Hub Data File: c.curve\nShroud Data File: c.curve\nProfile Data File: p.curve\n";
 const CURVE: &str = "2 0 0\n0 3 2\n5 0 3\n";
-const PROFILE: &str = "## Main\n# Profile 1 at 0%\n2 0 0 le\n3 -1 1\n5 -3 2 te1\n5 -2.9 2 te2\n3 -.8 1\n2 0 0\n\
-# Profile 2 at 100%\n2 0 1\n3 -1 2\n5 -3 3\n5 -2.9 3\n3 -.8 2\n2 0 1\n";
+const PROFILE: &str = "## Main\n# Profile 1 at 0%\n2 0 0 le\n3 -1 1\n5 -3 2 te1\n5 -2.9 2 te2\n\
+3 -.8 1\n2 0 0\n# Profile 2 at 100%\n2 0 1\n3 -1 2\n5 -3 3\n5 -2.9 3\n3 -.8 2\n2 0 1\n";
 
 type Reader = fn(&[u8]) -> Result<(), InputError>;
-/// Every reader of one file, with a valid sample of its format.
+/// Every reader of a single file, with a valid sample of its format.
 const READERS: [(&str, Reader); 4] = [
     (NATIVE, |bytes| read_part_bytes("a.toml", bytes, "toml").map(drop)),
     (GEOMTURBO, |bytes| read_part_bytes("a.geomTurbo", bytes, "geomTurbo").map(drop)),
@@ -156,7 +160,7 @@ const READERS: [(&str, Reader); 4] = [
     (APT, |bytes| read_apt_bytes("a.apt", bytes).map(drop)),
 ];
 
-/// A TurboGrid set of these three files.
+/// Reads a TurboGrid set of these three files.
 fn read_set(inf: &[u8], curve: &[u8], profile: &[u8]) -> Result<(), InputError> {
     let folder = tempfile::tempdir().expect("a folder for the test's files");
     for (name, bytes) in [("a.inf", inf), ("c.curve", curve), ("p.curve", profile)] {
@@ -191,7 +195,7 @@ fn every_truncation_is_answered() {
     }
 }
 
-/// Numbers and signs that break readers.
+/// Numbers and characters that are likely to break readers.
 const HARMFUL: [&str; 12] = [
     "nan",
     "inf",
@@ -207,7 +211,7 @@ const HARMFUL: [&str; 12] = [
     "0x",
 ];
 
-/// A sample with some bytes turned, pieces replaced by harmful ones, lines doubled or left out.
+/// A sample with bytes changed, pieces replaced by harmful ones, repeated or removed.
 fn mutated(sample: &'static str) -> impl Strategy<Value = Vec<u8>> {
     let edit = (0..4_u8, any::<prop::sample::Index>(), any::<u8>());
     prop::collection::vec(edit, 1..6).prop_map(move |edits| {
@@ -251,7 +255,10 @@ proptest! {
     }
 
     #[test]
-    fn damaged_files_are_answered(native in mutated(NATIVE), geomturbo in mutated(GEOMTURBO), setup in mutated(SETUP), apt in mutated(APT)) {
+    fn damaged_files_are_answered(
+        native in mutated(NATIVE), geomturbo in mutated(GEOMTURBO),
+        setup in mutated(SETUP), apt in mutated(APT),
+    ) {
         for ((_, read), bytes) in READERS.iter().zip([native, geomturbo, setup, apt]) {
             check(read(&bytes));
         }
@@ -262,8 +269,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
-    fn damaged_sets_are_answered(inf in mutated(INF), curve in mutated(CURVE), profile in mutated(PROFILE), which in 0..3) {
-        let pick = |k: i32, bytes: &[u8], good: &str| if which == k { bytes.to_vec() } else { good.as_bytes().to_vec() };
+    fn damaged_sets_are_answered(
+        inf in mutated(INF), curve in mutated(CURVE), profile in mutated(PROFILE), which in 0..3,
+    ) {
+        let pick = |k: i32, bytes: &[u8], good: &str| {
+            if which == k { bytes.to_vec() } else { good.as_bytes().to_vec() }
+        };
         check(read_set(&pick(0, &inf, INF), &pick(1, &curve, CURVE), &pick(2, &profile, PROFILE)));
     }
 }

@@ -22,7 +22,7 @@ fn at(chord_error: f64) -> Fineness {
     Fineness { chord_error, ..Fineness::default() }
 }
 
-/// How often each edge is passed, forwards and backwards.
+/// Number of times each edge occurs, forwards and backwards.
 fn passes(mesh: &TriangleMesh) -> HashMap<(u32, u32), (u32, u32)> {
     let mut passes: HashMap<(u32, u32), (u32, u32)> = HashMap::new();
     for &[a, b, c] in &mesh.triangles {
@@ -87,7 +87,7 @@ fn corners_lie_on_the_surfaces_and_triangles_within_the_chord_error() {
     }
 }
 
-/// Checks corners and places all over the triangles of every face whose true surface the part knows.
+/// Checks corners, and points all over the triangles, of every face whose exact surface the part has.
 fn measure(
     part: &Impeller,
     solid: &Solid,
@@ -104,11 +104,11 @@ fn measure(
             FaceKind::Shroud | FaceKind::Tip => Some(revolved(part.shroud.curve(), p)),
             FaceKind::Suction => probes.as_ref().map(|probes| probes[0].nearest_to_point(p).distance.abs()),
             FaceKind::Pressure => probes.as_ref().map(|probes| probes[1].nearest_to_point(p).distance.abs()),
-            // Rings about the axis, and edges that are straight from side to side.
+            // Rings about the axis, and edges that are straight between the sides.
             FaceKind::Body | FaceKind::LeadingEdge | FaceKind::TrailingEdge => None,
         };
-        // Sides are trimmed to hub and shroud at the points of their sections, and foot and tip end with them; the
-        // probe of a side is no more exact than that about a nose.
+        // Sides are trimmed to hub and shroud at the points of their sections, and foot and tip end with
+        // them; near a nose, the probe of a side has the same accuracy.
         let exact = if matches!(face.kind, FaceKind::Hub | FaceKind::Shroud) { 1e-9 } else { 1e-3 };
         for corner in &face.corners {
             let off = distance(&solid.points[corner.point as usize]).unwrap_or(0.0);

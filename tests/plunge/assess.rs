@@ -1,4 +1,4 @@
-//! Machinability: reference values of a real compressor, and parts whose answers are known.
+//! Machinability: reference values of a real compressor, and parts with known values.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ fn sample(name: &str) -> Impeller {
     open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name))
 }
 
-/// A real compressor beside the project, where it is at hand.
+/// A real compressor from a file outside the repository; `None` where the file is missing.
 fn compressor() -> Option<Impeller> {
     let path =
         PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data/cc_autoblade/cc_autoblade.geomTurbo");
@@ -41,14 +41,14 @@ fn near(found: f64, wanted: f64, tolerance: f64, what: &str) {
     assert!((found - wanted).abs() <= tolerance, "{what}: {found}, not {wanted} ± {tolerance}");
 }
 
-/// Least and greatest width at hub (0), half way (1) or shroud (2).
+/// Minimum and maximum width at hub (0), half way (1) or shroud (2), mm.
 fn range(passage: &PassageMeasure, height: usize) -> (f64, f64) {
     let widths = || passage.widths.iter().filter_map(|w| w.width[height]);
     (widths().fold(f64::INFINITY, f64::min), widths().fold(0.0, f64::max))
 }
 
-/// The values were computed by other code from the same file. Where they come from points 1 % of a blade apart, so
-/// do the tolerances: its largest tangents stand at 95.4 % of the camber line, ours at 95.0 %.
+/// Reference values computed by independent code from the same file. It samples blades in steps of 1 %, hence
+/// the tolerances: its largest tangents are at 95.4 % of the camber line, ours at 95.0 %.
 #[test]
 fn shape_of_a_real_compressor() {
     let Some(part) = compressor() else { return };
@@ -88,7 +88,8 @@ fn passages_of_a_real_compressor() {
     near(shroud, 0.429, 0.003, "splitter on the shroud");
 }
 
-/// Axes are searched for, so a value above the reference is a better axis; the cutter found is measured again.
+/// Both search for the best axis, so a larger value than the reference is a better axis. The clearance of the
+/// cutter found is measured independently.
 #[test]
 fn largest_cutters_of_a_real_compressor() {
     let Some(part) = compressor() else { return };
@@ -168,7 +169,7 @@ fn parallel_walls(width: f64) -> Impeller {
 fn a_channel_between_parallel_walls_has_their_distance() {
     let part = parallel_walls(24.0);
     let found = assessed(&part);
-    // At the ends the other wall's nearest place may lie beyond its edge.
+    // At the ends, the nearest point of the other wall's plane may be beyond the edge of that wall.
     let full = found.passage(Place::Full).expect("the channel");
     for station in full.widths.iter().filter(|w| (0.02..=0.98).contains(&w.s)) {
         for width in station.width {
@@ -212,7 +213,8 @@ fn a_slender_cutter_reaches_all_of_an_open_channel_and_a_wide_one_nothing() {
 
 #[test]
 fn a_thin_cutter_reaches_as_much_as_a_thick_one() {
-    // Thinner than the floor is sampled: what lies between two places that can be had can be had too.
+    // The cutter is thinner than the sampling of the floor: between two accessible samples, all is
+    // accessible.
     let part = parallel_walls(24.0);
     for diameter in [0.4, 2.0] {
         let share = reach(&part, &tool(diameter, 150.0)).share(|s| s.any);
@@ -233,7 +235,8 @@ fn a_short_overhang_leaves_what_the_holder_cannot_follow() {
     assert!(short[3] < long[3] - 0.2, "{short:?} of {long:?}");
 }
 
-/// Two searches that know nothing of each other: reach ends where the largest cutter says that none fits.
+/// Two independent searches: a row is inaccessible where the cutter is larger than the largest that fits
+/// nearby.
 #[test]
 fn reach_agrees_with_the_largest_cutter() {
     for (name, diameter) in [("impeller532.toml", 25.0), ("pump6.toml", 32.0)] {
@@ -243,7 +246,7 @@ fn reach_agrees_with_the_largest_cutter() {
         let (mut blocked, mut free) = (0, 0);
         for passage in &assessed(&part).passages {
             for cutter in passage.cutters.iter().filter(|c| (0.05..=0.95).contains(&c.s)) {
-                // A floor row beside the station: what covers it may stand a radius away.
+                // A cutter that cuts this floor row may be a radius away from it.
                 let radius_in_s = 0.5 * diameter / part.hub.length();
                 let largest_near = passage
                     .cutters

@@ -1,4 +1,4 @@
-//! The floor under leaning walls: where rays end and what is out of reach, against cutters that are really put into the
+//! The floor under inclined walls: ray lengths and inaccessible floor, compared with cutters placed in the
 //! corner and measured.
 
 use vanecut::formats::part_file::read_part_bytes;
@@ -28,8 +28,8 @@ fn sample(name: &str, text: &[u8]) -> Impeller {
     Impeller::build(&read_part_bytes(name, text, "toml").expect("readable")).expect("an impeller")
 }
 
-/// A flat disc with straight blades that stand radially and lean by `lean` around the wheel: over the channel at
-/// the first wall, away from it at the second.
+/// A flat disc with straight radial blades inclined by `lean`, rad, in the circumferential direction: towards
+/// the channel at the first wall, away from it at the second.
 fn disc(lean: f64) -> Impeller {
     let curve = |from: [f64; 2], to: [f64; 2]| {
         let point = |k: i32| {
@@ -95,7 +95,8 @@ impl<'a> Bench<'a> {
         (Point::from(double(self.grid.points[cell])), double(self.grid.normals[cell]))
     }
 
-    /// Height at which a ray comes within the allowance of a blade, measured; infinite where it does not below `top`.
+    /// Height at which a ray enters the allowance of a blade, by root search on measured distances; infinite
+    /// where it does not below `top`.
     fn underside(&self, cell: usize, top: f64) -> f64 {
         let (foot, normal) = self.ray(cell);
         let room = |h: f64| {
@@ -112,9 +113,9 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Cells from `wall` on, in fractions of them, up to the first ray whose stock a cutter takes when it is put as
-    /// near to the wall as it clears, with its axis leaning by `lean` across and `slope` along the wall, at `shift`
-    /// along it. `None` where it clears nowhere.
+    /// Distance from `wall`, in cells, of the first ray whose stock a cutter removes. The cutter is as near
+    /// to the wall as it clears, at `shift` along it, its axis inclined by `lean` across and `slope` along
+    /// the wall. `None` where it does not clear.
     fn first_cut(
         &self,
         row: usize,
@@ -168,7 +169,8 @@ impl<'a> Bench<'a> {
         Some(cut)
     }
 
-    /// Where the first ray lies that any cutter cuts, in cells: a grid of axes and places, the best one refined.
+    /// Distance from the wall, in cells, of the first ray that any cutter position cuts: grid search over
+    /// axes and positions, refined by pattern search.
     fn first_cut_by_any(&self, row: usize, wall: usize, heights: &[f64]) -> f64 {
         let of = |x: [f64; 3]| self.first_cut(row, wall, heights, x).unwrap_or(heights.len() as f64);
         let mut best = (heights.len() as f64, [0.0; 3]);
@@ -198,8 +200,8 @@ impl<'a> Bench<'a> {
         best.0
     }
 
-    /// Checks undersides and reach beside one wall. Returns the widths of what stays beside it, allowance and all,
-    /// by search and by the masks, mm.
+    /// Checks undersides and inaccessible floor beside one wall. Returns the width of the floor that remains
+    /// uncut beside it, including the allowance, by search and by the masks, mm.
     fn check(&self, row: usize, wall: usize) -> [f64; 2] {
         let width = (self.ray(row * CELLS + 1).0 - self.ray(row * CELLS).0).norm();
         let cells = &self.grid.blank_heights[row * CELLS..(row + 1) * CELLS];
@@ -214,7 +216,7 @@ impl<'a> Bench<'a> {
             (0..count).map(|k| self.underside(self.cell(row, wall, k), outline).min(outline)).collect();
         for (k, &height) in heights.iter().enumerate() {
             let tabulated = f64::from(self.grid.blank_heights[self.cell(row, wall, k)]);
-            // Along a wall that hardly leans the height runs off within a cell.
+            // Beside a wall that is hardly inclined, the height changes much within a cell.
             let slack = 0.05 + 0.2 * (height - if k > 0 { heights[k - 1] } else { 0.0 }).abs();
             assert!(
                 (tabulated - height).abs() < slack,
@@ -239,7 +241,7 @@ fn the_corner_beside_a_flat_wall_is_as_wide_as_geometry_says() {
     let grid = floor(&part, &channel, &everywhere(radius));
     let Stock { hub_allowance, blade_allowance, .. } = stock();
     let row = CELLS / 2;
-    // The near end of the rim, on the surface that keeps the allowance.
+    // Height of the point of the bottom edge nearest to the wall, with the cutter on the hub's allowance.
     let corner = hub_allowance + 2.0 * radius * lean.sin();
     let wanted = corner * lean.tan() + blade_allowance / lean.cos();
     let bench = Bench::new(&part, &channel, &grid, radius);
@@ -293,7 +295,7 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
         let grid = floor(part, &channel, &everywhere(radius));
         let bench = Bench::new(part, &channel, &grid, radius);
         let [found, mask] = bench.check((s * CELLS as f64) as usize, wall);
-        // Two cells more at most; less is on the safe side, by what the second order about a foot leaves out.
+        // At most two cells more. Less is on the safe side; the masks neglect terms beyond the second order.
         let what =
             format!("{} s {s} wall {wall}: out of reach {found:.2} mm by search, {mask:.2}", part.name);
         assert!((found - 0.5..found + 0.3).contains(&mask), "{what}");
@@ -305,7 +307,7 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
 fn no_plan_cuts_what_is_out_of_reach() {
     let part = sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"));
     let channel = Channel::of(&part);
-    // A smaller cutter for the rest comes into places that count as out of reach of the others.
+    // A smaller cutter for rest milling would cut floor that is inaccessible to the others.
     let mut asked = Setup::default();
     asked.plunge.rest = false;
     let setup = resolve(&asked, &part, &channel).expect("a setup").setup;
@@ -318,7 +320,7 @@ fn no_plan_cuts_what_is_out_of_reach() {
         let heights = residual_field(&grid, &cutters_of(&plan)).heights;
         let cut = |k: &usize| heights[*k] < grid.blank_heights[*k] - 0.02;
         let count = (0..CELLS * CELLS).filter(|k| out(k) && cut(k)).count();
-        // Beside the nose, where the wall runs on in thought, the border may be a cell off.
+        // Beside the nose, where the wall is extrapolated, the border may be off by a cell.
         assert!(count * 10_000 < CELLS * CELLS, "{count} cells by {policy:?}");
     }
 }

@@ -1,5 +1,5 @@
-//! Plans that must be free of contact: `minimal` and `staircase`, on the samples and on made wheels, judged by
-//! `verify` from the written program.
+//! Plans that must be free of contact: `minimal` and `staircase`, on the samples and on random wheels,
+//! checked by `verify` from the written program.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ fn result(outcome: &PlanOutcome, policy: AxisPolicy) -> &PolicyResult {
     outcome.policies().into_iter().find(|r| r.plan.policy == policy).expect("all policies were planned")
 }
 
-/// What `verify` finds wrong with the written program of a plan.
+/// Faults that `verify` finds in the written program of a plan.
 fn faults(part: &Impeller, setup: &Setup, result: &PolicyResult) -> Vec<String> {
     let text = write_apt(&ClProgram::of_plan(&part.name, &result.plan));
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
@@ -39,7 +39,7 @@ fn faults(part: &Impeller, setup: &Setup, result: &PolicyResult) -> Vec<String> 
     verdict.faults.into_iter().map(|fault| format!("line {}: {}", fault.line, fault.what)).collect()
 }
 
-/// What must hold of every plan that is free of contact.
+/// Checks the invariants of plans that are free of contact.
 fn check(name: &str, part: &Impeller, outcome: &PlanOutcome) {
     for policy in [AxisPolicy::Minimal, AxisPolicy::Staircase] {
         let result = result(outcome, policy);
@@ -53,8 +53,8 @@ fn check(name: &str, part: &Impeller, outcome: &PlanOutcome) {
     assert!(minimal.max_axis_change <= limit + 1e-9, "{name}: axes turn by {}", minimal.max_axis_change);
 }
 
-/// What `minimal` leaves above the allowance as a share of what `monotone` does, where that is free of contact: section, mean
-/// and 95th percentile.
+/// Residual stock of `minimal` above the allowance as a share of that of `monotone`, for sections where
+/// `monotone` is free of contact: section, mean and 95th percentile.
 fn shares_of_monotone(outcome: &PlanOutcome) -> Vec<(usize, f64, f64)> {
     let allowance = outcome.setup.stock.hub_allowance;
     let share = |ours: f64, theirs: f64| (ours - allowance) / (theirs - allowance);
@@ -83,7 +83,7 @@ fn samples_are_freed_and_less_is_left() {
         assert!(outcome.before.summary.interferential > 100, "{name}: what shops do today interferes");
         for (index, mean, p95) in shares_of_monotone(&outcome) {
             for (what, limit, share) in [("mean", 0.4, mean), ("95 %", 0.5, p95)] {
-                // The field is good for a hundredth.
+                // The field is accurate to a hundredth.
                 assert!(
                     share < limit + 0.01,
                     "{name}, section {index}: {what} {share} of what monotone leaves"
@@ -101,7 +101,7 @@ fn samples_are_freed_and_less_is_left() {
     }
 }
 
-/// A small generator of numbers from 0 to 1: the same wheels on every machine.
+/// A linear congruential generator of numbers from 0 to 1: gives the same wheels on every machine.
 struct Dice(u64);
 
 impl Dice {
@@ -115,16 +115,18 @@ impl Dice {
     }
 }
 
-/// Where the blades of a made wheel stand straight across the channel.
+/// Position along a random wheel at which its blades are straight across the channel.
 #[derive(Clone, Copy, PartialEq)]
 enum Stacking {
-    /// At the leading edge: however hub and shroud wrap, they lean at the rim, by up to 80°.
+    /// At the leading edge: hub and shroud wrap differently, so that blades are inclined by up to 80° at the
+    /// rim.
     LeadingEdge,
-    /// At the rim, but for a rake, as wheels that are built do; splitters lie on the main blades' surface.
+    /// At the rim, apart from a rake, as in real wheels; splitters are on the main blades' camber surface.
     Rim,
 }
 
-/// A blade of a made wheel: leading edge, and at hub and shroud θ of it and the angles along the blade, degrees.
+/// A blade of a random wheel: s of the leading edge, and for hub and shroud θ there and the angles along the
+/// blade, degrees.
 struct Blade {
     kind: &'static str,
     leading_edge: f64,
@@ -152,7 +154,7 @@ impl Blade {
     }
 }
 
-/// A wheel nobody has looked at: radius 30 to 250 mm, 5 to 12 blades turning either way, some with splitters.
+/// A random wheel: radius 30 to 250 mm, 5 to 12 blades of either sense of rotation, some with splitters.
 fn made_wheel(dice: &mut Dice, stacking: Stacking) -> Impeller {
     const LEADING_EDGE: f64 = 0.06;
     const SPLITTER_EDGE: f64 = 0.42;
@@ -215,7 +217,7 @@ fn made_wheel(dice: &mut Dice, stacking: Stacking) -> Impeller {
     if has_splitters { build(&[main, splitter]) } else { build(&[main]) }
 }
 
-/// Plans `count` made wheels with made setups by all policies, and checks each.
+/// Plans `count` random wheels with random setups by all policies, and checks each.
 fn made_plans(seed: u64, count: usize, stacking: Stacking, field_cells: usize) -> Vec<PlanOutcome> {
     let mut dice = Dice(seed);
     let mut outcomes = Vec::new();
@@ -232,7 +234,7 @@ fn made_plans(seed: u64, count: usize, stacking: Stacking, field_cells: usize) -
             compare: true,
             field_cells,
         };
-        // A wheel too narrow for any cutter is refused, not planned.
+        // A wheel too narrow for any cutter is an error of `run`.
         let Ok(outcome) = run(&request, &Monitor::default()) else { continue };
         check(&format!("wheel {wheel}"), &part, &outcome);
         outcomes.push(outcome);
@@ -263,11 +265,11 @@ fn on_wheels_as_they_are_built_less_is_left_than_by_the_published_method() {
         mean_share < 0.4 && p95_share < 0.5,
         "{mean_share}, {p95_share} of what monotone leaves: {shares:?}"
     );
-    // Where monotone leaves next to nothing, or a wall leans, no cutter of the same size leaves much less.
+    // Where monotone leaves little, or a wall is inclined, no cutter of the same size leaves much less.
     assert!(shares.iter().all(|s| s.0 < 0.7), "{shares:?}");
 }
 
-/// A wheel with channels ten cutters deep.
+/// A wheel with channels ten cutter diameters deep.
 const DEEP: &str = r#"
 name = "deep"
 blades = 12
@@ -301,7 +303,8 @@ angle = [[0.0, 40.8], [1.0, 38.8]]
 thickness = [[0.0, 1.7], [1.0, 2.3]]
 "#;
 
-/// The tilts of a slender cutter's row must be fine enough for each core to follow the one before through the whole depth.
+/// The tilt angles of a slender cutter's row must be fine enough for each core to follow the previous one
+/// over the whole depth.
 #[test]
 fn a_slender_cutter_gets_down_to_a_deep_hub() {
     let part = Impeller::build(&read_part_bytes("deep.toml", DEEP.as_bytes(), "toml").expect("readable"));

@@ -1,4 +1,4 @@
-//! The section through a position, held against the plan it shows.
+//! The sectional view through a position, compared with the plan it shows.
 
 use vanecut::formats::read_part;
 use vanecut::geometry::{Meridional, Point};
@@ -32,7 +32,7 @@ fn lines_lie_where_they_say() {
         let view = section_view(&part, &blank, setup.stock.hub_allowance, &plan, k).expect("exists");
         let space = |[x, y]: [f64; 2]| -> Point { view.tip + view.feed * x + view.axis * y };
         assert!(view.axis.dot(&view.feed).abs() < 1e-9, "a right angle");
-        // At the rim part of the section is beyond the hub.
+        // At the rim, part of the view is beyond the hub.
         assert!(view.hub.len() > 60, "position {k}: the hub is under the cutter");
         for &place in &view.hub {
             let (_, off) = part.hub.curve().project(Meridional::of(&space(place)));
@@ -48,7 +48,7 @@ fn lines_lie_where_they_say() {
                 );
             }
         }
-        // The bottom rests on the allowance and never cuts into it.
+        // The bottom touches the allowance and never cuts into it.
         for &[x, y] in view.allowance.iter().filter(|p| p[0].abs() < view.tool.radius()) {
             assert!(
                 y < view.bottom(x) + 0.01,
@@ -69,7 +69,8 @@ fn the_contact_that_is_drawn_is_the_contact_that_counts() {
             let (seen, exact) = (view.contact_depth(), position.contact.depth);
             if position.contact.interferes() {
                 faulty += 1;
-                // Other samples of the disc, and not its rim: hardly deeper, and near where there is much.
+                // The view samples the disc differently and leaves out its rim: hardly deeper, and similar
+                // where the contact is deep.
                 assert!(seen <= 1.005 * exact + 0.02, "{name} {k}: {seen} drawn, {exact} counted");
                 assert!(exact < 0.4 || seen > 0.5 * exact, "{name} {k}: {seen} drawn, {exact} counted");
             } else {

@@ -1,4 +1,4 @@
-//! Plunge plans of real and made parts, and what they are made from.
+//! Plunge plans of real and random parts, and the stages of the planner.
 
 mod assess;
 mod channel;

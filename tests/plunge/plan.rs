@@ -1,4 +1,4 @@
-//! The stages of the planner against brute force, on real parts.
+//! The stages of the planner, compared with brute force on real parts.
 
 use std::path::Path;
 
@@ -29,8 +29,8 @@ fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, Plunge
     (setup, plan)
 }
 
-/// Paper A walks the row's shroud curve in steps of 1e-5 of its length until α has grown; the planner
-/// solves for the same place.
+/// As in the [plunge paper], walks along the row's shroud curve in steps of 1e-5 of its length until α has
+/// grown. The planner solves for the same point by root finding.
 #[test]
 fn monotone_finds_the_place_the_walk_finds() {
     let part = sample("impeller532.toml");
@@ -79,7 +79,7 @@ fn monotone_finds_the_place_the_walk_finds() {
     }
 }
 
-/// Height of stock in a core by looking at many points, one by one.
+/// Height of stock in a core, mm, by brute force over many points.
 fn contact_by_points(column: &Column, earlier: &[Column], blank: &Blank) -> f64 {
     let (e1, e2) = frame_about(&column.cutter.axis);
     let mut highest = 0.0f64;
@@ -124,7 +124,7 @@ fn contact_agrees_with_many_points() {
             let column = &columns.as_slice()[k];
             let exact = core_contact(column, columns.before(k), &blank);
             assert_eq!(exact, plan.positions[k].contact, "the plan tells the truth of position {k}");
-            // Only neighbours can matter; the rest of the brute force would take minutes.
+            // Only neighbours can matter; brute force over all plunges would take minutes.
             let near: Vec<Column> = columns.as_slice()[..k]
                 .iter()
                 .filter(|c| (c.cutter.tip - column.cutter.tip).norm() < 60.0)
@@ -266,7 +266,7 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
         setup.stock.blade_allowance += 0.1;
         let planner = Planner::new(&part, &channel, &setup);
         let carried = planner.carried(AxisPolicy::Minimal, &known, &monitor).expect("a plan").expect("known");
-        // Beside walls that a larger allowance brings nearer some have no place.
+        // Beside walls, a larger allowance makes some plunges impossible.
         let kept = carried.positions.len() as f64 / found.positions.len() as f64;
         assert!(
             kept > 0.8 && carried.positions.len() <= found.positions.len(),
@@ -278,12 +278,12 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
             assert!(position.blade_clearance >= setup.stock.blade_allowance - 1e-6, "{name}: blades");
             assert!(position.retract_clearance >= setup.stock.safety_distance - 1e-6, "{name}: retract");
         }
-        // Half a plan is nothing to carry on with: what was whole before stays.
+        // A stopped plan does not replace the complete one: the warm start still uses that.
         let stopped = Monitor::default();
         stopped.cancel();
         assert!(planner.plan_knowing(AxisPolicy::Minimal, &mut known, &stopped).is_err());
         assert_eq!(planner.carried(AxisPolicy::Minimal, &known, &monitor), Ok(Some(carried)), "{name}");
-        // Axes of other cutters are not.
+        // Axes of another cutter are not reused.
         setup.tools[0].diameter *= 0.9;
         let planner = Planner::new(&part, &channel, &setup);
         assert_eq!(planner.carried(AxisPolicy::Minimal, &known, &monitor), Ok(None), "{name}");

@@ -1,4 +1,4 @@
-//! Nearest distances between cutters and blade sides against a dense scan.
+//! Nearest distances between cutters and blade sides, compared with a dense scan.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ fn nearest_is_never_beaten_by_a_dense_scan() {
                         least = least.min(cutter.distance(&side.point(f64::from(a) / 600.0, v)));
                     }
                 }
-                // Where the cutter cuts the side, how deep is good to 0.01 mm: that it cuts is what counts.
+                // The depth of a cut into the side needs to be accurate to 0.01 mm only: any cut is an error.
                 let tolerance = if least < 0.0 { 0.01 } else { 1e-4 };
                 assert!(
                     found - least < tolerance,
@@ -50,7 +50,7 @@ fn a_cutoff_leaves_out_only_what_is_further() {
         let part = sample(name);
         for (k, side) in Channel::of(&part).sides.iter().enumerate() {
             let probe = SideProbe::new(side, 0.0, 1.0);
-            // Thin cutters on the side, standing away from it: what is near of it lies between the points of any grid.
+            // Thin cutters at right angles to the side: the nearest point is between the points of any grid.
             for i in 0..400 {
                 let (u, v) = ((0.618_034 * f64::from(i)).fract(), (0.754_878 * f64::from(i)).fract());
                 let (point, along, up) = (side.point(u, v), side.point(u + 1e-4, v), side.point(u, v + 1e-4));
@@ -99,7 +99,7 @@ fn whether_a_cutter_is_near_is_told_as_it_is_measured() {
     }
 }
 
-/// Distance of `cutter` from the place of `side` that pattern search finds from (`u`, `v`) on.
+/// Distance of `cutter` from the point of `side` that pattern search finds starting at (`u`, `v`).
 fn refined(cutter: &CutterSolid, side: &BladeSide, (u, v): (f64, f64)) -> f64 {
     let at = |u: f64, v: f64| cutter.distance(&side.point(u, v.clamp(0.0, 1.0)));
     let (mut best, mut step) = ((at(u, v), u, v), 1e-3);

@@ -1,4 +1,4 @@
-//! Slotting depth against a brute-force scan of the disc.
+//! Drop-cutter depth, compared with a brute-force scan of the disc.
 
 use std::path::Path;
 
@@ -13,14 +13,14 @@ fn sample(name: &str) -> Impeller {
     Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
 }
 
-/// Distance of the flat disc (centre, axis, radius) from the surface: the least over a dense scan of
-/// signed distances of disc points, refined about the best one by ever finer local scans.
+/// Distance of the flat disc (centre, axis, radius) from the surface, mm: minimum of a dense scan of signed
+/// distances of disc points, refined by pattern search from the best ones.
 fn least_distance(curve: &MeridionalCurve, centre: &Point, axis: &Vector, radius: f64) -> f64 {
     let (e1, e2) = frame_about(axis);
     let at = |rho: f64, phi: f64| {
         let p = centre + (e1 * phi.cos() + e2 * phi.sin()) * rho;
         let (t, d) = curve.project(Meridional::of(&p));
-        // Beyond the ends the solid hub has no surface: the distance to its edge, never negative.
+        // Beyond the ends there is no hub surface: the distance to its edge, which is not negative.
         if t <= 0.0 || t >= curve.length() { d.abs() } else { d }
     };
     let mut seeds = Vec::new();
@@ -58,14 +58,15 @@ fn check(part: &Impeller, s: f64, turn: f64, tilt: f64, heading: f64, radius: f6
     let normal = hub.normal.direction_at_angle(turn);
     let (e1, e2) = frame_about(&normal);
     let axis = (normal + (e1 * heading.cos() + e2 * heading.sin()) * tilt.tan()).normalize();
-    // The axis meets the hub, or its rim, at s: beyond the rim a disc may pass it by.
+    // The axis passes through the hub's curve, or its extension, at s.
     let on_axis = part.hub.point(s).at_angle(turn) + axis * 3.0;
     let surface = DepthSurface::new(part.hub.curve(), offset);
     let Some(touch) = surface.touch(&on_axis, &axis, radius) else { panic!("no touch at s {s}") };
     let distance = least_distance(part.hub.curve(), &(on_axis + axis * touch.height), &axis, radius);
     assert!(
         (distance - offset).abs() < 1e-3,
-        "disc rests {distance} mm from the hub instead of {offset}: s {s} turn {turn} tilt {tilt} heading {heading} radius {radius}"
+        "disc rests {distance} mm from the hub instead of {offset}: \
+         s {s} turn {turn} tilt {tilt} heading {heading} radius {radius}"
     );
 }
 
@@ -80,7 +81,7 @@ proptest! {
     ) {
         let part = sample(SAMPLES[which]);
         let radius = part.rim_radius() * (0.005 + 0.05 * size);
-        // Further out a disc has nothing under it to rest on.
+        // Further out, a disc does not touch the hub.
         let s = s.min(1.0 + 0.5 * radius / part.hub.length());
         check(&part, s, turn, tilt, heading, radius, offset);
     }

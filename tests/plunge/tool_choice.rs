@@ -1,4 +1,4 @@
-//! Tools and sections chosen for real parts.
+//! Automatic choice of tools and sections for real parts.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ fn sample(name: &str) -> Impeller {
     Impeller::build(&read_part(&folder().join(name)).expect("readable")).expect("an impeller")
 }
 
-/// The part of a TOML text.
+/// The part described by a TOML text.
 fn part_of(text: &str) -> Impeller {
     let description = read_part_bytes("part.toml", text.as_bytes(), "toml").expect("readable");
     Impeller::build(&description).expect("an impeller")
@@ -74,7 +74,8 @@ fn every_chosen_tool_fits_the_samples() {
                     if beside { &channel.beside_splitter[..] } else { std::slice::from_ref(&channel.full) };
                 for passage in passages {
                     let width = PassageWidth::new(&part, passage).narrowest(s);
-                    // A hair less between the stations that the choice looks at.
+                    // 1 mm less, because passages may be narrower between the stations that the choice
+                    // examines.
                     assert!(
                         width - 1.0 > 1.1 * tool.diameter,
                         "{name}: D {} at s = {s}: {width}",
@@ -138,7 +139,7 @@ fn a_library_of_wide_cutters_only_is_refused_in_one_line() {
 #[test]
 fn a_cutter_that_fits_part_of_its_section_is_planned_there() {
     let part = sample("impeller532.toml");
-    // Wider than the channel at the leading edge, with room to spare at the rim.
+    // Wider than the channel at the leading edge, but much narrower than at the rim.
     let mut setup = Setup { tools: vec![tool(1, 30.0)], ..Setup::default() };
     let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, feed: None, rest: false };
     setup.plunge.sections = vec![section];
@@ -181,7 +182,7 @@ fn defaults_follow_the_size_of_the_wheel() {
     }
 }
 
-/// A wheel of D 8 × `scale`.
+/// A wheel with a diameter of 8 × `scale`, mm.
 fn wheel(scale: f64) -> Impeller {
     let points = |points: [[f64; 2]; 4]| points.map(|[r, z]| [scale * r, scale * z]);
     let hub = points([[0.8, 0.0], [0.8, 1.4], [1.6, 2.4], [4.0, 2.6]]);

@@ -1,4 +1,4 @@
-//! What must hold of the plans of a wheel, with the setup that a user gets who gives none.
+//! Invariants of the plans of a wheel with the default setup.
 
 use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use vanecut::job::flank::{FlankJob, FlankRequest};
@@ -8,14 +8,14 @@ use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
 use vanecut::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
 use vanecut::verify::{verify, verify_flank};
 
-/// Largest share of the reachable floor that may stay uncut without a reason.
+/// Largest share of the accessible floor that may remain uncut without a reason.
 const MAX_UNCUT: f64 = 0.03;
-/// Largest difference of a figure between a plan and the program written from it: its six decimals.
+/// Largest difference of a figure between a plan and its program, which has six decimals.
 const SAME: f64 = 5e-6;
 /// Cells of the floor's grid.
 const CELLS: usize = 128;
 
-/// Everything that is wrong with the plans of `part`, one line each.
+/// All faults of the plans of `part`, one line each.
 pub fn faults(part: &Impeller) -> Vec<String> {
     let mut faults = plunge_faults(part);
     faults.extend(flank_faults(part));
@@ -50,7 +50,7 @@ fn program_text(part: &Impeller, result: &PolicyResult) -> String {
     write_apt(&ClProgram::of_plan(&part.name, &result.plan))
 }
 
-/// Judges one plan by itself and by its written program.
+/// Checks one plan and its written program.
 fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: &mut Vec<String>) {
     let policy = result.plan.policy;
     let mut wrong = |what: String| faults.push(format!("{policy:?}: {what}"));
@@ -58,7 +58,7 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
     if summary.positions == 0 {
         wrong("cuts nothing".to_owned());
     }
-    // The others show what happens without care for the core.
+    // The other policies do not avoid interfering plunges.
     let is_free = matches!(policy, AxisPolicy::Minimal | AxisPolicy::Staircase);
     if is_free && summary.interferential > 0 {
         wrong(format!("{} plunges interfere", summary.interferential));
@@ -73,7 +73,7 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
             wrong(format!("{clearance} from the {what}, {wanted} is to be kept"));
         }
     }
-    // Plunges that stop short far above the hub are what `staircase` is about.
+    // `staircase` stops plunges above the hub on purpose.
     let stops_short = result.plan.positions.iter().any(|position| position.lift > 0.0);
     let explained = !result.plan.dropped.is_empty() || policy == AxisPolicy::Staircase && stops_short;
     if is_free && summary.uncut_share > MAX_UNCUT && !explained {
@@ -105,8 +105,8 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
     }
 }
 
-/// The figures of the cutters that a plan and a program share; those of motion and floor are compared where the command line
-/// reports both.
+/// The figures of plunges to be compared between plan and program; those of motion and floor are compared by
+/// the tests of the command line.
 fn figures(summary: &Summary) -> [(&'static str, f64); 5] {
     [
         ("positions", summary.positions as f64),

@@ -1,6 +1,6 @@
-//! Wheels that nobody has looked at: they open, are measured, planned by every policy and verified.
+//! Random wheels: they are read, assessed, planned by every policy and verified.
 //!
-//! The gate takes a few; `scripts/nightly` takes as many as it is asked for, by the variables `WHEELS_SEED` and
+//! The default test run takes a few; `scripts/nightly` takes more, chosen by the variables `WHEELS_SEED` and
 //! `WHEELS_COUNT`.
 
 mod judge;
@@ -14,7 +14,7 @@ use vanecut::part::{Channel, Impeller};
 
 use make::Wheel;
 
-/// The part of a wheel, by way of its file.
+/// The part of a wheel, written to a file and read back.
 fn open(wheel: &Wheel) -> Impeller {
     let name = &wheel.description.name;
     let text = write_native(&wheel.description);
@@ -70,7 +70,7 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
     }
 }
 
-/// Wheels of the gate, (seed, index): several kinds, chosen for plans of few positions.
+/// Wheels of the default test run, (seed, index): several kinds, chosen for plans with few positions.
 const GATE: [(u64, usize); 4] = [(1, 9), (1, 10), (1, 11), (1, 14)];
 
 /// A number from an environment variable.

@@ -1,4 +1,4 @@
-//! Borders between sections, dragged in the 3D view.
+//! Section borders, dragged in the 3D view.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -54,7 +54,7 @@ fn a_border_is_dragged_along_the_hub_and_a_drag_is_one_step_to_undo() {
     window.run_steps(1);
     for share in [0.3, 0.6, 1.0] {
         window.hover_at(start + share * (end - start));
-        // Longer than what otherwise makes a step to undo.
+        // Longer than the rest time that otherwise ends an undo step.
         window.run_steps(8);
     }
     settle(&mut window);
@@ -76,7 +76,7 @@ fn a_border_is_dragged_along_the_hub_and_a_drag_is_one_step_to_undo() {
     window.run_steps(2);
     assert_eq!(borders(&window), held, "and again");
 
-    // Far beyond the neighbour it stops a little before it.
+    // Dragged far beyond the next border, it stops just before it.
     let start = grip(&window);
     window.drag_at(start);
     window.run_steps(1);

@@ -1,4 +1,4 @@
-//! Before and after in one window, and what else the 3D view offers.
+//! Before and after in one window, and the tools of the 3D view.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -39,7 +39,7 @@ fn both_sides_share_one_camera_and_one_scale() {
     window.run_steps(3);
     let after = window.state().camera().expect("a camera");
     assert!((after.yaw - before.yaw).abs() > 0.1, "a drag on either side turns both");
-    let field = window.get_by_role_and_label(Role::SpinButton, "High end of the scale");
+    let field = window.get_by_role_and_label(Role::SpinButton, "Scale maximum");
     field.set_value_accesskit(2.0);
     window.run_steps(3);
     assert_eq!(window.state().state().range(), (0.0, 2.0), "one scale for both");
@@ -54,7 +54,7 @@ fn the_wipe_has_a_border_to_drag() {
     let mut window = wide(engine);
     window.get_by_label("Wipe").click();
     window.run_steps(4);
-    let handle = window.get_by_role_and_label(Role::Slider, "Border of the wipe").rect();
+    let handle = window.get_by_role_and_label(Role::Slider, "Wipe divider").rect();
     let to = handle.center() - egui::vec2(80.0, 0.0);
     window.drag_at(handle.center());
     window.run_steps(1);
@@ -75,7 +75,7 @@ fn the_difference_of_two_plans_is_a_map_around_zero() {
     let mut window = wide(engine);
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::D);
     window.run_steps(4);
-    window.get_by_label("More stock after than before");
+    window.get_by_label("Stock after − before");
     snapshot_view(&mut window, "difference");
 }
 
@@ -85,12 +85,12 @@ fn either_side_shows_any_policy_that_was_planned() {
     let mut window = wide(engine);
     window.set_size(egui::vec2(1200.0, 1000.0));
     window.run_steps(3);
-    window.get_by_label("Compare all policies").click();
+    window.get_by_label("Compare all strategies").click();
     window.run_steps(3);
     settle(&mut window);
-    window.get_by_role_and_label(Role::ComboBox, "Policy after").click();
+    window.get_by_role_and_label(Role::ComboBox, "Axis strategy after").click();
     window.run_steps(3);
-    window.get_by_role_and_label(Role::Button, "Monotone").click();
+    window.get_by_role_and_label(Role::Button, "Progressive").click();
     window.run_steps(3);
     let state = window.state().state();
     assert_eq!(state.policy(Side::After), Some(AxisPolicy::Monotone));
@@ -125,7 +125,7 @@ fn a_section_plane_cuts_the_part_open() {
     window.run_steps(4);
     assert!(window.state().state().look.section.is_some());
     snapshot_view(&mut window, "section_plane");
-    // Seen squarely: the hub with its bore, and the blades, are full where the plane cuts them.
+    // Seen along its normal: hub and blades are filled where the plane cuts them.
     window.state_mut().look_mut().section.as_mut().expect("a plane").across = Across::X;
     window.get_by_label("View from +X").click();
     window.key_press(egui::Key::F);
@@ -207,7 +207,7 @@ fn the_value_under_the_cursor_is_that_of_both_sides() {
             let point = glam::Vec3::from_array(outcome.grid.points[cell]);
             let Some(pixel) = camera.project(point, size) else { continue };
             let at = rect.min + egui::vec2(pixel.x, pixel.y);
-            // Not where the legend or a button lies over the floor.
+            // Skip points under the legend or a button.
             if !rect.shrink(90.0).contains(at) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Without a graphics device, and when it is lost: the work goes on.
+//! The window without a graphics device, and recovery when the device is lost.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -29,7 +29,7 @@ fn without_a_device_everything_but_the_picture_works() {
     }
     window.run_steps(3);
     window.get_by_label("no 3D view");
-    window.get_by_label("Interferential 5 to 0");
+    window.get_by_label("Interfering 5 to 0");
     window.get_by_label("Position 3").click();
     window.run_steps(3);
     assert_eq!(window.state().state().look.selected, Some(2), "the table works");
@@ -45,7 +45,7 @@ fn without_a_device_everything_but_the_picture_works() {
     assert!(path.exists(), "and the work can be saved");
 }
 
-/// A window with the sample, and the device it draws on.
+/// A window with the sample part, and its graphics device.
 fn sample_on_a_device(engine: Engine) -> (Window, wgpu::Device) {
     let drawn_on = create_render_state(vulkan(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
     let device = drawn_on.device.clone();
@@ -68,16 +68,16 @@ fn a_device_that_is_lost_leaves_the_work_intact_and_says_so() {
     lost.run_steps(2);
     settle(&mut lost);
     device.destroy();
-    // The next use of the device brings it to light; at rest the window draws nothing.
+    // The loss shows at the next use of the device; an idle window draws nothing.
     device.poll(wgpu::PollType::wait_indefinitely()).expect("polls");
     lost.run_steps(3);
     lost.get_by_label("The graphics device reports: device lost");
-    lost.get_by_label("To do: save the project and start again with VANECUT_GPU=software");
+    lost.get_by_label("Fix: save the project and restart with VANECUT_GPU=software");
     let copies = std::fs::read_dir(folder.path().join("home/recovery")).expect("a folder").flatten();
     let copy = copies.map(|entry| entry.path()).next().expect("a copy was written at once");
     assert_eq!(read_project(&copy).expect("reads").setup.plunge.step, Some(5.0), "with the latest edit");
 
-    // Everything that does not draw goes on, and what draws does no harm.
+    // Everything except drawing still works, and drawing does no harm.
     lost.get_by_label("Position 3").click();
     lost.run_steps(3);
     assert_eq!(lost.state().state().look.selected, Some(2), "the table works");

@@ -9,7 +9,7 @@ use vanecut::app::dialogs::Purpose;
 use crate::fake;
 use crate::harness::{Window, settle, window, with_sample};
 
-/// A file as the desktop hands it over.
+/// A file as the desktop passes it to the window.
 #[derive(Debug)]
 struct OnDisk(PathBuf);
 
@@ -23,12 +23,12 @@ impl egui::DroppedFile for OnDisk {
     }
 }
 
-/// Drops files on a window, and waits until what follows is done.
+/// Drops files on a window, and waits until all tasks are done.
 pub fn drop_on(window: &mut Window, paths: &[&Path]) {
     let files = paths.iter().map(|path| Arc::new(OnDisk(path.to_path_buf())) as egui::DroppedFileHandle);
     window.input_mut().dropped_files = files.collect();
     window.step();
-    // The harness keeps its input from picture to picture.
+    // The harness keeps its input from frame to frame.
     window.input_mut().dropped_files.clear();
     settle(window);
 }
@@ -97,7 +97,7 @@ fn a_dropped_part_asks_before_unsaved_work_is_lost_and_a_strange_file_is_named()
     drop_on(&mut window, &[&part]);
     window.get_by_label("Save the changes of this project?");
     assert_eq!(part_name(&window).as_deref(), Some("impeller532"), "not before the answer");
-    window.get_by_label("Do not save").click();
+    window.get_by_label("Don't save").click();
     window.run_steps(3);
     settle(&mut window);
     assert_eq!(part_name(&window).as_deref(), Some("pump6"));

@@ -1,4 +1,4 @@
-//! A stand-in for the planner: quick, obedient, and with a plan whose faults are known. The part is real.
+//! A fast fake planner whose plan has known faults. The part is real.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -15,13 +15,13 @@ use vanecut::plunge::sections::SetupFault;
 use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan, Stopped};
 use vanecut::residual::{FloorGrid, ResidualField};
 
-/// Faults of the conventional plan at the tools' own step.
+/// Number of interfering plunges of the conventional plan at the automatic step.
 pub const FAULTS: usize = 5;
 
-/// While set, the planner works on without end, until it is told to stop; it has half a plan then.
+/// While set, the planner runs until it is stopped; it then returns an unfinished plan.
 pub type Slow = Arc<AtomicBool>;
 
-/// The real samples under the stand-in.
+/// The fake planner over the real samples.
 pub fn engine() -> (Engine, Slow) {
     let slow = Slow::default();
     let stalls = Arc::clone(&slow);
@@ -39,7 +39,7 @@ pub fn engine() -> (Engine, Slow) {
     (Engine { plan: Arc::new(plan), ..Engine::default() }, slow)
 }
 
-/// The first row alone, as when the planner was stopped after it.
+/// The plan with its first row only, as if the planner was stopped after it.
 fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
     let plan = &mut outcome.after.plan;
     plan.positions.retain(|position| position.row == 0);
@@ -99,8 +99,8 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     })
 }
 
-/// Two rows from the rim to half of the channel; the last ones of the first row interfere under the
-/// conventional policy, and one is blocked under the other.
+/// Two rows from the rim to the middle of the channel. With the conventional policy the last plunges of the
+/// first row interfere; with any other policy one is blocked.
 fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPolicy) -> PlungePlan {
     let per_row = (160.0 / request.setup.plunge.step.unwrap_or(tool.insert_width)).ceil() as usize;
     let mut positions = Vec::new();

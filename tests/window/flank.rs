@@ -1,4 +1,4 @@
-//! The flank curves of the window.
+//! Flank milling in the window.
 
 use egui_kittest::kittest::Queryable;
 use vanecut::app::dialogs::Purpose;
@@ -24,20 +24,20 @@ fn flank_curves_are_planned_shown_and_written() {
     settle(&mut window);
     snapshot_view(&mut window, "flank");
 
-    // The walls, in place of the stock on the hub, and back.
+    // Shows the walls instead of the stock on the hub, then the hub again.
     window.state_mut().look_mut().layers.cutters = false;
     window.get_by_label("Flank").click_accesskit();
     window.run_steps(4);
     window.get_by_label("walls").click_accesskit();
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
-    window.get_by_label("Left on the walls");
+    window.get_by_label("Residual on walls");
     window.get_by_label(&vanecut::app::overlay::signed(most, most));
     snapshot_view(&mut window, "flank_walls");
-    // Under the cursor its value, with its sign: above the allowance or below it.
+    // The value under the cursor has a sign: above or below the allowance.
     let view = window.get_by_label("3D view").rect();
     let (mut above, mut below) = (0, 0);
-    // Places all over the view, in an order that is in no corner for long.
+    // Points spread over the view in a pseudo-random order.
     for k in (1..576).map(|k| 217 * k % 576) {
         let share = egui::vec2((k % 24) as f32 / 24.0, (k / 24) as f32 / 24.0);
         window.hover_at(view.min + view.size() * share);
@@ -56,7 +56,7 @@ fn flank_curves_are_planned_shown_and_written() {
     assert!(above > 0 && below > 0, "both signs are found: {above} above, {below} below");
     window.get_by_label("layer").click_accesskit();
     window.run_steps(4);
-    window.get_by_label("Stock on hub");
+    window.get_by_label("Residual on hub");
     snapshot_view(&mut window, "flank_layers");
 
     let folder = tempfile::tempdir().expect("a folder");
@@ -74,7 +74,7 @@ fn the_flank_panel_marks_what_is_out_of_date_and_leaves_the_plunge_plan_alone() 
     let mut window = with_sample(engine);
     window.get_by_label("Flank").click_accesskit();
     window.run_steps(4);
-    window.get_by_label("Plan flank curves").click_accesskit();
+    window.get_by_label("Calculate flank").click_accesskit();
     window.run_steps(2);
     settle(&mut window);
     assert!(window.query_by_label("out of date").is_none());

@@ -1,4 +1,4 @@
-//! Drives the window without a screen, on software Vulkan, and compares pictures.
+//! Drives the window without a screen, on software Vulkan, and compares snapshots.
 
 use std::time::{Duration, Instant};
 
@@ -6,7 +6,7 @@ use egui_kittest::{Harness, SnapshotOptions};
 use vanecut::app::App;
 use vanecut::app::engine::{Engine, PartSource};
 
-/// A window of 900 × 600.
+/// A window of 900 × 600 points.
 pub type Window = Harness<'static, App>;
 
 /// Opens a window over `engine`.
@@ -25,7 +25,7 @@ pub fn scaled(engine: Engine, scale: f32) -> Window {
         .build_eframe(|cc| App::with_engine(cc, engine))
 }
 
-/// The test harness' own setup, without its way out to OpenGL: that draws other pixels.
+/// The test harness's own setup without the fallback to OpenGL, which draws different pixels.
 pub fn vulkan() -> eframe::egui_wgpu::WgpuSetup {
     let mut setup = egui_kittest::wgpu::default_wgpu_setup();
     if let eframe::egui_wgpu::WgpuSetup::CreateNew(new) = &mut setup {
@@ -34,7 +34,7 @@ pub fn vulkan() -> eframe::egui_wgpu::WgpuSetup {
     setup
 }
 
-/// A window with a sample part in it, planned.
+/// A window with a planned sample part.
 pub fn with_sample(engine: Engine) -> Window {
     sample_in(window(engine))
 }
@@ -46,15 +46,15 @@ pub fn sample_in(mut window: Window) -> Window {
     window
 }
 
-/// Draws until the background work is done and shown.
+/// Draws until all background tasks are done and their results are shown.
 pub fn settle(window: &mut Window) {
     let start = Instant::now();
     window.step();
-    // What has ended may begin something else when it is taken in.
+    // Handling a result may start another task.
     loop {
         while window.state().is_busy() {
             assert!(start.elapsed() < Duration::from_secs(120), "the work does not end");
-            // A pass of the window takes as much: the work gets the rest of the time.
+            // About the time of a frame, so that the task gets half of the processor.
             std::thread::sleep(Duration::from_millis(30));
             window.step();
         }
@@ -65,17 +65,17 @@ pub fn settle(window: &mut Window) {
     }
 }
 
-/// What is allowed to differ between machines: anti-aliasing of text.
+/// Threshold and number of pixels that may differ between machines: anti-aliasing of text.
 const UI: (f32, usize) = (0.6, 20);
-/// The same for pictures with a 3D view in them: edges of triangles.
+/// Likewise for windows with a 3D view: edges of triangles.
 const VIEW: (f32, usize) = (1.2, 400);
 
-/// Compares a window without a 3D view.
+/// Compares a window without a 3D view with its snapshot.
 pub fn snapshot_ui(window: &mut Window, name: &str) {
     snapshot(window, name, UI);
 }
 
-/// Compares a window with a 3D view.
+/// Compares a window with a 3D view with its snapshot.
 pub fn snapshot_view(window: &mut Window, name: &str) {
     snapshot(window, name, VIEW);
 }
@@ -85,7 +85,7 @@ fn snapshot(window: &mut Window, name: &str, (threshold, pixels): (f32, usize)) 
     window.snapshot_options(name, &options);
 }
 
-/// A click of the left button at a place of the window.
+/// Clicks the left button at a point of the window.
 pub fn press(window: &mut Window, at: egui::Pos2) {
     window.hover_at(at);
     window.run_steps(1);
@@ -95,10 +95,20 @@ pub fn press(window: &mut Window, at: egui::Pos2) {
     }
 }
 
-/// What a label says that has `part` in it; `None` where there is no such label.
+/// Clicks the enabled button with this label: the Cancel button of the status bar is disabled while nothing
+/// runs.
+pub fn click_enabled(window: &Window, label: &str) {
+    use egui::accesskit::Role;
+    use egui_kittest::kittest::{NodeT, Queryable};
+    let mut buttons = window.get_all_by_role_and_label(Role::Button, label);
+    let enabled = buttons.find(|button| !button.accesskit_node().is_disabled());
+    enabled.expect("an enabled button").click();
+}
+
+/// Text of the label that contains `part`; `None` if there is none.
 pub fn words(window: &Window, part: &str) -> Option<String> {
     use egui_kittest::kittest::{NodeT, Queryable};
-    // Of a label the words are its value.
+    // The text of a label is its value.
     let label = window.query_by_label_contains(part)?;
     let node = label.accesskit_node();
     node.value().or_else(|| node.label())

@@ -1,10 +1,10 @@
-//! How the window looks at two scalings and in both themes, without a device, and as a picture file.
+//! The window at two scalings and in both themes, idle, and as a picture file.
 
 use egui_kittest::kittest::Queryable;
 use vanecut::app::dialogs::Purpose;
 
 use crate::fake;
-use crate::harness::{sample_in, scaled, settle, snapshot_view, with_sample};
+use crate::harness::{click_enabled, sample_in, scaled, settle, snapshot_view, with_sample};
 
 #[test]
 fn both_themes_on_an_ordinary_screen() {
@@ -48,12 +48,12 @@ fn pictures_have_the_size_and_the_background_that_were_asked_for() {
     let folder = tempfile::tempdir().expect("a folder");
     window.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::E);
     window.run_steps(3);
-    window.get_by_label("As large as on the screen").click();
+    window.get_by_label("Current view size").click();
     window.run_steps(2);
     window.get_by_label("Transparent background").click();
-    window.get_by_label("With the colour scale").click();
+    window.get_by_label("Include legend").click();
     window.run_steps(2);
-    window.get_by_label("Cancel saving").click();
+    click_enabled(&window, "Cancel");
     window.run_steps(2);
     let settings = window.state_mut().export_settings_mut();
     assert!(settings.size.is_some() && settings.transparent && settings.legend, "{settings:?}");

@@ -1,4 +1,4 @@
-//! The window, driven through its accessible names on software Vulkan.
+//! The window, driven through accessible names on software Vulkan.
 
 mod borders;
 mod compare;
@@ -50,7 +50,7 @@ fn nothing_open_offers_the_samples() {
 fn the_repaired_plan_interferes_nowhere_and_both_can_be_seen() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
-    window.get_by_label("Interferential 5 to 0");
+    window.get_by_label("Interfering 5 to 0");
     snapshot_view(&mut window, "after");
     window.get_by_label("Before").click();
     window.run_steps(3);
@@ -67,12 +67,12 @@ fn policies_are_compared_when_asked() {
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1100.0, 1000.0));
     window.run_steps(3);
-    assert!(window.query_by_label("Staircase").is_none(), "only what was planned is listed");
-    window.get_by_label("Compare all policies").click();
+    assert!(window.query_by_label("Stepped").is_none(), "only what was planned is listed");
+    window.get_by_label("Compare all strategies").click();
     window.run_steps(2);
     window.key_press(egui::Key::F5);
     settle(&mut window);
-    window.get_by_label("Staircase");
+    window.get_by_label("Stepped");
     assert_eq!(window.state().state().results.planned.as_ref().map(|p| p.outcome.policies().len()), Some(4));
 }
 
@@ -80,7 +80,7 @@ fn policies_are_compared_when_asked() {
 fn an_edited_setup_is_out_of_date_until_planned_again() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
-    window.get_by_label("Follow edits").click();
+    window.get_by_label("Auto-update").click();
     window.run_steps(2);
     let before = window.state().state().position_count();
     assert!(window.query_by_label("Out of date").is_none(), "fresh plan");
@@ -95,7 +95,7 @@ fn an_edited_setup_is_out_of_date_until_planned_again() {
     );
     assert_eq!(window.state().state().position_count(), before, "nothing is planned behind the user's back");
     snapshot_view(&mut window, "out_of_date");
-    window.get_by_role_and_label(Role::Button, "Plan channel").click();
+    window.get_by_role_and_label(Role::Button, "Calculate roughing").click();
     window.step();
     settle(&mut window);
     assert!(window.query_by_label("Out of date").is_none(), "planned again");
@@ -117,7 +117,7 @@ fn cancel_acts_at_once_and_keeps_the_last_good_plan() {
     window.step();
     let start = Instant::now();
     window.get_by_label("Cancel").click();
-    // Pressing and letting go are two events; the second frame shows what came of them.
+    // Press and release are two events, so the effect shows in the second frame.
     while window.state().is_busy() {
         assert!(start.elapsed() < Duration::from_secs(5), "cancel does nothing");
         window.step();
@@ -150,7 +150,7 @@ fn a_cancelled_plan_of_a_new_setup_is_shown_as_the_best_so_far() {
     assert_eq!((notice.tone, notice.text.contains("best so far")), (Tone::Done, true), "{notice:?}");
     assert_eq!(state.results.figures(&state.document.edited.setup), None, "no figures to compare sets by");
     window.get_by_label("Unfinished:");
-    // A plan that ends takes its place.
+    // A finished plan replaces it.
     slow.store(false, Ordering::SeqCst);
     window.key_press(egui::Key::F5);
     window.step();
@@ -200,7 +200,7 @@ fn faults_are_listed_and_can_be_stepped_through() {
     assert!(plan.positions[first].contact.interferes(), "it is one");
     window.get_by_role_and_label(Role::ComboBox, "Positions").click();
     window.run_steps(2);
-    window.get_by_label("Interferential only").click();
+    window.get_by_label("Interfering only").click();
     window.run_steps(2);
     assert_eq!(window.state().state().rows().len(), fake::FAULTS, "the filter leaves the faults");
 }
@@ -249,7 +249,7 @@ fn the_mouse_turns_shifts_and_zooms() {
     assert_eq!((shifted.yaw, shifted.pitch), (zoomed.yaw, zoomed.pitch), "the middle button does not turn");
     assert!(shifted.target.distance(zoomed.target) > 1.0, "it shifts");
 
-    // The harness takes a quarter of a second per event.
+    // The harness clock advances by a quarter of a second per event.
     window.ctx.options_mut(|options| options.input_options.max_double_click_delay = 3.0);
     window.hover_at(rect.center());
     window.run_steps(4);
@@ -275,11 +275,11 @@ fn a_fault_is_one_line_with_its_cure() {
     window.key_press(egui::Key::F5);
     settle(&mut window);
     window.get_by_label("the hub allowance of 12 mm leaves no channel at s 0.31");
-    window.get_by_label("To do: make it smaller");
+    window.get_by_label("Fix: make it smaller");
     snapshot_ui(&mut window, "problem");
     window.get_by_label("Dismiss").click();
     window.run_steps(3);
-    assert!(window.query_by_label("To do: make it smaller").is_none(), "dismissed");
+    assert!(window.query_by_label("Fix: make it smaller").is_none(), "dismissed");
     assert!(window.state().state().results.planned.is_some(), "the last good plan stays");
 }
 
@@ -305,7 +305,7 @@ fn a_click_on_a_cutter_selects_its_position() {
     let rect = window.get_by_label("3D view").rect();
     let camera = window.state().camera().expect("a camera");
     let plan = &window.state().state().results.planned.as_ref().expect("planned").outcome.after.plan;
-    // Half a radius up the axis of a cutter in the middle of the row: inside its body.
+    // Half a radius above the tip of a cutter in the middle of the row: inside the cutter.
     let inside = plan.positions[8].tip + plan.positions[8].axis * 7.5;
     let point = glam::vec3(inside.x as f32, inside.y as f32, inside.z as f32);
     let pixel = camera.project(point, glam::vec2(rect.width(), rect.height())).expect("in front");

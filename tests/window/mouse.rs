@@ -1,4 +1,4 @@
-//! The mouse over the 3D view: its presets, and what a right click offers.
+//! The mouse in the 3D view: presets and context menu.
 
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, PointerButton, Pos2};
@@ -14,7 +14,7 @@ fn button(window: &mut Window, pos: Pos2, button: PointerButton, modifiers: Modi
     window.event(Event::PointerButton { pos, button, pressed, modifiers });
 }
 
-/// Drags across the view, and tells the camera before and after.
+/// Drags across the view; returns the camera before and after.
 fn drag(window: &mut Window, with: PointerButton, modifiers: Modifiers) -> (Camera, Camera) {
     let start = window.get_by_label("3D view").rect().center();
     let end = start + egui::vec2(40.0, 30.0);
@@ -72,9 +72,9 @@ fn the_mouse_takes_other_habits_from_menu_and_palette_and_keeps_them() {
     assert!(moved(drag(&mut window, Middle, Modifiers::SHIFT)));
     assert!(nearer(drag(&mut window, Middle, Modifiers::CTRL)));
 
-    window.get_by_label("What the mouse does").click();
+    window.get_by_label("Navigation help").click();
     window.run_steps(2);
-    window.get_by_label_contains("Drag with shift-middle: move");
+    window.get_by_label_contains("Drag with shift-middle: pan");
     window.get_by_label("Mouse: Blender").click();
     window.run_steps(3);
     assert!(turned(drag(&mut window, Primary, Modifiers::ALT)), "without a middle button");
@@ -94,7 +94,7 @@ fn the_mouse_takes_other_habits_from_menu_and_palette_and_keeps_them() {
     assert_eq!(again.state().state().look.mouse, MousePreset::Onshape, "the next start knows it");
 }
 
-/// Where a cutter in the middle of the first row is on the screen.
+/// Screen position of a cutter in the middle of the first row.
 fn at_cutter(window: &Window) -> Pos2 {
     let rect = window.get_by_label("3D view").rect();
     let camera = window.state().camera().expect("a camera");
@@ -124,13 +124,13 @@ fn a_right_click_offers_what_can_be_done_with_the_position_there() {
     right_click(&mut window, at);
     let k = window.state().state().look.selected.expect("the position there is selected");
     assert!((6..=11).contains(&k), "the cutter under the cursor or one in front of it: {k}");
-    // The section of the position comes from another thread.
+    // The sectional view is computed on another thread.
     settle(&mut window);
     snapshot_view(&mut window, "right_click");
-    window.get_by_role_and_label(Role::Button, "Scrub to here").click();
+    window.get_by_role_and_label(Role::Button, "Simulate to here").click();
     window.run_steps(4);
     assert_eq!(window.state().state().look.cut, Some(k + 1), "cut until there");
-    assert!(window.query_by_label("Scrub to here").is_none(), "the menu is gone");
+    assert!(window.query_by_label("Simulate to here").is_none(), "the menu is gone");
 
     window.state_mut().look_mut().filter = Filter::Interferential;
     window.state_mut().look_mut().tab = Tab::Facts;
@@ -142,7 +142,7 @@ fn a_right_click_offers_what_can_be_done_with_the_position_there() {
     assert_eq!(window.state().state().look.filter, Filter::All, "a filter does not hide it");
     window.get_by_label(&format!("Position {}", k + 1));
     right_click(&mut window, at);
-    window.get_by_role_and_label(Role::Button, "Open section").click();
+    window.get_by_role_and_label(Role::Button, "Open sectional view").click();
     window.run_steps(3);
     assert_eq!(window.state().state().look.tab, Tab::Section);
 
@@ -165,7 +165,7 @@ fn beside_the_cutters_a_right_click_offers_views_and_layers() {
     window.run_steps(8);
     let corner = window.get_by_label("3D view").rect().right_center() - egui::vec2(6.0, 0.0);
     right_click(&mut window, corner);
-    assert!(window.query_by_label("Scrub to here").is_none(), "no position is there");
+    assert!(window.query_by_label("Simulate to here").is_none(), "no position is there");
     assert_eq!(window.state().state().look.selected, Some(2), "what is selected stays");
     window.get_by_label_contains("Top view").click();
     window.run_steps(3);

@@ -1,4 +1,4 @@
-//! The project: saved, opened again, asked for before it is lost, recovered after a crash.
+//! The project: saved, opened again, protected by a question before it closes, recovered after a crash.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use vanecut::app::state::Tone;
 use vanecut::formats::project_file::read_project;
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_ui, window, with_sample};
+use crate::harness::{Window, click_enabled, settle, snapshot_ui, window, with_sample};
 
 fn save_as(window: &mut Window, path: &Path) {
     let ctx = window.ctx.clone();
@@ -61,7 +61,7 @@ fn a_project_opens_as_it_was_saved() {
     let state = second.state().state();
     assert!(state.results.figures(&state.document.edited.sets[0].setup).is_some(), "figures of the set");
     assert!(state.problems.is_empty(), "{:?}", state.problems);
-    // Saved again without asking where.
+    // Saves to the same file without a dialog.
     edit_step(&mut second, 9.0);
     second.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
     second.run_steps(2);
@@ -112,7 +112,7 @@ fn unsaved_changes_are_asked_for_before_they_are_lost() {
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
     window.run_steps(3);
     window.get_by_label("Save the changes of this project?");
-    window.get_by_role_and_label(Role::Button, "Keep working").click();
+    click_enabled(&window, "Cancel");
     window.run_steps(3);
     assert!(window.state().state().document.part.is_some(), "still open");
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
@@ -136,7 +136,8 @@ fn a_crash_loses_nothing() {
     save_as(&mut first, &project);
     let saved = std::fs::read(&project).expect("reads");
     edit_step(&mut first, 6.5);
-    // The harness takes a quarter of a second per picture; the copy comes after two seconds of rest.
+    // The harness clock advances by a quarter of a second per frame; the copy is written after two idle
+    // seconds.
     first.run_steps(14);
     let recovery = home.join("recovery");
     let copies = || -> Vec<_> {
@@ -144,7 +145,7 @@ fn a_crash_loses_nothing() {
     };
     let copy = copies().pop().expect("a copy");
     assert_eq!(std::fs::read(&project).expect("reads"), saved, "the project itself is untouched");
-    // The crash: the file of a process that is gone.
+    // Simulates the crash: renames the copy to that of a process that no longer exists.
     let orphan = recovery.join("4194304999-7.vanecut");
     std::fs::rename(&copy, &orphan).expect("renames");
     drop(first);
@@ -152,8 +153,8 @@ fn a_crash_loses_nothing() {
     let mut second = window(engine.clone());
     second.state_mut().set_home(home.clone());
     second.run_steps(2);
-    second.get_by_label("The last session ended without saving");
-    second.get_by_label("Recover it").click();
+    second.get_by_label("Unsaved changes of the last session");
+    second.get_by_label("Recover").click();
     second.run_steps(2);
     settle(&mut second);
     let document = &second.state().state().document;

@@ -1,4 +1,4 @@
-//! The window over the real planner.
+//! The window with the real planner.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -13,7 +13,7 @@ fn the_count_of_interferential_positions_falls_to_none() {
     let step = window.get_by_role_and_label(Role::SpinButton, "Step");
     step.set_value_accesskit(7.0);
     window.run_steps(3);
-    window.get_by_role_and_label(Role::Button, "Plan channel").click();
+    window.get_by_role_and_label(Role::Button, "Calculate roughing").click();
     window.step();
     settle(&mut window);
     let state = window.state().state();
@@ -23,16 +23,16 @@ fn the_count_of_interferential_positions_falls_to_none() {
     let [before, after] = [&planned.outcome.before.summary, &planned.outcome.after.summary];
     assert!(before.interferential > 0, "the conventional plan interferes");
     assert_eq!(after.interferential, 0, "the one by our policy does not");
-    let verdict = format!("Interferential {} to 0", before.interferential);
+    let verdict = format!("Interfering {} to 0", before.interferential);
     window.get_by_label(&verdict);
 }
 
 #[test]
 fn conventional_as_the_policy_repairs_nothing() {
     let mut window = with_sample(Engine::default());
-    window.get_by_role_and_label(Role::ComboBox, "Axis policy").click();
+    window.get_by_role_and_label(Role::ComboBox, "Axis strategy").click();
     window.run_steps(2);
-    window.get_by_role_and_label(Role::Button, "Conventional").click();
+    window.get_by_role_and_label(Role::Button, "Isoparametric").click();
     window.run_steps(2);
     assert_eq!(
         window.state().state().document.edited.setup.plunge.axis,

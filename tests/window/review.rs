@@ -1,4 +1,4 @@
-//! Review: the table and the picture, linked both ways.
+//! The position table and the 3D view, linked in both directions.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -93,14 +93,14 @@ fn a_cutter_that_is_picked_is_the_row_that_is_shown() {
     let place = tip_on_screen(&window);
     window.state_mut().look_mut().selected = None;
     window.run_steps(2);
-    // A little above the tip: inside the stub of the cutter.
+    // Just above the tip: inside the cutter.
     let at = rect.min + egui::vec2(place.x * rect.width(), place.y * rect.height() - 3.0);
     press(&mut window, at);
     window.run_steps(3);
     let picked = window.state().state().look.selected.expect("a cutter is there");
     assert!((7..=9).contains(&picked), "the ninth or one that overlaps it: {picked}");
     window.get_by_role_and_label(Role::Row, &format!("Position {}", picked + 1));
-    // Away from every cutter nothing is selected.
+    // A click beside all cutters selects nothing.
     press(&mut window, rect.left_bottom() + egui::vec2(20.0, -100.0));
     window.run_steps(3);
     let outside = window.state().state().look.selected;

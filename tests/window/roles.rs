@@ -1,4 +1,4 @@
-//! Mesh files whose nodes have no names: the dialog that asks what is what.
+//! Mesh files whose nodes have no names: the dialog that assigns their roles.
 
 use std::path::{Path, PathBuf};
 
@@ -14,9 +14,9 @@ use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::part::Impeller;
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, window};
+use crate::harness::{Window, click_enabled, settle, snapshot_view, window};
 
-/// A wheel as a file: hub, shroud and six blades. `edit` changes its document.
+/// Writes a wheel with hub, shroud and six blades to a glTF file. `edit` changes its JSON document.
 fn wheel(folder: &Path, edit: impl FnOnce(&mut Value)) -> PathBuf {
     let text = include_bytes!("../../assets/parts/pump6.toml");
     let part = Impeller::build(&read_part_bytes("pump6.toml", text, "toml").expect("reads")).expect("a part");
@@ -39,7 +39,7 @@ fn wheel(folder: &Path, edit: impl FnOnce(&mut Value)) -> PathBuf {
     path
 }
 
-/// Takes all names away, and adds a third turned body: a nut.
+/// Removes all names, and adds a third body of revolution: a nut.
 fn nameless(document: &mut Value) {
     for list in ["nodes", "meshes", "materials"] {
         for item in document[list].as_array_mut().expect("a list") {
@@ -54,7 +54,7 @@ fn nameless(document: &mut Value) {
 }
 
 fn is_asked(window: &Window) -> bool {
-    window.query_by_label("What is what in wheel.glb?").is_some()
+    window.query_by_label("Assign surfaces, wheel.glb").is_some()
 }
 
 fn press(window: &mut Window, label: &str) {
@@ -84,17 +84,17 @@ fn nodes_without_names_are_told_apart_by_hand() {
     settle(&mut first);
     assert!(is_asked(&first), "{:?}", first.state().state().problems);
     assert!(first.state().state().problems.is_empty(), "the dialog itself says what is wrong");
-    first.get_by_label_contains("cannot be told apart");
-    // The guess by shape knows hub and blades; the shroud is named here, and lights up.
+    first.get_by_label_contains("cannot be separated");
+    // The guess by shape finds hub and blades. The shroud is assigned here and highlighted.
     choose(&mut first, "Role of node 1", "shroud");
     press(&mut first, "node 3");
     snapshot_view(&mut first, "roles");
-    // A wrong choice comes back with its fault.
+    // A wrong choice opens the dialog again with an error.
     choose(&mut first, "Role of node 0", "ignore");
     choose(&mut first, "Role of node 9", "hub");
     press(&mut first, "Open the part");
     assert!(is_asked(&first) && source(&first).is_none(), "still asked");
-    assert!(first.query_by_label_contains("cannot be told apart").is_none(), "another fault now");
+    assert!(first.query_by_label_contains("cannot be separated").is_none(), "another fault now");
     choose(&mut first, "Role of node 0", "hub");
     choose(&mut first, "Role of node 9", "ignore");
     press(&mut first, "Open the part");
@@ -127,7 +127,7 @@ fn the_keyboard_is_enough_to_tell_nodes_apart() {
     let mut window = window(engine);
     window.state_mut().open_path(path);
     settle(&mut window);
-    // The hub is the first node, the shroud the second.
+    // The first node is the hub, the second the shroud.
     for key in [egui::Key::ArrowDown, egui::Key::H, egui::Key::ArrowDown, egui::Key::S, egui::Key::Enter] {
         window.key_press(key);
         window.run_steps(2);
@@ -155,16 +155,18 @@ fn roles_of_an_open_part_can_be_changed_and_its_setup_stays() {
     settle(&mut window);
     window.get_by_label("File").click();
     window.run_steps(2);
-    window.get_by_label("Assign roles…").click();
+    window.get_by_label("Assign surfaces…").click();
     window.run_steps(2);
     settle(&mut window);
     assert!(is_asked(&window));
-    press(&mut window, "Leave it");
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    settle(&mut window);
     assert!(!is_asked(&window) && source(&window) == Some(PartSource::File(path.clone())));
 
     window.get_by_label("File").click();
     window.run_steps(2);
-    window.get_by_label("Assign roles…").click();
+    window.get_by_label("Assign surfaces…").click();
     window.run_steps(2);
     settle(&mut window);
     choose(&mut window, "Role of shroud", "ignore");

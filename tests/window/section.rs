@@ -1,4 +1,4 @@
-//! Section inspector, plots along the row and the timeline.
+//! Sectional view, plots along the row and timeline.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -17,12 +17,12 @@ fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
     window.run_steps(4);
     settle(&mut window);
     let k = window.state().state().look.selected.expect("a fault");
-    window.get_by_label(&format!("Section through position {}", k + 1));
+    window.get_by_label(&format!("Sectional view through position {}", k + 1));
     window.get_by_label_contains("step ");
     snapshot_view(&mut window, "section");
     window.get_by_label("Figures").click();
     window.run_steps(3);
-    window.get_by_label("Tip x y z");
+    window.get_by_label("Tool tip X Y Z");
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn the_timeline_shows_the_stock_as_it_is_then() {
     window.get_by_label(&format!("Position {}", count - 2)).click();
     window.run_steps(3);
     assert_eq!(window.state().state().look.cut, Some(count - 2), "the table moves it too");
-    window.get_by_role_and_label(Role::Button, "To the end").click();
+    window.get_by_role_and_label(Role::Button, "Go to end").click();
     window.run_steps(2);
     assert_eq!(window.state().state().look.cut, None);
 }

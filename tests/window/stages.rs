@@ -1,4 +1,4 @@
-//! A plan in the making: what is known of the new setup is shown as it comes, and marked until it is judged.
+//! Preview of a running plan: each stage is shown when it arrives, and marked until its contact is checked.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,7 +15,7 @@ use vanecut::plunge::PlungePlan;
 
 use crate::harness::{Window, settle, snapshot_view, with_sample};
 
-/// The real planner, which waits after every stage until it may go on.
+/// The real planner, which waits after each stage until the test allows the next.
 fn held_back() -> (Engine, Arc<AtomicUsize>) {
     let allowed = Arc::new(AtomicUsize::new(usize::MAX));
     let (job, gate) = (PlanJob::default(), Arc::clone(&allowed));
@@ -54,7 +54,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     let old = window.state().state().results.planned.clone().expect("planned");
     let count = |window: &Window| window.state().state().position_count();
     let before = count(&window);
-    // Resolved, then the axes of the plan before, and there it waits.
+    // Waits after two stages: setup resolved, axes of the last plan.
     allowed.store(2, Ordering::SeqCst);
     window.get_by_role_and_label(Role::Slider, "Hub allowance").set_value_accesskit(0.7);
     window.step();
@@ -63,7 +63,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     assert_eq!((policy, judged), (AxisPolicy::Minimal, true));
     assert!(carried <= before && carried > before * 9 / 10, "{carried} of {before} axes");
     window.step();
-    window.get_by_label(&format!("New minimal, axes as before: none of {carried} interferes"));
+    window.get_by_label(&format!("New min. stock, axes as before: none of {carried} interferes"));
     window.get_by_label("Out of date");
     snapshot_view(&mut window, "carried");
     let on = |window: &Window, side: Side| window.state().state().coming_on(side).map(|c| c.plan.policy);
@@ -85,7 +85,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
         window.state().state().coming_on(Side::Before).map(|cutters| tip(&cutters.plan)).expect("cutters");
     assert!((new - tip(&old.outcome.before.plan)).norm() > 0.15, "0.2 mm higher above the hub");
     window.step();
-    window.get_by_label(&format!("New conventional: {positions} positions, not judged yet"));
+    window.get_by_label(&format!("New isoparametric: {positions} positions, not checked yet"));
     window.get_by_label("Out of date");
     let conventional = old.outcome.before.plan.positions.len();
     assert_eq!(count(&window), conventional, "table and figures are still those of the whole plan");
@@ -96,9 +96,9 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     let faults = window.state().state().coming_on(Side::Before).and_then(|c| c.interferential());
     let faults = faults.expect("judged");
     assert!(faults > 0, "conventional axes interfere here");
-    window.get_by_label(&format!("New conventional: {faults} of {positions} interfere"));
+    window.get_by_label(&format!("New isoparametric: {faults} of {positions} interfere"));
 
-    // What it leaves on the hub: the side that shows it is up to date, while the other waits.
+    // With its residual stock the before side is up to date, while the after side still waits.
     allowed.store(5, Ordering::SeqCst);
     until(&mut window, "the conventional plan", |window| !window.state().state().is_stale(Side::Before));
     let state = window.state().state();
@@ -148,7 +148,7 @@ fn while_a_slider_is_held_something_true_of_the_new_setup_comes_before_the_next_
     }
     allowed.store(4, Ordering::SeqCst);
     until(&mut window, "contact", |window| coming(window).is_some_and(|(_, judged, _)| judged));
-    // From here on a movement counts at once.
+    // From here on an edit restarts planning at once.
     window.hover_at(rect.center());
     window.run_steps(2);
     let wanted = setup(&window);

@@ -1,4 +1,4 @@
-//! Tuning: sliders that are followed live, what-if sets, the palette.
+//! Sliders with auto-update, variants, command palette.
 
 use std::sync::atomic::Ordering;
 
@@ -20,7 +20,7 @@ fn a_slider_is_followed_live_and_stale_results_say_so() {
     window.get_by_label("Out of date");
     window.get_by_label("Out of date:");
     assert_eq!(window.state().state().position_count(), before, "the old result stays meanwhile");
-    // A newer value supersedes the running plan.
+    // A newer value replaces the running task.
     window.get_by_role_and_label(Role::Slider, "Step").set_value_accesskit(4.0);
     window.run_steps(3);
     slow.store(false, Ordering::SeqCst);
@@ -68,7 +68,7 @@ fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);
     window.run_steps(3);
     settle(&mut window);
-    window.get_by_label("Keep as what-if set").click();
+    window.get_by_label("Save as variant").click();
     window.run_steps(10);
     let sets = window.state().state().document.edited.sets.clone();
     assert_eq!(sets.iter().map(|set| set.setup.plunge.step).collect::<Vec<_>>(), [None, Some(5.0)]);
@@ -76,12 +76,12 @@ fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
         assert!(window.state().state().results.figures(&set.setup).is_some(), "both were planned");
     }
     snapshot_view(&mut window, "what_if");
-    window.get_by_label("Use Set 1").click();
+    window.get_by_label("Load Variant 1").click();
     window.run_steps(3);
     settle(&mut window);
     assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "the first set is in work");
     window.run_steps(8);
-    window.get_by_label("Remove Set 2").click();
+    window.get_by_label("Remove Variant 2").click();
     window.run_steps(8);
     assert_eq!(window.state().state().document.edited.sets.len(), 1);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
@@ -102,7 +102,7 @@ fn the_palette_finds_and_runs_commands() {
     window.run_steps(3);
     use vanecut::app::look::Arrangement;
     assert_eq!(window.state().state().look.arrangement, Arrangement::Both, "the first that was found");
-    assert!(window.query_by_role_and_label(Role::TextInput, "Search a command").is_none(), "and it is gone");
+    assert!(window.query_by_role_and_label(Role::TextInput, "Search commands").is_none(), "and it is gone");
     for name in ["3D view, before", "3D view, after"] {
         window.get_by_label(name);
     }
@@ -110,7 +110,7 @@ fn the_palette_finds_and_runs_commands() {
     window.run_steps(2);
     window.key_press(egui::Key::Escape);
     window.run_steps(2);
-    assert!(window.query_by_role_and_label(Role::TextInput, "Search a command").is_none(), "Esc closes it");
+    assert!(window.query_by_role_and_label(Role::TextInput, "Search commands").is_none(), "Esc closes it");
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn the_tilt_of_the_machine_is_a_field_that_can_be_undone() {
         window.state().state().document.edited.setup.machine.max_axis_tilt.to_degrees()
     };
     assert!((tilt(&window) - 180.0).abs() < 1e-9, "no limit by default");
-    window.get_by_role_and_label(Role::SpinButton, "Machine tilt").set_value_accesskit(75.0);
+    window.get_by_role_and_label(Role::SpinButton, "Max machine tilt").set_value_accesskit(75.0);
     window.run_steps(8);
     settle(&mut window);
     assert!((tilt(&window) - 75.0).abs() < 1e-9, "the field edits the setup");
@@ -133,7 +133,7 @@ fn the_tilt_of_the_machine_is_a_field_that_can_be_undone() {
     assert!((tilt(&window) - 180.0).abs() < 1e-9, "undone");
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Y);
     window.run_steps(2);
-    window.get_by_label("Reset machine tilt").click();
+    window.get_by_label("Reset max machine tilt").click();
     window.run_steps(2);
     assert!((tilt(&window) - 180.0).abs() < 1e-9, "the dot resets");
 }

@@ -1,5 +1,5 @@
-//! The whole way of a programmer with a part of their own, by what the window says: find why it interferes, tune until
-//! nothing does, compare, flank curves, files, and on another day where they were.
+//! A programmer's whole session with their own part: find interfering plunges, tune until there are none,
+//! compare, plan flank milling, write files, and continue in a later session.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,12 +9,13 @@ use egui_kittest::kittest::Queryable;
 use vanecut::app::dialogs::Purpose;
 use vanecut::app::engine::Engine;
 use vanecut::app::state::Tone;
+use vanecut::app::theme::Condition;
 use vanecut::formats::read_apt;
 
 use crate::drop::drop_on;
 use crate::harness::{Window, settle, window, words};
 
-/// A window as it opens on a small screen.
+/// A window on a small screen, with its home folder.
 fn on_a_small_screen(home: &Path) -> Window {
     let mut window = window(Engine::default());
     window.set_size(egui::vec2(1280.0, 800.0));
@@ -26,7 +27,7 @@ fn on_a_small_screen(home: &Path) -> Window {
 fn choose(window: &mut Window, list: &str, entry: &str) {
     window.get_by_role_and_label(Role::ComboBox, list).click_accesskit();
     window.run_steps(3);
-    // A real click: it closes the list.
+    // A real click, as it closes the list.
     window.get_by_role_and_label(Role::Button, entry).click();
     window.run_steps(3);
     settle(window);
@@ -40,8 +41,8 @@ fn set(window: &mut Window, field: &str, value: f64) {
 
 /// The two counts of the verdict.
 fn interferential(window: &Window) -> (usize, usize) {
-    let verdict = words(window, "Interferential ").expect("a verdict");
-    let counts = verdict.strip_prefix("Interferential ").and_then(|counts| counts.split_once(" to "));
+    let verdict = words(window, "Interfering ").expect("a verdict");
+    let counts = verdict.strip_prefix("Interfering ").and_then(|counts| counts.split_once(" to "));
     let (before, after) = counts.unwrap_or_else(|| panic!("{verdict}"));
     (before.parse().expect("a count"), after.parse().expect("a count"))
 }
@@ -69,8 +70,8 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     drop_on(&mut window, &[&part]);
     window.get_by_label("cc_autoblade");
 
-    // As shops do it today: where is the worst of it, and why?
-    choose(&mut window, "Axis policy", "Conventional");
+    // Conventional axes: find the worst plunge and its reason.
+    choose(&mut window, "Axis strategy", "Isoparametric");
     let (faults, same) = interferential(&window);
     assert!(faults > 100 && same == faults, "{faults} to {same}");
     window.get_by_label("Sort by contact").click();
@@ -79,30 +80,31 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     window.get_by_role_and_label(Role::Row, &format!("Position {}", worst + 1)).click();
     window.run_steps(8);
     settle(&mut window);
-    window.get_by_label(&format!("Section through position {}", worst + 1));
+    window.get_by_label(&format!("Sectional view through position {}", worst + 1));
     let count = window.state().state().position_count();
-    window.get_by_label(&format!("Position {} of {count}: interferential", worst + 1));
-    let why = words(&window, "Core meets stock ").expect("the reason");
+    let word = Condition::Interferential.word();
+    window.get_by_label(&format!("Position {} of {count}: {word}", worst + 1));
+    let why = words(&window, "Core hits stock ").expect("the reason");
     let depth = why.split_whitespace().nth(3).and_then(|depth| depth.parse::<f64>().ok());
     let deepest = window.state().state().selected().expect("selected").contact.depth;
     assert!(deepest > 1.0 && depth.is_some_and(|depth| (depth - deepest).abs() < 0.006), "{why}");
 
-    // Tuned until none is left: a shorter step alone does not do it, other axes nearly, the search does.
+    // Tuning: a shorter step alone is not enough, monotone axes remove most, the search removes all.
     set(&mut window, "Step", 4.0);
     let (finer, _) = interferential(&window);
     assert!(finer > 0, "a shorter step leaves {finer}");
-    set(&mut window, "Tilt limit", 50.0);
-    choose(&mut window, "Axis policy", "Monotone");
+    set(&mut window, "Max tilt", 50.0);
+    choose(&mut window, "Axis strategy", "Progressive");
     let (_, few) = interferential(&window);
     assert!(few * 20 < finer, "the rule repairs most: {few} of {finer}");
-    choose(&mut window, "Axis policy", "Minimal");
+    choose(&mut window, "Axis strategy", "Min. stock");
     let (before, after) = interferential(&window);
     assert!(before > 0 && after == 0, "{before} to {after}");
-    assert!(words(&window, "Core meets stock").is_none(), "no reason is left");
+    assert!(words(&window, "Core hits stock").is_none(), "no reason is left");
     let setup = window.state().state().document.edited.setup.clone();
     assert_eq!(setup.plunge.step, Some(4.0), "the setup is what was tuned");
 
-    // Stock before and after, side by side, at the same places of the hub.
+    // Residual stock before and after, side by side, at the same points of the hub.
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::B);
     window.key_press(egui::Key::Num4);
     window.state_mut().look_mut().layers.cutters = false;
@@ -110,7 +112,7 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     settle(&mut window);
     let view = window.get_by_label("3D view, after").rect();
     let (mut left, mut left_before, mut places) = (0.0, 0.0, 0);
-    // Places all over the view, in an order that is in no corner for long.
+    // Points spread over the view in a pseudo-random order.
     for k in (1..400).map(|k| 147 * k % 400) {
         let share = egui::vec2((k % 20) as f32 / 20.0, (k / 20) as f32 / 20.0);
         window.hover_at(view.min + view.size() * share);
@@ -130,10 +132,10 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::B);
     window.run_steps(3);
 
-    // The same for the flank regions.
+    // Flank milling by regions.
     window.get_by_label("Flank").click_accesskit();
     window.run_steps(4);
-    choose(&mut window, "Scheme", "Regions");
+    choose(&mut window, "Strategy", "Regions");
     window.key_press(egui::Key::F6);
     window.run_steps(2);
     settle(&mut window);
@@ -146,9 +148,9 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     window.run_steps(4);
     window.get_by_label("walls").click_accesskit();
     window.run_steps(4);
-    window.get_by_label("Left on the walls");
+    window.get_by_label("Residual on walls");
 
-    // Files: what the window says it wrote is there, and the check of the command line agrees.
+    // Files: they exist as reported, and `vanecut verify` accepts the CL file.
     let file = |name: &str| folder.path().join(name);
     save(&mut window, Purpose::ExportCl, &file("plunge.apt"));
     save(&mut window, Purpose::ExportFlank, &file("flank.apt"));
@@ -164,7 +166,7 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
         .expect("the program starts");
     assert!(verify.status.success(), "{}", String::from_utf8_lossy(&verify.stdout));
 
-    // Closed over a position, and opened again.
+    // Closes with a selected position, and opens again.
     window.get_by_label("Sort by cutting order").click();
     window.run_steps(8);
     window.key_press(egui::Key::ArrowDown);
@@ -183,7 +185,7 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     settle(&mut window);
     window.get_by_label("cc_autoblade");
     window.get_by_label(&said);
-    window.get_by_label(&format!("Section through position {chosen}"));
+    window.get_by_label(&format!("Sectional view through position {chosen}"));
     assert_eq!(interferential(&window), (before, 0));
     let state = window.state().state();
     assert_eq!(state.document.edited, edited, "setup and sets");

@@ -1,28 +1,29 @@
-//! Rows of a form. Number fields: number and unit in one box, drag or type, arithmetic allowed. Lists to choose from. Both
-//! with a dot where the value differs from the default (a click on it resets), and an accessible name.
+//! Rows of a form: number fields (number and unit in one box, drag or type, arithmetic allowed) and lists.
+//! Both have an accessible name, and a dot where the value differs from the default; a click on the dot
+//! resets it.
 
 use egui::{Color32, ComboBox, DragValue, Response, Sense, Slider, Ui, Vec2};
 
 use super::super::{number, theme};
 
-/// What a field holds.
+/// Description of a number field.
 #[derive(Clone, Copy, Debug)]
 pub struct Spec {
     /// Name, sentence case.
     pub label: &'static str,
-    /// What it means, and what limits it.
+    /// Tooltip: meaning.
     pub tip: &'static str,
-    /// Unit shown behind the number, with its leading space where there is one.
+    /// Unit shown after the number, with a leading space if there is one.
     pub unit: &'static str,
-    /// Least value.
+    /// Minimum.
     pub least: f64,
-    /// Greatest value.
+    /// Maximum.
     pub greatest: f64,
     /// Change per dragged point.
     pub speed: f64,
-    /// Decimals shown at most.
+    /// Maximum number of decimals.
     pub decimals: usize,
-    /// Ends of the slider under the box, if there is one: what is usual, well inside what is allowed.
+    /// Range of the slider under the box, if there is one: usual values, well within the limits.
     pub slide: Option<(f64, f64)>,
 }
 
@@ -37,20 +38,20 @@ impl Spec {
         Self { label, tip, unit: "°", least, greatest, speed: 0.1, decimals: 2, slide: None }
     }
 
-    /// A plain number with a unit.
+    /// A whole number with a unit.
     pub const fn plain(label: &'static str, unit: &'static str, greatest: f64) -> Self {
         Self { label, tip: "", unit, least: 1.0, greatest, speed: 1.0, decimals: 0, slide: None }
     }
 }
 
 impl Spec {
-    /// With a slider under the box.
+    /// Adds a slider under the box.
     pub const fn sliding(self, low: f64, high: f64) -> Self {
         Self { slide: Some((low, high)), ..self }
     }
 }
 
-/// Number with unit, as the field shows it: no trailing zeros.
+/// Number with unit, without trailing zeros.
 fn show(value: f64, spec: &Spec) -> String {
     let mut text = format!("{value:.*}", spec.decimals);
     if text.contains('.') {
@@ -59,7 +60,7 @@ fn show(value: f64, spec: &Spec) -> String {
     text + spec.unit
 }
 
-/// The bare box. `automatic`: the words shown when the value is 0 or typed as nothing.
+/// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too.
 pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &Spec, automatic: Option<&str>) -> Response {
     let least = if automatic.is_some() { 0.0 } else { spec.least };
     let unit = spec.unit;
@@ -69,7 +70,7 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &Spec, automatic: Option<&
     let mut field = DragValue::new(value)
         .speed(spec.speed)
         .range(least..=spec.greatest)
-        // A value from a file that is out of range stays as it is until somebody edits it.
+        // An out-of-range value from a file is kept until it is edited.
         .clamp_existing_to_range(false)
         .custom_formatter(move |v, _| match &words {
             Some(words) if v <= 0.0 => words.clone(),
@@ -92,18 +93,18 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &Spec, automatic: Option<&
     response.on_hover_text(limits)
 }
 
-/// A row of the form: name, box, dot, slider. `true` when the value changed.
+/// A form row with label, box, dot and slider; `true` when the value changed.
 pub fn row(ui: &mut Ui, value: &mut f64, default: f64, spec: &Spec) -> bool {
     labelled(ui, value, Some(default), spec, None)
 }
 
-/// The same for a value without a default.
+/// Like [`row`], for a value without a default.
 pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &Spec) -> bool {
     labelled(ui, value, None, spec, None)
 }
 
-/// The same for a limit that may be left to the program: 0 stands for none given. `now`: what the program took for it,
-/// where the slider then stands.
+/// Like [`row`], for an optional value: 0 means automatic. `now`: the automatic value, which the slider then
+/// shows.
 pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &Spec, now: Option<f64>) -> bool {
     let mut number = value.unwrap_or(0.0);
     let changed = labelled(ui, &mut number, Some(0.0), spec, Some(("auto", now)));
@@ -113,7 +114,7 @@ pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &Spec, now: Opti
     changed
 }
 
-/// An angle held in radians and shown in degrees.
+/// Like [`row`], for an angle stored in radians and shown in degrees.
 pub fn angle_row(ui: &mut Ui, radians: &mut f64, default: f64, spec: &Spec) -> bool {
     let mut degrees = round(radians.to_degrees());
     let changed = row(ui, &mut degrees, round(default.to_degrees()), spec);
@@ -123,21 +124,21 @@ pub fn angle_row(ui: &mut Ui, radians: &mut f64, default: f64, spec: &Spec) -> b
     changed
 }
 
-/// A choice of a few: how it is called, what there is to choose from, and each one's name and meaning.
+/// Description of a list field: label, options, and name and meaning of each option.
 pub struct Choice<T: 'static> {
     /// Name, sentence case.
     pub label: &'static str,
-    /// What it decides.
+    /// Tooltip: effect of the choice.
     pub tip: &'static str,
-    /// All there are, in the order of the list.
+    /// Options, in list order.
     pub all: &'static [T],
-    /// Name of one of them.
+    /// Name of an option.
     pub name: fn(T) -> &'static str,
-    /// What one of them means.
+    /// Tooltip of an option.
     pub meaning: fn(T) -> &'static str,
 }
 
-/// A row of the form with a list to choose from: name, list, dot.
+/// A form row with label, list and dot.
 pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, choice: &Choice<T>) {
     let label = ui.label(choice.label).on_hover_text(choice.tip);
     ui.horizontal(|ui| {
@@ -158,12 +159,12 @@ pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, c
     ui.end_row();
 }
 
-/// 5° went through radians and comes back as 5.000000000000001.
+/// Rounds away the error of a conversion to radians and back: 5° becomes 5.000000000000001°.
 fn round(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
 }
 
-/// `automatic`: the word for 0, and the value the program takes then.
+/// A form row; `true` when the value changed. `automatic`: the text for 0, and the automatic value.
 fn labelled(
     ui: &mut Ui,
     value: &mut f64,
@@ -196,8 +197,8 @@ fn labelled(
     *value != before
 }
 
-/// A bare slider at `value`; the value it was moved to, if it was. What lies between its steps or beyond its ends stays
-/// as it is until somebody moves it.
+/// A slider without label at `value`; returns its response and the new value if it was moved. A value between
+/// steps or out of range is kept until the slider is moved.
 pub fn slider(
     ui: &mut Ui,
     value: f64,
@@ -208,12 +209,12 @@ pub fn slider(
     let mut at = start;
     ui.spacing_mut().interact_size.y = 12.0;
     let response = ui.add(Slider::new(&mut at, range).show_value(false).step_by(step));
-    // Snapping to the nearest step is no move.
+    // Snapping to the nearest step does not count as a move.
     let moved = response.changed() && (at - start).abs() > 0.5 * step;
     (response, moved.then(|| round(at)))
 }
 
-/// Sliders move in steps that read well.
+/// Step of a field's slider: a round value that suits its range.
 fn step_of(spec: &Spec) -> f64 {
     match spec.slide {
         Some((low, high)) if high - low > 20.0 => 0.5,
@@ -222,7 +223,7 @@ fn step_of(spec: &Spec) -> f64 {
     }
 }
 
-/// The dot beside a value that differs from its default; `true` when it was clicked.
+/// The dot beside a value that differs from its default; `true` when it was clicked to reset.
 pub fn reset_dot(ui: &mut Ui, label: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(14.0), Sense::click());
     let fill: Color32 = theme::accent(ui.visuals());

@@ -1,4 +1,5 @@
-//! Panel "Flank curves": layers, scheme and error of the flank plan, how the schemes compare, and what is shown of it.
+//! Panel "Flank": strategy, layer depth and scallop height of the flank plan, comparison of the strategies,
+//! and display of the passes.
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 
@@ -15,24 +16,23 @@ use super::fields::{self, Choice, Spec};
 use super::verdict::duration;
 
 const DEPTH: Spec =
-    Spec::mm("Layer depth", "Depth of a layer, from the hub upwards", 0.1, 100.0).sliding(0.5, 10.0);
+    Spec::mm("Layer depth", "Axial depth (ap) of a layer, from the hub up", 0.1, 100.0).sliding(0.5, 10.0);
 const ERROR: Spec =
-    Spec::mm("Allowed error", "Height of the ridges that may stay between curves", 0.001, 10.0)
-        .sliding(0.02, 1.0);
+    Spec::mm("Scallop height", "Maximum scallop height between passes", 0.001, 10.0).sliding(0.02, 1.0);
 const EXTENSION: Spec =
-    Spec::mm("Extension", "How far curves run on beyond leading and trailing edge", 0.0, 200.0);
+    Spec::mm("Lead-in/out", "Length of passes beyond the leading and trailing edge", 0.0, 200.0);
 
-/// Feeds by engagement.
-const FEED: Spec = feed("Feed", "Along curves beside others that are cut");
-const SLOT_FEED: Spec = feed("In full stock", "Feed along curves with stock on both sides");
-const WALL_FEED: Spec = feed("Along walls", "Feed along the curves that leave the walls' surface");
-const RAMP_FEED: Spec = feed("Ramping", "Feed of ramps down into stock");
+/// Feed rates by engagement.
+const FEED: Spec = feed("Feed rate", "Feed rate of passes beside a pass that is already cut");
+const SLOT_FEED: Spec = feed("Slotting feed", "Feed rate of passes with stock on both sides");
+const WALL_FEED: Spec = feed("Wall feed", "Feed rate of the passes that finish the walls");
+const RAMP_FEED: Spec = feed("Ramp feed", "Feed rate of ramps down into stock");
 
 const fn feed(label: &'static str, tip: &'static str) -> Spec {
     Spec { tip, ..Spec::plain(label, " mm/min", 20_000.0) }
 }
 
-/// Name of a scheme.
+/// Label of a strategy.
 pub fn scheme_label(scheme: FlankScheme) -> &'static str {
     match scheme {
         FlankScheme::Isoparametric => "Isoparametric",
@@ -44,30 +44,30 @@ pub fn scheme_label(scheme: FlankScheme) -> &'static str {
 
 fn scheme_tip(scheme: FlankScheme) -> &'static str {
     match scheme {
-        FlankScheme::Isoparametric => "Layers and curves through the whole channel: the baseline",
-        FlankScheme::Layers => "Layers of constant depth, isoparametric curves region by region",
-        FlankScheme::Regions => "Offsets of both walls that meet in the middle: the published fans",
-        FlankScheme::Balanced => "As few offsets as keep every gap within the interval",
+        FlankScheme::Isoparametric => "Layers and passes through the whole channel: the baseline",
+        FlankScheme::Layers => "Layers of constant depth, isoparametric passes region by region",
+        FlankScheme::Regions => "Offsets of both walls that meet in the middle, as published",
+        FlankScheme::Balanced => "The fewest offsets that keep every gap within the stepover",
     }
 }
 
 const SCHEME: Choice<FlankScheme> = Choice {
-    label: "Scheme",
-    tip: "How a layer is filled with curves",
+    label: "Strategy",
+    tip: "Layout of the passes in a layer",
     all: &FlankScheme::ALL,
     name: scheme_label,
     meaning: scheme_tip,
 };
 
-/// What can be shown of the plan.
+/// Colourings of the plan, with label and tooltip.
 const COLOURS: [(FlankColours, &str, &str); 4] = [
-    (FlankColours::Layer, "layer", "The curves, coloured by layer"),
-    (FlankColours::Region, "region", "The curves, coloured by region of the channel"),
-    (FlankColours::Feed, "feed", "The moves, coloured by their feed: dark slow, light fast, rapids grey"),
-    (FlankColours::Walls, "walls", "What the cutter leaves on the walls, or cuts below the blade allowance"),
+    (FlankColours::Layer, "layer", "The passes, coloured by layer"),
+    (FlankColours::Region, "region", "The passes, coloured by region of the channel"),
+    (FlankColours::Feed, "feed", "The moves, coloured by feed rate: dark slow, light fast, rapids grey"),
+    (FlankColours::Walls, "walls", "Residual stock on the walls, and overcut below the blade allowance"),
 ];
 
-/// Draws the panel; returns what the user asks for.
+/// Draws the panel; returns the command of a pressed button. `planned` is the latest flank plan.
 pub fn show(
     ui: &mut Ui,
     setup: &mut Setup,
@@ -118,7 +118,7 @@ pub fn show(
     asked
 }
 
-/// What the colours of the curves mean.
+/// Colour key of the passes.
 fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
     let layers = plan.curves.layers.len();
     let patch = |ui: &mut Ui, rgb: Rgb, words: &str| {
@@ -166,10 +166,10 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     let (plan, curves) = (&outcome.plan, &outcome.plan.curves);
     Grid::new("schemes").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for (name, tip) in [
-            ("Scheme", "How a layer is filled with curves"),
-            ("Length m", "Of all curves of one channel"),
-            ("Ratio", "To the isoparametric curves"),
-            ("Wide", "Share of the area in gaps wider than 1.02 intervals"),
+            ("Strategy", "Layout of the passes in a layer"),
+            ("Length m", "Length of all passes of one channel"),
+            ("Ratio", "Ratio to the length of the isoparametric passes"),
+            ("Over-wide gaps", "Share of the area in gaps wider than 1.02 times the stepover"),
         ] {
             ui.label(RichText::new(name).weak()).on_hover_text(tip);
         }
@@ -190,7 +190,7 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         }
     });
     ui.label(format!(
-        "{} layers, cutter D {}, floor {:.2} m; walls {:.4} mm over, {:.4} mm under; {}",
+        "{} layers, cutter Ø{}, floor {:.2} m; wall error: −{:.4} mm gouge, +{:.4} mm left; {}",
         curves.layers.len(),
         plan.tool.diameter,
         1e-3 * curves.floor_length,
@@ -200,6 +200,6 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     ));
     let lost: f64 = plan.left_out.iter().map(|stretch| stretch.length).sum();
     if lost > 0.0 {
-        ui.label(format!("{lost:.0} mm of curves are left out: no axis reaches them"));
+        ui.label(format!("{lost:.0} mm of passes are skipped: no axis reaches them"));
     }
 }

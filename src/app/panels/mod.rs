@@ -1,5 +1,5 @@
-//! The panels around the 3D view, one file each. A panel draws from the state, edits the state, and
-//! returns what it asks for; it starts nothing itself.
+//! The panels around the 3D view, one file each. A panel draws and edits the state and returns the requested
+//! command or action; it does not execute it.
 
 pub mod fields;
 pub mod flank;

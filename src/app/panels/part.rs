@@ -1,4 +1,4 @@
-//! Panel "Part": what is open, and where to open another.
+//! Panel "Part": data of the open part, and the start page.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::super::command::Command;
 use super::super::engine::{PartSource, Sample};
 use super::super::state::State;
 
-/// What the panel asks for.
+/// Action that the panel requests.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Wish {
     /// Run a command.
@@ -17,11 +17,11 @@ pub enum Wish {
     Open(PartSource),
     /// Open this file.
     OpenFile(PathBuf),
-    /// Give up what a session left behind.
+    /// Discard a recovery copy.
     GiveUp(PathBuf),
 }
 
-/// Draws the panel.
+/// Draws the panel; returns the requested action.
 pub fn show(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wish> {
     let mut wish = None;
     ui.horizontal(|ui| {
@@ -74,7 +74,7 @@ pub fn sample_buttons(ui: &mut Ui, samples: &[Sample]) -> Option<PartSource> {
     chosen
 }
 
-/// What fills the middle of the window while nothing is open.
+/// Draws the start page in the middle of the window; returns the requested action.
 pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wish> {
     let mut wish = None;
     ui.vertical_centered(|ui| {
@@ -84,21 +84,21 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
             return;
         }
         for path in &state.recoverable {
-            ui.label(RichText::new("The last session ended without saving").strong());
+            ui.label(RichText::new("Unsaved changes of the last session").strong());
             ui.horizontal(|ui| {
                 let room = (ui.available_width() - 190.0).max(0.0) / 2.0;
                 ui.add_space(room);
-                if ui.button("Recover it").on_hover_text(path.display().to_string()).clicked() {
+                if ui.button("Recover").on_hover_text(path.display().to_string()).clicked() {
                     wish = Some(Wish::OpenFile(path.clone()));
                 }
-                if ui.button("Give it up").clicked() {
+                if ui.button("Discard").clicked() {
                     wish = Some(Wish::GiveUp(path.clone()));
                 }
             });
             ui.add_space(10.0);
         }
         ui.heading("Drop a part here");
-        ui.label("a .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf file, with or without its setup; or a project");
+        ui.label(".toml, .geomTurbo, TurboGrid .inf, .glb or .gltf, with or without a setup; or a project");
         ui.add_space(10.0);
         for command in [Command::OpenPart, Command::OpenProject] {
             let button = ui.button(command.label());
@@ -108,7 +108,7 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
         }
         if !state.recents.is_empty() {
             ui.add_space(14.0);
-            ui.label(RichText::new("or go on with").weak());
+            ui.label(RichText::new("Recent").weak());
             for path in state.recents.iter().take(4) {
                 let name = path.file_stem().unwrap_or_default().to_string_lossy();
                 if ui.link(name).on_hover_text(path.display().to_string()).clicked() {
@@ -120,7 +120,7 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
             return;
         }
         ui.add_space(18.0);
-        ui.label(RichText::new("or look at a sample").weak());
+        ui.label(RichText::new("Samples").weak());
         ui.add_space(4.0);
         for sample in samples {
             let text = RichText::new(sample.name).size(15.0);

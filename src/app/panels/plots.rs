@@ -1,4 +1,4 @@
-//! Plots along the row of the selected position: tilt, contact, stock, step. A click selects.
+//! Plots along the row of the selected position: lead angle, contact, residual stock, step. A click selects.
 
 use egui::{Align2, FontId, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 
@@ -10,17 +10,17 @@ use super::super::theme::{self, Condition};
 /// Height of the plots, points.
 pub const HEIGHT: f32 = 92.0;
 
-/// Plots narrower than this show no range, points.
+/// Plots narrower than this do not show their range, points.
 const NARROW: f32 = 112.0;
 
-/// One curve: name, unit, whether its scale begins at 0 and how far it goes at least, values.
+/// One plotted quantity with its scale.
 struct Curve {
     name: &'static str,
-    /// Its name where there is little room.
+    /// Name in a narrow plot.
     short: &'static str,
     unit: &'static str,
     from_zero: bool,
-    /// A scale shorter than this would make mountains of nothing.
+    /// Minimum length of the scale, so that noise is not magnified.
     least: f64,
     values: Vec<f64>,
 }
@@ -120,7 +120,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &Curve, faulty: &[bool], chosen: Option<
     let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());
     let text = match value {
         Some(v) => format!("{v:.2}{}", curve.unit),
-        // In a narrow plot the name alone has room.
+        // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
         None => format!("{low:.1} to {high:.1}{}", curve.unit),
     };

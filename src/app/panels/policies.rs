@@ -1,4 +1,4 @@
-//! Panel "Policies": what each policy that was planned comes to, side by side.
+//! Panel "Axis strategies": figures of each planned policy.
 
 use egui::{Align, Layout, RichText, Ui};
 
@@ -10,10 +10,10 @@ use super::super::theme::Condition;
 use super::setup::policy_label;
 use super::verdict::{duration, pair, percent};
 
-/// Draws the switch and the figures; a policy that is finished in the plan in the making, `coming`, stands there already.
+/// Draws the switch and the figures; a policy that the running task `coming` has finished takes precedence.
 pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&Planned>, coming: Option<&Planned>) {
-    ui.checkbox(compare, "Compare all policies")
-        .on_hover_text("Plan by every policy next time, not only by the one that is chosen");
+    ui.checkbox(compare, "Compare all strategies")
+        .on_hover_text("The next calculation plans every strategy, not only the chosen one");
     let Some(whole) = planned.or(coming) else { return };
     for policy in AxisPolicy::ALL {
         let of = [coming, Some(whole)].into_iter().flatten().find(|planned| planned.has(policy));
@@ -24,26 +24,26 @@ pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&Planned>, coming: 
     }
 }
 
-/// What a policy comes to, in two lines: a table of all figures is wider than the panel.
+/// Figures of a policy in two lines; a table would be wider than the panel.
 fn lines(ui: &mut Ui, policy: RichText, summary: &Summary) {
     ui.horizontal(|ui| {
         ui.label(policy);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let count = summary.interferential;
             let condition = if count == 0 { Condition::Sound } else { Condition::Interferential };
-            ui.label(RichText::new(format!("{count} interferential")).color(condition.text(ui.visuals())))
-                .on_hover_text("Positions whose dead centre meets stock");
+            ui.label(RichText::new(format!("{count} interfering")).color(condition.text(ui.visuals())))
+                .on_hover_text("Plunges whose core meets stock");
         });
     });
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
         for (figure, tip) in [
-            (format!("{} mm", pair(summary)), "Mean and 95th percentile of what is left on the hub"),
+            (format!("{} mm", pair(summary)), "Residual stock on the hub: mean and 95th percentile"),
             (
                 format!("{} uncut", percent(summary.uncut_share)),
-                "Share of the reachable floor that no position reaches",
+                "Share of the accessible floor that is not machined",
             ),
-            (duration(summary.time_estimate), "One channel, from plunge feeds and rapids"),
+            (duration(summary.time_estimate), "Time per channel, from plunge feed rates and rapids"),
         ] {
             ui.label(RichText::new(figure).weak()).on_hover_text(tip);
         }

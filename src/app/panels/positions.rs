@@ -1,4 +1,4 @@
-//! Table of positions in cutting order.
+//! Table of positions, and the figures of the selected one.
 
 use egui::{ComboBox, Grid, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
@@ -9,12 +9,12 @@ use super::super::look::{Column as Key, Filter, REVEAL};
 use super::super::state::State;
 use super::super::theme::{self, Condition};
 
-/// Why a position is blocked, in words.
+/// Reason why a position is blocked.
 pub fn blocked_words(blocked: Blocked) -> &'static str {
     match blocked {
-        Blocked::Walls => "no axis with the tilt asked for clears both walls",
-        Blocked::ShroudEnd => "the shroud ends before the tilt asked for is reached",
-        Blocked::TiltLimit => "the tilt asked for is beyond the limit",
+        Blocked::Walls => "no axis with the requested lead angle clears both walls",
+        Blocked::ShroudEnd => "the shroud ends before the requested lead angle is reached",
+        Blocked::TiltLimit => "the requested lead angle exceeds the tilt limit",
     }
 }
 
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     });
     if state.results.planned.is_none() {
         ui.add_space(6.0);
-        ui.label(RichText::new("Nothing planned yet").weak());
+        ui.label(RichText::new("Not calculated yet").weak());
         return;
     }
     let rows = state.rows();
@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ui.add_space(6.0);
         let words = match state.look.filter {
             Filter::All => "The plan has no positions",
-            Filter::Interferential => "No interferential position",
+            Filter::Interferential => "No interfering plunge",
             Filter::Blocked => "No blocked position",
         };
         ui.label(RichText::new(words).weak());
@@ -65,7 +65,8 @@ fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
         .striped(true)
         .sense(Sense::click())
         .auto_shrink([false, false])
-        // A row is asked for in several pictures; a scroll that is still under way would be added to the next.
+        // `scroll_to_row` is called in several frames; an unfinished animation would add up with the next
+        // call.
         .animate_scrolling(false)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
         .column(Column::exact(12.0))
@@ -124,7 +125,7 @@ fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
                         RichText::new(if stock.is_finite() { format!("{stock:.2}") } else { "-".into() }),
                     );
                 });
-                // Room for the scroll bar.
+                // Space for the scroll bar.
                 row.col(|_| ());
                 let name = format!("Position {}", k + 1);
                 let response = row.response();
@@ -137,9 +138,9 @@ fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
             });
         });
     if let Some(k) = clicked {
-        // A second click on the row lets go.
+        // A second click on the row deselects it.
         state.look.visit((selected != Some(k)).then_some(k));
-        // The row is under the cursor: scrolling would pull it away.
+        // Do not scroll: the row is under the cursor.
         state.look.reveal_selection = 0;
     }
     if let Some(sort) = sorted {
@@ -148,13 +149,13 @@ fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
     }
 }
 
-/// Head of a column; `true` when it was clicked to sort by it. `sorted`: whether largest first.
+/// Head of a column; `true` when it was clicked. `sorted`: whether the table is sorted by it, largest first.
 fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
     let text = RichText::new(key.label());
     let text = if sorted.is_some() { text.strong() } else { text.weak() };
     let response = ui.add(egui::Label::new(text).selectable(false).sense(Sense::click()));
     if let Some(descending) = sorted {
-        // A small triangle under the word, pointing where the large values are.
+        // A triangle under the label that points to the large values.
         let (at, up) = (response.rect.center_bottom(), if descending { 1.0 } else { -1.0 });
         let corner = |x: f32, y: f32| at + egui::vec2(x, 2.0 + y * up);
         let ink = ui.visuals().strong_text_color();
@@ -166,17 +167,17 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
     response.on_hover_text(format!("{}; click to sort", key.tip())).clicked()
 }
 
-/// Contact depth: nothing at all reads as such.
+/// Contact depth, mm; "0" if it would round to 0.00.
 fn depth(depth: f64) -> String {
     if depth < 0.005 { "0".to_owned() } else { format!("{depth:.2}") }
 }
 
 fn cell(ui: &mut Ui, text: RichText) {
-    // The row takes the clicks; selectable text in it would swallow them.
+    // Selectable text would swallow the clicks on the row.
     ui.add(egui::Label::new(text.monospace().size(12.0)).selectable(false));
 }
 
-/// Colour and shape: a full disc, a square, a small ring.
+/// Mark of a state, by colour and shape: disc, square or small ring.
 fn mark(ui: &mut Ui, of: Condition) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, theme::ROW_HEIGHT), Sense::hover());
     let painter = ui.painter();
@@ -197,7 +198,7 @@ fn mark(ui: &mut Ui, of: Condition) {
     }
 }
 
-/// Which position is selected, and what is to be said of it.
+/// Number and state of the selected position.
 pub fn headline(ui: &mut Ui, state: &State, k: usize) {
     let Some(plan) = state.shown().map(|shown| shown.plan()) else { return };
     let Some(position) = plan.positions.get(k) else { return };
@@ -225,51 +226,51 @@ pub fn details(ui: &mut Ui, state: &State, k: usize) {
         let section = plan.sections.get(position.section);
         if let Some(tool) = section.map(|section| &section.tool) {
             let place = format!("section {}, row {}", position.section + 1, position.row + 1);
-            fact("Place", format!("{place}, T{} D {}", tool.number, tool.diameter));
+            fact("Location", format!("{place}, T{} Ø{}", tool.number, tool.diameter));
         }
         let contact = position.contact;
         if contact.interferes() {
             fact(
-                "Core meets stock",
-                format!("{:.2} mm, {:.0} % of its disc", contact.depth, 100.0 * contact.area_share),
+                "Core hits stock",
+                format!("{:.2} mm, {:.0} % of its area", contact.depth, 100.0 * contact.area_share),
             );
         }
         let [x, y, z] = [position.tip.x, position.tip.y, position.tip.z];
-        fact("Tip x y z", format!("{x:.3} {y:.3} {z:.3} mm"));
+        fact("Tool tip X Y Z", format!("{x:.3} {y:.3} {z:.3} mm"));
         let [i, j, k] = [position.axis.x, position.axis.y, position.axis.z];
-        fact("Axis i j k", format!("{i:.4} {j:.4} {k:.4}"));
-        fact("s, across", format!("{:.3}, {:.3}", position.s, position.lambda));
+        fact("Tool axis I J K", format!("{i:.4} {j:.4} {k:.4}"));
+        fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
         let [hub, blade] = [position.hub_clearance, position.blade_clearance];
         fact("Clearance", format!("hub {hub:.3}, blade {blade:.3} mm"));
     });
     ui.add_space(4.0);
 }
 
-/// What else there is to say of a position.
+/// Remarks: why a position is blocked, limited or lifted.
 fn remarks(ui: &mut Ui, position: &Position) {
     if let Some(blocked) = position.blocked {
         ui.label(format!("Blocked: {}", blocked_words(blocked)));
     }
     if let Some(held) = position.held {
-        ui.label(format!("Held back by: {}", held.words()));
+        ui.label(format!("Limited by: {}", held.words()));
     }
     if position.lift > 0.02 {
-        ui.label(format!("Stops {:.2} mm short", position.lift));
+        ui.label(format!("Ends {:.2} mm above full depth", position.lift));
     }
 }
 
-/// What the tip over a row says.
+/// Tooltip of a row.
 fn about(ui: &mut Ui, k: usize, position: &Position) {
     ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().word())).strong());
     if position.contact.interferes() {
         let share = 100.0 * position.contact.area_share;
         ui.label(format!(
-            "Core meets stock {:.2} mm above its bottom, {share:.0} % of its disc",
+            "Core hits stock {:.2} mm above the tip, {share:.0} % of its area",
             position.contact.depth
         ));
     }
     remarks(ui, position);
-    ui.label(format!("s {:.3}, across {:.3}", position.s, position.lambda));
+    ui.label(format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda));
     ui.label(format!(
         "Clearance: hub {:.3} mm, blade {:.3} mm",
         position.hub_clearance, position.blade_clearance

@@ -1,4 +1,4 @@
-//! What went wrong: what, where, and what to do, until it is dismissed or mended.
+//! Problem messages with location and remedy, shown until they are dismissed or solved.
 
 use egui::{Frame, RichText, Ui};
 
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
                     .on_hover_text(&problem.what);
                     if !problem.cure.is_empty() {
                         ui.add(
-                            egui::Label::new(RichText::new(format!("To do: {}", problem.cure)).strong())
+                            egui::Label::new(RichText::new(format!("Fix: {}", problem.cure)).strong())
                                 .truncate(),
                         );
                     }
@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
     chosen
 }
 
-/// Backing of the panel.
+/// Frame of the panel.
 pub fn frame(ui: &Ui) -> Frame {
     Frame::new().fill(theme::overlay(ui.visuals())).inner_margin(egui::Margin::symmetric(8, 3))
 }

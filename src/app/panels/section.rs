@@ -1,4 +1,4 @@
-//! Section inspector: the cut through the selected position along its row, with dimensions.
+//! Sectional view through the selected position along its row, with dimensions.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
 
@@ -7,18 +7,18 @@ use crate::plunge::inspect::{Place, SectionView};
 
 use super::super::theme::{self, Condition};
 
-/// How much of the section is shown to either side, in radii of the cutter.
+/// Half width of the view, in cutter radii.
 const WIDE: f64 = 1.75;
 
-/// Height of the drawing in a window of `height` points: what the table above it can spare.
+/// Height of the drawing in a window of `window` points; the rest is for the table above it.
 pub fn height(window: f32) -> f32 {
     (0.24 * window).clamp(110.0, 230.0)
 }
 
-/// Room of the dimensions at the top, points.
+/// Height of the dimensions at the top, points.
 const DIMENSIONS: f32 = 50.0;
 
-/// From mm of the section to the screen.
+/// Transformation from mm in the section plane to the screen.
 struct Frame {
     rect: Rect,
     scale: f64,
@@ -31,7 +31,7 @@ impl Frame {
         let (width, height) = (f64::from(rect.width()), f64::from(rect.height()));
         let near = view.hub.iter().filter(|p| p[0].abs() < radius);
         let lowest = near.map(|p| p[1]).fold(0.0, f64::min);
-        // A strip of hub below, the cutter with what its core meets above it, the dimensions at the top.
+        // From the bottom: a strip of hub, the cutter with its core contact, the dimensions.
         let (below, dimensions) = (0.12 * height, f64::from(DIMENSIONS));
         let room = (height - below - dimensions).max(0.3 * height);
         let shown = view.contact_depth().max(0.25 * radius) - lowest;
@@ -55,11 +55,11 @@ impl Frame {
     }
 }
 
-/// Draws the section through `position`, number `k` counted from 0, `height` points high. `stale`: it is of another
-/// position still.
+/// Draws the sectional view through `position` with index `k`, `height` points high. `stale`: `view` still
+/// shows another position.
 pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stale: bool, height: f32) {
     let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
-    let name = format!("Section through position {}", k + 1);
+    let name = format!("Sectional view through position {}", k + 1);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
     let frame = Frame::new(rect, view);
     let painter = ui.painter_at(rect);
@@ -70,10 +70,10 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
     let stock = if dark { Color32::from_rgb(120, 104, 60) } else { Color32::from_rgb(232, 216, 168) };
     let (radius, core) = (view.tool.radius(), view.tool.core_radius());
 
-    // Stock as this position finds it, column by column: the top may jump.
+    // Stock before this plunge, column by column, as its top may jump.
     let wide = (frame.scale * 2.0 * WIDE * radius / 240.0 * 1.3) as f32;
     let columns = |stretches: &mut dyn Iterator<Item = (f64, [f64; 2])>, colour: Color32| {
-        // One mesh: edges of single columns would show as stripes.
+        // One mesh: anti-aliased edges of single columns would show as stripes.
         let mut mesh = egui::Mesh::default();
         for (x, [low, top]) in stretches {
             let (a, b) = (frame.at([x, low]), frame.at([x, top]));
@@ -88,7 +88,7 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
     };
     let standing = view.before.iter().zip(&view.hub).map(|(top, hub)| (top[0], [hub[1], top[1]]));
     columns(&mut standing.into_iter(), stock);
-    // The cutter: edges at either side, the core between them.
+    // The cutter: inserts at both sides, the core between them.
     let high = frame.top();
     let outline = |from: f64, to: f64| -> Vec<Pos2> {
         let steps = 16;
@@ -108,10 +108,10 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
         Stroke::NONE,
     ));
     painter.line(outline(-radius, radius), Stroke::new(1.5, accent));
-    // What the core meets, over the cutter.
+    // Stock that the core hits, drawn over the cutter.
     let contact = Condition::Interferential.mark();
     columns(&mut view.contact.iter().copied(), contact.gamma_multiply(0.8));
-    // The hub, and what must stay on it.
+    // The hub and its allowance.
     columns(&mut view.hub.iter().map(|p| (p[0], [frame.low, p[1]])), grey(190, 75));
     painter.line(frame.line(&view.hub), Stroke::new(1.8, grey(40, 220)));
     let dashes = Shape::dashed_line(&frame.line(&view.allowance), Stroke::new(1.0, grey(60, 190)), 5.0, 3.0);
@@ -150,20 +150,20 @@ fn dimensions(ui: &Ui, painter: &egui::Painter, frame: &Frame, view: &SectionVie
     span(painter, frame, [core, under(45.0)], [radius, under(45.0)], &text, ink);
     let depth = view.contact_depth();
     if depth > 0.0 {
-        // Beside the core: over what it meets nothing could be read.
+        // Beside the core, as text over the contact would be unreadable.
         let text = format!("{} mm", short(depth));
         let ink = Condition::Interferential.text(ui.visuals());
         let x = -core - 6.0 / frame.scale;
         span(painter, frame, [x, 0.0], [x, depth], &text, ink);
     }
-    // The step before is where the cutter came from, behind the axis.
+    // The step from the previous position lies behind the axis.
     if view.step > 0.0 {
         let y = frame.low + 9.0 / frame.scale;
         span(painter, frame, [-view.step, y], [0.0, y], &format!("step {}", short(view.step)), ink);
     }
 }
 
-/// A line with arrows at both ends and its words beside it.
+/// A dimension line with arrows at both ends and its text beside it.
 fn span(painter: &egui::Painter, frame: &Frame, a: Place, b: Place, text: &str, ink: Color32) {
     let (a, b) = (frame.at(a), frame.at(b));
     let stroke = Stroke::new(1.0, ink);
@@ -185,7 +185,7 @@ fn span(painter: &egui::Painter, frame: &Frame, a: Place, b: Place, text: &str, 
     painter.text(at, align, text, FontId::proportional(10.5), ink);
 }
 
-/// The core's disc from above, with the stock it meets.
+/// The core's disc from above, with the stock it hits.
 fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
     let core = view.tool.core_radius();
     if core <= 0.0 {
@@ -210,23 +210,24 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
     painter.text(below, Align2::CENTER_TOP, "core", FontId::proportional(10.0), visuals.weak_text_color());
 }
 
-/// The dimensions once more, as words.
+/// The figures below the drawing.
 fn words(ui: &mut Ui, view: &SectionView, position: &Position) {
     let mut facts = vec![
         format!("α {:.2}°", position.alpha.to_degrees()),
-        format!("lean in the section {:.2}°", view.lean.to_degrees()),
+        format!("lead in the section {:.2}°", view.lean.to_degrees()),
     ];
     if view.step > 0.0 {
         facts.push(format!("step {:.2} mm", view.step));
     }
-    facts.push(format!("left on the hub up to {:.2} mm", view.left));
+    facts.push(format!("max residual {:.2} mm", view.left));
     if position.lift > 0.0 {
-        facts.push(format!("stops {:.2} mm short", position.lift));
+        facts.push(format!("ends {:.2} mm above full depth", position.lift));
     }
     ui.add(egui::Label::new(RichText::new(facts.join(", ")).small()).wrap());
     if position.contact.interferes() {
         let share = 100.0 * position.contact.area_share;
-        let text = format!("Core meets stock {:.2} mm, {share:.0} % of its disc", position.contact.depth);
+        let depth = position.contact.depth;
+        let text = format!("Core hits stock {depth:.2} mm above the tip, {share:.0} % of its area");
         let colour = Condition::Interferential.text(ui.visuals());
         ui.label(RichText::new(text).small().strong().color(colour));
     }

@@ -1,4 +1,4 @@
-//! Panel "Setup": policy, limits, allowances.
+//! Panels "Plunge" and "Allowances": policy, limits, allowances and clearances of the setup.
 
 use egui::{Grid, Ui};
 
@@ -6,28 +6,28 @@ use crate::part::{AxisPolicy, Setup};
 
 use super::fields::{self, Choice, Spec};
 
-/// Name of a policy on the screen.
+/// Label of a policy.
 pub fn policy_label(policy: AxisPolicy) -> &'static str {
     match policy {
-        AxisPolicy::Conventional => "Conventional",
-        AxisPolicy::Monotone => "Monotone",
-        AxisPolicy::Minimal => "Minimal",
-        AxisPolicy::Staircase => "Staircase",
+        AxisPolicy::Conventional => "Isoparametric",
+        AxisPolicy::Monotone => "Progressive",
+        AxisPolicy::Minimal => "Min. stock",
+        AxisPolicy::Staircase => "Stepped",
     }
 }
 
 fn policy_tip(policy: AxisPolicy) -> &'static str {
     match policy {
-        AxisPolicy::Conventional => "Isoparametric axes, left as they are",
-        AxisPolicy::Monotone => "The angle between hub normal and axis grows from position to position",
-        AxisPolicy::Minimal => "The least stock on the hub that no core contact allows",
-        AxisPolicy::Staircase => "Isoparametric axes, plunges shortened until the core is free",
+        AxisPolicy::Conventional => "Isoparametric axes, unchanged (conventional)",
+        AxisPolicy::Monotone => "Progressive lead: the lead angle grows from position to position (monotone)",
+        AxisPolicy::Minimal => "Minimum stock: the least stock on the hub without core contact (minimal)",
+        AxisPolicy::Staircase => "Stepped depth: isoparametric axes, plunges end above contact (staircase)",
     }
 }
 
 const POLICY: Choice<AxisPolicy> = Choice {
-    label: "Axis policy",
-    tip: "How the axes of the \"after\" plan are made",
+    label: "Axis strategy",
+    tip: "How the tool axes of the \"after\" plan are chosen",
     all: &[AxisPolicy::Minimal, AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Conventional],
     name: policy_label,
     meaning: policy_tip,
@@ -35,44 +35,45 @@ const POLICY: Choice<AxisPolicy> = Choice {
 
 const STEP: Spec = Spec::mm(
     "Step",
-    "Greatest distance of neighbouring axes along a row; auto: each cutter's insert width",
+    "Maximum distance of neighbouring axes along a row; auto: each tool's insert width",
     0.5,
     100.0,
 )
 .sliding(1.0, 30.0);
 const ROW_SPACING: Spec = Spec::mm(
-    "Row spacing",
-    "Greatest distance of neighbouring rows; auto: 4/3 of each cutter's radius",
+    "Stepover",
+    "Maximum distance of neighbouring rows; auto: 4/3 of each tool's radius",
     0.5,
     200.0,
 )
 .sliding(1.0, 60.0);
 const SCALLOP: Spec =
-    Spec::mm("Wall scallop", "Greatest scallop between plunges along a wall", 0.01, 5.0).sliding(0.05, 2.0);
+    Spec::mm("Wall scallop", "Max scallop height between plunges along a wall", 0.01, 5.0).sliding(0.05, 2.0);
 const TILT: Spec =
-    Spec::degrees("Tilt limit", "Largest angle of an axis from the isoparametric one", 0.0, 90.0)
+    Spec::degrees("Max tilt", "Maximum angle between an axis and the isoparametric one", 0.0, 90.0)
         .sliding(0.0, 60.0);
 const MACHINE: Spec = Spec::degrees(
-    "Machine tilt",
-    "How far the machine can lean the tool from the wheel's own axis; minimal keeps to it. 180: no limit",
+    "Max machine tilt",
+    "Maximum angle between tool axis and wheel axis on the machine; used by Min. stock. 180: no limit",
     1.0,
     180.0,
 )
 .sliding(30.0, 180.0);
 const CHANGE: Spec =
-    Spec::degrees("Axis change", "Largest angle between the axes of neighbouring positions", 0.1, 90.0)
+    Spec::degrees("Max axis change", "Maximum angle between the axes of neighbouring positions", 0.1, 90.0)
         .sliding(0.5, 20.0);
 const HUB: Spec = Spec::mm("Hub allowance", "Stock that must stay on the hub", 0.0, 20.0).sliding(0.0, 3.0);
 const BLADE: Spec =
     Spec::mm("Blade allowance", "Stock that must stay on the blades", 0.0, 20.0).sliding(0.0, 3.0);
 const SAFETY: Spec =
-    Spec::mm("Safety distance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0)
+    Spec::mm("Rapid clearance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0)
         .sliding(0.0, 20.0);
 const INLET: Spec =
-    Spec::mm("Inlet extension", "Length of blank before the leading edge, along hub and shroud", 0.0, 200.0)
+    Spec::mm("Inlet overhang", "Length of blank before the leading edge, along hub and shroud", 0.0, 200.0)
         .sliding(0.0, 50.0);
 
-/// Draws the plunge fields; `defaults` are those of the part, `chosen` is the setup of the latest plan, with everything filled in.
+/// Draws the plunge fields; `defaults` are those of the part, `chosen` is the complete setup of the latest
+/// plan.
 pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&Setup>) {
     let first = chosen.and_then(|chosen| chosen.tools.first());
     let Setup { plunge: default, machine, .. } = defaults;
@@ -88,7 +89,7 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&
     });
 }
 
-/// Draws the stock fields; `defaults` are those of the part.
+/// Draws the fields of allowances and clearances; `defaults` are those of the part.
 pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) {
     let default = &defaults.stock;
     form(ui, "stock fields", |ui| {

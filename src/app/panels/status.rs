@@ -1,4 +1,4 @@
-//! The status bar: progress and Cancel always in the same place, the latest message, the device.
+//! The status bar: latest message, device, progress and Cancel.
 
 use egui::{Button, Label, ProgressBar, RichText, Ui};
 
@@ -6,12 +6,12 @@ use super::super::command::Command;
 use super::super::state::{State, Tone};
 use super::super::theme::Condition;
 
-/// What the bar shows beside the state.
+/// Input of the status bar besides the state.
 #[derive(Clone, Debug, Default)]
 pub struct Activity {
-    /// What runs, and how far it is (0…1).
+    /// Name and progress (0…1) of the running task.
     pub running: Option<(&'static str, f64)>,
-    /// The device that draws.
+    /// Name of the graphics device.
     pub device: String,
 }
 
@@ -29,13 +29,13 @@ pub fn show(ui: &mut Ui, state: &State, activity: &Activity) -> bool {
                 let text = RichText::new(format!("{what} {:.0} %", 100.0 * fraction)).small();
                 ui.add(ProgressBar::new(fraction as f32).desired_width(BAR).desired_height(16.0).text(text));
             }
-            // The place stays: nothing moves when work begins.
+            // Reserve the space, so that nothing moves when a task starts.
             None => {
                 ui.allocate_space(egui::vec2(BAR, 16.0));
             }
         }
         ui.separator();
-        ui.label(RichText::new(&activity.device).weak()).on_hover_text("The device that draws the 3D view");
+        ui.label(RichText::new(&activity.device).weak()).on_hover_text("Graphics device of the 3D view");
         ui.separator();
         ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| message(ui, state, activity));
     });
@@ -51,13 +51,13 @@ fn message(ui: &mut Ui, state: &State, activity: &Activity) {
                 Tone::Fault => text.color(Condition::Interferential.text(ui.visuals())),
             }
         }
-        (None, _) if activity.running.is_some() => RichText::new("Working; the window stays yours").weak(),
-        (None, Some(_)) if state.out_of_date() => RichText::new("Setup edited: plan again (F5)"),
+        (None, _) if activity.running.is_some() => RichText::new("Calculating…").weak(),
+        (None, Some(_)) if state.out_of_date() => RichText::new("Setup edited: recalculate (F5)"),
         (None, Some(planned)) if planned.is_unfinished() => {
-            RichText::new("Cancelled: the best so far; plan again (F5)")
+            RichText::new("Cancelled: the best so far; recalculate (F5)")
         }
         (None, Some(planned)) => {
-            RichText::new(format!("Planned in {:.0} ms", 1000.0 * planned.outcome.elapsed)).weak()
+            RichText::new(format!("Calculated in {:.1} s", planned.outcome.elapsed)).weak()
         }
         (None, None) => RichText::new("Ready").weak(),
     };

@@ -1,4 +1,4 @@
-//! The timeline: how far the cut has come, to be scrubbed and played.
+//! The timeline: number of positions cut, to scrub and play.
 
 use egui::{Button, Rect, Sense, Slider, Stroke, Ui};
 
@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
     chosen
 }
 
-/// Marks above the slider where the core meets stock.
+/// Marks above the slider at positions that are not sound.
 fn ticks(ui: &Ui, rect: Rect, state: &State) {
     let Some(shown) = state.shown() else { return };
     let positions = &shown.plan().positions;
@@ -65,7 +65,7 @@ fn ticks(ui: &Ui, rect: Rect, state: &State) {
     }
 }
 
-/// A button with a drawn sign: the fonts have none of these.
+/// A button with a drawn icon, as the fonts have no media symbols.
 fn icon(ui: &mut Ui, command: Command, playing: bool, enabled: bool) -> bool {
     let size = egui::vec2(24.0, 22.0);
     let response = ui.add_enabled(enabled, Button::new("").min_size(size).sense(Sense::click()));

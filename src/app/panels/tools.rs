@@ -1,4 +1,4 @@
-//! Panel "Tools": cutters and the sections they cut, as chosen by the program or given by hand.
+//! Panel "Tools": tools and their sections, chosen by the program or entered by the user.
 
 use egui::{ComboBox, Grid, RichText, Ui};
 
@@ -10,14 +10,14 @@ use super::fields::{self, Spec};
 const DIAMETER: Spec = Spec::mm("Diameter", "", 0.5, 200.0).sliding(4.0, 50.0);
 const CORNER: Spec = Spec::mm("Corner radius", "", 0.0, 100.0);
 const INSERT: Spec =
-    Spec::mm("Insert width", "Radial width of the bottom edges; nothing cuts inside", 0.1, 100.0)
+    Spec::mm("Insert width", "Radial width of the cutting edges; the core inside has no edge", 0.1, 100.0)
         .sliding(0.5, 25.0);
-const OVERHANG: Spec = Spec::mm("Overhang", "Free length from tip to holder", 1.0, 1000.0);
-const FEED: Spec = Spec::plain("Plunge feed", " mm/min", 10_000.0);
-const SPINDLE: Spec = Spec::plain("Spindle", " /min", 100_000.0);
+const OVERHANG: Spec = Spec::mm("Stick-out", "Free length from tip to holder", 1.0, 1000.0);
+const FEED: Spec = Spec::plain("Feed rate", " mm/min", 10_000.0);
+const SPINDLE: Spec = Spec::plain("Spindle speed", " rpm", 100_000.0);
 const S: Spec = Spec {
     label: "s",
-    tip: "Fraction of meridional arc length: 0 at the leading edge, 1 at the rim",
+    tip: "Fraction of meridional arc length: 0 at the leading edge (LE), 1 at the rim (OD)",
     unit: "",
     least: -1.0,
     greatest: 1.0,
@@ -26,14 +26,14 @@ const S: Spec = Spec {
     slide: None,
 };
 
-/// Draws the panel; `chosen` is the setup of the latest plan, with everything filled in.
+/// Draws the panel; `chosen` is the complete setup of the latest plan.
 pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     if setup.tools.is_empty() {
         ui.label(RichText::new("Chosen from the tool library for the part").weak());
         rest(ui, setup);
         let Some(chosen) = chosen else { return };
         summary(ui, chosen);
-        let edit = ui.button("Edit cutters and sections").on_hover_text("Takes these over into the setup");
+        let edit = ui.button("Edit tools and sections").on_hover_text("Copies these into the setup");
         if edit.clicked() {
             take_over(setup, chosen);
         }
@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     }
     tools(ui, setup);
     sections(ui, setup);
-    if ui.button("Choose automatically").on_hover_text("Forgets these cutters and sections").clicked() {
+    if ui.button("Reset to automatic").on_hover_text("Removes these tools and sections").clicked() {
         setup.tools.clear();
         setup.plunge.sections.clear();
     }
@@ -49,14 +49,14 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
 
 fn summary(ui: &mut Ui, setup: &Setup) {
     Grid::new("chosen tools").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
-        for head in ["Cutter", "insert", "from s", "to s"] {
+        for head in ["Tool", "Insert", "From s", "To s"] {
             ui.label(RichText::new(head).weak());
         }
         ui.end_row();
         for section in &setup.plunge.sections {
             let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
             let rest = if section.rest { ", rest" } else { "" };
-            ui.label(format!("T{} D {}{rest}", tool.number, tool.diameter));
+            ui.label(format!("T{} Ø{}{rest}", tool.number, tool.diameter));
             ui.label(format!("{} mm", tool.insert_width));
             ui.label(format!("{:.2}", section.from));
             ui.label(format!("{:.2}", section.to));
@@ -69,7 +69,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
     let mut remove = None;
     let last_one = setup.tools.len() == 1;
     for (k, tool) in setup.tools.iter_mut().enumerate() {
-        let name = format!("T{}  D {}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
+        let name = format!("T{}  Ø{}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
         egui::CollapsingHeader::new(name).id_salt(("tool", k)).show(ui, |ui| {
             Grid::new("tool fields").num_columns(2).min_col_width(84.0).spacing([8.0, 4.0]).show(ui, |ui| {
                 fields::plain_row(ui, &mut tool.diameter, &DIAMETER);
@@ -82,7 +82,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
             if tool.insert_width > tool.radius() {
                 ui.label("The insert is wider than the radius; make it narrower");
             }
-            let delete = ui.add_enabled(!last_one, egui::Button::new("Remove cutter"));
+            let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
             if delete.clicked() {
                 remove = Some(k);
             }
@@ -92,7 +92,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
         let gone = setup.tools.remove(k);
         remove_sections(setup, |_, section| section.tool == gone.number);
     }
-    if ui.button("Add cutter").clicked() {
+    if ui.button("Add tool").clicked() {
         let number = setup.tools.iter().map(|tool| tool.number).max().unwrap_or(0).saturating_add(1);
         let like = setup.tools.last();
         setup.tools.push(Tool {
@@ -111,7 +111,7 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     ui.add_space(4.0);
     ui.label(RichText::new("Sections, outlet to inlet").strong());
     if setup.plunge.sections.is_empty() {
-        ui.label(RichText::new("Chosen from the cutters").weak());
+        ui.label(RichText::new("Chosen from the tools").weak());
         rest(ui, setup);
     }
     let numbers: Vec<u32> = setup.tools.iter().map(|tool| tool.number).collect();
@@ -150,9 +150,9 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
                 }
             });
             if k > 0 {
-                ui.checkbox(&mut section.rest, format!("Section {} cuts only the rest", k + 1))
+                ui.checkbox(&mut section.rest, format!("Section {}: rest milling only", k + 1))
                     .on_hover_text(
-                        "Single plunges where the sections before left a thick layer; by Minimal alone",
+                        "Single plunges where earlier sections left a thick layer; for Min. stock only",
                     );
             }
         });
@@ -174,7 +174,8 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     }
 }
 
-/// Removes the sections that are `gone`. The first cuts everything: nothing comes before it.
+/// Removes the sections that are `gone`. The first section cannot be rest milling, as nothing is cut before
+/// it.
 fn remove_sections(setup: &mut Setup, gone: impl Fn(usize, &SectionSetup) -> bool) {
     let sections = std::mem::take(&mut setup.plunge.sections);
     let kept = sections.into_iter().enumerate().filter(|(index, section)| !gone(*index, section));
@@ -184,32 +185,32 @@ fn remove_sections(setup: &mut Setup, gone: impl Fn(usize, &SectionSetup) -> boo
     }
 }
 
-/// Whether smaller cutters are chosen for the rest.
+/// Checkbox: whether smaller tools are chosen for rest milling.
 fn rest(ui: &mut Ui, setup: &mut Setup) {
-    ui.checkbox(&mut setup.plunge.rest, "Smaller cutters for the rest").on_hover_text(
-        "Where a cutter leaves a thick layer beside leaning walls, a smaller one comes back; by Minimal alone",
+    ui.checkbox(&mut setup.plunge.rest, "Rest milling with smaller tools").on_hover_text(
+        "Smaller tools remove the thick layer left beside overhanging walls; for Min. stock only",
     );
 }
 
-/// Makes the cutters and sections that the program chose the setup's own.
+/// Copies the tools and sections that the program chose into the setup.
 pub fn take_over(setup: &mut Setup, chosen: &Setup) {
     setup.tools.clone_from(&chosen.tools);
     setup.plunge.sections.clone_from(&chosen.plunge.sections);
 }
 
-/// Whether the next section begins where section `k` ends.
+/// Whether section `k + 1` begins where section `k` ends.
 pub fn is_joined(sections: &[SectionSetup], k: usize) -> bool {
     sections.get(k + 1).is_some_and(|next| next.from == sections[k].to)
 }
 
-/// Where section `k` may end, in s.
+/// Allowed range of the end of section `k`, in s.
 pub fn border_range(sections: &[SectionSetup], k: usize) -> std::ops::RangeInclusive<f64> {
     let next = sections.get(k + 1).filter(|_| is_joined(sections, k));
     let low = next.map_or(0.0, |next| next.to + LEAST_SECTION);
     low..=(sections[k].from - LEAST_SECTION).max(low)
 }
 
-/// Ends section `k` at `to`; where the next one begins there, it follows.
+/// Moves the end of section `k` to `to`, with the start of an adjoining next section.
 pub fn move_border(sections: &mut [SectionSetup], k: usize, to: f64) {
     let joined = is_joined(sections, k);
     sections[k].to = to;
@@ -218,7 +219,7 @@ pub fn move_border(sections: &mut [SectionSetup], k: usize, to: f64) {
     }
 }
 
-/// Sliders for the borders: where one section ends and the next begins, both move.
+/// Sliders for the borders; adjoining sections move together.
 fn borders(ui: &mut Ui, sections: &mut [SectionSetup]) {
     for k in 0..sections.len() {
         let name = if is_joined(sections, k) {
@@ -238,7 +239,7 @@ fn borders(ui: &mut Ui, sections: &mut [SectionSetup]) {
     }
 }
 
-/// Shortest section a slider leaves, in s.
+/// Minimum length of a section at its border slider, in s.
 const LEAST_SECTION: f64 = 0.02;
 
 fn s_box(ui: &mut Ui, value: &mut f64) -> egui::Response {
@@ -250,7 +251,7 @@ fn s_box(ui: &mut Ui, value: &mut f64) -> egui::Response {
 
 fn feed_label(feed: Option<Feed>) -> &'static str {
     match feed {
-        None => "Feed by default",
+        None => "Direction: auto",
         Some(Feed::Inward) => "Outlet to inlet",
         Some(Feed::Outward) => "Inlet to outlet",
     }

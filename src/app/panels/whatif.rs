@@ -1,4 +1,4 @@
-//! What-if sets: setups that were kept, side by side with what they come to.
+//! Panel "Variants": stored setups with their figures.
 
 use egui::{RichText, TextEdit, Ui};
 
@@ -17,31 +17,31 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
     let chosen =
         keep.on_hover_text(Command::KeepSet.tip_with_keys(ui.ctx())).clicked().then_some(Command::KeepSet);
     if state.document.edited.sets.is_empty() {
-        ui.label(RichText::new("Keep a setup to compare others with it").weak());
+        ui.label(RichText::new("Save a variant to compare setups").weak());
         return chosen;
     }
     let (mut used, mut removed) = (None, None);
     let heads = [
         ("Pos.", "Number of plunges"),
         ("Interf.", "Plunges whose core meets stock"),
-        ("Stock mm", "Mean and 95th percentile of what is left on the hub"),
-        ("Time", "One channel, from plunge feeds and rapids"),
+        ("Stock mm", "Residual stock on the hub: mean and 95th percentile"),
+        ("Time", "Time per channel, from plunge feed rates and rapids"),
     ];
     row(ui, |ui, k| {
         let (head, tip) = heads[k];
         ui.label(RichText::new(head).weak()).on_hover_text(tip);
     });
-    ui.label(RichText::new("The setup in work").weak());
+    ui.label(RichText::new("Current setup").weak());
     cells(ui, state.results.figures(&state.document.edited.setup));
     let edited = &mut state.document.edited;
     for (k, set) in edited.sets.iter_mut().enumerate() {
         ui.separator();
         ui.horizontal(|ui| {
             let field = ui.add(TextEdit::singleline(&mut set.name).desired_width(110.0));
-            let name = format!("Name of set {}", k + 1);
+            let name = format!("Name of variant {}", k + 1);
             field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
             field.on_hover_text(differences(&edited.setup, &set.setup));
-            if small(ui, set.setup != edited.setup, "Use", &format!("Use {}", set.name)) {
+            if small(ui, set.setup != edited.setup, "Load", &format!("Load {}", set.name)) {
                 used = Some(k);
             }
             if small(ui, true, "×", &format!("Remove {}", set.name)) {
@@ -66,7 +66,7 @@ fn small(ui: &mut Ui, enabled: bool, text: &str, name: &str) -> bool {
     response.on_hover_text(name).clicked()
 }
 
-/// Widths of the columns, points: together they fit the panel.
+/// Widths of the columns, points; together they fit the panel.
 const WIDTHS: [f32; 4] = [38.0, 44.0, 78.0, 48.0];
 
 /// A row of the table, cell by cell.
@@ -85,7 +85,7 @@ fn row(ui: &mut Ui, mut cell: impl FnMut(&mut Ui, usize)) {
 
 fn cells(ui: &mut Ui, figures: Option<Figures>) {
     let Some(f) = figures else {
-        ui.label(RichText::new("Not planned yet").weak()).on_hover_text("Use the set to plan it");
+        ui.label(RichText::new("Not calculated yet").weak()).on_hover_text("Load it to calculate it");
         return;
     };
     let of = if f.interferential == 0 { Condition::Sound } else { Condition::Interferential };
@@ -100,7 +100,7 @@ fn cells(ui: &mut Ui, figures: Option<Figures>) {
     });
 }
 
-/// What a set has that the setup in work has not, line by line as setup files say it.
+/// Differences of a variant from the current setup, as lines of a setup file.
 fn differences(now: &Setup, set: &Setup) -> String {
     let (now, set) = (write_setup(now), write_setup(set));
     let new = |text: &str, other: &str| -> Vec<String> {
@@ -109,8 +109,8 @@ fn differences(now: &Setup, set: &Setup) -> String {
     };
     let lines = new(&set, &now);
     match (lines.is_empty(), new(&now, &set).is_empty()) {
-        (true, true) => "The setup in work".to_owned(),
-        (true, false) => "Without what the setup in work adds".to_owned(),
-        _ => format!("Differs from the setup in work:\n{}", lines.join("\n")),
+        (true, true) => "Same as the current setup".to_owned(),
+        (true, false) => "Without additions of the current setup".to_owned(),
+        _ => format!("Differs from the current setup:\n{}", lines.join("\n")),
     }
 }

@@ -1,4 +1,4 @@
-//! What is chosen in the dialog, from the first guess to the options of a reader.
+//! Choices of the roles dialog: initial guess, edits, and conversion to mesh options.
 
 use crate::mesh::axis::Axis;
 use crate::mesh::nodes::{MeshNode, guess};
@@ -6,32 +6,32 @@ use crate::mesh::options::likely_unit;
 use crate::mesh::{MeshOptions, Role, Unit};
 use crate::part::Rotation;
 
-/// Unit of glTF files.
+/// Unit of glTF files by the specification.
 const OWN_UNIT: Unit = Unit::Metre;
 
-/// What is chosen in the dialog.
+/// Choices of the roles dialog.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choices {
     /// Roles of the nodes.
     pub roles: Vec<Option<Role>>,
     /// Unit of the file's numbers.
     pub unit: Unit,
-    /// Axis of rotation; `None`: as the hub turns.
+    /// Axis of rotation; `None`: found from the hub.
     pub axis: Option<Axis>,
-    /// Number of main blades; `None`: as there are.
+    /// Number of main blades; `None`: as many as the file has.
     pub blades: Option<usize>,
-    /// Sense of rotation; `None`: as the file says, or the blades' wrap tells.
+    /// Sense of rotation; `None`: from the file, else from the sweep of the blades.
     pub rotation: Option<Rotation>,
-    /// Node in work.
+    /// Index of the selected node.
     pub chosen: Option<usize>,
-    /// Whether the keyboard chose another one.
+    /// Whether the keyboard changed the selection, so that the list scrolls to it.
     pub moved: bool,
-    /// Whether a role goes to all nodes of one shape.
+    /// Whether a role applies to all nodes of the same shape.
     pub alike: bool,
 }
 
 impl Choices {
-    /// To begin with: what was said before, else what names and shapes tell.
+    /// Initial choices: from `said`, the options given before, else guessed from names and shapes.
     pub fn new(nodes: &[MeshNode], said: &MeshOptions) -> Self {
         let mut roles = guess(nodes);
         for (node, role) in nodes.iter().zip(&mut roles) {
@@ -55,10 +55,10 @@ impl Choices {
         choices
     }
 
-    /// As a reader takes them.
+    /// The choices as mesh options; roles that follow from names are left out.
     pub fn options(&self, nodes: &[MeshNode]) -> MeshOptions {
         let named = |(node, role): (&MeshNode, &Option<Role>)| {
-            // A node that a name tells wrongly is to be left out by a word of its own.
+            // A node without role whose name implies one must be ignored explicitly.
             let role = role.or(node.told.map(|_| Role::Ignored))?;
             (node.told != Some(role)).then(|| (node.key.clone(), role))
         };
@@ -71,7 +71,7 @@ impl Choices {
         }
     }
 
-    /// Gives the node in work a role, and those like it.
+    /// Sets the role of the selected node and, with `alike`, of all nodes of the same shape.
     pub fn give(&mut self, nodes: &[MeshNode], role: Option<Role>) {
         let Some(chosen) = self.chosen.and_then(|k| nodes.get(k)) else { return };
         for (node, own) in nodes.iter().zip(&mut self.roles) {
@@ -81,7 +81,7 @@ impl Choices {
         }
     }
 
-    /// Greatest width of what is of the wheel, in the file's unit.
+    /// Largest extent of the nodes of the wheel along an axis, in the file's unit.
     pub fn across(&self, nodes: &[MeshNode]) -> f64 {
         let wheel = || {
             let of_wheel = |role: &Option<Role>| role.is_some_and(|role| role != Role::Ignored);
@@ -95,7 +95,8 @@ impl Choices {
         (high - low).amax()
     }
 
-    /// The file's axis that stands upright in the picture: the one given, else the one the hub is turned about.
+    /// The file's axis that is vertical in the picture: the given one, else the axis of revolution of the
+    /// hub.
     pub fn upright(&self, nodes: &[MeshNode]) -> Axis {
         let hub = || nodes.iter().zip(&self.roles).find(|(_, role)| **role == Some(Role::Hub));
         self.axis.or_else(|| hub().map(|(node, _)| node.turned_about())).unwrap_or(Axis::Y)

@@ -1,4 +1,4 @@
-//! The lists of the dialog: which node is what, and what holds for the whole file.
+//! Forms of the roles dialog: the table of nodes, and the settings of the file.
 
 use std::ops::RangeInclusive;
 
@@ -13,17 +13,17 @@ use crate::part::Rotation;
 use super::super::theme::Condition;
 use super::choices::Choices;
 
-/// Numbers of main blades.
+/// Range of the number of main blades; 0: automatic.
 const BLADES: RangeInclusive<usize> = 0..=200;
 /// Width of a node's name, points.
 const NAME_WIDTH: f32 = 130.0;
 
-/// Word for what a node is taken for.
+/// Label of a role.
 fn word(role: Option<Role>) -> &'static str {
-    role.map_or("not told", Role::name)
+    role.map_or("unassigned", Role::name)
 }
 
-/// A list with an accessible name; returns what was chosen.
+/// A list with an accessible name; returns the new choice.
 fn list<T: PartialEq + Copy>(
     ui: &mut Ui,
     name: &str,
@@ -42,7 +42,8 @@ fn list<T: PartialEq + Copy>(
     (chosen != now).then_some(chosen)
 }
 
-/// The table of nodes. A click on a name lights the node; with `Choices::alike` a role goes to all nodes of its shape.
+/// The table of nodes. A click on a name highlights the node; with `Choices::alike` a role applies to all
+/// nodes of its shape.
 pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices, height: f32) {
     let scale = choices.unit.mm();
     ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]).show(
@@ -90,7 +91,7 @@ fn size(mm: f64) -> String {
     if mm.abs() < 10.0 { format!("{mm:.1}") } else { format!("{mm:.0}") }
 }
 
-/// What holds for the whole file: unit, axis, number of blades, sense of rotation.
+/// Settings of the file: unit, axis, number of blades, sense of rotation.
 pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices) {
     Grid::new("mesh file").num_columns(2).show(ui, |ui| {
         ui.label("Unit");
@@ -102,15 +103,14 @@ pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices) {
             let possible = likely_unit(across, choices.unit) == Some(choices.unit);
             let doubt = Condition::Interferential.text(ui.visuals());
             let text = if possible { text.weak() } else { text.color(doubt) };
-            ui.label(text).on_hover_text(
-                "Impellers are 3 mm to 5 m across. glTF files are in metres, if by the rules.",
-            );
+            ui.label(text)
+                .on_hover_text("Impellers are 3 mm to 5 m across. The glTF specification asks for metres.");
         });
         ui.end_row();
         ui.label("Axis of rotation");
         let axes = [None, Some(Axis::X), Some(Axis::Y), Some(Axis::Z)];
         let axis = list(ui, "Axis of rotation of the file", choices.axis, axes, |axis| {
-            axis.map_or("as the hub turns", Axis::name).to_owned()
+            axis.map_or("Auto (from hub)", Axis::name).to_owned()
         });
         choices.axis = axis.unwrap_or(choices.axis);
         ui.end_row();
@@ -118,20 +118,19 @@ pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices) {
         let mut blades = choices.blades.unwrap_or(0);
         let field =
             DragValue::new(&mut blades).range(BLADES).speed(0.1).custom_formatter(|n, _| match n as usize {
-                0 => "as there are".to_owned(),
+                0 => "Auto".to_owned(),
                 n => n.to_string(),
             });
-        let field =
-            ui.add(field).on_hover_text("To be given where the file holds one blade alone; 0: as there are");
+        let field = ui.add(field).on_hover_text("Needed if the file has only one blade; 0: automatic");
         field.widget_info(|| {
             egui::WidgetInfo::labeled(egui::Role::SpinButton, true, "Main blades of the file")
         });
         choices.blades = (blades > 0).then_some(blades);
         ui.end_row();
-        ui.label("Turns");
+        ui.label("Rotation");
         let senses = [None, Some(Rotation::Clockwise), Some(Rotation::Counterclockwise)];
         let rotation = list(ui, "Sense of rotation", choices.rotation, senses, |sense| {
-            sense.map_or_else(|| "as blades wrap".to_owned(), |sense| sense.to_string())
+            sense.map_or_else(|| "Auto (from sweep)".to_owned(), |sense| sense.to_string())
         });
         choices.rotation = rotation.unwrap_or(choices.rotation);
         ui.end_row();

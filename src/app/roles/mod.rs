@@ -1,5 +1,5 @@
-//! Which node of a mesh file is what: the dialog that asks where names do not tell, or where the user wants another
-//! choice, and what becomes of the answer.
+//! The dialog that assigns roles (hub, shroud, blade, ...) to the nodes of a mesh file, where names do not
+//! determine them or the user wants to change them.
 
 mod choices;
 mod form;
@@ -23,7 +23,7 @@ use super::work::OpenTask;
 use choices::Choices;
 use preview::{Preview, Shown};
 
-/// Keys that give the node in work a role.
+/// Keys that set the role of the selected node.
 const KEYS: [(Key, Option<Role>); 6] = [
     (Key::H, Some(Role::Hub)),
     (Key::S, Some(Role::Shroud)),
@@ -35,10 +35,10 @@ const KEYS: [(Key, Option<Role>); 6] = [
 /// Width of the picture, points.
 const PICTURE: f32 = 250.0;
 
-/// A mesh file whose nodes are to be told apart.
+/// A mesh file whose nodes need roles.
 pub(super) struct Untold {
     path: PathBuf,
-    /// What opens the part once they are.
+    /// Task that opens the part once they are assigned.
     task: OpenTask,
     nodes: Vec<MeshNode>,
     preview: Preview,
@@ -47,11 +47,11 @@ pub(super) struct Untold {
 }
 
 impl Untold {
-    /// Reads the nodes of the file at `path`, of which `said` is known and which did not open because of `fault`.
-    /// `task` is to open its part.
+    /// Reads the nodes of the mesh file at `path`. `said` are the options given so far, `fault` is why it did
+    /// not open with them, `task` opens its part.
     ///
     /// # Errors
-    /// When the file cannot be read, or holds no triangles.
+    /// [`InputError`] when the file cannot be read, or has no triangles.
     pub(super) fn read(
         path: &Path,
         said: &MeshOptions,
@@ -75,17 +75,17 @@ impl Untold {
             preview: Preview::new(&meshes, &nodes),
             choices: Choices::new(&nodes, said),
             nodes,
-            // The file is named above.
+            // The dialog's title names the file.
             fault: fault.map(|fault| Problem::new(fault.what.clone(), fault.cure.clone())),
         })
     }
 }
 
-/// The dialog, while it is open.
+/// The roles dialog.
 #[derive(Default)]
 pub(super) struct RolesDialog {
     asked: Option<Untold>,
-    /// Whether the part is being opened with what was chosen.
+    /// Whether the part is being opened with the choices.
     waiting: bool,
 }
 
@@ -95,7 +95,7 @@ impl RolesDialog {
         self.asked.is_some()
     }
 
-    /// Asks about a file; where it is open for that file already, only the fault is new.
+    /// Opens the dialog for a file; if it is open for that file already, only the error is replaced.
     pub(super) fn ask(&mut self, untold: Untold) {
         self.waiting = false;
         match &mut self.asked {
@@ -109,12 +109,12 @@ impl RolesDialog {
         *self = Self::default();
     }
 
-    /// Goes on after opening ended otherwise.
+    /// Enables the dialog again after opening has ended.
     pub(super) fn stop_waiting(&mut self) {
         self.waiting = false;
     }
 
-    /// Draws it; returns what is to be opened once that is agreed.
+    /// Draws it; returns the opening task when the choices are confirmed.
     fn show(&mut self, ui: &Ui, pictures: Option<&Pictures>) -> Option<OpenTask> {
         let asked = self.asked.as_mut()?;
         let (mut open, mut close) = (false, false);
@@ -125,11 +125,11 @@ impl RolesDialog {
                 open = asked.keys(ui);
             }
             let file = asked.path.file_name().unwrap_or_default().to_string_lossy();
-            ui.label(RichText::new(format!("What is what in {file}?")).strong());
+            ui.label(RichText::new(format!("Assign surfaces, {file}")).strong());
             if let Some(fault) = &asked.fault {
                 let red = Condition::Interferential.text(ui.visuals());
                 ui.label(RichText::new(&fault.what).color(red));
-                ui.label(format!("To do: {}", asked_in_words(&fault.cure)));
+                ui.label(format!("Fix: {}", asked_in_words(&fault.cure)));
             }
             ui.separator();
             ui.add_enabled_ui(!waiting, |ui| {
@@ -146,8 +146,8 @@ impl RolesDialog {
                     });
                     ui.vertical(|ui| {
                         form::nodes(ui, &asked.nodes, &mut asked.choices, 270.0);
-                        ui.checkbox(&mut asked.choices.alike, "Nodes of one shape together").on_hover_text(
-                            "A role goes to all nodes with as many triangles and the same area",
+                        ui.checkbox(&mut asked.choices.alike, "Apply to identical meshes").on_hover_text(
+                            "A role applies to all nodes with the same number of triangles and the same area",
                         );
                         ui.label(
                             RichText::new("Keys: up, down; H hub, S shroud, B blade, P splitter, I ignore")
@@ -160,7 +160,7 @@ impl RolesDialog {
             ui.horizontal(|ui| {
                 let text = RichText::new("Open the part").color(Color32::WHITE).strong();
                 open |= ui.add_enabled(!waiting, Button::new(text).fill(theme::PRIMARY)).clicked();
-                close = ui.button("Leave it").clicked();
+                close = ui.button("Cancel").clicked();
                 if waiting {
                     ui.label("Opening…");
                 }
@@ -179,7 +179,7 @@ impl RolesDialog {
 }
 
 impl Untold {
-    /// Does what keys ask for; `true` when the part is to be opened.
+    /// Handles the keyboard; `true` when Enter confirms the choices.
     fn keys(&mut self, ui: &Ui) -> bool {
         if ui.memory(|memory| memory.focused().is_some()) || egui::Popup::is_any_open(ui.ctx()) {
             return false;
@@ -203,7 +203,7 @@ impl Untold {
     }
 }
 
-/// What to do, for somebody who sees the dialog and not the command line.
+/// A help text with command line options replaced by the dialog's terms.
 pub(super) fn asked_in_words(cure: &str) -> String {
     [
         ("--role NODE=", "the role "),
@@ -218,7 +218,7 @@ pub(super) fn asked_in_words(cure: &str) -> String {
 }
 
 impl App {
-    /// Asks which node of the open part's mesh file is what.
+    /// Opens the roles dialog for the open part's mesh file.
     pub(super) fn assign_roles(&mut self) {
         let source = self.state.document.part.as_ref().map(|part| part.source.clone());
         if let Some(source) = source.filter(|source| source.mesh().is_some()) {
@@ -236,7 +236,7 @@ impl App {
         }
     }
 
-    /// Whether the open part is of a mesh file.
+    /// Whether the open part comes from a mesh file.
     pub(super) fn is_mesh(&self) -> bool {
         self.state.document.part.as_ref().is_some_and(|part| part.source.mesh().is_some())
     }

@@ -1,4 +1,4 @@
-//! The picture of a mesh file whose nodes are being told apart: each as what it is taken for, the chosen one lit.
+//! The picture of a mesh file in the roles dialog: nodes are drawn by role, the selected one is highlighted.
 
 use egui::{Color32, Rect, Sense, Ui, Vec2};
 use glam::Vec3;
@@ -14,37 +14,38 @@ use crate::mesh::{NamedMesh, Role};
 
 use super::super::picture::{Picture, Pictures};
 
-/// Width that the whole file is drawn at, mm: the depth of the picture is made for parts of that size.
+/// Width to which the whole file is scaled, mm: depth range and colours of the picture suit parts of that
+/// size.
 const WIDTH: f64 = 300.0;
-/// Triangles that are drawn at most; of larger files every so many-th.
+/// Maximum number of triangles drawn; larger files are thinned by a stride.
 const MOST_TRIANGLES: usize = 400_000;
-/// How far a step of the wheel zooms.
+/// Zoom exponent per point of scrolling.
 const ZOOM: f32 = 0.0025;
 
-/// What the picture shows of the choices.
+/// Inputs of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown<'a> {
     /// Roles of the nodes.
     pub roles: &'a [Option<Role>],
-    /// Axis of rotation in the file, drawn upright.
+    /// Axis of rotation in the file; it is drawn vertical.
     pub axis: Axis,
-    /// Number of the node that is lit.
+    /// Index of the highlighted node.
     pub chosen: Option<usize>,
 }
 
-/// The picture, and what it is made of.
+/// The picture with its meshes and camera.
 #[derive(Default)]
 pub struct Preview {
-    /// One for each node, in the file's frame, about the middle of the file.
+    /// Mesh of each node, in the file's axes, centred and scaled.
     meshes: Vec<Mesh>,
     picture: Option<Picture>,
     camera: Option<Camera>,
-    /// Roles and axis that the picture was made for.
+    /// Roles and axis for which the picture was made.
     made_for: Option<(Vec<Option<Role>>, Axis)>,
     lit: Option<usize>,
 }
 
-/// Where a direction of the file points when its axis of rotation stands upright.
+/// Rotates a direction of the file so that its axis of rotation becomes Z.
 fn upright(axis: Axis, [x, y, z]: [f32; 3]) -> [f32; 3] {
     match axis {
         Axis::X => [y, z, x],
@@ -54,7 +55,7 @@ fn upright(axis: Axis, [x, y, z]: [f32; 3]) -> [f32; 3] {
 }
 
 impl Preview {
-    /// Of the meshes of a file and their nodes.
+    /// Prepares the meshes of a file.
     pub fn new(meshes: &[NamedMesh], nodes: &[MeshNode]) -> Self {
         let low = nodes.iter().fold(nodes[0].low, |low, n| low.inf(&n.low));
         let high = nodes.iter().fold(nodes[0].high, |high, n| high.sup(&n.high));
@@ -74,7 +75,7 @@ impl Preview {
         Self { meshes: drawn, ..Self::default() }
     }
 
-    /// Nodes for which `wanted` holds as one mesh, the axis upright.
+    /// The nodes for which `wanted` holds as one mesh, with the axis vertical.
     fn joined(&self, axis: Axis, wanted: impl Fn(usize) -> bool) -> Mesh {
         let mut all = Mesh::default();
         for (_, mesh) in self.meshes.iter().enumerate().filter(|(k, _)| wanted(*k)) {
@@ -90,7 +91,7 @@ impl Preview {
     fn make(&mut self, pictures: &Pictures, shown: &Shown<'_>, aspect: f32) {
         let of = |role: &[Option<Role>]| self.joined(shown.axis, |k| role.contains(&shown.roles[k]));
         let blades = of(&[Some(Role::Blade), Some(Role::Splitter)]);
-        // What has no role yet is there to be seen too; only what is left out for good is not.
+        // Nodes without a role are drawn too; only ignored ones are not.
         let mesh = PartMesh::of_loose(of(&[Some(Role::Hub), None]), blades, of(&[Some(Role::Shroud)]));
         let picture = pictures.loose(mesh);
         let axis_changed = self.made_for.as_ref().is_none_or(|(_, axis)| *axis != shown.axis);
@@ -102,7 +103,7 @@ impl Preview {
         self.lit = None;
     }
 
-    /// Draws the picture of `size` points and lets the mouse turn and zoom it.
+    /// Draws the picture of `size` points; the mouse orbits and zooms it.
     pub fn show(&mut self, ui: &mut Ui, pictures: Option<&Pictures>, size: Vec2, shown: &Shown<'_>) {
         let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture of the nodes"));

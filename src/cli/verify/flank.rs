@@ -1,4 +1,4 @@
-//! What `vanecut verify` prints of flank programs.
+//! Output of `vanecut verify` for flank programs.
 
 use serde_json::{Map, Value, json};
 
@@ -6,7 +6,7 @@ use crate::cli::report::{head, number};
 use crate::part::Impeller;
 use crate::verify::FlankVerdict;
 
-/// The object of `--json`: every key that a plunge program has, null where it says nothing of this one.
+/// The object of `--json`, with the keys of a plunge program; those without meaning here are null.
 pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Value> {
     let layer = &verdict.layer;
     let mut map = head(part, Some(verdict.channels));
@@ -45,7 +45,7 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     map
 }
 
-/// The same for people.
+/// The text report of a flank program.
 pub(super) fn text(verdict: &FlankVerdict) -> String {
     let channels = if verdict.channels == 1 { "channel" } else { "channels" };
     let mut text = format!(
@@ -63,7 +63,8 @@ pub(super) fn text(verdict: &FlankVerdict) -> String {
     );
     let uncovered = &verdict.uncovered;
     text += &format!(
-        "floor: layer {:.2} mm, 95 % below {:.2} mm; higher than allowed on {:.2} %: {:.2} % fillet beside blades, {:.2} % where no axis reaches, {:.2} % gaps of the program\n",
+        "floor: residual stock {:.2} mm on average, 95 % below {:.2} mm; more than allowed on {:.2} %: \
+         {:.2} % fillet beside blades, {:.2} % inaccessible, {:.2} % gaps of the program\n",
         verdict.layer.mean,
         verdict.layer.p95,
         100.0 * uncovered.share(),
@@ -72,12 +73,12 @@ pub(super) fn text(verdict: &FlankVerdict) -> String {
         100.0 * uncovered.gap,
     );
     text += &if verdict.max_undercut.is_finite() {
-        format!("walls: {:.4} mm over, {:.4} mm under\n", verdict.max_overcut, verdict.max_undercut)
+        format!("walls: {:.4} mm overcut, {:.4} mm undercut\n", verdict.max_overcut, verdict.max_undercut)
     } else {
-        format!("walls: not milled; {:.4} mm over\n", verdict.max_overcut)
+        format!("walls: not milled; {:.4} mm overcut\n", verdict.max_overcut)
     };
     text += &format!(
-        "least clearance: hub {:.4} mm, blades {:.4} mm; axis turns up to {:.1}° a move\n",
+        "least clearance: hub {:.4} mm, blades {:.4} mm; axis change up to {:.1}° per move\n",
         verdict.min_hub_clearance,
         verdict.min_blade_clearance,
         verdict.max_axis_change.to_degrees()

@@ -1,17 +1,18 @@
-//! What a fixed axis must clear, as points and a table: quick, and on the safe side by a few hundredths of a millimetre.
+//! Fast approximate distances for the fixed-axis search: points of the blades and tables of distances, on the
+//! safe side by a few hundredths of a millimetre.
 
 use crate::geometry::{Meridional, Point, Vector, norm2};
 use crate::part::{BladeSide, Blank, Impeller, Tool};
 
-/// Points of the blades, as near to each other as [`SPACING`] along u.
+/// Points sampled on the blades, at most [`SPACING`] apart along u.
 #[derive(Debug)]
 pub(super) struct BladePoints {
     points: Vec<Point>,
-    /// No side is nearer to a cylinder than its points are, less this, mm.
+    /// A cylinder is nearer to a blade side than to its points by at most this, mm.
     pub(super) slack: f64,
 }
 
-/// Axes within an angle of one.
+/// A cone of axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cone {
     pub(super) axis: Vector,
@@ -19,14 +20,14 @@ pub(super) struct Cone {
     pub(super) angle: f64,
 }
 
-/// Points that an axis of a cone could run into, seen from the centre of the cutter's corner.
+/// Points that a tool with an axis of a cone could collide with, relative to the centre of the tool's corner.
 #[derive(Debug, Default)]
 pub(super) struct Near {
     column: Vec<Block>,
     holder: Vec<Block>,
 }
 
-/// Points that are looked at together.
+/// Points processed together (SIMD).
 const LANES: usize = 16;
 type Row = [f32; LANES];
 
@@ -37,7 +38,7 @@ struct Block {
     z: Row,
 }
 
-/// Shape of a cutter with its holder, mm.
+/// Dimensions of a cutter with its holder, mm.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     pub(super) radius: f64,
@@ -47,22 +48,22 @@ pub(super) struct Shape {
     holder_from: f64,
 }
 
-/// Least distances of a cutter and its holder from points, mm.
+/// Minimum distances of a cutter and its holder from points, mm.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Least {
     pub(super) cutter: f64,
     pub(super) holder: f64,
 }
 
-/// Greatest distance of neighbouring points along u, mm, and lines of v.
+/// Maximum spacing of neighbouring points along u, mm, and numbers of lines of constant v.
 const SPACING: f64 = 2.0;
 const RULED_LINES: usize = 6;
 const BOWED_LINES: usize = 10;
-/// A point no cutter comes near to.
+/// Coordinate of padding points that no tool comes near to.
 const FAR: f32 = -1e6;
 
 impl BladePoints {
-    /// Of `sides`, for a cutter that stays `reach` mm from them with its axis.
+    /// The points of `sides`, for a cutter whose axis keeps `reach` mm from them.
     pub(super) fn new(sides: &[BladeSide], reach: f64) -> Self {
         let mut points = Vec::new();
         let mut widest = 0.0f64;
@@ -80,14 +81,15 @@ impl BladePoints {
                 points.extend((0..=count).map(|i| side.point(i as f64 / count as f64, v)));
             }
         }
-        // Points far from each other first: most axes that are blocked show it early.
+        // Order the points so that successive ones are far apart: most blocked axes are then rejected early.
         let stride = 37;
         let count = points.len();
         let spread = (0..stride).flat_map(|k| (k..count).step_by(stride)).map(|i| points[i]).collect();
         Self { points: spread, slack: widest * widest / (8.0 * reach) }
     }
 
-    /// Those that a cutter whose corner is centred at `centre` could come nearer to than `margin` mm with an axis of `cone`.
+    /// The points to which a tool whose corner is centred at `centre` could be nearer than `margin` mm with
+    /// an axis of `cone`.
     pub(super) fn near(&self, centre: &Point, cone: &Cone, shape: &Shape, margin: f64) -> Near {
         let (sin, cos) = cone.angle.sin_cos();
         let rim = shape.rim();
@@ -97,7 +99,7 @@ impl BladePoints {
         let (mut column_lane, mut holder_lane) = (LANES, LANES);
         for point in &self.points {
             let d = point - centre;
-            // Distance from the axes of the cone, no more than it is.
+            // Lower bound on the distance from the axes of the cone.
             let squared = d.norm_squared();
             let along = d.dot(&cone.axis);
             let across = (squared - along * along).max(0.0).sqrt();
@@ -140,14 +142,14 @@ impl Shape {
     }
 }
 
-/// A line as the points see it.
+/// A tool axis relative to the points, in single precision.
 struct Ray {
     axis: [f32; 3],
     offset: [f32; 3],
 }
 
 impl Ray {
-    /// Height of a lane's point along the axis, and the square of its distance from it.
+    /// Height of the point of a lane along the axis, and its squared distance from the axis.
     #[inline(always)]
     fn seen(&self, block: &Block, k: usize) -> (f32, f32) {
         let [ax, ay, az] = self.axis;
@@ -159,8 +161,9 @@ impl Ray {
 }
 
 impl Near {
-    /// Least distances of a cutter with unit `axis` whose bottom's centre, a corner radius above its tip, is `offset` away
-    /// from where the points are seen from. Ends as soon as one of them is below `enough`.
+    /// Minimum distances of a tool with unit `axis`. `offset` is the position of the centre of its bottom, a
+    /// corner radius above the tip, relative to the origin of the points. Stops as soon as one distance is
+    /// below `enough`.
     pub(super) fn least(&self, shape: &Shape, axis: &Vector, offset: &Vector, enough: Least) -> Least {
         let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
         let ray = Ray { axis: single(axis), offset: single(offset) };
@@ -217,7 +220,7 @@ fn least(row: &Row) -> f32 {
     row.iter().copied().fold(f32::MAX, f32::min)
 }
 
-/// A distance over the meridional plane.
+/// A distance tabulated over the meridional plane, interpolated bilinearly.
 #[derive(Debug)]
 pub(super) struct DistanceTable {
     from: Meridional,
@@ -231,10 +234,10 @@ pub(super) struct DistanceTable {
 const NODES: f64 = 110.0;
 
 impl DistanceTable {
-    /// From the hub, as far as `margin` mm beyond the part.
+    /// Signed distance from the hub, as far as `margin` mm beyond the part.
     pub(super) fn of_hub(part: &Impeller, margin: f64) -> Self {
         let curve = part.hub.curve();
-        // Along a row the foot wanders slowly.
+        // Along a row the projection moves little: warm start.
         let mut warm: Option<f64> = None;
         Self::new(part, margin, |p, spacing, begins| {
             let (t, d) = match warm {
@@ -247,7 +250,7 @@ impl DistanceTable {
         })
     }
 
-    /// From the blank, as far as `margin` mm beyond the part.
+    /// Signed distance from the blank, as far as `margin` mm beyond the part.
     pub(super) fn of_blank(part: &Impeller, blank: &Blank, margin: f64) -> Self {
         let mut warm = None;
         Self::new(part, margin, |p, _, begins| {
@@ -258,7 +261,8 @@ impl DistanceTable {
         })
     }
 
-    /// Of `distance` at nodes, row by row: with the nodes' spacing, and whether to look afresh.
+    /// Tabulates `distance` row by row. Its arguments are the node, the spacing of the nodes, mm, and whether
+    /// to discard the warm start.
     fn new(part: &Impeller, margin: f64, mut distance: impl FnMut(Meridional, f64, bool) -> f64) -> Self {
         let (mut low, mut high) =
             (Meridional { r: f64::MAX, z: f64::MAX }, Meridional { r: f64::MIN, z: f64::MIN });
@@ -283,7 +287,7 @@ impl DistanceTable {
         Self { from, spacing, columns, rows, distance: nodes }
     }
 
-    /// Signed distance of a point, mm, good to a few hundredths; infinite far from the part.
+    /// Signed distance of a point, mm, accurate to a few hundredths; infinite far from the part.
     pub(super) fn at(&self, p: &Point) -> f64 {
         let x = (norm2(p.x, p.y) - self.from.r) / self.spacing;
         let y = (p.z - self.from.z) / self.spacing;

@@ -1,4 +1,4 @@
-//! Curves along walls: the cutter stands on the axes that were fitted to the wall.
+//! Passes along walls, with the axes fitted to the wall.
 
 use super::{CHORD, LayerAxes, OnLayer, PassMaker};
 use crate::flank::chart::{Region, WallName};
@@ -8,19 +8,19 @@ use crate::flank::plan::MilledWall;
 use crate::flank::schemes::Role;
 use crate::geometry::{Point, Vector};
 
-/// Why a stretch along a wall is not cut.
-const IN_THE_WAY: &str = "another blade stands in the way of the cutter along the wall";
+/// Reasons why a stretch along a wall is not cut.
+const IN_THE_WAY: &str = "another blade blocks the cutter along the wall";
 const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
 
 const HUB_IN_THE_WAY: &str = "the hub is too near to the cutter along the wall";
-const LYING: &str = "the cutter along the wall would lie on the floor";
-/// Cosine of the angle to the layer's normal beyond which the cutter along a wall lies on the floor: 80°.
+const LYING: &str = "the axis along the wall is within 10° of the floor";
+/// Least cosine of the angle of the axis along a wall to the normal of the layer: 80°.
 const UPRIGHT: f64 = 0.17;
 
-/// What stands in the way of a cutter, for people.
+/// The obstacle to a tool position, as a message; `None` if it is free.
 pub(super) type InTheWay = Option<&'static str>;
 
-/// A cutter on a layer.
+/// A tool position on a layer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
     pub(super) tip: Point,
@@ -29,7 +29,7 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// The cutter at `share` of the way to another place: tip straight, axis turned evenly.
+    /// Interpolated position towards another one: tip linear, axis linear and normalised.
     pub(super) fn between(&self, other: &Self, share: f64) -> Self {
         let share = share.clamp(0.0, 1.0);
         Self {
@@ -39,8 +39,8 @@ impl Placed {
         }
     }
 
-    /// Tip and axis at `share` of the way: the centre of the `corner` (mm) goes straight, so that its depth does not depend on
-    /// the turn of the axis.
+    /// Interpolated tip and axis towards another position: the centre of the `corner` (mm) moves straight, so
+    /// that its depth does not depend on the turn of the axis.
     pub(super) fn turned_to(&self, other: &Self, share: f64, corner: f64) -> (Point, Vector) {
         let axis = (self.axis + (other.axis - self.axis) * share).normalize();
         let [from, to] = [self, other].map(|placed| placed.tip + placed.axis * corner);
@@ -48,17 +48,17 @@ impl Placed {
     }
 }
 
-/// What comes next along a wall.
+/// The next step along a wall.
 pub(super) enum WallStep {
-    /// The cutter goes on to here.
+    /// The pass continues to this position.
     To(Placed),
-    /// Something stands in the way for `length` mm, which are not cut.
+    /// A collision: `length` mm are not cut.
     LeftOut { length: f64, why: &'static str },
-    /// The layer ends here and begins again further on: nothing that it holds is left out between.
+    /// The layer ends here and begins again further on; nothing of it is lost in between.
     Apart,
 }
 
-/// The stretches that are cut without a break, in order.
+/// The runs of consecutive positions, in order.
 pub(super) fn unbroken(steps: &[WallStep]) -> Vec<Vec<Placed>> {
     let runs = steps.split(|step| !matches!(step, WallStep::To(_)));
     let placed = |step: &WallStep| if let WallStep::To(placed) = step { Some(*placed) } else { None };
@@ -67,18 +67,18 @@ pub(super) fn unbroken(steps: &[WallStep]) -> Vec<Vec<Placed>> {
         .collect()
 }
 
-/// The cutter at the stations along a wall, on a layer.
+/// The tool positions at the stations along a wall, on a layer.
 pub(super) struct Milled {
     pub(super) wall: WallName,
     pub(super) region: Region,
     /// x of the first station on the flank itself, behind the nose.
     pub(super) behind_nose: f64,
-    /// Where it misses the layer there is none; with what stands in its way.
+    /// Position and obstacle by station; `None` where the tool misses the layer.
     placed: Vec<Option<(Placed, InTheWay)>>,
 }
 
 impl Milled {
-    /// The cutter on all stations of a wall.
+    /// The positions at all stations of a wall.
     pub(super) fn on(maker: &PassMaker, (number, layer): (usize, &Layer), milled: &MilledWall) -> Self {
         let mut y = None;
         let stations = milled.axes.stations(number);
@@ -110,7 +110,7 @@ impl Milled {
         }
     }
 
-    /// Axis at `x` by the stations that nothing stands in the way of; that of the nearest beyond both ends.
+    /// Axis at `x`, interpolated between the free stations; beyond both ends that of the nearest.
     pub(super) fn axis(&self, x: f64) -> Option<Vector> {
         let free = |(placed, in_the_way): &'_ (Placed, InTheWay)| in_the_way.is_none().then_some(*placed);
         let stations = || self.placed.iter().flatten().filter_map(free);
@@ -128,7 +128,7 @@ impl Milled {
 }
 
 impl OnLayer<'_> {
-    /// Passes of a curve along a wall.
+    /// Adds the passes of a curve along a wall.
     pub(super) fn along_wall(
         &self,
         wall: WallName,
@@ -149,7 +149,7 @@ impl OnLayer<'_> {
         }
     }
 
-    /// Notes what of a way along a wall is not cut.
+    /// Records the lengths along a wall that are not cut.
     pub(super) fn leave_out_of(&self, steps: &[WallStep], region: Region, made: &mut LayerAxes) {
         for step in steps {
             if let WallStep::LeftOut { length, why } = step {
@@ -168,12 +168,12 @@ impl OnLayer<'_> {
         self.push_passes((Role::Wall(wall), region, 0), positions, made);
     }
 
-    /// The way along a wall between two x: the cutter at both ends and at the stations whose contacts lie between them.
+    /// The steps along a wall between two x: positions at both ends and at the stations between them.
     pub(super) fn wall_steps(&self, wall: WallName, region: Region, (from, to): (f64, f64)) -> Vec<WallStep> {
         let ours = |m: &&Milled| m.wall == wall && (wall != WallName::Splitter || m.region == region);
         let Some(milled) = self.milled.iter().find(ours) else { return Vec::new() };
         let mut result = Vec::new();
-        // Where the last way ended; from any other station on the cutter comes down anew.
+        // Station at which the last step ended; from any other station the tool approaches anew.
         let mut reached = None;
         for (k, pair) in milled.placed.windows(2).enumerate() {
             let [Some((a, a_blocked)), Some((b, b_blocked))] = pair else { continue };

@@ -1,4 +1,4 @@
-//! Inner curves: as few fixed axes as possible, turned towards the axes of the walls near them.
+//! Inner passes: as few fixed axes as possible, blended towards the axes of near walls.
 
 use super::along_wall::Placed;
 use super::stretches::pieces_between;
@@ -10,28 +10,31 @@ use crate::flank::plan::RegionAxis;
 use crate::flank::schemes::Role;
 use crate::geometry::{Point, Vector};
 
-/// Distance of the stations at which fixed axes are looked for, mm along the meridian, and the most of them.
+/// Spacing of the stations of the fixed-axis search, mm along the meridian, and their maximum number.
 const STATION_STEP: f64 = 4.0;
 const MAX_STATIONS: usize = 48;
-/// Cutters that keep less than this more than the allowance from a blade are looked at between positions too, mm.
+/// Clearance beyond the allowance below which the move between two positions is checked as well, mm.
 const NEAR: f64 = 0.05;
-/// Rounds of looking for axes, and the share of the length left by the last that ends them.
+/// Maximum number of searches for axes, and the share of the last remaining length at which they end.
 const ROUNDS: usize = 4;
 const LEAST_GAIN: f64 = 0.95;
-/// Curves of a region that are looked at in a station.
+/// Maximum number of contacts across a region per station.
 const ACROSS: usize = 5;
-/// Intervals from the curve along a wall within which inner curves turn their axis towards the wall's.
+/// Distance from the pass along a wall, in stepovers, below which the axis blends towards the wall's.
 const TURNING: f64 = 1.75;
-/// Nearer than this many intervals they have the wall's axis, and the pass along the wall covers what they leave out.
+/// Distance, in stepovers, below which the axis is the wall's; the pass along the wall covers what is left
+/// out there.
 const TURNED: f64 = 0.5;
-/// Greatest turn of the axis from position to position, rad: a ball's tip then stays within a µm of its way.
+/// Maximum turn of the axis from position to position, rad: the tip of a ball end then stays within a µm of
+/// its path.
 pub(super) const MOST_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
-/// Most positions that a turn adds to a step.
+/// Maximum number of positions that a turn adds to a step.
 const MAX_TURNS: f64 = 60.0;
 
 impl OnLayer<'_> {
-    /// Passes of the inner curves of a region. What the axes of one round leave, blades being too near there, is looked at
-    /// again by itself: an axis for a few curves is found where there is none for all that stand side by side.
+    /// Adds the inner passes of a region. Pieces for which the axes of one search leave too little clearance
+    /// to a blade are searched again by themselves: a few passes may have a common axis where all those side
+    /// by side have none.
     pub(super) fn inner(&self, region: Region, lines: Vec<Vec<LayerPoint>>, made: &mut LayerAxes) {
         let length = |lines: &[Vec<LayerPoint>]| lines.iter().map(|l| self.layer.length(l)).sum::<f64>();
         let mut rest = lines;
@@ -50,8 +53,8 @@ impl OnLayer<'_> {
         }
     }
 
-    /// Passes of some curves of a region; what is left of them, and why. After the first round axes do not turn towards those of
-    /// the walls.
+    /// Adds the passes of some curves of a region; returns the remaining pieces, and why they remain. Only in
+    /// the first search do axes blend towards those of the walls.
     fn inner_round(
         &self,
         region: Region,
@@ -68,7 +71,8 @@ impl OnLayer<'_> {
         }
         let count = ((to - from) / STATION_STEP).ceil().clamp(1.0, MAX_STATIONS as f64) as usize;
         let width = (to - from) / count as f64;
-        // A station is a strip across the region, and its contacts are where curves enter, halve and leave it.
+        // A station is a strip across the region. Its contacts are on the curves at its start, middle and
+        // end.
         let stations: Vec<Vec<Contact>> = (0..count)
             .map(|k| {
                 let x = [0.0, 0.5, 1.0].map(|share| from + width * (k as f64 + share));
@@ -90,7 +94,8 @@ impl OnLayer<'_> {
         let mut lost = Vec::new();
         for line in lines {
             for (group, run) in found.runs.iter().enumerate() {
-                // Stations with nothing away from the walls belong to no run of their own: the nearest one serves.
+                // Stations with contacts only near walls belong to no run of their own: the nearest run is
+                // used.
                 let from = if group == 0 { f64::NEG_INFINITY } else { border(run.from) };
                 let to = found.runs.get(group + 1).map_or(f64::INFINITY, |next| border(next.from));
                 for piece in pieces_between(line, from, to) {
@@ -104,7 +109,7 @@ impl OnLayer<'_> {
         (lost, found.unreachable.first().map_or(Obstacle::Blade, |u| u.why))
     }
 
-    /// Places of some lines at `x`: the outermost and some between.
+    /// Layer points of some lines at `x`: the outermost and some between.
     fn across(&self, lines: &[Vec<LayerPoint>], x: f64, round: usize) -> Vec<LayerPoint> {
         let mut places: Vec<LayerPoint> = lines
             .iter()
@@ -122,8 +127,8 @@ impl OnLayer<'_> {
         (0..ACROSS).map(|k| places[k * (n - 1) / (ACROSS - 1)]).collect()
     }
 
-    /// Passes along `line` under one axis, which turns towards that of a wall where the line comes near it. Where the
-    /// cutter comes too near to a blade all the same nothing is cut; these pieces are returned.
+    /// Adds the passes along `line` with one axis, blended towards that of a wall where the line is near it.
+    /// Returns the pieces that are not cut because the cutter would be too near to a blade.
     fn fixed(
         &self,
         region: Region,
@@ -148,7 +153,7 @@ impl OnLayer<'_> {
                 pieces.push(std::mem::take(&mut open));
             }
             let cut = !open.is_empty();
-            // Next to a wall the pass along it cuts what a curve leaves out there.
+            // Next to a wall the pass along it cuts what an inner pass leaves out.
             if let Some((q, before)) = last.filter(|(_, before)| !(cut && *before))
                 && self.share_of_wall(p) < 1.0
             {
@@ -168,8 +173,8 @@ impl OnLayer<'_> {
         lost
     }
 
-    /// Whether the cutter at a position, and on the way to it from the one `before`, keeps the allowances from
-    /// hub and blades, and its holder clears them.
+    /// Whether the cutter at a position, and on the move to it from the one `before`, keeps the allowances
+    /// from hub and blades, and its holder clears them.
     fn is_free(&self, (tip, axis): (Point, Vector), before: Option<(Point, Vector)>) -> bool {
         let maker = self.maker;
         let allowance = maker.setup.stock.blade_allowance;
@@ -177,8 +182,8 @@ impl OnLayer<'_> {
         if near < allowance || maker.search.beside_blades(tip, axis).is_some() {
             return false;
         }
-        // The way between two positions may be nearer to a wall that bulges than both, and far nearer where the axis jumps from
-        // one wall's to another's.
+        // The move between two positions may be nearer to a convex wall than both, and much nearer where the
+        // axis jumps from that of one wall to another.
         let Some((last, turned)) = before else { return true };
         let shares: &[f64] = if turned.angle(&axis) > 2.0 * MOST_TURN {
             &[0.25, 0.5, 0.75]
@@ -193,7 +198,7 @@ impl OnLayer<'_> {
         })
     }
 
-    /// The fixed `axis`, turned towards that of a wall next to `p`.
+    /// The fixed `axis`, blended towards that of a wall near `p`.
     fn turned(&self, p: LayerPoint, axis: Vector) -> Vector {
         let share = self.share_of_wall(p);
         match self.wall_axis(p).filter(|_| share > 0.0) {
@@ -202,7 +207,7 @@ impl OnLayer<'_> {
         }
     }
 
-    /// The line with so many points more that the axis turns little between two of them.
+    /// The line with points added so that the axis turns little from one to the next.
     fn turning(&self, line: Vec<LayerPoint>, axis: Vector) -> Vec<LayerPoint> {
         let mut points = vec![line[0]];
         for w in line.windows(2) {
@@ -214,7 +219,8 @@ impl OnLayer<'_> {
         points
     }
 
-    /// How much of a wall's own axis a place near it has: 0 in the middle, 1 next to the curve along the wall.
+    /// Weight of a wall's own axis at a point near it: 0 in the middle of the channel, 1 next to the pass
+    /// along the wall.
     fn share_of_wall(&self, p: LayerPoint) -> f64 {
         let intervals = self.chart.freedom(p) / self.found.interval;
         ((TURNING - intervals) / (TURNING - TURNED)).clamp(0.0, 1.0)
@@ -236,14 +242,14 @@ impl OnLayer<'_> {
     }
 }
 
-/// What stands in the way, for people.
+/// The obstacle as a message.
 fn reason(why: Obstacle) -> &'static str {
     match why {
         Obstacle::Blade => "a blade is too near",
         Obstacle::Hub => "the hub is too near",
         Obstacle::Holder => "the holder meets the part",
-        Obstacle::Stock => "the holder meets stock that still stands",
+        Obstacle::Stock => "the holder meets uncut stock",
         Obstacle::Tilt => "the axis would tilt too far",
-        Obstacle::NoCommonAxis => "no one axis suits all curves there",
+        Obstacle::NoCommonAxis => "no single axis suits all passes there",
     }
 }

@@ -1,4 +1,4 @@
-//! The way along one side of a splitter, round its nose, and back along the other.
+//! The pass along one side of a splitter, round its nose, and back along the other side.
 
 use super::along_wall::{Milled, Placed, unbroken};
 use super::inner::MOST_TURN;
@@ -8,19 +8,20 @@ use crate::flank::fixed_axis::Contact;
 use crate::flank::layer::LayerPoint;
 use crate::geometry::Vector;
 
-/// Rounds in which a position beside a nose is moved off it.
+/// Maximum number of steps that move a position off the nose.
 const PUSHES: usize = 12;
-/// Times the way between two positions beside a nose is halved, and the push that asks for it, mm.
+/// Maximum depth of the recursive bisection between two positions beside a nose, and the shift off the nose
+/// at which it goes on, mm.
 const MENDS: usize = 4;
 const MENDED: f64 = 5e-4;
-/// A way between two positions beside a nose that is looked at in pieces, mm.
+/// Moves between two positions beside a nose are always bisected above this length, mm.
 const LONG: f64 = 0.6;
 
 impl OnLayer<'_> {
-    /// One pass along one side of the splitter, round its nose, and back along the other.
+    /// Adds one pass along one side of the splitter, round its nose, and back along the other side.
     pub(super) fn round_nose(&self, points: &[LayerPoint], made: &mut LayerAxes) {
         let foremost = (0..points.len()).min_by(|&a, &b| points[a].x.total_cmp(&points[b].x)).unwrap_or(0);
-        // Beside the flanks as far as there are any, round the nose before them.
+        // Use the fitted axes beside the flanks; the arc round the nose joins them.
         let begins = |region: Region| {
             let ours = |m: &&Milled| m.wall == WallName::Splitter && m.region == region;
             self.milled.iter().find(ours).map_or(f64::INFINITY, |m| m.behind_nose)
@@ -34,7 +35,7 @@ impl OnLayer<'_> {
         self.leave_out_of(&low, Region::LowSide, made);
         self.leave_out_of(&high, Region::HighSide, made);
         let (mut low, mut high) = (unbroken(&low).into_iter(), unbroken(&high).into_iter());
-        // The stretch of each side that is next to the nose belongs to the way round it, the others stand alone.
+        // The stretch of each side next to the nose joins the arc; the others are passes of their own.
         let mut way = low.next().unwrap_or_default();
         way.reverse();
         let after = high.next().unwrap_or_default();
@@ -52,7 +53,7 @@ impl OnLayer<'_> {
         self.push_wall(WallName::Splitter, Region::Inlet, &way, made);
     }
 
-    /// The positions with others between them where the straight way would come too near to a blade.
+    /// The positions with others inserted where the straight move between them would be too near to a blade.
     fn mended(&self, positions: Vec<Placed>) -> Vec<Placed> {
         let mut mended: Vec<Placed> = Vec::with_capacity(positions.len());
         for next in positions {
@@ -67,7 +68,7 @@ impl OnLayer<'_> {
     fn mend(&self, a: Placed, b: Placed, depth: usize, mended: &mut Vec<Placed>) {
         let middle = a.between(&b, 0.5);
         let free = self.off(middle);
-        // A long way may come too near elsewhere than in its middle.
+        // A long move may be too near elsewhere than at its middle.
         let long = (b.tip - a.tip).norm() > LONG;
         if depth == 0 || (free.tip - middle.tip).norm() < MENDED && !long {
             return;
@@ -77,9 +78,9 @@ impl OnLayer<'_> {
         self.mend(free, b, depth - 1, mended);
     }
 
-    /// Positions on the way round the nose from `a` to `b`, down to the foremost point of it and up again: the axis turns
-    /// evenly to the direction of the leading edge and from there, and the cutter is moved off the nose where it would
-    /// come too near.
+    /// Positions round the nose from `a` to `b`, towards its foremost point and back. The axis turns evenly
+    /// to the direction of the leading edge and from there to that of `b`. Positions too near to the nose are
+    /// moved off it.
     fn arc(&self, [down, up]: [&[LayerPoint]; 2], a: Placed, b: Placed) -> Vec<Placed> {
         let maker = self.maker;
         let edge = maker.leading_edge().unwrap_or_else(|| a.axis + b.axis);
@@ -111,7 +112,8 @@ impl OnLayer<'_> {
         placed
     }
 
-    /// The cutter, moved over the layer away from the splitter's nose until it keeps the allowance from all blades.
+    /// The position, moved over the layer away from the splitter's nose until it keeps the allowance from all
+    /// blades.
     fn off(&self, placed: Placed) -> Placed {
         let maker = self.maker;
         let mut contact = self.contact(placed.place);
@@ -120,7 +122,7 @@ impl OnLayer<'_> {
             let cutter = maker.tool.placed(tip, placed.axis);
             let short = maker.setup.stock.blade_allowance - maker.finished.blade_clearance(&cutter);
             let Some(away) = self.off_nose(&contact).filter(|_| short > 0.0) else { break };
-            // Back onto the layer: it may bend.
+            // Project back onto the layer, which may be curved.
             let moved = contact.point + away * (1.3 * short + 1e-4);
             (place, _) = self.layer.place(&moved, place.y, Some(place.x));
             contact = self.contact(place);
@@ -129,7 +131,7 @@ impl OnLayer<'_> {
         Placed { tip, place, ..placed }
     }
 
-    /// Direction on the layer away from the middle of the nose.
+    /// Unit vector along the layer away from the middle of the nose.
     fn off_nose(&self, contact: &Contact) -> Option<Vector> {
         let nose = self.found.borders.splitter.as_ref()?.nose;
         let away = contact.point - self.layer.point(nose);
@@ -137,7 +139,8 @@ impl OnLayer<'_> {
     }
 }
 
-/// The line with so many points more that an axis which turns by `turn` (rad) along it turns little between two of them.
+/// The line with points added so that an axis which turns by `turn` (rad) along it turns little from one to
+/// the next.
 fn evenly(line: &[LayerPoint], turn: f64) -> Vec<LayerPoint> {
     let pieces = line.len().saturating_sub(1).max(1);
     let count = (turn / MOST_TURN / pieces as f64).ceil().max(1.0) as usize;
@@ -147,7 +150,7 @@ fn evenly(line: &[LayerPoint], turn: f64) -> Vec<LayerPoint> {
 }
 
 impl PassMaker<'_> {
-    /// Along the splitter's leading edge, from hub to tip.
+    /// Direction of the splitter's leading edge, from hub to tip.
     fn leading_edge(&self) -> Option<Vector> {
         let side = &self.part.splitters.first()?.suction;
         Some(side.point(0.0, 1.0) - side.point(0.0, 0.0))

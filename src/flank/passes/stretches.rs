@@ -1,4 +1,4 @@
-//! Curves cut into stretches.
+//! Curves split by regions.
 
 use crate::flank::chart::{Chart, Region, WallName};
 use crate::flank::layer::LayerPoint;
@@ -11,13 +11,14 @@ pub(super) struct Stretch {
     pub(super) points: Vec<LayerPoint>,
 }
 
-/// A curve by regions: along its wall where it has one there, else as an inner one.
+/// A curve split by regions. A curve along the splitter counts as inner upstream of its nose.
 pub(super) fn stretches(chart: &Chart, curve: &Curve) -> Vec<Stretch> {
     if let Role::Wall(wall @ (WallName::Low | WallName::High)) = curve.role {
         let region = if wall == WallName::Low { Region::LowSide } else { Region::HighSide };
         return vec![Stretch { role: curve.role, region, points: curve.points.clone() }];
     }
-    // Round the splitter's nose its curve stays one; isoparametric ones leave it upstream.
+    // The curve round the splitter's nose is kept whole; isoparametric curves continue upstream of it and are
+    // split.
     let round = curve.role == Role::Wall(WallName::Splitter)
         && curve.points.first().is_some_and(|a| chart.nearest_region(*a) != Region::Inlet)
         && curve.points.last().is_some_and(|b| chart.nearest_region(*b) != Region::Inlet);
@@ -48,7 +49,7 @@ pub(super) fn stretches(chart: &Chart, curve: &Curve) -> Vec<Stretch> {
     stretches
 }
 
-/// Pieces of a line between two x.
+/// The pieces of a line between two x.
 pub(super) fn pieces_between(line: &[LayerPoint], from: f64, to: f64) -> Vec<Vec<LayerPoint>> {
     let mut pieces: Vec<Vec<LayerPoint>> = Vec::new();
     let mut open = false;

@@ -1,14 +1,16 @@
-//! One fan from one wall, the far wall's first curve, and an arc round the splitter's nose: nowhere wider than the
-//! interval, and with as few curves as that allows.
+//! Balanced strategy: one fan from one wall, the first offset of the other wall, and an arc round the
+//! splitter's nose. No gap is wider than the stepover, and no more passes are used than that needs.
 //!
-//! Before the splitter no border is drawn across the channel. The fan of one main blade runs from the inlet into the
-//! passage beside it; the other blade's fan fills the rest, up to the last curve of the first fan that passes the nose on
-//! its own side. All curves run smoothly past the nose, and none needs a run-out within the channel.
+//! Upstream of the splitter the channel is not divided. The fan of one main blade runs from the inlet into
+//! the passage beside it. The fan of the other blade fills the rest, up to the last offset of the first fan
+//! that passes the nose on its own side. All curves run smoothly past the nose, and none ends within the
+//! channel.
 
 use super::{Curve, sound, within};
 use crate::flank::chart::{Chart, Region, WallName};
 
-/// Curves of a layer, with runs of `beyond` mm: the shorter of both ways to begin.
+/// The curves of a layer, with lead-in and lead-out of `beyond` mm: the shorter of the two results with
+/// either main blade first.
 pub fn balanced(chart: &Chart, beyond: f64) -> Vec<Curve> {
     let length = |curves: &[Curve]| curves.iter().map(|c| c.length(chart.layer)).sum::<f64>();
     let [a, b] = [WallName::Low, WallName::High].map(|main| fans(chart, beyond, main));
@@ -22,7 +24,8 @@ fn fans(chart: &Chart, beyond: f64, main: WallName) -> Vec<Curve> {
     };
     let clear = chart.clear;
     let at = |k: usize| clear + chart.interval * k as f64;
-    // Number of the last curve of the main fan that passes the nose on its own side; without a splitter all do.
+    // Number of the last offset of the first fan that passes the nose on its own side; without a splitter all
+    // do.
     let last = chart.borders.splitter.as_ref().map(|splitter| {
         let nose = chart.distance(main, splitter.nose);
         if nose.is_finite() { ((nose - clear) / chart.interval).floor().max(0.0) as usize } else { 0 }

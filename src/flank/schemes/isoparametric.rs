@@ -1,15 +1,17 @@
-//! Isoparametric curves: as many as the widest place asks for, each at its fraction of the way from wall to wall.
+//! Isoparametric strategy: each curve is at a constant fraction between the walls; the widest station sets
+//! their number.
 
 use super::{Curve, Role};
 use crate::flank::border::{Borders, y_at};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::layer::{Layer, LayerPoint};
 
-/// Distance between points of a curve, mm.
+/// Spacing of the points of a curve, mm.
 const STEP: f64 = 2.0;
 
-/// The baseline of paper B, fig. 4: beside the splitter as many curves as the widest place of each passage asks for, each
-/// of them through the whole channel. First and last keep `clear` mm from the walls; `beyond` mm are run beyond the ends.
+/// The baseline [flank paper, fig. 4]: the widest station of each passage beside the splitter sets the number
+/// of curves, and each runs through the whole channel. First and last curve keep `clear` mm from the walls.
+/// Lead-in and lead-out are `beyond` mm long.
 pub fn isoparametric(layer: &Layer, borders: &Borders, clear: f64, interval: f64, beyond: f64) -> Vec<Curve> {
     let passages = Passage::all(layer, borders, clear);
     let whole = &passages[0];
@@ -22,7 +24,8 @@ pub fn isoparametric(layer: &Layer, borders: &Borders, clear: f64, interval: f64
     }
     for passage in &passages[1..] {
         for share in passage.shares(interval) {
-            // Before the splitter at the fraction of the whole channel with which the curve passes its nose.
+            // Upstream of the splitter the curve keeps the fraction of the whole channel at which it passes
+            // the nose.
             let nose = passage.from;
             let fraction = whole.fraction(nose, passage.y(share, nose));
             let mut curve = passage.curve(share, nose, layer.to + beyond);
@@ -37,7 +40,8 @@ pub fn isoparametric(layer: &Layer, borders: &Borders, clear: f64, interval: f64
     curves
 }
 
-/// The same in each region by itself: as many curves as the widest place of the region asks for (paper B, fig. 7).
+/// The same in each region by itself: the widest station of the region sets the number of curves [flank
+/// paper, fig. 7].
 pub fn isoparametric_by_region(
     layer: &Layer,
     borders: &Borders,
@@ -64,7 +68,7 @@ struct Passage<'a> {
     low: &'a [LayerPoint],
     high: &'a [LayerPoint],
     clear: f64,
-    /// Where it begins and ends, x.
+    /// x at which it begins and ends.
     from: f64,
     to: f64,
     region: Region,
@@ -103,19 +107,19 @@ impl<'a> Passage<'a> {
         ([y_at(self.low, x) + reach(a), y_at(self.high, x) - reach(b)], 0.5 * (a + b))
     }
 
-    /// y at the fraction `share` of the way from the first curve to the last.
+    /// y at the fraction `share` from the first curve to the last.
     fn y(&self, share: f64, x: f64) -> f64 {
         let [a, b] = self.ends(x).0;
         a + share * (b - a)
     }
 
-    /// The fraction at which y lies.
+    /// The fraction at which `y` is.
     fn fraction(&self, x: f64, y: f64) -> f64 {
         let [a, b] = self.ends(x).0;
         (y - a) / (b - a)
     }
 
-    /// Fractions of the curves that the widest place asks for; one in the middle where the cutter fits nowhere else.
+    /// Fractions of the curves, by the widest station; one in the middle where only that fits.
     fn shares(&self, interval: f64) -> impl Iterator<Item = f64> + use<> {
         let width = |x: f64| {
             let ([a, b], cos) = self.ends(x);

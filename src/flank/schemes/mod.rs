@@ -1,4 +1,4 @@
-//! Ways to fill a layer with curves.
+//! Strategies: how a layer is filled with pass curves.
 
 mod balanced;
 mod isoparametric;
@@ -11,23 +11,23 @@ pub use regions::regions;
 use super::chart::{Chart, Region, WallName};
 use super::layer::{Layer, LayerPoint};
 
-/// What a curve is for.
+/// Purpose of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Along a wall, as near as the cutter may come: the blade is milled here with the flank of the cutter.
+    /// Along a wall at the least distance: here the flank of the cutter mills the blade.
     Wall(WallName),
     /// Between the walls.
     Inner,
 }
 
-/// A curve on a layer.
+/// The curve of a pass on a layer, without tool axes.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// What it is for.
+    /// Purpose of the pass.
     pub role: Role,
-    /// Where its middle lies.
+    /// Region of its middle.
     pub region: Region,
-    /// Its points, and runs beyond the layer's ends.
+    /// Its points, including lead-in and lead-out beyond the ends of the layer.
     pub points: Vec<LayerPoint>,
 }
 
@@ -44,7 +44,7 @@ impl Curve {
     }
 }
 
-/// Share of the way from `a` to `b` (x) that lies within the ends of the layer.
+/// Share of the interval from `a` to `b` (x) within the ends of the layer.
 fn share_inside(layer: &Layer, a: f64, b: f64) -> f64 {
     let (low, high) = (a.min(b), a.max(b));
     if high - low < 1e-12 {
@@ -53,17 +53,18 @@ fn share_inside(layer: &Layer, a: f64, b: f64) -> f64 {
     ((high.min(layer.to) - low.max(layer.from)) / (high - low)).max(0.0)
 }
 
-/// Not negative between the walls, within the layer and its runs of `beyond` mm at both ends, measured along the meridian.
+/// Not negative between the walls, within the layer and its lead-in and lead-out of `beyond` mm, measured
+/// along the meridian.
 fn within(chart: &Chart, p: LayerPoint, beyond: f64) -> f64 {
     let inside = (p.x - chart.layer.from + beyond).min(chart.layer.to + beyond - p.x);
-    // Arcs round a nose go on into the next channel.
+    // Arcs round a nose continue into the next channel.
     if inside >= 0.0 && chart.borders.have_noses() && !chart.is_between(p) { -1.0 } else { inside }
 }
 
-/// An offset may come nearer to its wall by this many intervals: more than the chart errs by.
+/// Tolerance of the distance of an offset from its wall, in stepovers: more than the error of the chart.
 const SOUND: f64 = 0.02;
 
-/// Not negative where an offset is no nearer to its own wall than it should be: behind focal points it is.
+/// Not negative where an offset is not nearer to its own wall than it should be; behind focal points it is.
 fn sound(chart: &Chart, wall: WallName, offset: f64, p: LayerPoint) -> f64 {
     chart.distance(wall, p) - offset + SOUND * chart.interval
 }

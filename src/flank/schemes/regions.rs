@@ -1,10 +1,11 @@
-//! The fans of paper B: in each region both walls are offset towards each other, and each offset is kept where its own
-//! wall is the nearer one. In the middle gaps of up to two intervals may stay.
+//! Strategy by regions [flank paper, steps 1–8 of the new tool path curves]: in each region both walls are
+//! offset towards each other, and each offset is kept where its own wall is the nearer one. In the middle
+//! gaps of up to two stepovers may remain.
 
 use super::{Curve, sound, within};
 use crate::flank::chart::{Chart, Region, WallName};
 
-/// Curves of a layer, with runs of `beyond` mm.
+/// The curves of a layer, with lead-in and lead-out of `beyond` mm.
 pub fn regions(chart: &Chart, beyond: f64) -> Vec<Curve> {
     let mut curves = Vec::new();
     for wall in WallName::ALL {
@@ -25,7 +26,7 @@ pub fn regions(chart: &Chart, beyond: f64) -> Vec<Curve> {
     curves
 }
 
-/// The wall opposite to `wall` in a region; `None` where `wall` does not bound it.
+/// The wall opposite `wall` in a region; `None` where `wall` does not bound it.
 fn facing(wall: WallName, region: Region) -> Option<WallName> {
     use Region::{HighSide, Inlet, LowSide};
     use WallName::{High, Low, Splitter};

@@ -1,9 +1,12 @@
-//! One position of a cylinder beside a wall: min-max fit of its axis.
+//! One position of a cylinder beside a wall: minimax fit of its axis.
 //!
-//! The axis runs through A beside the foot of the wall and B beside its tip. Three numbers are free: A along the wall's
-//! normal at the foot, B along its normal at the tip, and B along the feed. With more freedom neighbouring positions
-//! jump and the swept surface suffers. Where the cutter forms the wall it shall leave as little as it cuts too much; where
-//! the wall above is formed by others, it must only not cut it.
+//! The axis runs through A beside the foot of the wall and B beside its tip. It has three free parameters: A
+//! along the wall's normal at the foot, B along its normal at the tip, and B along the feed. With more
+//! freedom neighbouring positions jump and the swept surface suffers. On the strip that the cutter forms,
+//! overcut and undercut count equally; above it, where others form the wall, only overcut counts.
+//!
+//! Each step solves the linearised problem by the exchange algorithm for discrete Chebyshev approximation
+//! (Remez, Stiefel).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,7 +14,7 @@ use super::places::evenly;
 use crate::geometry::{Point, Vector};
 use crate::part::BladeSide;
 
-/// A wall with the side on which the cutter is.
+/// A blade side with the side of the cutter and the distance of its axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face<'a> {
     pub(super) side: &'a BladeSide,
@@ -21,65 +24,65 @@ pub(super) struct Face<'a> {
     pub(super) reach: f64,
 }
 
-/// An axis by two points on it.
+/// A tool axis by two points on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
     pub(super) low: Point,
     pub(super) high: Point,
 }
 
-/// A line of the wall, hub side or tip side of its neighbours, as an axis sees it.
+/// The deviation of an axis from one line of constant v of the wall, and its gradient data.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
-    /// Where the wall is nearest.
+    /// u of the nearest point of the line.
     pub(super) u: f64,
-    /// Stock the cylinder leaves there, mm; negative where it cuts too much.
+    /// Stock that the cylinder leaves there, mm; negative for overcut.
     pub(super) excess: f64,
     /// Unit vector from the wall to the axis.
     away: Vector,
-    /// Place on the axis, 0 at the low point, 1 at the high one.
+    /// Position along the axis, 0 at the low point, 1 at the high one.
     share: f64,
 }
 
-/// Heights of the wall that a fit looks at, from the lowest up.
+/// Heights (v) of the wall at which a fit evaluates the deviation, ascending.
 #[derive(Clone, Debug)]
 pub(super) struct Heights {
     v: Vec<f64>,
-    /// So many of them, the lowest, are formed by the cutter; those above it must only not cut.
+    /// Number of the lowest heights, which the cutter forms; at those above only overcut counts.
     formed: usize,
 }
 
-/// An axis fitted to the wall, before it is decided how deep it may cut.
+/// An axis fitted to the wall, before the allowed overcut is chosen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitted {
     start: Line,
     freedoms: [Vector; 3],
-    /// The free numbers, mm.
+    /// The free parameters, mm.
     x: Vector3<f64>,
-    /// Least greatest deviation that a straight edge can have over the heights it was fitted at, above those that it forms
-    /// only below the wall, mm.
+    /// Minimax deviation over the heights of the fit, mm; above the formed ones only overcut counts.
     pub(super) level: f64,
 }
 
-/// Steps of the fit, and steps of the search for the nearest place of a line of the wall.
+/// Maximum number of steps of the fit, and of the Newton search for the nearest point of a line of the wall.
 const FIT_STEPS: usize = 24;
 const NEAREST_STEPS: usize = 8;
-/// How far an axis goes from the one it is found from, at the foot of the wall and at its tip, mm: on a strongly bowed wall the
-/// best for a strip would lean into the passage and turn far from layer to layer.
+/// Maximum shift of an axis from the one it is fitted from, at the foot of the wall and at its tip, mm: on a
+/// strongly bowed wall the best axis for a strip would incline into the passage and turn far from layer to
+/// layer.
 const MOST_OFF: f64 = 0.5;
-/// Share of the height of the wall by which an axis goes from the plain offset at most, at its foot and at its tip, beside the
-/// distance that it keeps.
+/// Maximum distance of an axis from the plain offset at its foot and tip, as a share of the height of the
+/// wall, added to the reach.
 const MOST_STRAY: f64 = 0.15;
-/// Most exchanges per step towards the min-max solution.
+/// Maximum number of exchanges per minimax step.
 const EXCHANGES: usize = 40;
-/// A change of the free numbers below this ends the fit, mm.
+/// Step of the free parameters below which the fit has converged, mm.
 const SETTLED: f64 = 2e-5;
-/// Keeps the free numbers where they have nothing to say, as the feed shift on walls without twist: deviation, mm, that one
-/// is worth which moves an axis by 1 mm.
+/// Regularisation of the free parameters where no deviation depends on them, as on the feed shift of walls
+/// without twist: deviation per mm of shift.
 const RIDGE: f64 = 1e-4;
-/// Places at which the rise of a wall is told.
+/// Number of v at which the rise of a wall is evaluated.
 const RISES: usize = 9;
-/// Most lines of the wall looked at by one fit.
+/// Maximum number of lines of the wall in one fit.
 pub(super) const MAX_LINES: usize = 33;
 
 impl Line {
@@ -88,7 +91,8 @@ impl Line {
         (self.high - self.low).normalize()
     }
 
-    /// The axis a controller puts between this one and `next`: points linear, direction linear and normalised.
+    /// The axis to which a controller interpolates between this one and `next`: points linear, direction
+    /// linear and normalised.
     pub(super) fn towards(&self, next: &Self, share: f64) -> Self {
         let low = self.low + (next.low - self.low) * share;
         let (a, b) = (self.axis(), next.axis());
@@ -105,17 +109,17 @@ impl Line {
 }
 
 impl Fitted {
-    /// The axis itself.
+    /// The axis.
     pub(super) fn line(&self) -> Line {
         self.at(&self.x)
     }
 
-    /// This axis where `other` was asked for: what is forced is what that one has.
+    /// This axis with the forced deviation of `other`.
     pub(super) fn instead_of(&self, other: &Self) -> Self {
         Self { level: other.level, ..*self }
     }
 
-    /// The axis with other free numbers.
+    /// The axis with other free parameters.
     fn at(&self, x: &Vector3<f64>) -> Line {
         let Self { start, freedoms, .. } = self;
         Line {
@@ -126,7 +130,7 @@ impl Fitted {
 }
 
 impl Face<'_> {
-    /// Unit normal towards the cutter, and unit tangent along growing u.
+    /// Point, unit normal towards the cutter, and unit tangent along growing u.
     pub(super) fn frame(&self, u: f64, v: f64) -> (Point, Vector, Vector) {
         let (p, pu, pv) = self.side.derivatives(u, v);
         let normal = pu.cross(&pv) * self.sign;
@@ -134,13 +138,14 @@ impl Face<'_> {
         (p, unit(normal), unit(pu))
     }
 
-    /// The axis beside u, both its ends off the wall by the reach.
+    /// The plain offset at u, both its ends off the wall by the reach, and the directions of the free
+    /// parameters.
     fn start(&self, u: f64) -> (Line, [Vector; 3]) {
         let ((p, n, _), (q, m, t)) = (self.frame(u, 0.0), self.frame(u, 1.0));
         (Line { low: p + n * self.reach, high: q + m * self.reach }, [n, m, t])
     }
 
-    /// How `line` sees the wall at height `v`, nearest near `u`.
+    /// Deviation of `line` at height `v` of the wall. Newton search for the nearest point, from `u` on.
     pub(super) fn seen(&self, line: &Line, axis: &Vector, v: f64, u: f64) -> Seen {
         let mut u = u;
         let mut limit = f64::INFINITY;
@@ -153,7 +158,7 @@ impl Face<'_> {
             let across = (pu.norm_squared() - along * along).max(1e-12);
             let bend = (across + flat.dot(&puu)).max(0.25 * across);
             let step = -flat.dot(&pu) / bend;
-            // Newton without end would jump between the two flanks of a sharp bend.
+            // Shrinking the step limit stops Newton from oscillating between the two flanks of a sharp bend.
             let step = step.clamp(-limit, limit);
             limit = 0.7 * step.abs().max(1e-12);
             u += step;
@@ -176,14 +181,14 @@ impl Face<'_> {
         }
     }
 
-    /// How far the wall has risen along `line` from its low point at evenly spaced v, mm.
+    /// Height of the wall along `line` above its low point at evenly spaced v, mm.
     pub(super) fn rise(&self, line: &Line, u: f64) -> [f64; RISES] {
         let (axis, length) = (line.axis(), (line.high - line.low).norm());
         std::array::from_fn(|k| self.seen(line, &axis, k as f64 / (RISES - 1) as f64, u).share * length)
     }
 
-    /// Least deviation of `line` along evenly spaced `heights`, the nearest place followed from `u` on. Between three
-    /// heights the lowest place is that of a parabola.
+    /// Minimum deviation of `line` over evenly spaced `heights`, mm, refined by parabolas through three
+    /// heights. The nearest point is tracked from `u` on.
     pub(super) fn least(&self, line: &Line, heights: &[f64], u: f64) -> f64 {
         let axis = line.axis();
         let (mut near, mut least) = (u, f64::INFINITY);
@@ -203,7 +208,7 @@ impl Face<'_> {
         least
     }
 
-    /// How `line` sees the wall at the heights `v`, each followed from where it was `seen` before.
+    /// Updates the deviations of `line` at the heights `v`, each tracked from its last nearest point.
     fn look(&self, line: &Line, v: &[f64], seen: &mut [Seen; MAX_LINES]) {
         let axis = line.axis();
         for (seen, &v) in seen.iter_mut().zip(v) {
@@ -211,9 +216,9 @@ impl Face<'_> {
         }
     }
 
-    /// The axis at `u` whose greatest deviation over the `heights` is least, found from that `beside` it on, or from the plain
-    /// offset. It tilts along the feed by no more than `most_tilt` (rad) from the plain offset, and goes no further than
-    /// [`MOST_OFF`] from that beside it.
+    /// Minimax fit of the axis at `u` over the `heights`, started from the axis `beside` it or from the plain
+    /// offset. Its angle along the feed to the plain offset is at most `most_tilt` (rad), its shift from the
+    /// one beside it at most [`MOST_OFF`].
     pub(super) fn fit(&self, u: f64, heights: &Heights, beside: Option<&Fitted>, most_tilt: f64) -> Fitted {
         let (start, freedoms) = self.start(u);
         let rest = beside.map_or(Vector3::zeros(), |beside| beside.x);
@@ -221,7 +226,8 @@ impl Face<'_> {
         let most_stray = self.reach + MOST_STRAY * (start.high - start.low).norm();
         let most_shift = most_tilt.tan() * (start.high - start.low).norm();
         let mut seen = [Seen::at(u); MAX_LINES];
-        // Twice: the first look at a tilted axis begins far from where the wall is nearest, and does not quite get there.
+        // Twice: the first search at an inclined axis starts far from the nearest point and does not quite
+        // converge.
         self.look(&fitted.line(), &heights.v, &mut seen);
         self.look(&fitted.line(), &heights.v, &mut seen);
         fitted.level = heights.worst(&seen);
@@ -233,10 +239,10 @@ impl Face<'_> {
             let mut there = seen;
             self.look(&fitted.at(&(fitted.x + step)), &heights.v, &mut there);
             let then = heights.worst(&there);
-            // Far from where it began an axis may fit another part of the wall.
+            // Far from its start an axis may fit another part of the wall.
             let strays = (fitted.x + step).xy().amax() > most_stray;
             if then >= fitted.level || strays {
-                // Too far for slopes to tell the truth.
+                // Beyond the range of the linearisation.
                 shorter = (0.3 * step.amax() / self.reach).min(0.5 * shorter);
             } else {
                 (fitted.x, seen, fitted.level) = (fitted.x + step, there, then);
@@ -253,8 +259,8 @@ impl Face<'_> {
         fitted
     }
 
-    /// An axis fitted at `u`, moved along the normals until the least deviation over the `heights` is −`tolerance` or the
-    /// deviations are as far above as below.
+    /// An axis fitted at `u`, moved along the normals until the minimum deviation over the `heights` is
+    /// −`tolerance`, or the deviations are balanced about 0.
     pub(super) fn moved_off(&self, u: f64, fitted: &Fitted, heights: &Heights, tolerance: f64) -> Line {
         let mut x = fitted.x;
         let mut seen = [Seen::at(u); MAX_LINES];
@@ -272,15 +278,15 @@ impl Face<'_> {
 }
 
 impl Seen {
-    /// Not looked at yet; to be looked for near `u`.
+    /// Not evaluated yet; the search starts near `u`.
     fn at(u: f64) -> Self {
         Self { u, excess: 0.0, away: Vector::zeros(), share: 0.0 }
     }
 }
 
 impl Heights {
-    /// `formed` heights from `low` to `top`, and `above` of them from there to the tip of the wall; at most
-    /// [`MAX_LINES`] together.
+    /// `formed` heights from `low` to `top`, and `above` more from there to the tip of the wall; at most
+    /// [`MAX_LINES`] in total.
     pub(super) fn new([low, top]: [f64; 2], formed: usize, above: usize) -> Self {
         let mut v = evenly(low, top, formed);
         v.extend((1..=above).map(|k| top + (1.0 - top) * k as f64 / above as f64));
@@ -288,16 +294,16 @@ impl Heights {
         Self { v, formed: formed.min(MAX_LINES) }
     }
 
-    /// Greatest deviation that counts.
+    /// Maximum deviation that counts, mm.
     fn worst(&self, seen: &[Seen]) -> f64 {
         let off = |(k, seen): (usize, &Seen)| if k < self.formed { seen.excess.abs() } else { -seen.excess };
         seen.iter().take(self.v.len()).enumerate().map(off).fold(0.0, f64::max)
     }
 }
 
-/// Newton step of the three free numbers of an axis that has `seen` the wall at `heights` towards the least greatest
-/// deviation, the third number within ±`most_shift`; what decides nothing goes back to `rest`. `None` where they decide
-/// nothing at all.
+/// Gauss–Newton step of the three free parameters towards the minimax deviation, for an axis that has `seen`
+/// the wall at `heights`. The third parameter stays within ±`most_shift`; parameters without influence return
+/// to `rest`. `None` where none has any.
 fn min_max_step(
     heights: &Heights,
     seen: &[Seen],
@@ -326,7 +332,7 @@ fn min_max_step(
     if shift == step[2] {
         return Some(step);
     }
-    // Two numbers are left.
+    // The third parameter is at its limit: solve for the other two.
     for row in rows.iter_mut() {
         row.at_rest += row.slope[2] * shift;
         row.slope[2] = 0.0;
@@ -336,27 +342,27 @@ fn min_max_step(
     Some(Vector3::new(step[0], step[1], shift))
 }
 
-/// A deviation as a linear function of three numbers.
+/// A deviation as a linear function of three parameters.
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
     slope: Vector3<f64>,
-    /// Deviation where the numbers are zero.
+    /// Deviation where the parameters are zero.
     at_rest: f64,
     /// Whether it counts only where it is negative.
     only_below: bool,
 }
 
 impl Row {
-    /// The deviation that counts, with the numbers `x`.
+    /// The deviation that counts, at the parameters `x`.
     fn off(&self, x: &Vector3<f64>) -> f64 {
         let deviation = self.at_rest + self.slope.dot(x);
         if self.only_below { -deviation } else { deviation.abs() }
     }
 }
 
-/// The numbers at which the greatest deviation of `rows` that counts is least, by exchange: four rows decide, and the one
-/// that is furthest off takes the place of that which lets the level rise most. `first` are four different rows that count
-/// above and below.
+/// Discrete linear Chebyshev approximation by exchange: the parameters that minimise the maximum of the
+/// `rows`. Four rows define the level; the row with the largest deviation replaces the one that lets the
+/// level rise most. `first` are four different rows that count both above and below.
 fn least_greatest(rows: &[Row], first: [usize; 4]) -> Option<Vector3<f64>> {
     let mut deciding = first;
     let mut best = level(rows, &deciding)?;
@@ -377,12 +383,12 @@ fn least_greatest(rows: &[Row], first: [usize; 4]) -> Option<Vector3<f64>> {
     Some(best.1)
 }
 
-/// The least greatest deviation of four rows alone, and the numbers at which it is met; `None` where one of them would be
-/// as far above zero and counts only below.
+/// Minimax deviation of four rows alone, and the parameters that attain it; `None` where a row that counts
+/// only below would be above.
 fn level(rows: &[Row], four: &[usize; 4]) -> Option<(f64, Vector3<f64>)> {
     let row = |k: usize| &rows[four[k]];
     let others = |k: usize| [(k + 1) % 4, (k + 2) % 4, (k + 3) % 4];
-    // Weights with which the four slopes cancel each other.
+    // Coefficients of the linear dependence of the four slopes.
     let weights: [f64; 4] = std::array::from_fn(|k| {
         let [a, b, c] = others(k);
         let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
@@ -435,7 +441,7 @@ mod tests {
                 })
                 .collect();
             if case % 2 == 0 {
-                // The third number means nothing but to the last row.
+                // The third parameter affects only the last row.
                 rows.iter_mut().for_each(|row| row.slope.z = 0.0);
             }
             rows.push(Row { slope: Vector3::new(0.0, 0.0, 1e-4), ..Row::default() });

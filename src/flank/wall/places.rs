@@ -1,4 +1,4 @@
-//! Where along a wall its stations stand.
+//! Spacing of the stations along a wall.
 
 use super::fit::Face;
 use super::{MOST_TURN, WallMilling};
@@ -6,15 +6,16 @@ use crate::geometry::{Point, Vector};
 
 /// Samples along a wall for the spacing of stations.
 const SPACING_SAMPLES: usize = 160;
-/// Most stations of a wall.
+/// Maximum number of stations of a wall.
 const MAX_STATIONS: usize = 2000;
 
-/// `count` values from `from` to `to`.
+/// `count` evenly spaced values from `from` to `to`.
 pub(super) fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
 }
 
-/// u of the stations: as far apart as `step` and the bend of the wall let them.
+/// u of the stations, as far apart as the maximum step, the chord error and the turn of the axis allow;
+/// `None` if their number is not finite.
 pub(super) fn station_places(face: &Face, milling: &WallMilling) -> Option<Vec<f64>> {
     let side = face.side;
     let ends = side.u_range();

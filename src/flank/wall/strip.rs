@@ -1,5 +1,5 @@
-//! The strip of a wall that the cutter forms on one layer: from where its flank begins up to where that of the layer above
-//! does.
+//! The strip of a wall that the cutter forms on one layer: from where its flank begins up to where that of
+//! the layer above begins.
 
 use rayon::prelude::*;
 
@@ -9,36 +9,36 @@ use super::swept::{Column, settle};
 use super::{MARGIN, MOST_UNFORMED, WallMilling};
 use crate::plunge::slotting::DepthSurface;
 
-/// Heights that a fit looks at, of a ruled wall and another one; judged are twice as many.
+/// Heights of a fit, on a ruled wall and on another one; an evaluation uses about twice as many.
 const RULED_HEIGHTS: usize = 11;
 const BOWED_HEIGHTS: usize = 25;
-/// The same in a strip of a layer.
+/// Heights of a fit in the strip of a layer.
 const STRIP_HEIGHTS: usize = 7;
-/// Heights that are judged at least.
+/// Minimum number of heights of an evaluation.
 const LEAST_JUDGED: f64 = 5.0;
-/// Of the rows of a map above a strip of a ruled wall every so many are looked at; a bow lets a lower layer take much of what
-/// is left there.
+/// On a ruled wall every n-th row of a map above a strip is evaluated; on a bowed wall all are, as a lower
+/// layer may cut much of what is left there.
 const ROWS_ABOVE: usize = 4;
 
-/// By stations of a wall.
+/// The strip, by stations of the wall.
 #[derive(Clone, Debug)]
 pub(super) struct Strip {
-    /// v at which the flank begins; infinite where the cutter does not come.
+    /// v at which the flank begins; infinite where the tool misses the layer.
     pub(super) low: Vec<f64>,
-    /// v at which the next strip begins, 1 at most.
+    /// v at which the next strip begins, at most 1.
     top: Vec<f64>,
-    /// The axes.
+    /// The fitted axes.
     pub(super) fitted: Vec<Fitted>,
-    /// Heights that a fit looks at in the strip, and above it if it were the whole height.
+    /// Heights of a fit in the strip, and above it as if it were the whole height.
     heights: [usize; 2],
-    /// Heights that would be judged of the whole height.
+    /// Heights of an evaluation over the whole height.
     judged: usize,
-    /// Of the rows of a map above it every so many are looked at.
+    /// Every n-th row of a map above the strip is evaluated.
     rows_above: usize,
 }
 
 impl Strip {
-    /// The whole height: what the flank forms of a cutter on the hub's allowance. Not fitted yet.
+    /// The whole height: what the flank forms if the tool is on the allowance of the hub. Not fitted yet.
     pub(super) fn whole(face: &Face, places: &[f64], milling: &WallMilling) -> Self {
         let uncut = milling.hub_allowance + milling.tool.corner_radius;
         let height = |&u: &f64| (face.side.point(u, 1.0) - face.side.point(u, 0.0)).norm();
@@ -53,7 +53,8 @@ impl Strip {
         }
     }
 
-    /// The strips of all layers, on whose surfaces a cutter stands on the axes of this one. Not fitted yet.
+    /// The strips of all layers, for tools that rest on their surfaces with the axes of this strip. Not
+    /// fitted yet.
     pub(super) fn by_layer(
         &self,
         face: &Face,
@@ -61,7 +62,7 @@ impl Strip {
         milling: &WallMilling,
         layers: &[DepthSurface],
     ) -> Vec<Self> {
-        // By stations, then layers.
+        // Indexed by stations, then layers.
         let lows = |(&u, fitted): (&f64, &Fitted)| -> Vec<f64> {
             let line = fitted.line();
             let axis = line.axis();
@@ -91,12 +92,12 @@ impl Strip {
         (0..layers.len()).map(of_layer).collect()
     }
 
-    /// Heights that would be judged of the whole height.
+    /// Heights of an evaluation over the whole height.
     pub(super) fn judged(&self) -> usize {
         self.judged
     }
 
-    /// Where the strip lies, at a station.
+    /// v at which the strip begins and ends, at a station.
     fn ends(&self, station: usize) -> [f64; 2] {
         let low = self.low[station].min(MOST_UNFORMED);
         [low, self.top[station].max(low)]
@@ -108,7 +109,7 @@ impl Strip {
         Heights::new([low, top], formed, (above as f64 * (1.0 - top)).ceil() as usize)
     }
 
-    /// Axes fitted to the strip, from those `beside` it on.
+    /// Axes fitted to the strip, started from those `beside` it.
     pub(super) fn fitted_to(
         &self,
         face: &Face,
@@ -122,8 +123,8 @@ impl Strip {
         places.par_iter().enumerate().map(fitted).collect()
     }
 
-    /// The axes moved along the wall's normals, so that neither they nor those half way between them cut more than `tolerance`
-    /// mm below the allowance, as far as `settle` gets.
+    /// The axes moved along the wall's normals, so that neither they nor those half way between them cut more
+    /// than `tolerance` mm below the allowance, as far as `settle` converges.
     pub(super) fn moved_off(&self, face: &Face, places: &[f64], tolerance: f64) -> Vec<Line> {
         let moved = |(k, &u): (usize, &f64)| face.moved_off(u, &self.fitted[k], &self.heights(k), tolerance);
         let mut lines: Vec<Line> = places.par_iter().enumerate().map(moved).collect();
@@ -136,12 +137,12 @@ impl Strip {
         lines
     }
 
-    /// Whether a place of the wall is in the strip.
+    /// Whether a point of the wall is in the strip.
     pub(super) fn holds(&self, column: &Column, v: f64) -> bool {
         (column.between(&self.low) - 1e-9..=column.between(&self.top) + 1e-9).contains(&v)
     }
 
-    /// Whether a map looks at `row` of a column: at all of the strip, and at some above it.
+    /// Whether a map evaluates `row` of a column: all rows of the strip, and some above it.
     pub(super) fn is_judged(&self, column: &Column, row: usize, rows: &[f64]) -> bool {
         let (low, top) = (column.between(&self.low), column.between(&self.top));
         rows[row] >= low - 1e-9
@@ -149,7 +150,8 @@ impl Strip {
     }
 }
 
-/// v at which a wall that rises along an axis by `rise`, at evenly spaced v, has risen by `height`; infinite above its tip.
+/// v at which a wall has the height `height` along an axis, given its heights `rise` at evenly spaced v (all
+/// mm); infinite above its tip.
 fn v_at(rise: &[f64], height: f64) -> f64 {
     let pieces = rise.len() - 1;
     let piece = rise.windows(2).position(|ends| height <= ends[1]);

@@ -1,4 +1,5 @@
-//! What a cutter leaves on a wall as it sweeps along it, its axis moved from station to station as a controller does.
+//! Deviation of the surface that a cutter sweeps along a wall, with the axis interpolated from station to
+//! station as a controller does.
 
 use rayon::prelude::*;
 
@@ -11,30 +12,30 @@ use crate::geometry::{Point, Vector, search};
 pub struct DeviationMap {
     /// u of the columns, inlet to outlet, on the flank itself.
     pub u: Vec<f64>,
-    /// v of the lines, from the lowest that the cylinder cuts (0 is the hub) to 1 at the tip.
+    /// v of the rows, from the lowest that the cylinder cuts (0 is the hub) to 1 at the tip.
     pub v: Vec<f64>,
-    /// Stock left above the allowance at `u[i]`, `v[j]` under index `i · v.len() + j`; negative where the cutter cuts
-    /// below the allowance, 0 where only its corner comes.
+    /// Stock left above the allowance at `u[i]`, `v[j]` at index `i · v.len() + j`, mm; negative for overcut,
+    /// 0 where only the corner cuts.
     pub deviation: Vec<f64>,
 }
 
 impl DeviationMap {
-    /// Greatest cut below the allowance, mm; 0 where there is none.
+    /// Maximum overcut: depth cut below the allowance, mm; 0 where there is none.
     pub fn max_overcut(&self) -> f64 {
         self.deviation.iter().fold(0.0, |most, &d| f64::max(most, -d))
     }
 
-    /// Greatest stock left above the allowance, mm.
+    /// Maximum undercut: stock left above the allowance, mm.
     pub fn max_undercut(&self) -> f64 {
         self.deviation.iter().fold(0.0, |most, &d| f64::max(most, d))
     }
 }
 
-/// Where a segment between two axes is looked at, as its share.
+/// Tolerance of the search along a segment between two axes, as a share of it.
 const SHARE_TOLERANCE: f64 = 1e-3;
 
-/// Moves positions off the wall until neither they nor those between them cut too deep; `spare` says how far one is
-/// from that.
+/// Moves positions off the wall until neither they nor those between them cut too deep. `spare` is the margin
+/// of an axis before it does, mm.
 pub(super) fn settle(
     face: &Face,
     places: &[f64],
@@ -65,7 +66,7 @@ pub(super) fn settle(
     }
 }
 
-/// Moves both positions of every segment off the wall by what it lacks, where its spare is below zero.
+/// Moves both positions of every segment with a negative spare off the wall by what it lacks.
 pub(super) fn push_off(face: &Face, places: &[f64], lines: &mut [Line], spares: &[f64]) {
     for (i, line) in lines.iter_mut().enumerate() {
         let around = [i.checked_sub(1), Some(i)].into_iter().flatten().filter_map(|k| spares.get(k));
@@ -79,7 +80,7 @@ pub(super) fn push_off(face: &Face, places: &[f64], lines: &mut [Line], spares: 
     }
 }
 
-/// Least value over [0, 1] of the parabola with these values at 0, ½ and 1.
+/// Minimum over [0, 1] of the parabola with these values at 0, ½ and 1.
 fn lowest_of_parabola(start: f64, middle: f64, end: f64) -> f64 {
     let least = start.min(middle).min(end);
     let (slope, bend) = (4.0 * middle - 3.0 * start - end, 2.0 * (start - 2.0 * middle + end));
@@ -93,29 +94,29 @@ pub(super) struct Column {
     pub(super) u: f64,
     /// The station before it or at it.
     pub(super) station: usize,
-    /// Share of the way to the next.
+    /// Share of the distance to the next station.
     pub(super) share: f64,
 }
 
 impl Column {
-    /// The `k`th of those at the stations and half way between them.
+    /// The `k`-th of the columns at the stations and half way between them.
     pub(super) fn half(places: &[f64], k: usize) -> Self {
         let (station, share) = (k / 2, 0.5 * (k % 2) as f64);
         let next = places.get(station + 1).copied().unwrap_or(places[station]);
         Self { u: places[station] + (next - places[station]) * share, station, share }
     }
 
-    /// What is told for the stations, here.
+    /// Linear interpolation of values given at the stations.
     pub(super) fn between(&self, at_stations: &[f64]) -> f64 {
         let here = at_stations[self.station];
         let next = at_stations.get(self.station + 1).copied().unwrap_or(here);
-        // Not the difference: infinite at both is infinite between them.
+        // A weighted mean, not a difference: infinite values at both stations must not give NaN.
         if self.share == 0.0 { here } else { here * (1.0 - self.share) + next * self.share }
     }
 }
 
-/// Deviation at `rows` (v) of every column, where `counts` tells of column and row that it counts; and the segment between two of
-/// the stations' `lines` that comes nearest.
+/// Deviation at `rows` (v) of every column where `counts` holds, mm, and the segment between two of the
+/// stations' `lines` that is nearest.
 pub(super) fn deviations(
     face: &Face,
     lines: &[Line],
@@ -140,11 +141,11 @@ pub(super) fn deviations(
         .collect()
 }
 
-/// Of the axes beside a wall that bows every so many are looked at for one that is nearer.
+/// On a bowed wall every n-th axis is a seed of the search for the nearest.
 const SEED_STEP: usize = 8;
 
-/// Distance of `point` from the nearest axis, and the segment that this is in. It is looked for from the one at index `from`
-/// on; on a wall that bows from another one that is nearer.
+/// Distance of `point` from the nearest axis, mm, and the segment that holds it. Descends from the station
+/// `from`, on a bowed wall from a nearer seed, then minimises over the two adjacent segments.
 fn nearest(lines: &[Line], axes: &[Vector], from: usize, point: &Point, is_bowed: bool) -> (f64, usize) {
     let last = lines.len() - 1;
     let at = |i: usize| lines[i].distance(point, &axes[i]);

@@ -1,7 +1,7 @@
 //! Cutter-location programs in APT (ISO 4343): the data, a writer and a tolerant reader.
 //!
-//! Frame of the part, rotation axis Z; mm, mm/min, rev/min; the axis is a unit vector from tip to
-//! holder.
+//! Positions are in the part frame, rotation axis Z, in mm; feed rates in mm/min, spindle speeds in
+//! rev/min. Tool axes are unit vectors from tip to holder.
 
 mod program;
 mod read;
@@ -15,74 +15,74 @@ pub use write::write_apt;
 use crate::geometry::{Point, Vector};
 use crate::part::Feed;
 
-/// A cutter as a CL program describes it.
+/// A tool as a CL program describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClTool {
-    /// Number in the machine's magazine; 0 when the program names none.
+    /// Tool number; 0 when the program gives none.
     pub number: u32,
     /// Diameter, mm; 0 when the program gives none.
     pub diameter: f64,
     /// Corner radius, mm.
     pub corner_radius: f64,
-    /// Radial width of the bottom edges, mm (`PPRINT/INSERT WIDTH n w`).
+    /// Radial width of the bottom cutting edges, mm (`PPRINT/INSERT WIDTH n w`).
     pub insert_width: Option<f64>,
     /// Free length from the tip to the holder, mm.
     pub overhang: Option<f64>,
-    /// First feed used with the tool, mm/min. The writer takes feeds from the moves.
+    /// First feed rate used with the tool, mm/min. The writer uses the feed rates of the moves.
     pub feed: Option<f64>,
     /// Spindle speed, rev/min.
     pub spindle: Option<f64>,
 }
 
-/// How a move is made.
+/// Rapid or feed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// At rapid speed.
+    /// Rapid motion.
     Rapid,
-    /// At a feed in mm/min; `None` when the program gives none.
+    /// Feed motion at a feed rate in mm/min; `None` when the program gives none.
     Feed(Option<f64>),
 }
 
-/// A straight move to a position.
+/// A linear move to a position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     /// Rapid or feed.
     pub motion: Motion,
-    /// Tip of the cutter (centre of its bottom) at the end of the move, mm.
+    /// Tip of the tool (centre of its bottom) at the end of the move, mm.
     pub tip: Point,
-    /// Unit axis, tip → holder.
+    /// Unit tool axis, tip → holder.
     pub axis: Vector,
     /// Index into [`ClProgram::tools`]; `None` before any tool is loaded.
     pub tool: Option<usize>,
-    /// Line of the file, 0 when the program comes from no file.
+    /// Line of the file; 0 when the program was not read from a file.
     pub line: usize,
 }
 
-/// Something in a program that is worth knowing but does not stop its reading.
+/// An oddity in a program that does not prevent reading it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClWarning {
     /// Line of the file.
     pub line: usize,
-    /// What was found and how it was taken.
+    /// What was found and how it was interpreted.
     pub what: String,
 }
 
-/// A section of the plan that a program was written from: `PPRINT/SECTION n FROM s TO s D d INWARD [REST]`.
+/// A section of the plan in the program: `PPRINT/SECTION n FROM s TO s D d INWARD [REST]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClSection {
     /// s at the outlet end.
     pub from: f64,
     /// s at the inlet end.
     pub to: f64,
-    /// Diameter of its cutter, mm.
+    /// Diameter of its tool, mm.
     pub diameter: f64,
-    /// Direction of its rows.
+    /// Cutting direction of its rows.
     pub feed: Feed,
-    /// Whether it cuts only what the sections before it left thick.
+    /// Whether it is rest milling of what the sections before it left.
     pub rest: bool,
 }
 
-/// Where a row of plunges begins: `PPRINT/ROW n m`, both counted from 1.
+/// Start of a row of plunges: `PPRINT/ROW section row`, both counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClRow {
     /// Index of its first move.
@@ -102,15 +102,15 @@ pub struct ClProgram {
     pub tools: Vec<ClTool>,
     /// Moves in cutting order.
     pub moves: Vec<Move>,
-    /// Sections of the plan it was written from; none of other programs.
+    /// Sections of the plan it was written from; empty for other programs.
     pub sections: Vec<ClSection>,
     /// Rows of that plan, in cutting order.
     pub rows: Vec<ClRow>,
-    /// What the reader noticed, by line; at most [`MAX_WARNINGS`].
+    /// Warnings of the reader, by line; at most [`MAX_WARNINGS`].
     pub warnings: Vec<ClWarning>,
 }
 
-/// Most warnings that a reader collects.
+/// Maximum number of warnings that the reader collects.
 pub const MAX_WARNINGS: usize = 100;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Plans as cutter-location programs.
+//! Converts plans to cutter-location programs.
 
 use super::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 use crate::flank::{FlankMove, path::MoveKind};
@@ -6,7 +6,7 @@ use crate::part::Tool;
 use crate::plunge::{PlungePlan, SectionPlan};
 
 impl ClTool {
-    /// The cutter as a program describes it.
+    /// The tool as a program describes it.
     fn of(tool: &Tool) -> Self {
         Self {
             number: tool.number,
@@ -33,9 +33,9 @@ impl ClSection {
 }
 
 impl ClProgram {
-    /// The program of a plan: per plunge in rapid to the retract point, at the plunge feed to the tip,
-    /// in rapid back; positions in cutting order, with the sections and rows that they belong to. A position of a section
-    /// that the plan lacks is left out. The name says so when the plan is not finished.
+    /// The program of a plunge plan: per plunge a rapid to the retract point, a feed move to the tip and a
+    /// rapid back, in cutting order, with sections and rows. Positions of a section that the plan lacks are
+    /// left out. The part name of an unfinished plan ends in `UNFINISHED`.
     pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
         let part = if plan.is_unfinished() { format!("{part} UNFINISHED") } else { part.to_owned() };
         let mut program =
@@ -70,7 +70,7 @@ impl ClProgram {
         program
     }
 
-    /// The program of a flank plan: its moves with one `tool`, each at its own feed.
+    /// The program of a flank plan: its moves with one `tool`, each at its own feed rate.
     pub fn of_flank(part: &str, tool: &Tool, moves: &[FlankMove]) -> Self {
         let moves = moves.iter().map(|m| Move {
             motion: match m.kind {

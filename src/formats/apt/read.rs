@@ -1,12 +1,12 @@
-//! Reads APT of any origin.
+//! Reads APT programs of any CAM system.
 //!
-//! A statement is a word, optionally `/` and a list: `GOTO/x,y,z,i,j,k`. Case, blanks and unknown
-//! words do not matter. `$$` starts a comment, a trailing `$` continues on the next line; `PARTNO`,
-//! `PPRINT` and `REMARK` take their line literally. `RAPID` holds for the next `GOTO` only. A `GOTO`
-//! of three numbers keeps the last axis (0, 0, 1 at first), whether `MULTAX` is on or off. `TRACUT` and `TRANS` are
-//! applied. Other statements that move or transform are errors; words that are not known are listed as warnings.
-//! Also read: NX (`TLDATA`, `TOOL PATH`, `LOAD/TOOL`, `FEDRAT/MMPM,150.`) and Creo
-//! (`LOADTL/1,LENGTH,120.`, `$$-> CUTTER / 30.`) dialects.
+//! A statement is a word, optionally `/` and a list: `GOTO/x,y,z,i,j,k`. Case and blanks are ignored.
+//! `$$` starts a comment, a trailing `$` continues on the next line; `PARTNO`, `PPRINT` and `REMARK` take
+//! their line literally. `RAPID` applies to the next `GOTO` only. A `GOTO` of three numbers keeps the last
+//! axis (initially 0, 0, 1), whether `MULTAX` is on or off. `TRACUT` and `TRANS` are applied. Other
+//! statements that move or transform are errors; unknown words are reported as warnings. The NX (`TLDATA`,
+//! `TOOL PATH`, `LOAD/TOOL`, `FEDRAT/MMPM,150.`) and Creo (`LOADTL/1,LENGTH,120.`, `$$-> CUTTER / 30.`)
+//! dialects are supported.
 
 use std::path::Path;
 
@@ -21,22 +21,28 @@ use crate::geometry::{Point, Vector};
 use crate::part::Feed;
 
 const MM_PER_INCH: f64 = 25.4;
-/// Words of a list that are looked at: more than any statement here needs.
+/// Maximum number of list words that are read: more than any supported statement needs.
 const MAX_WORDS: usize = 64;
-/// Most tools of a program.
+/// Maximum number of tools in a program.
 const MAX_TOOLS: usize = 1_000;
-/// Most words that are remembered as not known.
+/// Maximum number of distinct unknown words that are reported.
 const MAX_UNKNOWN: usize = 50;
-/// By how much the length of an axis may miss 1: rounding.
+/// Tolerance on the length of a unit axis, for rounding in the file.
 const AXIS_TOLERANCE: f64 = 1e-3;
 
-/// Reads a CL program from a file. Fails on damaged numbers and on a program without moves; what
-/// is only odd stands in [`ClProgram::warnings`].
+/// Reads a CL program from a file. Oddities that do not prevent reading go to [`ClProgram::warnings`].
+///
+/// # Errors
+/// When the file cannot be read, or as [`read_apt_bytes`].
 pub fn read_apt(path: &Path) -> Result<ClProgram, InputError> {
     read_apt_bytes(&name_of(path), &read_bytes(path)?)
 }
 
-/// Reads a CL program from bytes; `name` is the file name that messages use.
+/// Reads a CL program from bytes; `name` is the file name used in messages.
+///
+/// # Errors
+/// When a number or an axis is invalid, a statement moves or transforms in an unsupported way, or the
+/// program has no moves.
 pub fn read_apt_bytes(name: &str, bytes: &[u8]) -> Result<ClProgram, InputError> {
     let source = Source { file: name };
     let text = text_lossy(source, bytes)?;
@@ -64,10 +70,10 @@ pub fn read_apt_bytes(name: &str, bytes: &[u8]) -> Result<ClProgram, InputError>
     reader.finish(last)
 }
 
-/// Appends a line without its comment; says whether the statement goes on.
+/// Appends a line without its comment; returns whether the statement continues on the next line.
 fn gather(statement: &mut String, line: &str) -> bool {
     let line = line.trim();
-    // Creo keeps the cutter in a comment.
+    // Creo writes the cutter in a comment.
     let line = line.strip_prefix("$$->").filter(|rest| starts_with_word(rest, "CUTTER")).unwrap_or(line);
     let line = line.find("$$").map_or(line, |at| line.get(..at).unwrap_or(line)).trim_end();
     match line.strip_suffix('$') {
@@ -95,25 +101,25 @@ fn literal(line: &str) -> bool {
 struct Reader<'a> {
     source: Source<'a>,
     program: ClProgram,
-    /// mm in the unit of the program.
+    /// Length of the program's unit, mm.
     unit: f64,
     tip: Point,
     axis: Vector,
     rapid: bool,
     feed: Option<f64>,
     tool: Option<usize>,
-    /// Whether the current tool has moved: a new cutter is then a new tool.
+    /// Whether the current tool has moved; a `CUTTER` of another size then starts a new tool.
     used: bool,
-    /// Whether the current tool has a number of its own.
+    /// Whether the current tool was given a number.
     numbered: bool,
     spindle: Option<f64>,
     insert_widths: Vec<(u32, f64)>,
     transform: Transform,
-    /// `MSYS` as it stood first: the frame of all positions.
+    /// List of the first `MSYS`: the frame of all positions.
     frame: Option<Vec<String>>,
-    /// A statement that sent the cutter to a place which is not given: its line and word.
+    /// The last statement that moved the cutter to an unknown position: its line and word.
     away: Option<(usize, String)>,
-    /// Words that are not known: where first, and how many times.
+    /// Unknown words: the word, its first line, and its number of occurrences.
     unknown: Vec<(String, usize, usize)>,
     ended: bool,
 }
@@ -147,7 +153,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// `PARTNO name`, `PPRINT/INSERT WIDTH n w`, `PPRINT/SECTION …`, `PPRINT/ROW n m`; other literal lines are comments.
+    /// Reads `PARTNO name`, `PPRINT/INSERT WIDTH n w`, `PPRINT/SECTION …` and `PPRINT/ROW n m`; other
+    /// literal lines are comments.
     fn literal(&mut self, line: usize, text: &str) {
         let (word, rest) = text.split_at_checked(6).unwrap_or((text, ""));
         let rest = rest.trim_start().trim_start_matches('/').trim();
@@ -189,12 +196,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The number of a tool and the width of its inserts.
+    /// Reads a tool number and the width of its inserts.
     fn insert_width(&mut self, line: usize, words: &[&str]) {
         let number = words.first().and_then(|token| token.parse::<u32>().ok());
         let width = words.get(1).and_then(|token| source::number(token).ok()).filter(|width| *width > 0.0);
         match number.zip(width) {
-            // The list stays as short as the list of tools.
+            // The list is bounded, like the list of tools.
             Some((number, width)) if self.insert_widths.len() < MAX_TOOLS => {
                 self.insert_widths.push((number, width * self.unit));
                 let here = self.tool.and_then(|index| self.program.tools.get_mut(index));
@@ -202,11 +209,11 @@ impl<'a> Reader<'a> {
                     tool.insert_width = Some(width * self.unit);
                 }
             }
-            _ => self.warn(line, "an INSERT WIDTH that is no `n w` was left out"),
+            _ => self.warn(line, "INSERT WIDTH without `n w` was ignored"),
         }
     }
 
-    /// One statement; true at the program's end.
+    /// Processes one statement; returns true at the end of the program.
     fn statement(&mut self, line: usize, text: &str) -> Result<bool, InputError> {
         let (word, list) = text.split_once('/').unwrap_or((text, ""));
         let word: String = word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_uppercase();
@@ -225,7 +232,7 @@ impl<'a> Reader<'a> {
                 Some("INCHES" | "INCH" | "IN") => self.unit = MM_PER_INCH,
                 Some("CM") => self.unit = 10.0,
                 other => {
-                    let what = format!("{} is no known unit", shown(other.unwrap_or_default()));
+                    let what = format!("{} is not a known unit", shown(other.unwrap_or_default()));
                     return Err(self.source.fault(line, what, "give UNITS/MM or UNITS/INCHES"));
                 }
             },
@@ -267,13 +274,13 @@ impl<'a> Reader<'a> {
         Ok(false)
     }
 
-    /// Whether a list is of zeros alone.
+    /// Whether a list has only zeros.
     fn is_zero(&self, words: &[String]) -> bool {
         let zero = |word: &String| word.is_empty() || source::number(word).is_ok_and(|x| x == 0.0);
         words.iter().all(zero)
     }
 
-    /// `TRANS/x,y,z`: added to all positions that come after it.
+    /// `TRANS/x,y,z`: the shift that is added to all following positions.
     fn trans(&mut self, line: usize, words: &[String]) -> Result<(), InputError> {
         let [x, y, z] = *self.numbers(line, "TRANS", words)? else {
             let what = "TRANS does not give a shift by x,y,z";
@@ -283,12 +290,12 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// A statement that the reader does not act upon: an error where it would have to.
+    /// Classifies a statement that the reader does not apply; an error if ignoring it would falsify the path.
     fn other(&mut self, line: usize, word: &str, words: &[String]) -> Result<(), InputError> {
         match meaning(word, words) {
             Meaning::Aside => {}
             Meaning::Moves(cure) => {
-                let what = format!("{} changes the path and is not followed", shown(word));
+                let what = format!("{} changes the path and is not supported", shown(word));
                 return Err(self.source.fault(line, what, cure));
             }
             Meaning::Away => self.away = Some((line, word.to_owned())),
@@ -305,7 +312,7 @@ impl<'a> Reader<'a> {
     }
 
     fn numbers(&self, line: usize, word: &str, words: &[String]) -> Result<Vec<f64>, InputError> {
-        // A comma at the end of a list is common.
+        // A trailing comma is common.
         let words = match words {
             [list @ .., last] if last.is_empty() => list,
             list => list,
@@ -318,7 +325,7 @@ impl<'a> Reader<'a> {
             .map_err(|what| self.source.fault(line, format!("{word}: {what}"), "correct or export again"))
     }
 
-    /// Sets tip and axis from 3 or 6 numbers in the program's unit.
+    /// Sets tip and axis from 3 or 6 numbers; lengths in the program's unit.
     fn place(&mut self, line: usize, word: &str, numbers: &[f64]) -> Result<(), InputError> {
         let (x, y, z) = match *numbers {
             [x, y, z] => (x, y, z),
@@ -383,9 +390,8 @@ impl<'a> Reader<'a> {
             return Err(self.source.fault(line, "holds more than 1,000,000 moves", "split the program"));
         }
         if let Some((away, word)) = self.away.take() {
-            let what =
-                format!("{word} moves the cutter to a place that is not given, and GOTO goes on from there");
-            return Err(self.source.fault(away, what, "give that place by GOTO"));
+            let what = format!("{word} moves the cutter to a position that the program does not give");
+            return Err(self.source.fault(away, what, "give that position by GOTO"));
         }
         self.rapid = false;
         self.used = true;
@@ -404,7 +410,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Number and unit in either order; a plain number is in the program's unit per minute.
+    /// `FEDRAT` with number and unit in either order; a plain number is in the program's unit per minute.
     fn fedrat(&mut self, line: usize, words: &[String]) -> Result<(), InputError> {
         let mut rate = None;
         let mut unit = self.unit;
@@ -425,7 +431,7 @@ impl<'a> Reader<'a> {
         let Some(rate) = rate else { return Ok(()) };
         self.feed = Some(rate * unit).filter(|feed| *feed > 0.0 && *feed <= MAX_COORDINATE);
         if self.feed.is_none() {
-            self.warn(line, "this feed is none that a machine could run: taken as unknown");
+            self.warn(line, "this feed rate is not usable and is treated as unknown");
         }
         Ok(())
     }
@@ -445,9 +451,9 @@ impl<'a> Reader<'a> {
         self.used = false;
     }
 
-    /// `n` and, as Creo writes it, `LENGTH,l`.
+    /// Loads a tool by number `n`; Creo adds `LENGTH,l`.
     fn load(&mut self, words: &[String]) {
-        // A tool is changed away from the part: the way there and back is not of the program.
+        // A tool change happens away from the part: the program does not give the moves there and back.
         self.away = None;
         let number = words.iter().find_map(|w| w.trim_end_matches('.').parse::<u32>().ok()).unwrap_or(0);
         let after = |name: &str| {
@@ -458,7 +464,7 @@ impl<'a> Reader<'a> {
         let known = self.program.tools.iter().rposition(|tool| tool.number == number && tool.diameter > 0.0);
         let described = self.tool.filter(|_| !self.used && !self.numbered);
         match (described.and_then(|index| self.program.tools.get_mut(index)), known) {
-            // NX: the size came first.
+            // NX gives the size before the number.
             (Some(tool), _) => tool.number = number,
             (None, Some(index)) => {
                 self.tool = Some(index);
@@ -474,7 +480,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// `d,r,…,h`: h is the seventh number, or `length` where the statement has its own.
+    /// `CUTTER/d,r,…,h`: h is the seventh number, or `length` if the statement gives it separately.
     fn cutter(
         &mut self,
         line: usize,
@@ -499,7 +505,7 @@ impl<'a> Reader<'a> {
         let number = self.tool.and_then(|index| self.program.tools.get(index)).map(|tool| tool.number);
         let current = self.tool.and_then(|index| self.program.tools.get(index));
         if !current.is_some_and(|tool| !self.used || same(tool)) {
-            // A cutter of another size after moves is another tool, though its number may be the same.
+            // A cutter of another size after moves is another tool, even with the same number.
             self.numbered = false;
             self.add(ClTool { number: number.unwrap_or(0), ..ClTool::default() });
         }

@@ -42,7 +42,7 @@ fn sample() -> ClProgram {
 }
 
 #[test]
-fn writes_what_the_contract_says() {
+fn writes_statements_in_the_documented_form() {
     let text = write_apt(&sample());
     let start = "PARTNO impeller $$ 532\nUNITS/MM\nMULTAX/ON\nLOADTL/1\n\
         CUTTER/30.000000,0.800000,14.200000,0.800000,0.000000,0.000000,$\n120.000000\n\
@@ -158,16 +158,16 @@ fn a_tool_comes_back_and_a_cutter_changes() {
 #[test]
 fn faults_and_warnings() {
     for (text, words) in [
-        ("\nGOTO/1,2,x", "p.apt:2: GOTO: `X` is no number; "),
+        ("\nGOTO/1,2,x", "p.apt:2: GOTO: `X` is not a number; "),
         ("GOTO/1,2", "p.apt:1: GOTO has 2 numbers; "),
         ("GOTO/1,2,3,4", "GOTO has 4 numbers"),
-        ("GOTO/1,,3", "GOTO: `` is no number"),
+        ("GOTO/1,,3", "GOTO: `` is not a number"),
         ("GOTO/1,2,nan", "not a finite number"),
         ("GOTO/1,2,1e300", "larger than"),
         ("INCHES\nGOTO/1,2,9e5", "p.apt:2: the position is more than"),
         ("GOTO/1,2,3,0,0,0", "the axis has no length"),
         ("GOTO/1,2,$", "p.apt:1: GOTO has 2 numbers"),
-        ("UNITS/FURLONGS", "no known unit"),
+        ("UNITS/FURLONGS", "not a known unit"),
         ("CUTTER/10,6", "corner radius"),
         ("PARTNO x\nFINI", "p.apt:2: the program has no moves"),
         ("", "is empty"),
@@ -216,10 +216,10 @@ fn what_moves_and_is_not_followed_is_an_error() {
 
 #[test]
 fn positions_are_transformed() {
-    // A quarter turn about z, then a shift; lengths of both in the unit of the program.
+    // A quarter turn about z, then a shift; the lengths of both are in the program's unit.
     let p = read(
-        "UNITS/CM\nTRACUT/0,-1,0,1,1,0,0,0,0,0,1,0\nTRANS/0,0,2\nGOTO/1,2,3,1,0,0\nTRACUT/NOMORE\nGOTO/1,2,3\n\
-         TRANS/0,0,0\nGODLTA/1\nFINI\n",
+        "UNITS/CM\nTRACUT/0,-1,0,1,1,0,0,0,0,0,1,0\nTRANS/0,0,2\nGOTO/1,2,3,1,0,0\nTRACUT/NOMORE\n\
+         GOTO/1,2,3\nTRANS/0,0,0\nGODLTA/1\nFINI\n",
     );
     let at: Vec<_> = p.moves.iter().map(|m| (m.tip, m.axis)).collect();
     assert_eq!(at[0], (Point::new(-10.0, 10.0, 50.0), Vector::y()));
@@ -264,7 +264,9 @@ fn step() -> impl Strategy<Value = (bool, f64, [f64; 3], [f64; 3], bool)> {
 
 proptest! {
     #[test]
-    fn any_program_survives(name in "[ -~]{0,80}", tools in (tool(1), tool(2)), steps in prop::collection::vec(step(), 1..40)) {
+    fn any_program_survives(
+        name in "[ -~]{0,80}", tools in (tool(1), tool(2)), steps in prop::collection::vec(step(), 1..40),
+    ) {
         let mut at = 0;
         let moves = steps.into_iter().map(|(rapid, feed, tip, axis, change)| {
             at = if change { 1 - at } else { at };

@@ -1,11 +1,11 @@
-//! `TRACUT` and `TRANS`: where the positions of a program really are.
+//! The transforms `TRACUT` and `TRANS`, from the program's frame to the part frame.
 
 use crate::geometry::{Point, Vector};
 
-/// By how much rows of a `TRACUT` matrix may miss being those of a rotation.
+/// Tolerance on the orthonormality of the rows of a `TRACUT` matrix.
 const ROTATION_TOLERANCE: f64 = 1e-6;
 
-/// What is done to every position from a statement on: first the matrix of `TRACUT`, then the shift of `TRANS`.
+/// The transform of all following positions: first the matrix of `TRACUT`, then the shift of `TRANS`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Transform {
     rows: [Vector; 3],
@@ -24,7 +24,7 @@ impl Transform {
     /// `TRACUT/a1,b1,c1,d1,…,d3`: rows of a rotation, each with its shift; lengths in units of `unit` mm.
     ///
     /// # Errors
-    /// What is wrong with the numbers.
+    /// When there are not 12 numbers, or the matrix is not orthonormal.
     pub fn set_matrix(&mut self, numbers: &[f64], unit: f64) -> Result<(), String> {
         let [a1, b1, c1, d1, a2, b2, c2, d2, a3, b3, c3, d3] = *numbers else {
             return Err(format!("TRACUT has {} numbers, not 12", numbers.len()));
@@ -42,12 +42,12 @@ impl Transform {
         Ok(())
     }
 
-    /// `TRACUT/NOMORE`.
+    /// `TRACUT/NOMORE`: removes the matrix.
     pub fn clear_matrix(&mut self) {
         *self = Self { shift: self.shift, ..Self::default() };
     }
 
-    /// `TRANS/x,y,z`, mm; it takes the place of the one before.
+    /// `TRANS/x,y,z`, mm; replaces the previous shift.
     pub fn set_shift(&mut self, shift: Vector) {
         self.shift = shift;
     }
@@ -56,7 +56,7 @@ impl Transform {
         Vector::new(self.rows[0].dot(v), self.rows[1].dot(v), self.rows[2].dot(v))
     }
 
-    /// A position, with its axis.
+    /// Transforms a tip (mm) and its tool axis.
     pub fn apply(&self, tip: &Point, axis: &Vector) -> (Point, Vector) {
         (Point::from(self.turned(&tip.coords) + self.offset + self.shift), self.turned(axis))
     }

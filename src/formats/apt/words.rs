@@ -1,15 +1,15 @@
-//! What the words of a program mean for the path of its cutter.
+//! Classification of APT words by their effect on the path of the cutter.
 
-/// What a statement is to the reader.
+/// Effect of a statement that the reader does not apply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Meaning {
-    /// It says nothing of the path.
+    /// It does not affect the path.
     Aside,
-    /// It moves the cutter, or all that comes after it, in a way that is not followed; with what to do.
+    /// It moves the cutter or transforms what follows, and is not supported; with what to do.
     Moves(&'static str),
-    /// It sends the cutter to a place that the program does not give.
+    /// It moves the cutter to a position that the program does not give.
     Away,
-    /// It is not known.
+    /// The word is unknown.
     Unknown,
 }
 
@@ -19,7 +19,7 @@ const REPEAT: &str = "export the program with all repetitions written out";
 const FRAME: &str = "export all positions in the coordinates of the part";
 const CONTOUR: &str = "process the program first: only cutter locations are read";
 
-/// The meaning of a word that the reader does not act upon; `list` are the words after its `/`.
+/// Classifies a word that the reader does not apply; `list` has the words after its `/`.
 pub(super) fn meaning(word: &str, list: &[String]) -> Meaning {
     let has = |name: &str| list.iter().any(|w| w == name);
     let off = has("OFF") || has("NOMORE");

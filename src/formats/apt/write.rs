@@ -5,10 +5,10 @@ use crate::part::Feed;
 
 const COLUMNS: usize = 72;
 
-/// A program as APT text. Six decimals for lengths, nine for axes; positions in the order of
-/// `moves`. A tool is announced where the moves change to it.
+/// Writes a program as APT text: six decimals for lengths (mm), nine for axes, moves in their order. A tool
+/// is loaded where the moves change to it.
 ///
-/// A name of a part is cut to its line, and control characters in it become spaces.
+/// The part name is truncated to its line, and control characters in it become spaces.
 pub fn write_apt(program: &ClProgram) -> String {
     let mut out = String::new();
     statement(&mut out, &["PARTNO ", &part_name(&program.part)]);
@@ -35,7 +35,7 @@ pub fn write_apt(program: &ClProgram) -> String {
         match step.motion {
             Motion::Rapid => {
                 statement(&mut out, &["RAPID"]);
-                // The feed is said again after a rapid, so that each plunge stands for itself.
+                // The feed rate is repeated after a rapid, so that each plunge can be read on its own.
                 feed = None;
             }
             Motion::Feed(rate) if rate != feed => {
@@ -61,7 +61,7 @@ pub fn write_apt(program: &ClProgram) -> String {
     out
 }
 
-/// A section of the plan, counted from 1.
+/// The `PPRINT/SECTION` statement of a section, counted from 1.
 fn section_text(index: usize, section: &ClSection) -> String {
     let ClSection { from, to, diameter, feed, rest } = section;
     let feed = match feed {
@@ -76,7 +76,7 @@ fn section_text(index: usize, section: &ClSection) -> String {
 fn load(out: &mut String, tool: &ClTool) {
     let number = tool.number.to_string();
     statement(out, &["LOADTL/", &number]);
-    // d, r, e (axis to corner centre), f (tip to corner centre), a and b (angles of bottom and side), h (length).
+    // d, r, e (axis to corner centre), f (tip to corner centre), a, b (bottom and side angles), h (length).
     let (d, r) = (tool.diameter, tool.corner_radius);
     let sizes = [d, r, d / 2.0 - r, r, 0.0, 0.0, tool.overhang.unwrap_or(0.0)];
     list(out, "CUTTER/", &sizes.map(|size| fixed(size, 6)));
@@ -99,13 +99,13 @@ fn statement(out: &mut String, parts: &[&str]) {
     out.push('\n');
 }
 
-/// A word and its list of numbers, broken after a comma where a line is full.
+/// A word and its list of numbers, continued on the next line where a line is full.
 fn list(out: &mut String, word: &str, numbers: &[String]) {
     let mut column = word.len();
     out.push_str(word);
     for (k, number) in numbers.iter().enumerate() {
         let comma = usize::from(k + 1 < numbers.len());
-        // Room for the number, its comma and a `$`.
+        // The line must hold the number, its comma and a `$`.
         if column > 0 && column + number.len() + 2 * comma > COLUMNS {
             out.push_str("$\n");
             column = 0;
@@ -119,7 +119,7 @@ fn list(out: &mut String, word: &str, numbers: &[String]) {
     out.push('\n');
 }
 
-/// A number with a fixed count of decimals; no negative zero.
+/// A number with a fixed number of decimals, without negative zero.
 fn fixed(x: f64, decimals: usize) -> String {
     let text = format!("{x:.decimals$}");
     match text.strip_prefix('-') {
@@ -128,14 +128,14 @@ fn fixed(x: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with up to six decimals and a point.
+/// A number with one to six decimals.
 fn short(x: f64) -> String {
     let text = fixed(x, 6);
     let cut = text.trim_end_matches('0');
     if cut.ends_with('.') { format!("{cut}0") } else { cut.to_owned() }
 }
 
-/// The name as one line that APT takes literally.
+/// The part name as a single line that APT takes literally.
 pub(super) fn part_name(name: &str) -> String {
     let clean: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let clean = clean.trim().trim_start_matches(['/', ' ']);

@@ -1,18 +1,18 @@
-//! Numbers out of buffers. Every offset, stride and count is checked against the bytes that are there before
-//! memory is taken; values must be finite.
+//! Reads numbers from buffers. Every offset, stride and count is checked against the available bytes before
+//! memory is allocated; values must be finite.
 
 use super::container::Container;
 use crate::formats::InputError;
 use crate::formats::source::TRUNCATED;
 
-/// Most elements of an accessor: corners or indices of one mesh.
+/// Maximum number of elements of an accessor: corners or indices of one mesh.
 pub const MAX_ELEMENTS: usize = 24_000_000;
-/// Most elements of an accessor that has no data but for its sparse ones.
+/// Maximum number of elements of an accessor that has only sparse data.
 const MAX_WITHOUT_DATA: usize = 1_000_000;
 
 const EXPORT_AGAIN: &str = "export the file again";
 
-/// How numbers are stored.
+/// Component type of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Component {
     I8,
@@ -44,7 +44,7 @@ impl Component {
         }
     }
 
-    /// The number that starts at `bytes`, which are enough.
+    /// The number at the start of `bytes`, which must be long enough.
     fn number(self, bytes: &[u8], normalized: bool) -> f64 {
         let (value, largest) = match self {
             Self::I8 => (f64::from(bytes[0] as i8), 127.0),
@@ -58,7 +58,7 @@ impl Component {
     }
 }
 
-/// `count` elements of `N` numbers, packed or `stride` apart, from `offset` of a view on.
+/// A run of `count` elements in a buffer view from `offset` on, packed or `stride` bytes apart.
 struct Run {
     view: usize,
     offset: usize,
@@ -69,7 +69,7 @@ struct Run {
 }
 
 impl Run {
-    /// Hands every element to `take`.
+    /// Calls `take` with every element of `N` numbers.
     fn each<const N: usize>(
         &self,
         container: &mut Container<'_>,
@@ -105,7 +105,7 @@ impl Run {
     }
 }
 
-/// The elements of an accessor of `N` numbers each, sparse ones put in. `what` names it in messages.
+/// The elements of an accessor of `N` numbers each, with sparse values applied; `what` names it in messages.
 fn elements<const N: usize>(
     container: &mut Container<'_>,
     accessor: usize,
@@ -113,7 +113,7 @@ fn elements<const N: usize>(
     may: impl Fn(Component) -> bool,
 ) -> Result<Vec<[f64; N]>, InputError> {
     let Some(described) = container.document.accessors.get(accessor) else {
-        return Err(container.fault(format!("{what}: accessor {accessor} is not there"), EXPORT_AGAIN));
+        return Err(container.fault(format!("{what}: accessor {accessor} does not exist"), EXPORT_AGAIN));
     };
     let what = format!("{what} (accessor {accessor})");
     let shape = match N {
@@ -158,7 +158,7 @@ fn elements<const N: usize>(
     }
     let mut found: Vec<[f64; N]> = match (&run, &sparse) {
         (Some(run), _) => {
-            // The bytes are looked at first: a count alone takes no memory.
+            // The bytes are checked before memory is allocated: the count alone may be wrong.
             container.view(run.view)?;
             let mut found = Vec::new();
             run.each(container, &what, |element| found.push(element))?;
@@ -171,7 +171,7 @@ fn elements<const N: usize>(
     };
     if let Some((indices, values)) = sparse {
         let Some(indices) = indices else {
-            return Err(container.fault(format!("{what} has sparse indices of no known type"), EXPORT_AGAIN));
+            return Err(container.fault(format!("{what} has sparse indices of unknown type"), EXPORT_AGAIN));
         };
         let mut places = Vec::new();
         indices.each(container, &what, |[place]: [f64; 1]| places.push(place as usize))?;
@@ -198,6 +198,9 @@ fn is_index(component: Component) -> bool {
 }
 
 /// Corners of a mesh, in the file's unit.
+///
+/// # Errors
+/// When the accessor does not exist, is not of three-component vectors, or its data is invalid.
 pub fn positions(
     container: &mut Container<'_>,
     accessor: usize,
@@ -207,6 +210,9 @@ pub fn positions(
 }
 
 /// Indices of a mesh with `corners` corners.
+///
+/// # Errors
+/// When the accessor is not of indices, or an index is out of range.
 pub fn indices(
     container: &mut Container<'_>,
     accessor: usize,
@@ -222,6 +228,9 @@ pub fn indices(
 }
 
 /// Translations or scales of instances.
+///
+/// # Errors
+/// When the accessor is not of three-component float vectors, or its data is invalid.
 pub fn vectors(
     container: &mut Container<'_>,
     accessor: usize,
@@ -231,6 +240,9 @@ pub fn vectors(
 }
 
 /// Rotations of instances, as quaternions x y z w.
+///
+/// # Errors
+/// When the accessor is not of four-component vectors, or its data is invalid.
 pub fn quaternions(
     container: &mut Container<'_>,
     accessor: usize,

@@ -1,5 +1,5 @@
-//! What surrounds the meshes of a glTF file: the chunks of a `.glb`, the JSON, and the buffers, which lie in the
-//! file, in data URIs or in files beside it.
+//! The container of a glTF file: the chunks of a `.glb`, the JSON, and the buffers, which are in the file,
+//! in data URIs or in files beside it.
 
 use std::path::{Component, Path};
 
@@ -7,7 +7,7 @@ use super::document::Document;
 use crate::formats::InputError;
 use crate::formats::source::{MAX_BYTES, Source, TRUNCATED, read_bytes_up_to, shown};
 
-/// Largest `.glb` or buffer file that is opened, bytes: four million triangles without shared corners.
+/// Maximum size of a `.glb` or buffer file, bytes: four million triangles without shared corners.
 pub const MAX_MESH_BYTES: usize = 512 << 20;
 
 const MAGIC: &[u8] = b"glTF";
@@ -15,24 +15,29 @@ const JSON_CHUNK: u32 = 0x4E4F_534A;
 const BINARY_CHUNK: u32 = 0x004E_4942;
 const EXPORT_AGAIN: &str = "export the file again";
 
-/// Extensions that change the meshes or their places and are understood.
+/// Supported extensions that affect the meshes or their transforms.
 const UNDERSTOOD: [&str; 2] = ["EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];
-/// Beginnings of the names of extensions that only change how a mesh looks.
+/// Name prefixes of extensions that only affect the appearance.
 const ONLY_LOOKS: [&str; 5] =
     ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_"];
 
-/// A document and the bytes that it speaks of.
+/// A document and its buffers.
 pub struct Container<'a> {
+    /// The file, for the location of errors.
     pub source: Source<'a>,
+    /// Its JSON.
     pub document: Document,
-    /// Bytes of the buffers, as far as they have been asked for.
+    /// Bytes of the buffers that have been loaded.
     buffers: Vec<Option<Vec<u8>>>,
-    /// Folder of the file; none for bytes without a file.
+    /// Folder of the file; `None` for bytes without a file.
     folder: Option<&'a Path>,
 }
 
 impl<'a> Container<'a> {
-    /// Takes the file apart; buffers in other files are read when they are asked for.
+    /// Parses the container; buffers in other files are read on first use.
+    ///
+    /// # Errors
+    /// When the chunks or the JSON are invalid, or a required extension is not supported.
     pub fn open(source: Source<'a>, bytes: Vec<u8>, folder: Option<&'a Path>) -> Result<Self, InputError> {
         let (document, binary) = if bytes.starts_with(MAGIC) {
             let (json, binary) = chunks(source, &bytes)?;
@@ -53,7 +58,7 @@ impl<'a> Container<'a> {
         Ok(container)
     }
 
-    /// A fault of this file.
+    /// An error of this file.
     pub fn fault(&self, what: impl Into<String>, cure: impl Into<String>) -> InputError {
         self.source.fault(0, what, cure)
     }
@@ -68,22 +73,25 @@ impl<'a> Container<'a> {
             }
             let known = UNDERSTOOD.contains(&name.as_str());
             if !known && !ONLY_LOOKS.iter().any(|start| name.starts_with(start)) {
-                let what = format!("needs the extension {}, which is not understood", shown(name));
+                let what = format!("needs the extension {}, which is not supported", shown(name));
                 return Err(self.fault(what, "export it without that extension"));
             }
         }
         Ok(())
     }
 
-    /// The refusal of a compressed file.
+    /// The error for a compressed file.
     pub fn compressed(&self, how: &str) -> InputError {
         self.fault(format!("its meshes are compressed with {how}"), "export it without mesh compression")
     }
 
-    /// Bytes of a buffer view.
+    /// Bytes of a buffer view; loads its buffer if necessary.
+    ///
+    /// # Errors
+    /// When the view or its buffer does not exist, is compressed, too large or too short, or cannot be read.
     pub fn view(&mut self, view: usize) -> Result<&[u8], InputError> {
         let Some(described) = self.document.buffer_views.get(view) else {
-            return Err(self.fault(format!("buffer view {view} is not there"), EXPORT_AGAIN));
+            return Err(self.fault(format!("buffer view {view} does not exist"), EXPORT_AGAIN));
         };
         let (buffer, offset, length) = (described.buffer, described.byte_offset, described.byte_length);
         if described.extensions.as_ref().is_some_and(|e| e.meshopt.is_some()) {
@@ -103,7 +111,7 @@ impl<'a> Container<'a> {
 
     fn load(&mut self, index: usize) -> Result<(), InputError> {
         let Some(buffer) = self.document.buffers.get(index) else {
-            return Err(self.fault(format!("buffer {index} is not there"), EXPORT_AGAIN));
+            return Err(self.fault(format!("buffer {index} does not exist"), EXPORT_AGAIN));
         };
         if self.buffers[index].is_some() {
             return Ok(());
@@ -129,14 +137,14 @@ impl<'a> Container<'a> {
         Ok(())
     }
 
-    /// The bytes of a data URI, without its `data:`.
+    /// Decodes a data URI, given without its `data:`.
     fn embedded(&self, index: usize, data: &str) -> Result<Vec<u8>, InputError> {
         data.split_once(";base64,").and_then(|(_, text)| base64(text)).ok_or_else(|| {
             self.fault(format!("buffer {index} has a data URI that is not base64"), EXPORT_AGAIN)
         })
     }
 
-    /// The bytes of a file that `uri` names, which must lie in the folder of this file.
+    /// Reads the file that `uri` names, which must be in the folder of this file or below.
     fn beside(&self, index: usize, uri: &str) -> Result<Vec<u8>, InputError> {
         let outside = || {
             let what = format!("buffer {index} lies outside the file's folder, at {}", shown(uri));
@@ -144,7 +152,7 @@ impl<'a> Container<'a> {
         };
         let path = unescaped(uri).ok_or_else(outside)?;
         let plain = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
-        // A colon is a scheme or a drive, a backslash a separator on other systems.
+        // A colon may be a URI scheme or a drive, a backslash is a separator on other systems.
         if path.is_empty() || path.contains([':', '\\', '\0']) || !Path::new(&path).components().all(plain) {
             return Err(outside());
         }
@@ -162,7 +170,7 @@ impl<'a> Container<'a> {
     }
 }
 
-/// Ranges of the JSON chunk and the binary chunk of a `.glb`.
+/// Byte ranges of the JSON chunk and the binary chunk of a `.glb`.
 type Chunks = (std::ops::Range<usize>, Option<std::ops::Range<usize>>);
 
 fn chunks(source: Source<'_>, bytes: &[u8]) -> Result<Chunks, InputError> {
@@ -207,7 +215,7 @@ fn parse(source: Source<'_>, json: &[u8]) -> Result<Document, InputError> {
     }
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let document: Document = serde_json::from_slice(json).map_err(|e| {
-        source.fault(e.line(), format!("is no glTF 2.0 ({e})"), "check the file or export it again")
+        source.fault(e.line(), format!("is not glTF 2.0 ({e})"), "check the file or export it again")
     })?;
     if !document.asset.version.starts_with("2.") {
         let what = format!("is glTF {}", shown(&document.asset.version));
@@ -216,7 +224,7 @@ fn parse(source: Source<'_>, json: &[u8]) -> Result<Document, InputError> {
     Ok(document)
 }
 
-/// `%41` back to `A`.
+/// Decodes percent escapes: `%41` is `A`.
 fn unescaped(uri: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.bytes();
@@ -231,6 +239,7 @@ fn unescaped(uri: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
+/// Decodes base64, standard or URL-safe alphabet, with or without padding.
 fn base64(text: &str) -> Option<Vec<u8>> {
     let text = text.trim_end_matches('=');
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 3);

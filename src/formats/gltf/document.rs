@@ -1,5 +1,6 @@
-//! The JSON of a glTF 2.0 file, as far as meshes in their places need it. Everything else (materials' looks,
-//! textures, animations, cameras) is skipped unread.
+//! The JSON of a glTF 2.0 file, limited to what meshes and their transforms need: names and meaning are
+//! those of the glTF 2.0 specification. Everything else (appearance, textures, animations, cameras) is
+//! skipped.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -9,7 +10,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::part::Rotation;
 
-/// Most elements of any list of the document.
+/// Maximum number of elements of any list in the document.
 pub const MAX_ITEMS: usize = 100_000;
 
 /// The whole document.
@@ -67,7 +68,7 @@ pub struct Node {
     pub extras: Extras,
 }
 
-/// What Vanecut's own scenes say of a part; whatever others keep here is skipped.
+/// What Vanecut's own scenes store about a part; other contents are ignored.
 #[derive(Debug, Default)]
 pub struct Extras {
     /// Sense of rotation, seen from the inlet.
@@ -76,7 +77,7 @@ pub struct Extras {
 
 impl<'de> Deserialize<'de> for Extras {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        /// Looks for a key of an object, and for a word in it; anything else holds neither.
+        /// Finds the string at a path of keys in nested objects; any other value gives `None`.
         struct Within(&'static [&'static str]);
 
         impl<'de> DeserializeSeed<'de> for Within {
@@ -252,7 +253,8 @@ pub struct Buffer {
     pub byte_length: usize,
 }
 
-/// A list of at most [`MAX_ITEMS`] elements: a short text may not fill the memory with empty objects.
+/// Deserializes a list of at most [`MAX_ITEMS`] elements, so that a short text of empty objects cannot
+/// exhaust memory.
 fn limited<'de, D, T>(deserializer: D) -> Result<Vec<T>, D::Error>
 where
     D: Deserializer<'de>,

@@ -1,4 +1,4 @@
-//! glTF 2.0 meshes, binary (`.glb`) and as text (`.gltf`).
+//! glTF 2.0 meshes, binary (`.glb`) and text (`.gltf`).
 
 mod accessor;
 mod container;

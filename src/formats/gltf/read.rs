@@ -9,23 +9,36 @@ use crate::formats::source::{MAX_COORDINATE, Source, name_of, read_bytes_up_to, 
 use crate::mesh::{MeshOptions, NamedMesh, Unit, describe};
 use crate::part::{PartDescription, PartError};
 
-/// Reads a part from a `.glb` or `.gltf` file and the buffers beside it.
+/// Reads a part from a `.glb` or `.gltf` file and the buffers beside it; the result is in mm, about Z.
+///
+/// # Errors
+/// When the file or its buffers cannot be read, or the meshes do not describe a part.
 pub fn read(path: &Path, options: &MeshOptions) -> Result<PartDescription, InputError> {
     let name = name_of(path);
     part(&name, scene_of(path)?, options)
 }
 
-/// Reads a part from the bytes of a file that names no other.
+/// Reads a part from bytes, without buffers in other files; `name` is the file name used in messages.
+///
+/// # Errors
+/// As [`read`], or when a buffer is in another file.
 pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<PartDescription, InputError> {
     part(name, scene_of_bytes(name, bytes)?, options)
 }
 
-/// The meshes of a file in their places, in metres, in the file's frame.
+/// Reads the meshes of a file with their node transforms applied, in the file's unit (normally metres)
+/// and frame.
+///
+/// # Errors
+/// When the file or its buffers cannot be read or are not valid glTF 2.0.
 pub fn read_meshes(path: &Path) -> Result<Vec<NamedMesh>, InputError> {
     Ok(scene_of(path)?.meshes)
 }
 
-/// As [`read_meshes`], from bytes; `name` stands for the file in messages.
+/// As [`read_meshes`], from bytes; `name` is the file name used in messages.
+///
+/// # Errors
+/// As [`read_meshes`], or when a buffer is in another file.
 pub fn read_meshes_bytes(name: &str, bytes: &[u8]) -> Result<Vec<NamedMesh>, InputError> {
     Ok(scene_of_bytes(name, bytes)?.meshes)
 }
@@ -50,7 +63,7 @@ fn part(name: &str, scene: Scene, options: &MeshOptions) -> Result<PartDescripti
     let options = &MeshOptions { rotation: options.rotation.or(rotation), ..options.clone() };
     let fault = |e: PartError| InputError::new(name, e.line, e.what, e.cure);
     let scale = options.unit.unwrap_or(Unit::Metre).mm();
-    // 1,000 times what any part may measure, so that the question about the unit comes first.
+    // The limit is 1,000 times that of a part, so that a wrong unit is reported as such by `describe`.
     let beyond = |m: &NamedMesh| m.mesh.points.iter().any(|p| p.coords.amax() * scale > 1e3 * MAX_COORDINATE);
     if let Some(mesh) = meshes.iter().find(|m| beyond(m)) {
         let what = format!("the mesh `{}` has points beyond 1,000,000 m", mesh.name);

@@ -1,4 +1,4 @@
-//! The node graph: every mesh in its place, with the names it goes by.
+//! The node graph: every mesh with its node transform applied and with its names.
 
 use nalgebra::{Matrix4, Quaternion, UnitQuaternion, Vector3};
 use std::collections::HashMap;
@@ -13,32 +13,32 @@ use crate::geometry::Point;
 use crate::mesh::{NamedMesh, TriangleMesh};
 use crate::part::Rotation;
 
-/// Most meshes in their places.
+/// Maximum number of mesh instances.
 const MAX_INSTANCES: usize = 10_000;
-/// Most triangles of all instances together.
+/// Maximum number of triangles of all instances together.
 pub const MAX_TRIANGLES: usize = 8_000_000;
-/// Most corners of all instances together.
+/// Maximum number of corners of all instances together.
 const MAX_CORNERS: usize = 24_000_000;
 
 const EXPORT_AGAIN: &str = "export the file again";
 const FEWER: &str = "export the impeller alone, with fewer triangles";
 
-/// Corners and triangles of a primitive in its own frame.
+/// Corners and triangles of a primitive, in the frame of its mesh.
 struct Piece {
     material: Option<usize>,
     corners: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
 }
 
-/// A node that waits for its turn.
+/// A node on the stack of the depth-first traversal.
 struct Waiting {
     node: usize,
     parent: Matrix4<f64>,
-    /// Place of the parent among the nodes visited.
+    /// Index of the parent among the visited nodes.
     above: Option<usize>,
 }
 
-/// What has been gathered of a scene.
+/// State of the traversal of a scene.
 struct Walk<'c, 'a> {
     container: &'c mut Container<'a>,
     pieces: HashMap<usize, Arc<Vec<Piece>>>,
@@ -48,15 +48,19 @@ struct Walk<'c, 'a> {
     triangles: usize,
 }
 
-/// What a file holds of a wheel.
+/// The meshes of a file.
 pub struct Scene {
-    /// Its meshes in their places, in the file's unit and frame.
+    /// Meshes with their node transforms applied, in the file's unit and frame.
     pub meshes: Vec<NamedMesh>,
-    /// The sense of rotation, where the file tells it.
+    /// The sense of rotation, if the file gives it.
     pub rotation: Option<Rotation>,
 }
 
-/// All meshes of the default scene (the first one, or all nodes, when none is named).
+/// Collects all meshes of the default scene, or of the first scene, or of all nodes, by an iterative
+/// depth-first traversal.
+///
+/// # Errors
+/// When the node graph is not a forest, refers to what does not exist, or exceeds the limits.
 pub fn scene(container: &mut Container<'_>) -> Result<Scene, InputError> {
     let roots = roots(container)?;
     let mut walk = Walk {
@@ -76,10 +80,10 @@ pub fn scene(container: &mut Container<'_>) -> Result<Scene, InputError> {
         .collect();
     while let Some(Waiting { node, parent, above }) = waiting.pop() {
         let Some(described) = walk.container.document.nodes.get(node) else {
-            return Err(walk.container.fault(format!("node {node} is not there"), EXPORT_AGAIN));
+            return Err(walk.container.fault(format!("node {node} does not exist"), EXPORT_AGAIN));
         };
         if std::mem::replace(&mut seen[node], true) {
-            let what = format!("node {node} hangs in the node graph twice or below itself");
+            let what = format!("node {node} is in the node graph twice or below itself");
             return Err(walk.container.fault(what, EXPORT_AGAIN));
         }
         let here = parent * own_transform(described);
@@ -112,7 +116,7 @@ fn roots(container: &Container<'_>) -> Result<Vec<usize>, InputError> {
     match document.scenes.get(scene) {
         Some(scene) => Ok(scene.nodes.clone()),
         None if document.scene.is_some() => {
-            Err(container.fault(format!("scene {scene} is not there"), EXPORT_AGAIN))
+            Err(container.fault(format!("scene {scene} does not exist"), EXPORT_AGAIN))
         }
         None => {
             let mut is_child = vec![false; document.nodes.len()];
@@ -126,7 +130,7 @@ fn roots(container: &Container<'_>) -> Result<Vec<usize>, InputError> {
     }
 }
 
-/// Transform of a node against its parent.
+/// Transform of a node relative to its parent.
 fn own_transform(node: &Node) -> Matrix4<f64> {
     match &node.matrix {
         Some(columns) => Matrix4::from_column_slice(columns),
@@ -147,7 +151,7 @@ fn transform(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> Matr
 }
 
 impl Walk<'_, '_> {
-    /// Puts the mesh of a node in its place, or in all of its places.
+    /// Adds the mesh of a node, once or for each of its instances.
     fn place(
         &mut self,
         node: usize,
@@ -165,7 +169,8 @@ impl Walk<'_, '_> {
         let meshes = self.found.len().saturating_add(pieces.len().saturating_mul(count));
         if self.corners > MAX_CORNERS || self.triangles > MAX_TRIANGLES || meshes > MAX_INSTANCES {
             let what = format!(
-                "holds {meshes} meshes or more with {} triangles; at most {MAX_INSTANCES} and {MAX_TRIANGLES} are opened",
+                "holds {meshes} meshes or more with {} triangles; \
+                 the limits are {MAX_INSTANCES} and {MAX_TRIANGLES}",
                 self.triangles
             );
             return Err(self.container.fault(what.replace(';', ","), FEWER));
@@ -177,7 +182,7 @@ impl Walk<'_, '_> {
                 let mut names = names.clone();
                 let material = piece.material.and_then(|m| self.container.document.materials.get(m));
                 names.extend(material.and_then(|m| m.name.clone()));
-                // Of names, the node's own and its mesh's come first, then the material's, then those above.
+                // Order of names: the node's own, the material's, the mesh's, then those of the nodes above.
                 names.rotate_right(usize::from(material.is_some_and(|m| m.name.is_some())));
                 self.found.push(NamedMesh {
                     name: name.clone(),
@@ -191,7 +196,7 @@ impl Walk<'_, '_> {
         Ok(())
     }
 
-    /// Name of a node's mesh, and what else it goes by: its mesh, the nodes above it.
+    /// Name of a node (or else of its mesh), and its other names: of its mesh and of the nodes above.
     fn names(&self, node: usize, mesh: usize, visited: &[(usize, Option<usize>)]) -> (String, Vec<String>) {
         let document = &self.container.document;
         let named =
@@ -200,7 +205,7 @@ impl Walk<'_, '_> {
         let name = named(node).or(of_mesh.clone()).unwrap_or_else(|| format!("node {node}"));
         let mut names: Vec<String> = of_mesh.into_iter().filter(|n| *n != name).collect();
         let mut above = visited.last().and_then(|(_, above)| *above);
-        // Names far up the graph say nothing of one mesh.
+        // Names far up the graph do not identify a single mesh.
         for _ in 0..8 {
             let Some((node, next)) = above.and_then(|a| visited.get(a)) else { break };
             names.extend(named(*node));
@@ -209,7 +214,7 @@ impl Walk<'_, '_> {
         (name, names)
     }
 
-    /// The places of `EXT_mesh_gpu_instancing` against the node's own; none without it.
+    /// The instance transforms of `EXT_mesh_gpu_instancing` relative to the node; `None` without it.
     fn instances(&mut self, node: usize) -> Result<Option<Vec<Matrix4<f64>>>, InputError> {
         let extensions = self.container.document.nodes.get(node).and_then(|n| n.extensions.as_ref());
         let Some(instancing) = extensions.and_then(|e| e.instancing.as_ref()) else { return Ok(None) };
@@ -249,13 +254,13 @@ impl Walk<'_, '_> {
         Ok(Some(places.collect()))
     }
 
-    /// The primitives of a mesh, read once.
+    /// The primitives of a mesh; each mesh is read once.
     fn pieces_of(&mut self, mesh: usize) -> Result<Arc<Vec<Piece>>, InputError> {
         if let Some(pieces) = self.pieces.get(&mesh) {
             return Ok(pieces.clone());
         }
         let Some(described) = self.container.document.meshes.get(mesh) else {
-            return Err(self.container.fault(format!("mesh {mesh} is not there"), EXPORT_AGAIN));
+            return Err(self.container.fault(format!("mesh {mesh} does not exist"), EXPORT_AGAIN));
         };
         let called = described.name.as_deref().map_or_else(|| format!("mesh {mesh}"), shown);
         let primitives: Vec<_> = described
@@ -268,7 +273,7 @@ impl Walk<'_, '_> {
             .collect();
         let mut pieces = Vec::new();
         for (position, indices, material, mode, draco) in primitives {
-            // Points and lines are no surface.
+            // Points and lines are not surfaces.
             let (Some(position), 4..=6) = (position, mode) else { continue };
             let has_data = |a: usize| {
                 self.container
@@ -304,7 +309,7 @@ impl Walk<'_, '_> {
     }
 }
 
-/// Triangles of a list (4), strip (5) or fan (6); those with a corner twice are left out.
+/// Triangles of a list (4), strip (5) or fan (6), without those that repeat a corner.
 fn triangles(mode: u32, order: Option<&[u32]>, corners: usize) -> Vec<[u32; 3]> {
     let count = order.map_or(corners, <[u32]>::len);
     let at = |i: usize| order.map_or(i as u32, |order| order[i]);
@@ -312,7 +317,7 @@ fn triangles(mode: u32, order: Option<&[u32]>, corners: usize) -> Vec<[u32; 3]> 
     match mode {
         4 => (0..count / 3).map(|i| [at(3 * i), at(3 * i + 1), at(3 * i + 2)]).filter(whole).collect(),
         5 => (0..count.saturating_sub(2))
-            // Every other triangle of a strip runs the other way round.
+            // Every other triangle of a strip has the opposite winding.
             .map(|i| if i % 2 == 0 { [at(i), at(i + 1), at(i + 2)] } else { [at(i + 1), at(i), at(i + 2)] })
             .filter(whole)
             .collect(),
@@ -328,7 +333,7 @@ fn placed(
     let points: Vec<Point> =
         piece.corners.iter().map(|c| place.transform_point(&Point::new(c[0], c[1], c[2]))).collect();
     if points.iter().any(|p| p.iter().any(|x| !x.is_finite())) {
-        return Err(container.fault("a node's transform moves its mesh out of all bounds", EXPORT_AGAIN));
+        return Err(container.fault("a node's transform gives non-finite coordinates", EXPORT_AGAIN));
     }
     let mirrored = place.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
     let mut triangles = piece.triangles.clone();

@@ -1,9 +1,9 @@
-//! TurboGrid parts as BladeGen exports them: an `.inf` file and its `.curve` files.
+//! TurboGrid parts as exported by BladeGen: an `.inf` file and its `.curve` files.
 //!
 //! `.inf`: `Key: value` lines, `!` starts a comment; unknown keys are skipped.
 //!
 //! ```text
-//! Axis of Rotation: Z            X and Y too; mapped to Z by cyclic exchange
+//! Axis of Rotation: Z            or X, Y; mapped to Z by cyclic permutation
 //! Number of Blade Sets: 12       number of main blades
 //! Geometry Units: MM             MM, CM, M, IN or FT
 //! Hub Data File: hub.curve       relative to the folder of the .inf file
@@ -11,9 +11,10 @@
 //! Profile Data File: profile.curve
 //! ```
 //!
-//! Hub and shroud: `x y z` a line, upstream to downstream; r is the distance from the axis.
+//! Hub and shroud: `x y z` per line, upstream to downstream; r is the distance from the axis.
 //! Profile: `## Main Blade` names a blade, `# Profile 1 at 0.0000%` starts a section (hub to tip),
-//! then one closed loop of `x y z` with an optional `le`, `te`, `te1` or `te2`. Blades stand in place.
+//! then one closed loop of `x y z` with an optional `le`, `te`, `te1` or `te2`. Coordinates are in the
+//! frame of the part.
 
 mod profile;
 
@@ -27,7 +28,7 @@ use super::source::{
 use crate::geometry::Point;
 use crate::part::{CurveDescription, Meridional, PartDescription};
 
-/// Reads a part from its `.inf` file and the files that it names. Faults in a `.curve` file name it.
+/// Reads a part from its `.inf` file and the files that it names. Errors name the file they are in.
 pub(super) fn read(path: &Path) -> Result<PartDescription, InputError> {
     let name = name_of(path);
     let source = Source { file: &name };
@@ -56,7 +57,7 @@ pub(super) fn read(path: &Path) -> Result<PartDescription, InputError> {
     })
 }
 
-/// The keys of an `.inf` file, in lower case, with value and line.
+/// The keys of an `.inf` file, in lower case, each with its value and line.
 struct Inf<'a> {
     source: Source<'a>,
     keys: HashMap<String, (&'a str, usize)>,
@@ -82,7 +83,7 @@ impl<'a> Inf<'a> {
         })
     }
 
-    /// Path of the hub, shroud or profile file, and the line that names it.
+    /// Path of the hub, shroud or profile file, and its line in the `.inf` file.
     fn data_file(&self, folder: &Path, kind: &str) -> Result<(PathBuf, usize), InputError> {
         let title = format!("{}{}", kind.get(..1).unwrap_or_default().to_uppercase(), &kind[1..]);
         let example = format!("{title} Data File: {kind}.curve");
@@ -92,7 +93,7 @@ impl<'a> Inf<'a> {
             return Ok((path, line));
         }
         similar_file(folder, &path).map(|path| (path, line)).ok_or_else(|| {
-            let what = format!("the {kind} file {} is not there", shown(name));
+            let what = format!("the {kind} file {} does not exist", shown(name));
             self.source.fault(line, what, "put it beside the .inf file, or correct its name")
         })
     }
@@ -130,8 +131,8 @@ impl<'a> Inf<'a> {
     }
 }
 
-/// The one file of the folder that bears the name in other case, or with a prefix: exports are
-/// often renamed as a set (`stage1_hub.curve` for `hub.curve`).
+/// The only file of the folder with this name in another case or with a prefix: exported sets are often
+/// renamed together (`stage1_hub.curve` for `hub.curve`).
 fn similar_file(folder: &Path, path: &Path) -> Option<PathBuf> {
     let wanted = path.file_name()?.to_string_lossy().to_lowercase();
     let suffix = format!("_{wanted}");
@@ -145,12 +146,12 @@ fn similar_file(folder: &Path, path: &Path) -> Option<PathBuf> {
     similar.next().is_none().then_some(first)
 }
 
-/// From the file's axis and unit to mm about Z.
+/// Transform from the file's axis and unit to the part frame: mm, rotation axis Z.
 #[derive(Clone, Copy)]
 struct Frame {
-    /// Which of the file's coordinates are x, y, z.
+    /// Indices of the file's coordinates that become x, y, z.
     order: [usize; 3],
-    /// mm in the file's unit.
+    /// Length of the file's unit, mm.
     unit: f64,
 }
 
@@ -164,7 +165,7 @@ impl Frame {
             "IN" | "INCH" => 25.4,
             "FT" => 304.8,
             _ => {
-                let what = format!("{} is no known unit", shown(unit));
+                let what = format!("{} is not a known unit", shown(unit));
                 return Err(inf.source.fault(line, what, "give MM, CM, M, IN or FT"));
             }
         };
@@ -174,14 +175,14 @@ impl Frame {
             "X" => [1, 2, 0],
             "Y" => [2, 0, 1],
             _ => {
-                let what = format!("{} is no known axis", shown(axis));
+                let what = format!("{} is not a known axis", shown(axis));
                 return Err(inf.source.fault(line, what, "give X, Y or Z"));
             }
         };
         Ok(Self { order, unit })
     }
 
-    /// `x y z` and what follows on the line.
+    /// Parses `x y z` into a point in the part frame (mm), and the token that follows.
     fn point<'t>(
         self,
         source: Source<'_>,
@@ -202,7 +203,7 @@ impl Frame {
     }
 }
 
-/// The span of a section header `# Profile 1 at 20.00%`, if the line is one.
+/// The span in percent of a section header `# Profile 1 at 20.00%`, if the line is one.
 fn profile_header(line: &str) -> Option<Option<f64>> {
     let words = line.strip_prefix('#').filter(|rest| !rest.starts_with('#'))?;
     if !words.trim_start().get(..7).is_some_and(|word| word.eq_ignore_ascii_case("profile")) {

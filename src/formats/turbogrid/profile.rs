@@ -1,14 +1,14 @@
 //! Closed profile loops, split into suction and pressure side.
 //!
-//! Edges: the points marked `le` and `te` (or `te1`, `te2` at a blunt trailing edge) where marks are
-//! given. Otherwise the loop's first point, which by custom is an edge, if it lies within 5 % of the
-//! loop's upstream or downstream end, and the extreme point at the other end. Two corners of more
-//! than 45° near the downstream end make a blunt trailing edge.
+//! Edges: the points marked `le` and `te` (or `te1`, `te2` at a blunt trailing edge) if there are marks.
+//! Otherwise the loop's first point, which by convention is an edge, if it is within 5 % of the loop's
+//! upstream or downstream end, and the extreme point at the other end. Two corners of more than 45° near
+//! the downstream end make a blunt trailing edge.
 //!
-//! Sides: the file does not say which way the wheel turns. An impeller's blades run against the
-//! sense of rotation from LE to TE, so that sense is taken from the main blade's wrap; the pressure
-//! side is the one that leads, for main blades and splitters alike. A blade without wrap counts as
-//! turning towards growing θ.
+//! Sides: the file does not give the sense of rotation. An impeller's blades wrap against the sense of
+//! rotation from LE to TE, so the sense is derived from the main blade's wrap; the pressure side is the
+//! leading one, for main blades and splitters alike. A part whose main blade has no wrap is assumed to
+//! turn towards increasing θ.
 
 use std::path::Path;
 
@@ -18,11 +18,11 @@ use super::{Frame, profile_header};
 use crate::geometry::Point;
 use crate::part::{BladeDescription, Meridional};
 
-/// Share of a loop's meridional length within which a point counts as an end of it.
+/// Share of a loop's meridional length within which a point counts as one of its ends.
 const EDGE_SHARE: f64 = 0.05;
-/// Turn at a corner of a blunt trailing edge, rad.
+/// Minimum turning angle at a corner of a blunt trailing edge, rad.
 const CORNER: f64 = std::f64::consts::FRAC_PI_4;
-/// Points of a flowpath that are enough to tell upstream from downstream.
+/// Maximum number of flowpath points used to measure how far downstream a point is.
 const FLOWPATH_POINTS: usize = 200;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -34,7 +34,7 @@ enum Mark {
     Te2,
 }
 
-/// One closed loop.
+/// One closed profile loop.
 struct Loop {
     line: usize,
     points: Vec<(Point, Mark)>,
@@ -47,7 +47,7 @@ struct Blade {
     loops: Vec<Loop>,
 }
 
-/// Main blade and splitters of a profile file. `line` is where the `.inf` file names it.
+/// Reads main blade and splitters of a profile file; `line` is its line in the `.inf` file.
 pub(super) fn read(
     path: &Path,
     line: usize,
@@ -89,7 +89,7 @@ fn blades(source: Source<'_>, text: &str, frame: Frame) -> Result<Vec<Blade>, In
             blades.push(Blade { name: name.trim().to_lowercase(), line, loops: Vec::new() });
             span = f64::NEG_INFINITY;
         } else if let Some(percent) = profile_header(row) {
-            // Without names, a span that falls back starts the next blade.
+            // Without names, a span that does not increase starts the next blade.
             let falls = percent.is_some_and(|percent| percent <= span);
             if falls || blades.is_empty() {
                 blades.push(Blade { name: String::new(), line, loops: Vec::new() });
@@ -128,8 +128,8 @@ fn blades(source: Source<'_>, text: &str, frame: Frame) -> Result<Vec<Blade>, In
     Ok(blades)
 }
 
-/// Measures how far downstream a point is: fraction of the arc length of the nearest place of hub
-/// and shroud.
+/// Measures how far downstream a point is: the arc-length fraction of the nearest points on hub and
+/// shroud.
 struct Ruler {
     curves: [Vec<(Meridional, f64)>; 2],
 }
@@ -151,7 +151,7 @@ impl Ruler {
         Self { curves }
     }
 
-    /// Fraction at a span between hub (0) and shroud (1).
+    /// Arc-length fraction of `p`, interpolated at `span` between hub (0) and shroud (1).
     fn measure(&self, p: &Point, span: f64) -> f64 {
         let at = Meridional { r: p.x.hypot(p.y), z: p.z };
         let [hub, shroud] = self.curves.each_ref().map(|curve| nearest(curve, at));
@@ -177,7 +177,7 @@ fn nearest(curve: &[(Meridional, f64)], p: Meridional) -> f64 {
 
 /// A blade whose loops are split at their edges.
 struct Split {
-    /// Per section: the side of smaller θ and that of larger θ, LE → TE.
+    /// Per section: the sides of smaller and of larger θ, LE → TE.
     sides: Vec<[Vec<Point>; 2]>,
 }
 
@@ -189,7 +189,7 @@ impl Split {
         Ok(Self { sides: sides.collect::<Result<_, _>>()? })
     }
 
-    /// θ from LE to TE, summed over the sections, rad.
+    /// Change of θ from LE to TE, summed over the sides of all sections, rad.
     fn wrap(&self) -> f64 {
         let turn = |pair: &[Point]| match pair {
             [a, b] => (a.x * b.y - a.y * b.x).atan2(a.x * b.x + a.y * b.y),
@@ -198,7 +198,8 @@ impl Split {
         self.sides.iter().flatten().map(|side| side.windows(2).map(turn).sum::<f64>()).sum()
     }
 
-    /// `turns`: +1 when the wheel turns towards growing θ, −1 otherwise.
+    /// The blade as suction and pressure sections; `turns` is +1 if the wheel turns towards increasing θ,
+    /// −1 otherwise.
     fn described(self, turns: f64, line: usize) -> BladeDescription {
         let (small, large) = self.sides.into_iter().map(|[small, large]| (small, large)).unzip();
         let (suction, pressure) = if turns > 0.0 { (small, large) } else { (large, small) };
@@ -206,7 +207,7 @@ impl Split {
     }
 }
 
-/// Splits a loop at its edges into the side of smaller θ and that of larger θ.
+/// Splits a loop at its edges into the sides of smaller and of larger θ.
 fn split(
     source: Source<'_>,
     mut profile: Loop,
@@ -232,7 +233,7 @@ fn split(
     let m: Vec<f64> = profile.points.iter().map(|(p, _)| ruler.measure(p, span)).collect();
     let (le, te) = edges(&profile.points, &m);
     let points: Vec<Point> = profile.points.into_iter().map(|(p, _)| p).collect();
-    // From the leading edge onwards the loop meets the trailing edge at `a` and leaves it at `b`.
+    // Counted from the leading edge, the loop reaches the trailing edge at index `a` and leaves it at `b`.
     let from_le = |k: usize| (k + n - le) % n;
     let (a, b) = (from_le(te.0).min(from_le(te.1)), from_le(te.0).max(from_le(te.1)));
     if a == 0 {
@@ -245,7 +246,7 @@ fn split(
     let at = |k: usize| points.get((le + k) % n).copied();
     let forward: Vec<Point> = (0..=a).filter_map(at).collect();
     let backward: Vec<Point> = (b..=n).rev().filter_map(at).collect();
-    // Counter-clockwise in the (m, θ) plane: the forward side is the one of smaller θ.
+    // Shoelace area in the (m, θ) plane: if counter-clockwise, the forward side has the smaller θ.
     let mut theta = 0.0;
     let mut area = 0.0;
     for k in 0..n {
@@ -258,7 +259,7 @@ fn split(
     Ok(if area > 0.0 { [forward, backward] } else { [backward, forward] })
 }
 
-/// Index of the leading edge and the two of the trailing edge (equal where it is no blunt one).
+/// Index of the leading edge and the two of the trailing edge (equal unless it is blunt).
 fn edges(points: &[(Point, Mark)], m: &[f64]) -> (usize, (usize, usize)) {
     let marked = |mark: Mark| points.iter().position(|(_, found)| *found == mark);
     let extreme = |sign: f64| {
@@ -287,7 +288,7 @@ fn edges(points: &[(Point, Mark)], m: &[f64]) -> (usize, (usize, usize)) {
     (le, te)
 }
 
-/// Angle by which the loop turns at a point, rad.
+/// Turning angle of the loop at point `k`, rad.
 fn turn_at(points: &[(Point, Mark)], k: usize) -> f64 {
     let n = points.len();
     let at = |k: usize| points.get(k % n).map_or_else(Point::origin, |(p, _)| *p);

@@ -4,15 +4,17 @@ use super::*;
 use crate::part::BladeDescription;
 
 const INF: &str = "! export\nAxis of Rotation: Z\nNumber of Blade Sets: 9\nNumber of Blades Per Set: 2\n\
-    Geometry Units: CM\nHub Data File: hub.curve\nShroud Data File: shroud.curve\nProfile Data File: p.curve\n";
+    Geometry Units: CM\nHub Data File: hub.curve\nShroud Data File: shroud.curve\n\
+    Profile Data File: p.curve\n";
 const HUB: &str = "2 0 0\n2 0 0\n0 3 2\n5 0 3\n";
 const SHROUD: &str = "4 0 0\n4 0 1\n5 0 2\n";
 
-/// A loop at radius 2 → 5 that wraps towards smaller θ; the side of larger θ has y + 0.1.
+/// A loop from radius 2 to 5 that wraps towards smaller θ; the side of larger θ has y + 0.1.
 fn profile(marks: [&str; 4], lift: f64) -> String {
     let [a, b, c, d] = marks;
     format!(
-        "2.0 0.0 {lift} {a}\n3.0 -1.0 {z}\n4.98 -3.0 {top} {b}\n4.98 -2.9 {top} {c}\n3.1 -0.8 {z} {d}\n2.0 0.0 {lift}\n",
+        "2.0 0.0 {lift} {a}\n3.0 -1.0 {z}\n4.98 -3.0 {top} {b}\n\
+         4.98 -2.9 {top} {c}\n3.1 -0.8 {z} {d}\n2.0 0.0 {lift}\n",
         z = lift + 1.0,
         top = lift + 2.0,
     )
@@ -109,12 +111,12 @@ fn faults_name_the_file_they_are_in() {
         read(&path).expect_err("must be refused").to_string()
     };
     for (from, to, words) in [
-        ("Sets: 9", "Sets: 10000", "set.inf:3: `10000` is no number of blades"),
-        ("Sets: 9", "Sets: 0", "set.inf:3: `0` is no number of blades"),
+        ("Sets: 9", "Sets: 10000", "set.inf:3: `10000` is not a valid number of blades"),
+        ("Sets: 9", "Sets: 0", "set.inf:3: `0` is not a valid number of blades"),
         ("Geometry Units: CM\n", "", "`Geometry Units` is missing"),
-        ("Units: CM", "Units: LY", "set.inf:5: `LY` is no known unit"),
-        ("Rotation: Z", "Rotation: Q", "set.inf:2: `Q` is no known axis"),
-        ("hub.curve", "nub.curve", "set.inf:6: the hub file `nub.curve` is not there"),
+        ("Units: CM", "Units: LY", "set.inf:5: `LY` is not a known unit"),
+        ("Rotation: Z", "Rotation: Q", "set.inf:2: `Q` is not a known axis"),
+        ("hub.curve", "nub.curve", "set.inf:6: the hub file `nub.curve` does not exist"),
         ("Hub Data File: hub.curve\n", "", "`Hub Data File` is missing"),
     ] {
         let error = fault(&INF.replace(from, to), &good);

@@ -1,23 +1,25 @@
-//! A blade as a closed solid: both sides, tip on the shroud, foot on the hub, blunt edges.
+//! Tessellates a blade as a closed solid: both sides, tip on the shroud, foot on the hub, blunt edges.
 
 use super::revolved::outwards;
 use crate::geometry::{Meridional, Point, Vector, wrap_angle};
 use crate::mesh::solid::{FaceKind, Grid, Solid};
 use crate::part::{Blade, BladeSide, Flowpath, Impeller};
 
-/// Points of both sides nearer than this at an edge are one, mm: less than files in single precision resolve.
+/// Points of both sides closer together than this at an edge are merged, mm: files in single precision do not
+/// resolve less.
 const SAME: f64 = 1e-4;
-/// Lines along u and v before any refinement: enough to see every bend.
+/// Intervals of u and v before refinement: enough to detect every bend.
 const FIRST_LINES: (usize, usize) = (16, 4);
-/// Up to this u (nose and what it runs out into) mesh lines along the blade are finer by this share of the chord error:
-/// plans ask for directions there, which follow the chord error as its root only.
+/// Up to the first value of u (nose and transition), chords along the blade may use only the second value as
+/// a share of the chord error. Plans need accurate normals there, whose error falls only with the root of the
+/// chord error.
 const NOSE: (f64, f64) = (0.08, 0.1);
-/// Most rounds of refinement, each of which halves.
+/// Largest number of refinements, each of which halves intervals.
 const ROUNDS: usize = 30;
-/// Most columns across tip and foot.
+/// Largest number of columns across tip and foot.
 const MOST_ACROSS: usize = 64;
 
-/// Tessellates a blade in its place. `None` when more than `most` triangles would be needed.
+/// Tessellates a blade. `None` when more than `most` triangles would be needed.
 pub(super) fn blade(part: &Impeller, blade: &Blade, chord_error: f64, most: usize) -> Option<Solid> {
     let sides = [&blade.suction, &blade.pressure];
     let (us, vs) = lines(sides, chord_error, most)?;
@@ -106,7 +108,7 @@ fn mark(
         }
     }
     for i in 0..us.len() - 1 {
-        // Foot and tip share the error with the bend of hub and shroud across them.
+        // Foot and tip share the chord error with the curvature of hub and shroud across them.
         let ends = along_u[i * columns].max(along_u[i * columns + columns - 1]);
         let share = if us[i] < NOSE.0 { NOSE.1 } else { 0.5 };
         if ends > share * chord_error {
@@ -125,7 +127,7 @@ fn mark(
                 continue;
             }
             let (length_u, length_v) = ((corners[2] - corners[0]).norm(), (corners[1] - corners[0]).norm());
-            // Where no edge bends much, the cell is twisted: its longer side is halved.
+            // A cell with nearly straight edges is twisted: its longer side is halved.
             let bent = eu.max(ev) > 0.4 * inner;
             if if bent { eu >= ev } else { length_u >= length_v } {
                 split_u[i] = true;
@@ -136,7 +138,7 @@ fn mark(
     }
 }
 
-/// Distance of `m` from the nearer of the planes of a cell's two triangles, as [`crate::mesh::solid`] splits it.
+/// Distance of `m` from the nearer plane of a cell's two triangles, split as in [`crate::mesh::solid`].
 fn from_cell(m: &Point, corners: &[Point; 4]) -> f64 {
     let distance = |t: [u32; 3]| {
         let [a, b, c] = t.map(|k| corners[k as usize]);
@@ -147,12 +149,12 @@ fn from_cell(m: &Point, corners: &[Point; 4]) -> f64 {
     planes.into_iter().flatten().fold(f64::INFINITY, f64::min).min(1e9)
 }
 
-/// What closes a blade at hub or shroud: the stretch of that surface of revolution between both sides.
+/// Cap of a blade at hub or shroud: the area of that surface of revolution between both sides.
 struct Cap<'a> {
     path: &'a Flowpath,
-    /// Column of the blade's grid: 0 at the hub.
+    /// Whether it is the cap at the hub.
     at_hub: bool,
-    /// Per u (arc length, angle) of the suction side and the steps to those of the pressure side.
+    /// Per u, arc length (mm) and angle (rad) of the suction side, and the differences to the pressure side.
     rows: Vec<[f64; 4]>,
 }
 
@@ -174,7 +176,7 @@ impl<'a> Cap<'a> {
         self.path.curve().point(t + dt * share).at_angle(angle + turn * share)
     }
 
-    /// Columns across, so that chords stay within `error` of the surface.
+    /// Number of columns across, so that chords stay within `error`, mm, of the surface.
     fn columns(&self, error: f64) -> usize {
         let bulge = |row: usize| {
             let (a, m, b) = (self.point(row, 0.0), self.point(row, 0.5), self.point(row, 1.0));
@@ -239,7 +241,7 @@ impl<'a> Maker<'a> {
         self.caps.push(grid);
     }
 
-    /// Closes a blunt edge: straight from side to side, but with foot and tip along hub and shroud.
+    /// Closes a blunt edge: straight from side to side, blended into hub and shroud at foot and tip.
     fn close_edge(&mut self, row: usize, kind: FaceKind, across: usize) {
         let point = |solid: &Solid, k: u32| solid.points[k as usize].coords;
         let mut points = Vec::with_capacity(self.vs.len() * (across + 1));
@@ -253,7 +255,7 @@ impl<'a> Maker<'a> {
             }
             let straight = |a: Vector, b: Vector, share: f64| a + (b - a) * share;
             let solid = &self.solid;
-            // How far foot and tip bulge from the straight line.
+            // Offset of foot and tip from the straight line between their ends.
             let bulge = |cap: &Grid, k: usize, share: f64| {
                 let (a, b) = (point(solid, cap.at(row, 0)), point(solid, cap.at(row, across)));
                 point(solid, cap.at(row, k)) - straight(a, b, share)
@@ -273,7 +275,7 @@ impl<'a> Maker<'a> {
         self.solid.add_grid(kind, &oriented, |_, _| Vector::zeros());
     }
 
-    /// Adds to `into` the points from one end to the other; all the same where the ends are.
+    /// Appends to `into` the points from one end to the other; all are the same where the ends are.
     fn bridge(&mut self, ends: [u32; 2], across: usize, at: impl Fn(f64) -> Point, into: &mut Vec<u32>) {
         into.push(ends[0]);
         for k in 1..across {
@@ -288,7 +290,7 @@ impl<'a> Maker<'a> {
     }
 }
 
-/// Samples a side into `solid`. At both edges it takes the points of the `other` side that are there already.
+/// Samples a side into `solid`. At both edges it reuses coinciding points of the `other` side.
 fn sample(solid: &mut Solid, side: &BladeSide, us: &[f64], vs: &[f64], other: Option<&Grid>) -> Grid {
     let mut points: Vec<u32> = Vec::with_capacity(us.len() * vs.len());
     for (i, &u) in us.iter().enumerate() {
@@ -308,7 +310,7 @@ fn sample(solid: &mut Solid, side: &BladeSide, us: &[f64], vs: &[f64], other: Op
     Grid { rows: us.len(), columns: vs.len(), points }
 }
 
-/// The grid with its columns in the opposite order: its faces turn over.
+/// The grid with its columns reversed, which reverses the orientation of its triangles.
 fn mirrored(grid: &Grid) -> Grid {
     let points = grid.points.chunks(grid.columns).flat_map(|row| row.iter().rev().copied()).collect();
     Grid { rows: grid.rows, columns: grid.columns, points }

@@ -6,27 +6,28 @@ use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 use crate::mesh::solid::{FaceKind, Grid, Solid};
 use crate::part::{Flowpath, Impeller};
 
-/// Fewest angular steps of a full turn.
+/// Smallest number of angular steps of a full turn.
 const FEWEST_STEPS: usize = 24;
-/// Most that the direction of hub or shroud may change between rings beyond what an even bend tells of it, rad per share
-/// of the chord error in the length of the curve: plans ask for directions, and chords follow a bend only where it is, not
-/// where it begins.
+/// Largest change of direction of hub or shroud between rings beyond that of constant curvature, rad, in
+/// units of chord error / curve length. Plans need accurate normals, and the chord error does not refine
+/// where a bend begins.
 const TURN: f64 = 3.0;
-/// Rings nearer to each other than this are one, mm.
+/// Rings closer together than this are merged, mm.
 const SAME: f64 = 1e-9;
 
-/// s at which the shown part of a flowpath begins: a short nose ahead of the blades, if the curve has one.
+/// s at which the displayed part of a flowpath begins: slightly ahead of the blades, where the curve extends
+/// there.
 pub fn nose(path: &Flowpath) -> f64 {
     path.s_range().0.max(-0.12)
 }
 
-/// +1 when the hub's inlet lies above its rim, else −1.
+/// +1 when the hub's inlet has a larger z than its rim, else −1.
 pub fn up_sign(part: &Impeller) -> f64 {
     if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 }
 }
 
-/// The rest of the wheel's outline, hub excepted: rim, back, bore and nose ring, from the rim of the hub back to its nose.
-/// A solid wheel for looks, not the drawing's back side, which part files do not hold.
+/// The outline of the wheel without the hub: rim, back, bore and nose ring, from the rim of the hub back to
+/// its nose, mm. It is for display only: part files do not contain the back side of the wheel.
 pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
     let (nose, rim) = (inside(part.hub.point(nose(&part.hub))), part.hub.point(1.0));
     let back = rim.z - up_sign(part) * (0.03 * rim.r).max(3.0);
@@ -40,7 +41,7 @@ pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
     ]
 }
 
-/// The hub with its body: closed.
+/// The hub with its body; closed.
 pub(super) fn hub(part: &Impeller, chord_error: f64) -> Solid {
     let outline = body_outline(part);
     let widest = outline.iter().map(|p| p.r).fold(0.0, f64::max);
@@ -60,14 +61,14 @@ pub(super) fn hub(part: &Impeller, chord_error: f64) -> Solid {
     ends[4] = first;
     for k in 1..5 {
         let (a, b) = (outline[k - 1], outline[k]);
-        // At right angles to the outline; the side follows from the triangles.
+        // At right angles to the outline; `add_grid` flips it to the side of the triangles.
         let normal = Meridional { r: b.z - a.z, z: a.r - b.r };
         turned.add(FaceKind::Body, &[(ends[k - 1], normal), (ends[k], normal)]);
     }
     outwards(turned.solid)
 }
 
-/// The shroud: a sheet, seen from outside the channel.
+/// The shroud: an open sheet with normals that point away from the channel.
 pub(super) fn shroud(part: &Impeller, chord_error: f64) -> Solid {
     let curve = part.shroud.curve();
     let error = share(&part.shroud, chord_error);
@@ -89,7 +90,7 @@ pub(super) fn shroud(part: &Impeller, chord_error: f64) -> Solid {
     solid
 }
 
-/// Number of triangles of hub and shroud, without making them.
+/// Number of triangles of hub and shroud, computed without tessellating them.
 pub(super) fn triangles(part: &Impeller, chord_error: f64) -> usize {
     let of = |path: &Flowpath, more: usize| {
         let error = share(path, chord_error);
@@ -102,7 +103,7 @@ fn inside(p: Meridional) -> Meridional {
     Meridional { r: p.r.max(0.0), z: p.z }
 }
 
-/// Turns a closed solid over if it faces inwards.
+/// Reverses the orientation of a closed solid if it faces inwards.
 pub(super) fn outwards(mut solid: Solid) -> Solid {
     if solid.volume_sixfold() < 0.0 {
         solid.turn_over();
@@ -110,8 +111,8 @@ pub(super) fn outwards(mut solid: Solid) -> Solid {
     solid
 }
 
-/// What chords along the meridian and chords around may each be off. The bends of most flowpaths are opposite: the
-/// chords of one lie in front of the surface, those of the other behind it, and their errors do not add up.
+/// Chord error allowed each for chords along the meridian and around the axis, mm. Where the two curvatures
+/// have opposite signs, as on most flowpaths, the errors have opposite signs, too, and do not add up.
 fn share(path: &Flowpath, chord_error: f64) -> f64 {
     let (start, end) = (path.arc_at(nose(path)), path.arc_at(1.0));
     let opposite = (0..=200).all(|i| {
@@ -121,7 +122,7 @@ fn share(path: &Flowpath, chord_error: f64) -> f64 {
     if opposite { 0.95 * chord_error } else { 0.5 * chord_error }
 }
 
-/// Arc lengths of a flowpath, from its nose to the rim, whose chords stay within `error`.
+/// Arc lengths of a flowpath, from its nose to the rim, between which chords stay within `error`, mm.
 fn stations(path: &Flowpath, error: f64) -> Vec<f64> {
     let (start, end) = (path.arc_at(nose(path)), path.arc_at(1.0));
     let mut stations = vec![start];
@@ -134,8 +135,8 @@ fn stations(path: &Flowpath, error: f64) -> Vec<f64> {
     stations
 }
 
-/// Adds the ends of chords between `a` (already in the list) and `b` that are at most `error` mm off the curve, and
-/// along which the uneven part of the bend turns it by `turn` rad at most.
+/// Bisects the interval from `a` (already in the list) to `b` until chords are within `error`, mm, of the
+/// curve and the varying part of the curvature changes its direction by at most `turn`, rad, within each.
 fn halve(curve: &MeridionalCurve, a: f64, b: f64, (error, turn): (f64, f64), into: &mut Vec<f64>) {
     let (p, q) = (curve.point(a), curve.point(b));
     let length = p.distance(q).max(1e-12);
@@ -167,7 +168,7 @@ struct Turned {
 type Ring = (u32, u32);
 
 impl Turned {
-    /// With as many steps as keep the sagitta at the radius `widest` within `error`.
+    /// Chooses the number of steps so that the sagitta at the radius `widest` stays within `error`, mm.
     fn new(widest: f64, error: f64) -> Self {
         let half_step = (1.0 - (error / widest.max(1e-9)).min(1.0)).acos();
         let steps = (PI / half_step.max(1e-6)).ceil() as usize;
@@ -190,7 +191,7 @@ impl Turned {
         (first, self.steps as u32)
     }
 
-    /// The face through rings, each with the meridional normal there.
+    /// Adds the face through rings, each given with its meridional normal.
     fn add(&mut self, kind: FaceKind, rings: &[(Ring, Meridional)]) {
         let columns = self.steps + 1;
         let points = rings
@@ -202,7 +203,7 @@ impl Turned {
         self.solid.add_grid(kind, &grid, |i, j| {
             let ((_, count), n) = rings[i];
             let (sin, cos) = directions[j];
-            // On the axis only the axial part is the same all around.
+            // On the axis, only the axial component is common to all angles.
             let radial = if count > 1 { n.r } else { 0.0 };
             Vector::new(radial * cos, radial * sin, n.z).try_normalize(1e-9).unwrap_or_else(Vector::zeros)
         });

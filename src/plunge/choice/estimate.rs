@@ -1,5 +1,5 @@
-//! How long a cutter takes for a stretch of the channel, before there is a plan: rows and positions as the planner
-//! would space them, each plunge at its feed over the depth of the channel, and back in rapid.
+//! Time estimate for a cutter on a stretch of the channel without planning it: rows and positions spaced as
+//! by the planner, each plunge at its feed rate over the depth of the channel, retracts in rapid.
 
 use super::fit::{Fit, Rules};
 use crate::part::Tool;
@@ -7,38 +7,38 @@ use crate::part::setup::PlungeSetup;
 use crate::plunge::sections::{ridge_spacing, row_spacing, step_limit};
 use crate::plunge::survey::{Across, Survey};
 
-/// Rapid feed assumed for time estimates, mm/min.
+/// Rapid feed rate assumed for time estimates, mm/min.
 pub const RAPID_FEED: f64 = 10_000.0;
-/// Time to change a cutter and to come back with the next, s.
+/// Time of a tool change including the approach with the next tool, s.
 pub const TOOL_CHANGE: f64 = 120.0;
-/// Most passages side by side, the full channel counted as one of its own.
+/// Number of passages: the full channel and those beside the splitter.
 const PASSAGES: usize = 3;
 
-/// What a choice costs; ordered by how far it breaks the rules first, by time then.
+/// Cost of a choice, ordered lexicographically: broken rules first, then time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Cost {
     /// Stations at which a cutter is wider than the passage.
     pub misfits: u32,
     /// Stations at which a cutter fits, but against the rules.
     pub wanting: u32,
-    /// What cutters that are too short lack in length, summed over the stations, mm.
+    /// Missing overhang of tools that are too short, summed over the stations, mm.
     pub lacking: f64,
     /// Time, s.
     pub seconds: f64,
 }
 
 impl Cost {
-    /// Time alone.
+    /// A cost that consists of time only.
     pub fn seconds(seconds: f64) -> Self {
         Self { seconds, ..Self::default() }
     }
 
-    /// Whether no rule is broken.
+    /// Whether no rule of fit is broken.
     pub fn keeps_rules(&self) -> bool {
         (self.misfits, self.wanting) == (0, 0)
     }
 
-    /// The cost of both.
+    /// Sum of both costs.
     pub fn and(self, other: Self) -> Self {
         Self {
             misfits: self.misfits + other.misfits,
@@ -52,42 +52,42 @@ impl Cost {
 /// Estimates for one survey and one setup.
 #[derive(Debug)]
 pub struct Estimator<'a> {
-    /// What was measured.
+    /// Measures of the channel.
     pub survey: &'a Survey,
-    /// Steps and spacings asked for.
+    /// Steps and stepovers of the setup.
     pub plunge: &'a PlungeSetup,
-    /// When a cutter fits.
+    /// Rules for whether a cutter fits.
     pub rules: Rules,
 }
 
-/// Rows and positions of a stretch of one passage, grown station by station.
+/// Rows and positions of a stretch of one passage, accumulated station by station.
 #[derive(Clone, Copy, Debug, Default)]
 struct Lane {
-    /// Gaps between rows.
+    /// Number of gaps between rows.
     gaps: f64,
-    /// mm per s where the axes move most: positions follow each other evenly in s.
+    /// Maximum speed of the axes along s, mm per unit of s: positions are evenly spaced in s.
     advance: f64,
-    /// Time of a plunge, integrated over s.
+    /// Time of a plunge integrated over s, s.
     plunging: f64,
 }
 
 impl Lane {
-    /// Time of all rows, s, at the steps of wall rows and of inner rows, mm.
+    /// Time of all rows, s, for the steps of wall rows and inner rows, mm.
     fn seconds(&self, [wall, inner]: [f64; 2]) -> f64 {
         let inner_rows = rows(self.gaps) - 2.0;
         self.advance * self.plunging * (2.0 / wall + inner_rows / inner)
     }
 }
 
-/// Number of rows with so many gaps between them. The planner rounds gaps up; here that is half a gap more on
-/// average, so that no hair's breadth of a width decides on a whole row.
+/// Number of rows for a fractional number of gaps. The planner rounds gaps up; here half a gap is added, the
+/// average of that, so that the estimate is continuous in the width.
 fn rows(gaps: f64) -> f64 {
     (gaps + 0.5).max(1.0) + 1.0
 }
 
 impl Estimator<'_> {
-    /// Costs of cutting with `tool` from station `from` inwards to each of the stations below it, nearest first. Way to
-    /// the first position and tool changes are not in it, see [`Self::beginning`].
+    /// Costs of cutting with `tool` from station `from` inwards to each of the stations below it, nearest
+    /// first. Entry and tool change are not included, see [`Self::beginning`].
     pub fn inwards<'s>(&'s self, tool: &'s Tool, from: usize) -> impl Iterator<Item = Cost> + use<'s> {
         let stations = &self.survey.stations;
         let mut lanes = [Lane::default(); PASSAGES];
@@ -114,10 +114,10 @@ impl Estimator<'_> {
         self.inwards(tool, from).nth(from - to - 1).unwrap_or_default()
     }
 
-    /// Cost of beginning with `tool` at station `from` after `before`: the change, and positions in every row
-    /// outside its stretch until the core is free.
+    /// Cost of beginning with `tool` at station `from` after the tool `before`: the tool change, and the
+    /// positions of every row outside its stretch until the core is free.
     pub fn beginning(&self, tool: &Tool, from: usize, before: Option<&Tool>) -> Cost {
-        // The planner sets the front rims of both cutters flush, and leaves the core outside the rim.
+        // The planner aligns the front rims of both cutters, and starts with the core outside the rim.
         let way_in = before.map_or(tool.core_radius().max(0.0), |t| (t.radius() - tool.radius()).max(0.0));
         let change =
             if before.is_some_and(|before| before.number == tool.number) { 0.0 } else { TOOL_CHANGE };
@@ -128,13 +128,13 @@ impl Estimator<'_> {
         Cost::seconds(change + way)
     }
 
-    /// Gaps between rows, as the planner places them: no ridge on the hub, none at the shroud.
+    /// Number of gaps between rows, spaced as by the planner, on the hub and at the shroud.
     fn gaps(&self, tool: &Tool, across: &Across) -> f64 {
         let room = |width: f64| self.rules.room(width) - tool.diameter;
         (room(across.hub) / row_spacing(self.plunge, tool)).max(room(across.shroud) / ridge_spacing(tool))
     }
 
-    /// Time of one plunge with its way back and the link to the next, s.
+    /// Time of one plunge with its retract and the link to the next, s.
     fn plunge_seconds(&self, tool: &Tool, across: &Across) -> f64 {
         let length = across.depth + self.rules.safety_distance;
         let link = step_limit(self.plunge, tool, false);
@@ -148,7 +148,8 @@ impl Estimator<'_> {
             Fit::Short => {
                 let station = &self.survey.stations[station];
                 let lacking = self.rules.overhang(station) - tool.overhang;
-                // What does not even reach the hub upright cuts as little there as a cutter that is too wide.
+                // A tool that does not reach the hub even along the isoparametric axis counts like one that
+                // is too wide.
                 let misfits = u32::from(tool.overhang < station.deepest);
                 Cost { misfits, wanting: 1 - misfits, lacking, ..Cost::default() }
             }

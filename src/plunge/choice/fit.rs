@@ -1,51 +1,51 @@
-//! When a cutter fits a place of the channel.
+//! Rules for whether a cutter fits at a station of the channel.
 
 use crate::part::Tool;
 use crate::part::setup::Stock;
 use crate::plunge::survey::Station;
 
-/// Room a cutter needs between the allowances to tilt and lean, in diameters.
+/// Width between the allowances that a cutter needs to be inclined, in diameters.
 const TILT_ROOM: f64 = 1.12;
-/// How much thicker than a cutter the cylinder must be that clears both walls with the conventional axis: for the
-/// places between two stations.
+/// Diameter of the cylinder that must clear both walls with the conventional axis, in diameters of the
+/// cutter: a margin for s between two stations.
 const CLEAR_ROOM: f64 = 1.04;
-/// How much longer an axis may get than the isoparametric one by leaning: by 30°.
+/// Factor by which an axis inclined by 30° is longer than the isoparametric one.
 const LEAN_LENGTH: f64 = 1.155;
 
-/// What a cutter must leave free.
+/// Clearances that the rules depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Rules {
-    /// Stock that stays on the blades, mm.
+    /// Blade allowance, mm.
     pub blade_allowance: f64,
-    /// Air above the blank, mm.
+    /// Safety distance above the blank, mm.
     pub safety_distance: f64,
 }
 
 /// How a cutter fits a station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fit {
-    /// With room to tilt, and long enough.
+    /// Wide enough for inclined axes, and long enough.
     Good,
-    /// With room to tilt, but its holder would come into the blank.
+    /// Wide enough for inclined axes, but the holder would enter the blank.
     Short,
-    /// Without room to tilt.
+    /// Too tight for inclined axes.
     Tight,
-    /// Not at all.
+    /// The cutter is wider than the passage.
     Wide,
 }
 
 impl Rules {
-    /// For what stays on a part and above it.
+    /// The rules for these allowances and distances.
     pub fn new(stock: &Stock) -> Self {
         Self { blade_allowance: stock.blade_allowance, safety_distance: stock.safety_distance }
     }
 
-    /// Room inside the allowances of a passage of this width, mm.
+    /// Width inside the allowances of a passage of `width` mm, mm.
     pub fn room(&self, width: f64) -> f64 {
         width - 2.0 * self.blade_allowance
     }
 
-    /// Free length a cutter needs at a station, mm.
+    /// Overhang that a tool needs at a station, mm.
     pub fn overhang(&self, station: &Station) -> f64 {
         LEAN_LENGTH * station.deepest + self.safety_distance
     }
@@ -53,7 +53,7 @@ impl Rules {
     /// How `tool` fits at a station.
     pub fn fit(&self, tool: &Tool, station: &Station) -> Fit {
         let room = self.room(station.narrowest);
-        // Where not even the cylinder finds an axis the cutter will not find one either.
+        // Where no cylinder of its diameter clears the walls, the cutter has no axis either.
         if room < tool.diameter || station.clear < tool.diameter {
             Fit::Wide
         } else if room < TILT_ROOM * tool.diameter || station.clear < CLEAR_ROOM * tool.diameter {
@@ -66,7 +66,9 @@ impl Rules {
     }
 }
 
-/// Diameters of the cylinders that tell where each of the tools clears both walls, largest first, mm.
+/// Diameters of the cylinders to try with
+/// [`Survey::try_cylinders`](crate::plunge::survey::Survey::try_cylinders) for these tools, largest first,
+/// mm.
 pub fn cylinders(tools: &[Tool]) -> Vec<f64> {
     let mut diameters: Vec<f64> = tools.iter().map(|tool| CLEAR_ROOM * tool.diameter).collect();
     diameters.sort_by(|a, b| b.total_cmp(a));

@@ -1,16 +1,16 @@
-//! Sections chosen by themselves: which cutters work, and where each takes over from the one before.
+//! Automatic choice of sections: which tools are used, and where each takes over from the previous one.
 //!
-//! Among all choices of one to four cutters, large to small from the outlet inwards, the one that is estimated to take
-//! the least time. No floor is left out: the sections follow each other from the rim to the leading edge, and
-//! where no cutter keeps the rules of [`fit`] the choice that breaks them at the fewest stations is taken.
+//! Among all choices of one to four cutters, large to small from the outlet inwards, the one with the
+//! shortest estimated time is taken. The sections cover the whole floor from the rim to the leading edge;
+//! where no cutter keeps the rules of [`fit`], the choice that breaks them at the fewest stations is taken.
 //!
 //! | question | file |
 //! |---|---|
-//! | when a cutter fits | [`fit`] |
-//! | how long a cutter takes | [`estimate`] |
+//! | when does a cutter fit | [`fit`] |
+//! | how much time does it take | [`estimate`] |
 //! | which choice is the cheapest | [`search`] |
-//! | why this one, in words | `reason` |
-//! | what they leave beside leaning walls | [`rest`] |
+//! | why was it chosen (text) | `reason` |
+//! | rest milling beside leaning walls | [`rest`] |
 
 pub mod estimate;
 pub mod fit;
@@ -27,17 +27,17 @@ use reason::Reasons;
 use rest::rest_of;
 use search::cheapest;
 
-/// A section that was chosen, and why.
+/// A chosen section with the reason for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
-    /// The section; its feed is left open.
+    /// The section, without a cutting direction.
     pub section: SectionSetup,
-    /// One line.
+    /// The reason, one line.
     pub reason: String,
 }
 
-/// Chooses sections for `tools` in the channel that was surveyed. With `limit`, cutters of a greater diameter, mm, are
-/// left aside as long as there are others. Empty without tools.
+/// Chooses sections for `tools` in the channel of `survey`. Cutters with a diameter above `limit` (mm) are
+/// ignored if there are others. Empty without tools.
 pub fn choose(tools: &[Tool], limit: Option<f64>, survey: &Survey, setup: &Setup) -> Vec<Chosen> {
     let estimator = Estimator { survey, plunge: &setup.plunge, rules: Rules::new(&setup.stock) };
     let candidates = candidates(tools, limit);
@@ -56,13 +56,13 @@ pub fn choose(tools: &[Tool], limit: Option<f64>, survey: &Survey, setup: &Setup
     sections.collect()
 }
 
-/// Chooses from `tools` the sections that cut the rest of `sections`.
+/// Chooses rest-milling sections after `sections` with cutters from `tools`.
 pub fn choose_rest(sections: &[SectionSetup], tools: &[Tool], survey: &Survey, stock: &Stock) -> Vec<Chosen> {
     rest_of(sections, &candidates(tools, None), survey, &Rules::new(stock))
 }
 
-/// The tools to choose from: large to small, of one size the shorter first, none twice, none above the limit unless
-/// all are.
+/// The tools to choose from: large to small, for equal diameters the shorter first, without duplicates, none
+/// above the limit unless all are.
 fn candidates(tools: &[Tool], limit: Option<f64>) -> Vec<&Tool> {
     let mut order: Vec<&Tool> = tools.iter().collect();
     order.sort_by(|a, b| {

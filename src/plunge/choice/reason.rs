@@ -1,4 +1,4 @@
-//! Why a section is as it is: one line that a programmer can disagree with.
+//! Text for why a section was chosen: one line with checkable facts.
 
 use std::collections::BTreeSet;
 
@@ -8,21 +8,21 @@ use super::search::{Found, Stretch, cheapest};
 use crate::part::Tool;
 use crate::plunge::survey::Station;
 
-/// What the reasons of a choice are read from.
+/// Data from which the reasons of a choice are derived.
 pub struct Reasons<'a> {
     /// Costs and rules.
     pub estimator: &'a Estimator<'a>,
-    /// What could be chosen, large to small.
+    /// The available tools, large to small.
     pub candidates: &'a [&'a Tool],
-    /// Greatest diameter that was considered, mm.
+    /// Maximum diameter that was considered, mm.
     pub limit: Option<f64>,
-    /// What was chosen.
+    /// The choice.
     pub found: &'a Found,
 }
 
 impl Reasons<'_> {
-    /// Why section `index` has its tool, why it ends where it does, and what the best choice with another size there
-    /// would take.
+    /// Why section `index` has its tool, why it ends where it does, and how much time the best choice with
+    /// another diameter there would take.
     pub fn of(&self, index: usize) -> String {
         let stretch = self.found.stretches[index];
         let parts =
@@ -48,11 +48,11 @@ impl Reasons<'_> {
         let largest = larger.peek().is_none();
         let fits = |t: &Tool| (stretch.to..=stretch.from).all(|station| self.fit(t, station) == Fit::Good);
         match self.limit {
-            _ if self.candidates.len() == 1 => "the only cutter there is".to_owned(),
+            _ if self.candidates.len() == 1 => "the only cutter available".to_owned(),
             Some(limit) if largest => {
                 format!("largest cutter with room for rows side by side at the outlet (at most D {limit:.1})")
             }
-            None if largest => "largest cutter there is".to_owned(),
+            None if largest => "largest cutter available".to_owned(),
             _ if larger.any(|t| fits(t)) => "larger ones would fit".to_owned(),
             _ => "largest cutter with room to tilt".to_owned(),
         }
@@ -78,7 +78,7 @@ impl Reasons<'_> {
         }
     }
 
-    /// The rule the cutter breaks, if it does.
+    /// The rule of fit that the cutter breaks, if any.
     fn broken(&self, stretch: Stretch) -> Option<String> {
         let tool = self.tool(stretch);
         let within = stretch.to..=stretch.from;
@@ -88,11 +88,11 @@ impl Reasons<'_> {
         }
         let needed = within.map(|i| self.estimator.rules.overhang(self.station(i))).fold(0.0, f64::max);
         fits.contains(&Fit::Short).then(|| {
-            format!("its overhang of {:.0} mm is short of the {needed:.0} mm wanted there", tool.overhang)
+            format!("its overhang of {:.0} mm is less than the {needed:.0} mm needed there", tool.overhang)
         })
     }
 
-    /// How the best choice compares that has another diameter in the middle of this stretch.
+    /// Comparison with the best choice that has another diameter in the middle of this stretch.
     fn rival(&self, stretch: Stretch) -> Option<String> {
         let diameter = |stretch: Stretch| self.tool(stretch).diameter;
         let middle = (stretch.from + stretch.to) / 2;

@@ -1,7 +1,7 @@
-//! Smaller cutters for what the sections leave beside leaning walls.
+//! Rest milling: smaller cutters for the stock that the sections leave beside leaning walls.
 //!
-//! The flat bottom of a cutter that leans with its wall leaves a wedge on the hub, about 2R·tan(lean) high, whatever its
-//! axis. Only a smaller cutter makes it thinner.
+//! The flat bottom of a cutter that is inclined with its wall leaves a wedge on the hub, about 2R·tan(tilt
+//! angle) high. Only a smaller cutter makes it thinner.
 
 use super::Chosen;
 use super::fit::{Fit, Rules};
@@ -10,20 +10,20 @@ use crate::part::{Setup, Tool};
 use crate::plunge::sections::{SetupFault, tool_of};
 use crate::plunge::survey::Survey;
 
-/// Largest cutter for the rest, in diameters of the one whose rest it cuts.
+/// Maximum diameter for rest milling, in diameters of the previous cutter.
 const LARGEST: f64 = 0.6;
-/// Layer above the allowance from which on it is worth a plunge of the cutter for the rest, in its radii.
+/// Layer above the allowance from which on rest milling is worthwhile, in radii of its cutter.
 const THICK_RADII: f64 = 0.25;
 
-/// Layer above the allowance from which on it is worth a plunge of `tool`, which cuts the rest, mm.
+/// Layer above the allowance from which on rest milling with `tool` is worthwhile, mm.
 pub fn thick(tool: &Tool) -> f64 {
     THICK_RADII * tool.radius()
 }
 
-/// The same for the cutter that cuts the rest of section `index`; `None` where none does.
+/// As [`thick`], for the rest-milling section that follows section `index`; `None` where none does.
 ///
 /// # Errors
-/// When that cutter is missing.
+/// When the tool of the rest-milling section is missing.
 pub fn thick_after(setup: &Setup, index: usize) -> Result<Option<f64>, SetupFault> {
     let sections = &setup.plunge.sections;
     let this = &sections[index];
@@ -32,8 +32,8 @@ pub fn thick_after(setup: &Setup, index: usize) -> Result<Option<f64>, SetupFaul
     rest.map(|rest| tool_of(setup, rest.tool).map(thick)).transpose()
 }
 
-/// Sections that cut the rest of `sections` with `tools`, large to small: for each the largest that is small enough and has
-/// room and length. One where neighbours get the same.
+/// Rest-milling sections after `sections`, large cutters first. Each uses the largest of `tools` (large to
+/// small) that is small enough and fits; neighbours with the same tool are merged.
 pub fn rest_of(sections: &[SectionSetup], tools: &[&Tool], survey: &Survey, rules: &Rules) -> Vec<Chosen> {
     let mut rest: Vec<(&Tool, Chosen)> = Vec::new();
     for section in sections {
@@ -54,8 +54,8 @@ pub fn rest_of(sections: &[SectionSetup], tools: &[&Tool], survey: &Survey, rule
         let section = SectionSetup { tool: tool.number, feed: None, rest: true, ..*section };
         let thick = thick(tool);
         let reason = format!(
-            "cuts what D {} leaves thicker than {thick:.2} mm above the allowance, as beside leaning walls; by `minimal` \
-             alone; `rest = false` in [plunge] leaves it out",
+            "rest milling: what D {} leaves thicker than {thick:.2} mm above the allowance, as beside \
+             leaning walls; only with `minimal`; `rest = false` in [plunge] disables it",
             main.diameter
         );
         rest.push((*tool, Chosen { section, reason }));

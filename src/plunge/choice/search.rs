@@ -1,23 +1,23 @@
-//! The cheapest choice by dynamic programming over the borders of sections.
+//! The cheapest choice of sections, by dynamic programming over their borders.
 //!
-//! Cutters come large to small from the outlet inwards, as they cut. A section runs from station to station, none
-//! runs across a joint, none is shorter than [`SHORTEST`]. With `after[n][i][t]`, the least cost of everything
-//! outside station i when n cutters were used and t was the last, and `ready[n][i][t]`, the same with t about to
-//! begin a section at i:
+//! Cutters are ordered large to small from the outlet inwards, as they cut. A section runs from station to
+//! station, none crosses a joint, none is shorter than [`SHORTEST`]. Let `after[n][i][t]` be the minimum cost
+//! of everything outside station i with n cutters used, t the last of them, and `ready[n][i][t]` the same
+//! with t about to begin a section at i. Then:
 //!
-//! - `ready[n][i][t]` = least of `after[n−1][i][u]` + change from u to t, over larger u; at a joint also
-//!   `after[n][i][t]`, as the same cutter goes on in a new section;
-//! - `after[n][i][t]` = least of `ready[n][j][t]` + cost of t from j to i, over the stations j outside i.
+//! - `ready[n][i][t]` = minimum of `after[n−1][i][u]` + change from u to t over larger u; at a joint also
+//!   `after[n][i][t]`, as the same cutter continues in a new section;
+//! - `after[n][i][t]` = minimum of `ready[n][j][t]` + cost of t from j to i over the stations j outside i.
 
 use super::estimate::{Cost, Estimator};
 use crate::part::Tool;
 
-/// Most cutters of a choice.
+/// Maximum number of cutters of a choice.
 pub const MOST_TOOLS: usize = 4;
-/// How much longer a choice with fewer cutters may take: a further one has to save more than the estimate is good for,
-/// and more than its seam across the floor is worth.
+/// Factor by which a choice with fewer cutters may take longer: a further cutter leaves a seam on the floor,
+/// and has to save more time than the error of the estimate.
 const WORTH_A_TOOL: f64 = 1.05;
-/// Shortest section, s.
+/// Minimum length of a section, in s.
 pub const SHORTEST: f64 = 0.04;
 
 /// A section of a choice: index of its tool, stations at its outlet and its inlet end.
@@ -31,7 +31,7 @@ pub struct Stretch {
     pub to: usize,
 }
 
-/// A choice and what it costs.
+/// A choice with its cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// Sections, outlet to inlet.
@@ -40,21 +40,21 @@ pub struct Found {
     pub cost: Cost,
 }
 
-/// A cost with where it came from: the tool before, or the station at which the section began.
+/// A cost with its back-pointer: the previous tool, or the station at which the section began.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     cost: Cost,
     origin: usize,
 }
 
-/// Keeps the lower cost; of equal ones the first.
+/// Keeps the lower cost; of equal costs the first.
 fn keep(best: &mut Option<Step>, cost: Cost, origin: usize) {
     if best.is_none_or(|best| cost < best.cost) {
         *best = Some(Step { cost, origin });
     }
 }
 
-/// The best steps by number of cutters used so far, station and tool.
+/// The best costs by number of cutters used so far, station and tool.
 struct Table {
     tools: usize,
     stations: usize,
@@ -87,8 +87,8 @@ pub fn is_section(estimator: &Estimator, from: usize, to: usize) -> bool {
     !crosses && survey.stations[from].s - survey.stations[to].s >= SHORTEST - 1e-9
 }
 
-/// The cheapest choice of `tools`, which come large to small, with no more of them than are worth it, and with none of
-/// the stretches that are not `allowed`. `None` when that leaves nothing.
+/// The cheapest choice from `tools` (large to small) among those whose stretches are all `allowed`, with as
+/// few tools as [`worthwhile`] finds. `None` when there is no such choice.
 pub fn cheapest(estimator: &Estimator, tools: &[&Tool], allowed: impl Fn(Stretch) -> bool) -> Option<Found> {
     let stations = estimator.survey.stations.len();
     let rim = stations - 1;
@@ -137,15 +137,15 @@ pub fn cheapest(estimator: &Estimator, tools: &[&Tool], allowed: impl Fn(Stretch
     Some(Found { stretches, cost })
 }
 
-/// Which of the least costs with one cutter, two, and so on to take: the first that breaks the rules no more than
-/// the best does and takes hardly longer. `None` when there is none.
+/// Index into `costs`, the minimum costs with one cutter, two, and so on: the first that breaks the rules no
+/// more than the best and takes hardly longer. `None` without any cost.
 pub fn worthwhile(costs: &[Option<Cost>]) -> Option<usize> {
     let best = costs.iter().flatten().copied().reduce(|a, b| if b < a { b } else { a })?;
     let most = Cost { seconds: WORTH_A_TOOL * best.seconds, ..best };
     costs.iter().position(|cost| cost.is_some_and(|cost| cost <= most))
 }
 
-/// `ready` at (number of cutters used, station, tool).
+/// Entry of `ready` at (number of cutters used, station, tool).
 fn begin(
     estimator: &Estimator,
     tools: &[&Tool],

@@ -41,7 +41,7 @@ fn tools_of(chosen: &[Chosen]) -> Vec<u32> {
     chosen.iter().map(|chosen| chosen.section.tool).collect()
 }
 
-/// Adds to `best` the least cost, by number of tools, of everything that can follow `so_far`.
+/// Adds to `best` the minimum cost, by number of tools, of everything that can follow `so_far`.
 fn every_choice(
     estimator: &Estimator,
     tools: &[&Tool],
@@ -78,7 +78,7 @@ fn every_choice(
 #[test]
 fn no_choice_beats_the_one_found() {
     let setup = Setup::default();
-    // Numbers that look like chance, the same on every run.
+    // Deterministic pseudorandom numbers.
     let mut state = 7u64;
     let mut chance = |from: f64, to: f64| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -162,7 +162,7 @@ fn the_shortest_cutter_that_is_long_enough_is_taken() {
     assert_eq!(of(&cutters), [60], "40 mm deep, and room to lean");
     let chosen = choose(&cutters[2..], None, &opening(20.0, 30.0), &setup);
     assert_eq!(tools_of(&chosen), [40], "a short one is better than none");
-    assert!(chosen[0].reason.contains("overhang of 40 mm is short"), "and says so: {}", chosen[0].reason);
+    assert!(chosen[0].reason.contains("overhang of 40 mm is less than"), "and says so: {}", chosen[0].reason);
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn reasons_name_the_border_and_the_price_of_another_size() {
     assert_eq!(tools_of(&chosen), [1, 2]);
     let reason = &chosen[0].reason;
     assert!(
-        reason.starts_with("largest cutter there is; to s = 0.32, where the passage narrows to"),
+        reason.starts_with("largest cutter available; to s = 0.32, where the passage narrows to"),
         "{reason}"
     );
     assert!(reason.contains("% longer"), "{reason}");
@@ -201,9 +201,9 @@ fn a_smaller_cutter_with_room_and_length_cuts_the_rest() {
         chosen.iter().map(|c| (c.section.tool, c.section.from, c.section.to)).collect::<Vec<_>>()
     };
     let wide = opening(60.0, 60.0);
-    // D 20 is too large after D 30, and one cutter serves neighbours that ask for the same.
+    // D 20 is too large after D 30, and neighbours with the same cutter are merged.
     assert_eq!(rest(&[section(1, 1.0, 0.5), section(1, 0.5, 0.0)], &tools, &wide), [(3, 1.0, 0.0)]);
-    // Large to small, each for the stretch whose rest it cuts.
+    // Large to small, each for the section whose rest it mills.
     assert_eq!(
         rest(&[section(2, 1.0, 0.5), section(3, 0.5, 0.0)], &tools, &wide),
         [(3, 1.0, 0.5), (4, 0.5, 0.0)]

@@ -1,28 +1,28 @@
-//! Plunges in cutting order, and which of them are near.
+//! Plunges in cutting order, with a spatial index of their columns.
 
 use super::index::{Around, Index};
 use crate::geometry::CutterSolid;
 use crate::part::Blank;
 use crate::plunge::slotting::DepthSurface;
 
-/// A plunge as contact sees it.
+/// A plunge, as needed for contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// The cutter at its final depth.
     pub cutter: CutterSolid,
     /// Radius of the core, mm.
     pub core_radius: f64,
-    /// Height above the tip, mm, above which the core column is clear of the whole blank.
+    /// Height above the tip from which on the core column is clear of the whole blank, mm.
     pub top: f64,
 }
 
 impl Column {
-    /// A plunge into `blank`.
+    /// The column of a plunge into `blank`, with a core of `core_radius` mm.
     pub fn new(cutter: CutterSolid, core_radius: f64, blank: &BlankTop) -> Self {
         Self { cutter, core_radius, top: blank.above(&cutter, core_radius) }
     }
 
-    /// The column of a plunge that stops `lift` mm short.
+    /// The column when the plunge stops `lift` mm short.
     pub fn lifted(mut self, lift: f64) -> Self {
         self.cutter.tip += self.cutter.axis * lift;
         self.top -= lift;
@@ -30,7 +30,7 @@ impl Column {
     }
 }
 
-/// Finds how far up core columns can meet stock.
+/// Computes up to which height core columns can meet stock.
 #[derive(Debug)]
 pub struct BlankTop<'a> {
     blank: &'a Blank,
@@ -38,9 +38,9 @@ pub struct BlankTop<'a> {
 }
 
 impl<'a> BlankTop<'a> {
-    /// For columns in `blank`.
+    /// The top of `blank`.
     pub fn new(blank: &'a Blank) -> Self {
-        // A hair's breadth keeps the circles of the outline from being infinitely thin.
+        // A small offset gives the circles of the outline a finite thickness.
         let surface = DepthSurface::new(&blank.shroud, 0.01).with_edges(blank.end_circles());
         Self { blank, surface }
     }
@@ -65,18 +65,18 @@ impl Columns {
         self.all.push(column);
     }
 
-    /// Forgets all but the first `count`.
+    /// Removes all but the first `count` plunges.
     pub fn truncate(&mut self, count: usize) {
         self.all.truncate(count);
         self.index.truncate(count);
     }
 
-    /// How many there are.
+    /// Number of plunges.
     pub fn len(&self) -> usize {
         self.all.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no plunges.
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
     }
@@ -86,12 +86,12 @@ impl Columns {
         &self.all
     }
 
-    /// All of them as what was cut before another one.
+    /// All plunges, as those cut before a further one.
     pub fn all(&self) -> Earlier<'_> {
         self.before(self.all.len())
     }
 
-    /// What was cut before number `k`.
+    /// The plunges cut before number `k`.
     pub fn before(&self, k: usize) -> Earlier<'_> {
         Earlier { columns: self, count: k }
     }
@@ -111,7 +111,7 @@ impl FromIterator<Column> for Columns {
     }
 }
 
-/// Plunges that were cut before another one.
+/// The first `count` plunges: those cut before another one.
 #[derive(Clone, Copy, Debug)]
 pub struct Earlier<'a> {
     columns: &'a Columns,
@@ -119,7 +119,7 @@ pub struct Earlier<'a> {
 }
 
 impl<'a> Earlier<'a> {
-    /// Those that may have removed some of the core of `column`, in cutting order.
+    /// The plunges that may have removed stock from the core of `column`, in cutting order.
     pub fn near(self, column: &Column) -> impl DoubleEndedIterator<Item = &'a Column> + use<'a> {
         let all = &self.columns.all;
         let mut found = self.columns.index.near(&column.around(), self.count);
@@ -130,12 +130,12 @@ impl<'a> Earlier<'a> {
 }
 
 impl Column {
-    /// Whether the core of this column comes near enough to `other` for that to have removed some of it.
+    /// Whether the core of this column is close enough to the axis of `other` to meet its column.
     pub fn may_meet(&self, other: &CutterSolid) -> bool {
         self.around().meets(&other.tip, &other.axis, other.radius + self.core_radius)
     }
 
-    /// Its core.
+    /// Index query for its core.
     fn around(&self) -> Around {
         let CutterSolid { tip, axis, .. } = self.cutter;
         Around { tip, axis, reach: self.core_radius, top: self.top.max(0.0) }
@@ -147,13 +147,13 @@ mod tests {
     use super::*;
     use crate::geometry::{Point, Vector};
 
-    /// Numbers from 0 to 1, the same every time.
+    /// Deterministic pseudorandom numbers from 0 to 1.
     fn dice(seed: &mut u64) -> f64 {
         *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (*seed >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// A plunge somewhere on a field of 600 mm, leaning by up to 40°.
+    /// A random plunge on a field of 600 mm, inclined by up to about 50°.
     fn column(seed: &mut u64) -> Column {
         let mut between = |from: f64, to: f64| from + (to - from) * dice(seed);
         let tip = Point::new(between(-300.0, 300.0), between(-300.0, 300.0), between(-20.0, 20.0));
@@ -167,7 +167,7 @@ mod tests {
     fn those_near_a_core_are_found_among_the_first_ones() {
         let mut seed = 7;
         let mut columns: Columns = (0..3000).map(|_| column(&mut seed)).collect();
-        // What was forgotten is not found, and what takes its place is.
+        // Removed columns are not found, those added later are.
         columns.truncate(1000);
         columns.extend((0..1500).map(|_| column(&mut seed)));
         let mut looked_at = 0;

@@ -1,18 +1,19 @@
-//! Earlier plunges as the lines of one core meet them.
+//! Intersection of the lines of one core with earlier plunges.
 
 use super::columns::Column;
 use crate::geometry::cutter::column_interval;
 use crate::geometry::{CutterSolid, Point, Vector, norm2};
 
-/// Newton steps towards a rounded corner, and the distance from it that counts as on it, mm.
+/// Maximum Newton steps towards a rounded corner, and their tolerance, mm.
 const MAX_CORNER_STEPS: usize = 24;
 const CORNER_TOLERANCE: f64 = 1e-9;
-/// Most plunges that are told apart by [`Neighbours::entered_below`]; where there are more, all are looked at.
+/// Capacity of the list of [`Neighbours::entered_below`]; where more plunges are found, all are evaluated.
 const MOST_ENTERED: usize = 24;
 
 /// A line along the axis of a core, from its bottom upwards.
 pub struct CoreLine {
-    /// Where it starts: on the bottom, and in the plane of the bottom from its centre, mm.
+    /// Start on the bottom, in the frame of the part; x and y are its coordinates in the plane of the bottom
+    /// from its centre, mm.
     pub origin: Point,
     x: f64,
     y: f64,
@@ -27,8 +28,9 @@ impl CoreLine {
     }
 }
 
-/// An earlier plunge as the lines of one core meet it. They are parallel, so that what depends on the direction alone is
-/// worked out once for all of them, and the rest are polynomials in x and y of [`CoreLine`].
+/// An earlier plunge prepared for intersection with the lines of one core. The lines are parallel, so what
+/// depends on the direction is computed once for all of them; the rest are polynomials in x and y of
+/// [`CoreLine`].
 #[derive(Clone, Copy, Debug)]
 pub struct Crossed {
     cutter: CutterSolid,
@@ -36,8 +38,8 @@ pub struct Crossed {
     along: f64,
     /// Height above the bottom of the earlier plunge: constant, by x, by y.
     height: [f64; 3],
-    /// The quadratic a h² + 2 b h + c by which a height h on the line is inside the endless cylinder when it is negative: a;
-    /// b constant, by x, by y; c constant, by x, y, x², xy, y².
+    /// The quadratic a h² + 2 b h + c, negative where height h of the line is inside the infinite cylinder.
+    /// Coefficients of b: 1, x, y; of c: 1, x, y, x², xy, y².
     a: f64,
     b: [f64; 3],
     c: [f64; 6],
@@ -65,7 +67,7 @@ impl Crossed {
         }
     }
 
-    /// Interval of the line that the plunge would have removed with a sharp corner.
+    /// Interval of the line that the plunge would remove with a sharp corner.
     #[inline]
     pub fn removed_by_sharp(&self, line: &CoreLine) -> Option<(f64, f64)> {
         let CoreLine { x, y, .. } = *line;
@@ -76,7 +78,7 @@ impl Crossed {
         column_interval([self.a, b, c], height, self.along)
     }
 
-    /// What the rounded corner leaves of an interval that a sharp one would have removed.
+    /// Interval that the plunge removes with its rounded corner, from that of a sharp one.
     #[inline]
     pub fn round_corner(&self, line: &CoreLine, low: f64, high: f64) -> Option<(f64, f64)> {
         if self.cutter.corner_radius == 0.0 {
@@ -88,20 +90,20 @@ impl Crossed {
     }
 }
 
-/// The earlier plunges that can touch a core column, latest first.
+/// The earlier plunges that may meet a core column, latest first.
 #[derive(Debug, Default)]
 pub struct Neighbours {
     columns: Vec<Crossed>,
-    /// Those cut after all of them.
+    /// Plunges cut after all of `columns`.
     passed: Vec<Crossed>,
-    /// Centre of the core's bottom, its axis, and two directions across.
+    /// Centre of the core's bottom, its axis, and two directions perpendicular to it.
     tip: Point,
     axis: Vector,
     across: [Vector; 2],
 }
 
 impl Neighbours {
-    /// Those of `column`: the `earlier` ones that may meet it, in cutting order.
+    /// The neighbours of `column`: the `earlier` plunges that may meet it, in cutting order.
     pub fn of<'c>(column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) -> Self {
         let mut near = Self::default();
         near.gather(column, earlier);
@@ -115,9 +117,9 @@ impl Neighbours {
         CoreLine { origin: self.tip + self.across[0] * x + self.across[1] * y, x, y, axis: self.axis }
     }
 
-    /// As [`Self::of`], in the room that there is.
+    /// As [`Self::of`], reusing the existing allocation.
     pub fn gather<'c>(&mut self, column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) {
-        // Lines that turn with the plunge about the rotation axis: what is found in one channel is found in all.
+        // The lines rotate with the plunge about Z, so that all channels give the same result.
         let CutterSolid { tip, axis, .. } = column.cutter;
         let outwards = Vector::new(tip.x, tip.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector::x);
         let helper = if axis.z.abs() < 0.9 { Vector::z() } else { outwards };
@@ -130,29 +132,30 @@ impl Neighbours {
         self.columns.extend(earlier.rev().map(crossed));
     }
 
-    /// Takes other plunges, in cutting order, as those cut after the ones that were gathered.
+    /// Replaces the plunges cut after the gathered ones by `passed`, in cutting order.
     pub fn pass<'c>(&mut self, passed: impl DoubleEndedIterator<Item = &'c Column>) {
         self.passed.clear();
         let crossed = |c: &Column| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across);
         self.passed.extend(passed.rev().map(crossed));
     }
 
-    /// The plunges that were gathered, latest first.
+    /// The gathered plunges, latest first.
     pub fn columns(&self) -> &[Crossed] {
         &self.columns
     }
 
-    /// Those cut after them, latest first.
+    /// The plunges cut after the gathered ones, latest first.
     pub fn passed(&self) -> &[Crossed] {
         &self.passed
     }
 
-    /// Lowest height on the line from which on something is already removed; infinite if nothing is.
+    /// Lowest height at which the line enters removed stock, mm; infinite if it does not.
     pub fn first_entry(&self, line: &CoreLine) -> f64 {
         first_entry(self.passed.iter().chain(&self.columns), line)
     }
 
-    /// Those that come below `height` on one of a few lines: on the lines between these the first entry is theirs.
+    /// The plunges that one of `lines` enters below `height`. On lines between these, the first entry is into
+    /// one of them.
     pub fn entered_below(&self, height: f64, lines: &[CoreLine]) -> Entered<'_> {
         let mut entered = Entered { near: self, numbers: [0; MOST_ENTERED], count: 0 };
         for (number, crossed) in self.passed.iter().chain(&self.columns).enumerate() {
@@ -167,14 +170,14 @@ impl Neighbours {
         entered
     }
 
-    /// Plunge `number` of all, latest first.
+    /// Plunge `number` of passed and gathered ones, latest first.
     fn get(&self, number: usize) -> &Crossed {
         let later = self.passed.len();
         if number < later { &self.passed[number] } else { &self.columns[number - later] }
     }
 }
 
-/// The few plunges of [`Neighbours`] that some lines meet first.
+/// The few plunges of [`Neighbours`] that some lines enter first.
 pub struct Entered<'n> {
     near: &'n Neighbours,
     numbers: [usize; MOST_ENTERED],
@@ -182,7 +185,7 @@ pub struct Entered<'n> {
 }
 
 impl Entered<'_> {
-    /// As [`Neighbours::first_entry`], among these.
+    /// As [`Neighbours::first_entry`], among these plunges.
     pub fn first_entry(&self, line: &CoreLine) -> f64 {
         match self.numbers.get(..self.count) {
             Some(numbers) => first_entry(numbers.iter().map(|&number| self.near.get(number)), line),
@@ -205,11 +208,12 @@ fn first_entry<'c>(plunges: impl Iterator<Item = &'c Crossed>, line: &CoreLine) 
     first
 }
 
-/// Where the line passes the surface of the rounded cutter, given where it passes that of the sharp one: at
-/// `height`, going inwards in direction `inwards` (±1) of the line. `None` when it passes the corner by.
+/// Height at which the line crosses the surface of the rounded cutter, given the `height` at which it crosses
+/// that of the sharp one, entering in direction `inwards` (±1) of the line. `None` when it misses the
+/// corner.
 ///
-/// The distance to a convex body is convex along a line, so that Newton's steps from outside come closer without
-/// passing it.
+/// The distance to a convex body is convex along a line, so Newton's method from outside converges
+/// monotonically.
 fn past_corner(
     cutter: &CutterSolid,
     origin: &Point,
@@ -230,7 +234,7 @@ fn past_corner(
         let out = distance - (cutter.radius - cutter.corner_radius);
         let down = cutter.corner_radius - z;
         if out <= 0.0 || down <= 0.0 {
-            // On the flat of the bottom or on the flank both are the same.
+            // On the flat of the bottom and on the flank the rounded and the sharp cutter coincide.
             return Some(h);
         }
         let length = norm2(out, down);

@@ -1,24 +1,24 @@
-//! Where plunges are: a tree of places over their tips and a second point far up their axes, so that a search looks at
-//! those around it alone, however many there are.
+//! Spatial index of plunges: a bounding-volume tree over grid cells of their tips and of a second point high
+//! up their axes, so that a query visits only the plunges near a given axis.
 
 use std::collections::HashMap;
 
 use crate::geometry::{CutterSolid, Point, Vector};
 
-/// Edge of the smallest places, in cutter radii, and by how much those of the next size are wider.
+/// Edge length of the cells of leaves, in cutter radii.
 const EDGE_RADII: f64 = 3.0;
-/// See [`EDGE_RADII`].
+/// Factor by which the cells of the next level are wider.
 const WIDER: i32 = 3;
 /// Height of the second point above the tip, in cutter radii.
 const SECOND_RADII: f64 = 32.0;
-/// Thinner cutters are taken as this thick, mm.
+/// Minimum radius used for cell sizes, mm.
 const LEAST_RADIUS: f64 = 1e-3;
-/// Sizes of places.
+/// Number of levels of the tree.
 const LEVELS: usize = 5;
-/// Stretches of an axis over which distances to other axes are bounded.
+/// Number of pieces of an axis over which distances to other axes are bounded.
 const STRETCHES: usize = 4;
 
-/// What is asked about: all that lies within `reach` mm of an axis, from its tip to `top` mm above.
+/// A query: everything within `reach` mm of an axis, from its tip to `top` mm above.
 #[derive(Clone, Copy, Debug)]
 pub struct Around {
     pub tip: Point,
@@ -46,7 +46,7 @@ impl Around {
     }
 }
 
-/// What holds all plunges of a place.
+/// Bounds of all plunges of a node.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
     /// First tip and first axis.
@@ -54,7 +54,7 @@ struct Bounds {
     axis: Vector,
     /// Height of the second points, mm.
     second: f64,
-    /// Largest distances from the first one: of a tip, of a second point, of an axis; and largest radius.
+    /// Maximum distances from the first plunge: of a tip, of a second point, of an axis; and maximum radius.
     aside: f64,
     aside_second: f64,
     turned: f64,
@@ -76,26 +76,26 @@ impl Bounds {
         self.radius = self.radius.max(cutter.radius);
     }
 
-    /// How far apart points of axes at the same height, mm, are at most.
+    /// Upper bound on the distance between points of the axes at the same height, mm.
     fn parted(&self, height: f64) -> f64 {
         let share = height / self.second;
         (1.0 - share).abs() * self.aside + share.abs() * self.aside_second
     }
 
-    /// Whether a plunge of the place may come into what is asked about.
+    /// Whether a plunge of the node may meet the query; conservative.
     fn is_near(&self, around: &Around) -> bool {
         let reach = around.reach + self.radius;
         let (low, high) = (around.tip - self.tip, around.at(around.top) - self.tip);
         let (height_low, height_high) = (low.dot(&self.axis), high.dot(&self.axis));
-        // The heights at which the other axes are nearest are not quite the same.
+        // Bounds the difference between the heights at which the axes are nearest.
         let elsewhere = self.aside + self.turned * low.norm().max(high.norm());
         let parted = |height: f64, elsewhere: f64| self.parted(height) + self.turned * elsewhere;
-        // What parts them grows towards one of the ends.
+        // The bound is largest at one of the ends.
         let most = parted(height_low, elsewhere).max(parted(height_high, elsewhere));
         if !around.meets(&self.tip, &self.axis, reach + most) {
             return false;
         }
-        // By pieces, as distances between straight axes change evenly.
+        // Refined piece by piece: the distance between straight axes is Lipschitz continuous with `slope`.
         let slope = around.axis.cross(&self.axis).norm();
         let half = 0.5 * around.top / STRETCHES as f64;
         (0..STRETCHES).any(|i| {
@@ -110,22 +110,22 @@ impl Bounds {
 #[derive(Clone, Debug)]
 struct Place {
     bounds: Bounds,
-    /// The place of the next size that holds it.
+    /// Index of the parent node in the next level.
     parent: u32,
-    /// Numbers of plunges, ascending, or of places of the size below.
+    /// Ascending indices of plunges, or of nodes of the level below.
     members: Vec<u32>,
 }
 
-/// Radius of the cutters of a place, and the cells of their tips and second points.
+/// Radius of the cutters of a node, and the cells of their tips and second points.
 type Key = (u64, [[i32; 3]; 2]);
 
-/// Plunges by where they are.
+/// Spatial index of plunges.
 #[derive(Clone, Debug, Default)]
 pub struct Index {
-    /// By size, the smallest first.
+    /// Nodes by level, the leaves first.
     places: [Vec<Place>; LEVELS],
     numbers: [HashMap<Key, u32>; LEVELS],
-    /// Of each plunge its smallest place.
+    /// Leaf of each plunge.
     of_plunge: Vec<u32>,
 }
 
@@ -153,7 +153,7 @@ impl Index {
         }
     }
 
-    /// The place of size `level` at `key`, made for `cutter` where there is none.
+    /// Index of the node of `level` at `key`, created for `cutter` where there is none.
     fn place(&mut self, level: usize, key: Key, cutter: &CutterSolid) -> u32 {
         if let Some(&number) = self.numbers[level].get(&key) {
             return number;
@@ -171,14 +171,15 @@ impl Index {
         number
     }
 
-    /// Forgets all but the first `count`.
+    /// Removes all but the first `count` plunges. Bounds are not shrunk.
     pub fn truncate(&mut self, count: usize) {
         for leaf in self.of_plunge.drain(count.min(self.of_plunge.len())..).rev() {
             self.places[0][leaf as usize].members.pop();
         }
     }
 
-    /// Numbers below `count` of those that may come into what is asked about, in any order. Some that do not are among them.
+    /// Indices below `count` of the plunges that may meet the query, in any order; may contain false
+    /// positives.
     pub fn near(&self, around: &Around, count: usize) -> Vec<u32> {
         let mut found = Vec::new();
         for place in &self.places[LEVELS - 1] {

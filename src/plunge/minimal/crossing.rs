@@ -1,6 +1,6 @@
-//! The way into stock that no row of its own leads to: in front of a splitter's nose the rows beside the splitter leave a
-//! strip, and a row that begins in it would have to stop short for long. It is entered from the side, from the row
-//! before it, in steps no wider than the inserts.
+//! Entry into a row from the previous row. In front of a splitter's nose the rows beside the splitter leave a
+//! strip of stock, and a row that begins in it would have to stop short over a long distance. It is entered
+//! from the side, in steps no wider than the inserts.
 
 use super::candidate::{Candidate, CandidateMaker};
 use super::path::PathSearch;
@@ -8,21 +8,21 @@ use crate::monitor::Cancelled;
 use crate::plunge::contact::{Columns, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
-/// Step across in step limits of the row: the hub falls away sideways, so that less leaves less to stop short of.
+/// Step across in step limits of the row: the hub curves across the row, so smaller steps need smaller lifts.
 const STEP_SHARE: f64 = 0.6;
 
-/// What a crossing needs.
+/// A sequence of plunges from one row to the next.
 pub struct Crossing<'a> {
-    /// Of the row that is to be reached.
+    /// Search of the row to be reached.
     pub search: &'a PathSearch<'a>,
-    /// λ of the row it comes from, which is cut already.
+    /// λ of the row it starts from, which is already cut.
     pub from: f64,
-    /// Where along the channel.
+    /// s along the channel.
     pub s: f64,
 }
 
 impl Crossing<'_> {
-    /// Stations from the row beside to this one, the last of them on this row; empty where there is no way.
+    /// Stations from the previous row to this one, the last of them on this row; empty where no axis fits.
     ///
     /// # Errors
     /// When the work is cancelled.
@@ -45,7 +45,7 @@ impl Crossing<'_> {
         Ok(stations)
     }
 
-    /// The candidate that leaves least, and how far it must stop short.
+    /// The cheapest candidate and its lift, mm.
     fn best(
         &self,
         candidates: &CandidateMaker,

@@ -1,13 +1,14 @@
-//! More plunges where a section's rows left the most: between positions, between rows, and under walls that lean
-//! over the channel.
+//! Single plunges where the rows of a section left the most stock: between positions, between rows, and under
+//! walls that lean over the channel.
 //!
-//! From a pool of axes, finer than the rows and free to lean from the wall's axis to upright, the one that takes
-//! most is added, again and again. Each is free of contact after the rows alone, so that they may be cut in any order.
+//! Greedy selection: from a pool of axes, denser than the rows and with tilt angles from that of the wall to
+//! zero, the plunge with the largest gain is added repeatedly. Each is free of contact after the rows alone,
+//! so they may be cut in any order.
 //!
-//! Work is put off until it is needed: a place is looked at by a few axes, and by all of them once these are the best of
-//! the pool; blades and contact of an axis are looked at once it is the best, contact by a few lines of the core before
-//! all. As what an axis takes only falls while others are added, and stays where none was added near it, most of the pool
-//! never gets so far.
+//! The selection is lazy: a gain only decreases while plunges are added, and stays the same where none was
+//! added nearby, so an old gain is an upper bound. A foot is first evaluated with a few axes, and with all of
+//! them once it is at the top of the heap; blades and contact of an axis are checked once it is at the top,
+//! contact with a few lines of the core first. Most of the pool never gets that far.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -23,83 +24,81 @@ use crate::part::Blank;
 use crate::plunge::contact::{Columns, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
-/// Feed tilts tried: from, apart, degrees, and how many.
+/// Lead angles of the pool: first one and step, degrees, and their number.
 const TILT_FROM_DEG: f64 = -9.0;
 const TILT_STEP_DEG: f64 = 3.0;
 const TILTS: usize = 10;
-/// Least gain of a plunge, as the thickness of a layer under the whole of its bottom, in cutter radii.
+/// Minimum gain of a plunge, as the thickness of a layer under its whole bottom, in cutter radii.
 const LEAST_GAIN_RADII: f64 = 0.0004;
-/// Most a plunge may stop short, as a share of what it would lower the stock by, and in cutter radii.
+/// Maximum lift of a plunge as a share of the depth by which it would lower the stock.
 const MOST_LIFT_SHARE: f64 = 0.7;
-/// See [`MOST_LIFT_SHARE`].
+/// Maximum lift of a plunge in cutter radii.
 const MOST_LIFT_RADII: f64 = 0.3;
-/// Ways to lean sideways, as shares of the way from the row's own lean to upright: all, and those that tell whether a
-/// place is worth looking at.
+/// Tilt angles of the full evaluation, as shares from the row's own tilt angle (0) to zero tilt (1).
 const FAN_SHARES: [f64; 5] = [1.0, 0.7, 0.4, 0.0, 1.4];
-/// See [`FAN_SHARES`].
+/// As [`FAN_SHARES`], for the coarse evaluation of a foot.
 const COARSE_SHARES: [f64; 2] = [0.85, 0.2];
-/// A plunge this near, in cutter radii, may free another of contact.
+/// Distance up to which a plunge may free another of contact, in cutter radii.
 const NEAR_RADII: f64 = 2.0;
-/// Plunges further apart than this, in cutter radii, share no cell of the floor.
+/// Distance beyond which two plunges share no cell of the floor, in cutter radii.
 const APART_RADII: f64 = 4.5;
-/// What one takes counts as unchanged down to this share.
+/// Share of the old gain down to which a gain counts as unchanged.
 const STILL: f64 = 0.999;
-/// What the best axis of a place may take: as a multiple of the best of the few that were looked at, and in least gains
-/// on top, as a few miss what is narrow.
+/// Estimated upper bound of the gain at a foot, as a multiple of the best gain of the coarse evaluation. It
+/// is a heuristic: a few axes miss narrow residues.
 const EXPECTED: f64 = 1.2;
-/// See [`EXPECTED`].
+/// Added to the bound of [`EXPECTED`], in minimum gains.
 const EXPECTED_LEAST: f64 = 0.6;
-/// How many of the best are looked at again side by side, how many of these closer at most, and how many at least where
-/// they are near to each other.
+/// Number of top entries that are re-evaluated in parallel.
 const BEST: usize = 16;
-/// See [`BEST`].
+/// Maximum number of these that are refined.
 const BATCH: usize = 8;
-/// See [`BEST`].
+/// Number of these that are refined even if they are near each other.
 const FEWEST: usize = 6;
-/// Lift kept above what the search saw, mm.
+/// Margin added to lifts found with the few lines of the search, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
-/// The cutter on one of the axes by which a place is looked at: the pool is large, and no more of the axis counts.
+/// A cutter of the coarse evaluation. The pool is large, so only the cutter of the axis is stored.
 #[derive(Clone, Debug)]
 struct Probe {
     cutter: CutterSolid,
-    /// What it took when it was last looked at, mm³.
+    /// Gain of its last evaluation, mm³.
     gain: f64,
 }
 
-/// How far an entry of the pool was looked at.
+/// How far an entry of the pool has been evaluated.
 #[derive(Clone, Debug)]
 enum Look {
-    /// A place, by a few of its axes.
+    /// A foot, with the few axes of the coarse evaluation.
     Place(Vec<Probe>),
-    /// One axis, blades and contact not looked at.
+    /// One axis, blades and contact not checked.
     Axis(Station),
-    /// An axis that blades allow, contact not looked at.
+    /// An axis that clears the blades, contact not checked.
     Clear(Station),
-    /// An axis that blades allow and that a few lines of its core hold back by `lift` mm at least.
+    /// An axis that clears the blades and needs at least `lift` mm by a few lines of its core.
     Held { station: Station, lift: f64 },
-    /// A plunge that blades and contact allow when it stops `lift` mm short.
+    /// A plunge that is free of blades and contact when it stops `lift` mm short.
     Plunge { station: Station, lift: f64 },
 }
 
-/// A plunge that might be added, or a place for some.
+/// An entry of the pool: a plunge that may be added, or a foot for several.
 #[derive(Clone, Debug)]
 struct Extra {
-    /// What it takes, mm³, when it was last looked at; of a place the most that is expected.
+    /// Gain of the last evaluation, mm³; for a foot its estimated upper bound.
     gain: f64,
-    /// Of two that gain the same, the first: place in the pool, and axis of it.
+    /// Tie-break: index of the foot in the pool, and of the axis at it; the first wins.
     order: (usize, usize),
     /// Index of its row.
     row: usize,
     /// s of its foot.
     s: f64,
-    /// How many had been added when it was last looked at; `None` when it has to be looked at anyway.
+    /// Number of added plunges at the last evaluation; `None` when it has to be evaluated anyway.
     seen: Option<usize>,
     look: Look,
 }
 
 impl Extra {
-    /// Where it is, nearly.
+    /// Approximate position.
     fn foot(&self) -> Option<&Point> {
         match &self.look {
             Look::Place(few) => few.first().map(|probe| &probe.cutter.tip),
@@ -108,7 +107,7 @@ impl Extra {
         }
     }
 
-    /// Its axis, if contact holds that back.
+    /// Its station, if contact limits that.
     fn held(&self) -> Option<Station> {
         match self.look {
             Look::Held { station, .. } => Some(station),
@@ -138,24 +137,25 @@ impl Ord for Extra {
     }
 }
 
-/// Looks for more plunges on a stretch.
+/// Lazy greedy search for more plunges on a stretch.
 pub struct ExtraSearch<'a> {
     /// Rows of the pool, by λ.
     rows: &'a [CandidateMaker<'a>],
     blank: &'a Blank,
     floor: Floor,
-    /// The pool, by what they take. What one takes only falls while others are added.
+    /// The pool, ordered by gain. Gains only decrease while plunges are added.
     heap: BinaryHeap<Extra>,
-    /// Those that contact does not allow yet.
+    /// Entries that contact does not allow yet.
     waiting: Vec<Extra>,
-    /// Tips of those that were added.
+    /// Tips of the added plunges.
     added: Cells,
-    /// What a plunge must take, mm³.
+    /// Minimum gain of a plunge, mm³.
     least: f64,
 }
 
 impl<'a> ExtraSearch<'a> {
-    /// A pool of axes at `feet`, each a row of `rows` and an s, for what the plunges so far have left of `floor`.
+    /// A pool of axes at `feet` (index into `rows`, s) for the stock that the plunges so far have left on
+    /// `floor`.
     pub fn new(
         rows: &'a [CandidateMaker<'a>],
         feet: &[(usize, f64)],
@@ -182,13 +182,13 @@ impl<'a> ExtraSearch<'a> {
         search
     }
 
-    /// The floor after all plunges that were found.
+    /// The floor after all found plunges.
     pub fn floor(&self) -> &Floor {
         &self.floor
     }
 
-    /// Up to `most` stations by rows of the pool that take `times` the least or more, each row in cutting order, all of
-    /// them free after the plunges of `columns`.
+    /// Up to `most` stations with a gain of at least `times` the minimum one, by rows of the pool, each row
+    /// in cutting order. All of them are free of contact after the plunges of `columns`.
     ///
     /// # Errors
     /// When the work is cancelled.
@@ -208,7 +208,7 @@ impl<'a> ExtraSearch<'a> {
         let mut count = 0;
         while let Some(best) = self.heap.pop() {
             match monitor.check() {
-                // What was found until now stands for itself.
+                // When stopped, the plunges found so far are the result.
                 Err(_) if monitor.is_stopped() => break,
                 checked => checked?,
             }
@@ -223,7 +223,7 @@ impl<'a> ExtraSearch<'a> {
             };
             let Some(now) = self.still_worth(best.clone()) else { continue };
             if now.gain < STILL * best.gain {
-                // What was added since has taken part of it.
+                // Plunges added since have taken part of its gain.
                 self.heap.push(now);
                 continue;
             }
@@ -234,7 +234,7 @@ impl<'a> ExtraSearch<'a> {
             found[best.row].push((-station.ends.s_hub * inward, station));
             count += 1;
         }
-        // After these, others beside them may be free that are not yet.
+        // The added plunges may free others near them of contact: these are evaluated again.
         let (held, rest) = self.heap.drain().partition(|extra| extra.held().is_some());
         self.heap = BinaryHeap::from(rest);
         self.waiting.extend::<Vec<Extra>>(held);
@@ -259,12 +259,12 @@ impl<'a> ExtraSearch<'a> {
         CutterSolid { tip: cutter.tip + cutter.axis * lift, ..cutter }
     }
 
-    /// What a plunge would take now.
+    /// Current gain of a plunge.
     fn gain(&self, row: usize, station: &Station, lift: f64) -> Gain {
         self.floor.gain(self.rows[row].maker.part, &self.cutter(row, station, lift))
     }
 
-    /// An entry with what it takes now; `None` when that is too little.
+    /// The entry with its current gain; `None` when that is below the minimum.
     fn still_worth(&self, mut extra: Extra) -> Option<Extra> {
         let Extra { row, seen, gain, .. } = extra;
         let changed = |tip: &Point| seen.is_none_or(|seen| self.added.any_near(tip, seen));
@@ -277,7 +277,7 @@ impl<'a> ExtraSearch<'a> {
                 for probe in few.iter_mut().filter(|probe| changed(&probe.cutter.tip)) {
                     probe.gain = self.floor.gain(part, &probe.cutter).cost;
                 }
-                // Between axes that take next to nothing there is none that takes enough.
+                // Between axes with hardly any gain no axis has a sufficient one.
                 let most = few.iter().map(|probe| probe.gain).fold(0.0, f64::max);
                 (EXPECTED * most + EXPECTED_LEAST * self.least, self.least)
             }
@@ -288,8 +288,8 @@ impl<'a> ExtraSearch<'a> {
         (gain > least).then_some(extra)
     }
 
-    /// Looks again at the best of the pool, and closer at those that still take what they did: those far from each other
-    /// first, as of near ones the first that is added takes part of what the others would.
+    /// Re-evaluates the top of the pool and refines the entries whose gain is unchanged. Entries far from
+    /// each other come first: of near ones the first that is added takes part of the gain of the others.
     fn look_closer(&mut self, columns: &Columns) {
         let apart = self.rows.first().map_or(0.0, |row| row.maker.tool.diameter);
         let mut best: Vec<Extra> = Vec::with_capacity(BEST);
@@ -323,18 +323,18 @@ impl<'a> ExtraSearch<'a> {
             .map_init(ContactSearch::default, |search, extra| self.closer(extra, columns, search))
             .collect();
         for extra in closer.into_iter().flatten() {
-            // What contact does not allow takes nothing.
+            // An entry that contact does not allow has no gain.
             if extra.gain > 0.0 { self.heap.push(extra) } else { self.waiting.push(extra) }
         }
     }
 
-    /// All axes of a place, or an axis looked at closer.
+    /// Refines an entry: a foot into all of its axes, an axis into a checked plunge.
     fn closer(&self, extra: Extra, columns: &Columns, search: &mut ContactSearch) -> Vec<Extra> {
         let Extra { row, s, order, .. } = extra;
         let makes = &self.rows[row];
         match extra.look {
             Look::Place(_) => {
-                // The most work of all: half of it for whoever has none.
+                // Hot spot: split so that an idle worker can steal half of it.
                 let axes = |tilts: Range<usize>| -> Vec<Extra> {
                     let fan = makes.fan(s, tilts.clone().map(tilt), &FAN_SHARES);
                     let from = tilts.start * FAN_SHARES.len();
@@ -363,13 +363,14 @@ impl<'a> ExtraSearch<'a> {
         }
     }
 
-    /// An axis that blades allow, with the lift that frees it; it takes nothing where that is too much.
+    /// An axis that clears the blades, with the lift that frees its core; the gain is 0 where the lift is too
+    /// large.
     fn freed(&self, extra: Extra, columns: &Columns, search: &mut ContactSearch) -> Extra {
         let (Look::Clear(station) | Look::Held { station, .. }) = extra.look else { return extra };
         let Extra { row, .. } = extra;
         let makes = &self.rows[row];
         let free = self.gain(row, &station, 0.0);
-        // Lifted by more, it would take next to nothing.
+        // With a larger lift it would have hardly any gain.
         let enough = (MOST_LIFT_SHARE * free.drop).min(MOST_LIFT_RADII * makes.maker.tool.radius());
         let column = makes.column(&station);
         let mut lines = search.among(&column, columns.all().near(&column));
@@ -388,7 +389,7 @@ impl<'a> ExtraSearch<'a> {
     }
 }
 
-/// Feed tilt number `j`, rad.
+/// Lead angle number `j` of the pool, rad.
 fn tilt(j: usize) -> f64 {
     (TILT_FROM_DEG + TILT_STEP_DEG * j as f64).to_radians()
 }

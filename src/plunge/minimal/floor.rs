@@ -1,31 +1,31 @@
-//! The hub under a stretch while it is being cut: how high the stock stands, cell by cell, and what one more plunge
-//! would take away.
+//! Height map of the stock on the hub of a stretch, and the gain of one more plunge.
 
 use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
 use crate::part::{Impeller, Tool};
 use crate::plunge::ground::Stretch;
 
-/// Edge of a cell in cutter radii.
+/// Edge length of a cell in cutter radii.
 const CELL_RADII: f64 = 0.2;
-/// Most cells of a stretch along it, and across.
+/// Maximum number of cells along and across a stretch.
 const MAX_CELLS: usize = 4000;
-/// How far from its tip a cutter is looked at, in radii: the flank may reach stock on a hub that rises beside it.
+/// Distance from the tip up to which a cutter may change cells, in radii: the flank may meet stock on a hub
+/// that rises beside it.
 const REACH_RADII: f64 = 1.25;
-/// What is so near to its tip is well under a cutter, in radii.
+/// Distance from the tip up to which a cell counts as well under a cutter, in radii.
 const WELL_UNDER_RADII: f64 = 0.8;
-/// Layers thicker than this, in radii, count as this thick: where nothing was cut the stock is as high as the channel.
+/// Thickness at which the cost of a layer saturates, in cutter radii: uncut stock is as high as the channel.
 const THICKEST_RADII: f64 = 1.0;
 
-/// What a plunge would take.
+/// Gain of a plunge.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gain {
-    /// By how much the floor costs less, mm³.
+    /// Decrease of the cost of the floor, mm³.
     pub cost: f64,
-    /// By how much some cell would be lowered, at most, mm.
+    /// Maximum decrease of the height of a cell, mm.
     pub drop: f64,
 }
 
-/// One cell.
+/// One cell of the height map.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     point: Point,
@@ -35,10 +35,10 @@ struct Cell {
     height: f64,
 }
 
-/// Cells at one s, evenly from wall to wall.
+/// Cells at one s, evenly spaced from wall to wall.
 #[derive(Clone, Debug)]
 struct FloorRow {
-    /// θ of the first wall's foot with its allowance, and the angle from cell to cell.
+    /// θ of the first wall's foot with its allowance, and the angle from cell to cell, rad.
     from: f64,
     step: f64,
     /// Radius, mm.
@@ -46,23 +46,23 @@ struct FloorRow {
     cells: Vec<Cell>,
 }
 
-/// The floor of a stretch.
+/// Height map of the stock on the hub of a stretch.
 #[derive(Clone, Debug)]
 pub struct Floor {
     rows: Vec<FloorRow>,
-    /// s of the first row, and from row to row.
+    /// s of the first row, and step of s from row to row.
     s_from: f64,
     s_step: f64,
     /// mm of hub per unit of s.
     length: f64,
     allowance: f64,
-    /// Layer whose square weighs as much as itself, and the thickest that counts, mm.
+    /// Layer e for which e²/`scale` equals e in the cost, and the layer at which the cost saturates, mm.
     scale: f64,
     thickest: f64,
 }
 
 impl Floor {
-    /// The uncut floor of `stretch`, between the wall's feet with `blade_allowance` mm.
+    /// The uncut floor of `stretch` between the feet of the walls, each with `blade_allowance` mm.
     pub fn new(
         part: &Impeller,
         stretch: &Stretch,
@@ -110,7 +110,7 @@ impl Floor {
         }
     }
 
-    /// Share of the floor on which the stock stands more than `excess` mm above the allowance, or was not cut at all.
+    /// Share of the floor area with stock more than `excess` mm above the allowance, uncut cells included.
     pub fn share_above(&self, excess: f64) -> f64 {
         let (mut thick, mut all) = (0.0, 0.0);
         for cell in self.rows.iter().flat_map(|row| &row.cells) {
@@ -122,7 +122,7 @@ impl Floor {
         if all > 0.0 { thick / all } else { 0.0 }
     }
 
-    /// Whether well under `cutter` the stock stands somewhere more than `excess` mm above the allowance.
+    /// Whether some cell well under `cutter` has stock more than `excess` mm above the allowance.
     pub fn is_thick_under(&self, part: &Impeller, cutter: &CutterSolid, excess: f64) -> bool {
         let reach = WELL_UNDER_RADII * cutter.radius;
         self.under(part, cutter).any(|(i, from, to)| {
@@ -132,13 +132,13 @@ impl Floor {
         })
     }
 
-    /// What a cell costs whose stock is `height` mm high, per mm².
+    /// Cost per mm² of a cell whose stock is `height` mm high, mm.
     fn cost(&self, height: f64) -> f64 {
         let e = (height - self.allowance).clamp(0.0, self.thickest);
         e + e * e / self.scale
     }
 
-    /// Rows and cells of them that `cutter` may reach.
+    /// Rows and their ranges of cells that `cutter` may change.
     fn under(&self, part: &Impeller, cutter: &CutterSolid) -> impl Iterator<Item = (usize, usize, usize)> {
         let foot = crate::geometry::Meridional::of(&cutter.tip);
         let s = part.hub.s_at(part.hub.curve().project(foot).0);
@@ -157,7 +157,7 @@ impl Floor {
             if row.cells.is_empty() {
                 return None;
             }
-            // The nearest of the turns of θ: passages are narrower than half a turn.
+            // Wraps θ to the nearest turn: passages are narrower than half a turn.
             let width = row.step * row.cells.len() as f64;
             let middle = 0.5 * width + wrap_angle(theta - row.from - 0.5 * width);
             let half = (reach / row.r / row.step).abs();
@@ -170,9 +170,9 @@ impl Floor {
         })
     }
 
-    /// Lowest height of a cell that `cutter` leaves, if it lowers it.
+    /// Height to which `cutter` lowers a cell, if it does.
     fn entry(cell: &Cell, cutter: &CutterSolid) -> Option<f64> {
-        // Most cells that were cut lie below the plane of the bottom.
+        // Early exit: most cut cells are below the plane of the bottom.
         let above = (cell.point - cutter.tip).dot(&cutter.axis) + cell.height * cell.normal.dot(&cutter.axis);
         if above <= 0.0 && cell.normal.dot(&cutter.axis) > 0.0 {
             return None;
@@ -181,12 +181,12 @@ impl Floor {
         (high > 0.0 && low < cell.height).then_some(low)
     }
 
-    /// What one more plunge of `cutter` would take.
+    /// Gain of one more plunge of `cutter`.
     pub fn gain(&self, part: &Impeller, cutter: &CutterSolid) -> Gain {
         let mut gain = Gain::default();
         for (i, from, to) in self.under(part, cutter) {
             for cell in &self.rows[i].cells[from..to] {
-                // The least a cutter leaves is the allowance.
+                // A cutter leaves at least the allowance.
                 if cell.height > self.allowance
                     && let Some(low) = Self::entry(cell, cutter)
                 {
@@ -198,7 +198,7 @@ impl Floor {
         gain
     }
 
-    /// Takes away what a plunge removes.
+    /// Removes the stock that a plunge cuts.
     pub fn cut(&mut self, part: &Impeller, cutter: &CutterSolid) {
         let ranges: Vec<(usize, usize, usize)> = self.under(part, cutter).collect();
         for (i, from, to) in ranges {

@@ -1,10 +1,10 @@
-//! Stage 3 by our own rule: the least residual layer with no contact of the core (DESIGN sections 2.3 and 3).
+//! Stage 3 by the policy `minimal`: minimum residual layer under the constraint that the core meets no stock.
 //!
-//! What decides is whether the core meets stock, so that is the constraint and the layer left on the hub the
-//! objective. A row is a path through the candidates of its positions: dynamic programming over the feed tilt. A
-//! step costs the layer its position leaves; where the core would meet stock the plunge
-//! stops short of it, and the layer that leaves is paid for as well, so that
-//! the search leans, waits or goes around as is cheapest. Single plunges are added where the rows left the most.
+//! Contact of the core with stock is the constraint, the layer left on the hub the objective. A row is a path
+//! through candidate axes: dynamic programming over lead angles, one stage per position, pruned by a beam. A
+//! state costs the layer that its position leaves. Where the core would meet stock, the plunge stops short of
+//! it, and the layer left by that counts as well, so the search weighs other inclinations against lifts.
+//! Finally single plunges are added where the rows left the most (lazy greedy).
 
 mod candidate;
 mod crossing;

@@ -1,5 +1,5 @@
-//! `minimal` section by section: rows one after the other, each knowing what was cut before it, in the
-//! direction that leaves less.
+//! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
+//! ones, in the cutting direction that leaves less.
 
 use super::{CandidateMaker, Crossing, PathSearch};
 use crate::geometry::wrap_angle;
@@ -13,30 +13,31 @@ use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::sections::{ridge_spacing, tool_of};
 
-/// Layer whose square weighs as much as itself, in cutter radii.
+/// Layer e for which the square term of the cost equals e, in cutter radii.
 pub const SCALE_RADII: f64 = 0.5;
-/// A section fed inwards that costs no more than so many times the least is not tried outwards.
+/// If outlet to inlet costs at most this multiple of the lower bound, inlet to outlet is not tried.
 const GOOD_ENOUGH: f64 = 1.2;
-/// How far before its start a row may begin, in cutter diameters.
+/// Distance before its start at which a row may begin, in cutter diameters.
 const RUN_UP_DIAMETERS: f64 = 1.5;
-/// Height of the wedge under a leaning wall from which on another row goes there, in cutter radii.
+/// Height of the wedge under a leaning wall from which on a row is inserted beside that wall, in cutter
+/// radii.
 const WEDGE_RADII: f64 = 0.2;
-/// Share of its way through the blank that a plunge may stop short by: what cuts less is not worth its time.
+/// Maximum lift of a plunge as a share of its depth in the blank: what cuts less is not worth its time.
 pub const MOST_LIFT: f64 = 0.8;
-/// Lift of a row's first position from which on the row is entered from the side, in cutter radii.
+/// Lift of a row's first position from which on the row is entered from the previous row, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
 
-/// A section fed one way.
+/// A section planned in one cutting direction.
 struct Fed {
     cut: SectionCut,
-    /// What it costs, and what it could not cost less than.
+    /// Cost of its paths, and the lower bound on it, mm.
     cost: f64,
     least: f64,
 }
 
 impl Planner<'_> {
-    /// Plans section `index` on its `grounds` after the plunges of `earlier`, in the direction its setup asks for or else
-    /// in the one that leaves less.
+    /// Plans section `index` with its layout `grounds` after the plunges of `earlier`, in the cutting
+    /// direction of the setup or else in the one that leaves less.
     ///
     /// # Errors
     /// As [`Planner::plan`].
@@ -58,7 +59,7 @@ impl Planner<'_> {
             }
             _ => None,
         };
-        // Of two ways of which one is not whole, the whole one.
+        // If stopped, discard the incomplete second direction.
         let other = other.filter(|_| !monitor.is_stopped());
         let Some(Fed { mut cut, .. }) = other.or(first) else {
             return Ok(SectionCut::empty(Feed::Inward, earlier.clone()));
@@ -67,7 +68,7 @@ impl Planner<'_> {
         Ok(cut)
     }
 
-    /// The section fed one way, as far as it gets before it is stopped; `None` when it costs `limit` or more.
+    /// The section planned in one direction, up to where it is stopped; `None` when it costs `limit` or more.
     fn fed(
         &self,
         index: usize,
@@ -85,7 +86,8 @@ impl Planner<'_> {
         }
     }
 
-    /// Adds row after row to `fed`; `false` when it costs `limit` or more. All rows are whole when this ends early, too.
+    /// Adds row after row to `fed`; `false` when it costs `limit` or more. Rows are complete even when this
+    /// ends early.
     fn feed_rows(
         &self,
         index: usize,
@@ -99,7 +101,7 @@ impl Planner<'_> {
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let inward = feed.inward();
-        // A path that was found is cut.
+        // Found paths are cut even after a stop.
         let closing = &monitor.closing();
         for ground in grounds {
             let Ground { stretch, lane, rows, .. } = ground;
@@ -144,7 +146,7 @@ impl Planner<'_> {
         Ok(true)
     }
 
-    /// Candidates of a row that has nothing to clear and may lean sideways as it likes.
+    /// Candidates of a row without a floor to clear and without limit of its tilt angle.
     pub(super) fn candidate_maker<'r>(
         &'r self,
         maker: &'r RowMaker<'r>,
@@ -166,8 +168,8 @@ impl Planner<'_> {
         }
     }
 
-    /// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, as several rows where the axis
-    /// turns too much.
+    /// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, split into several rows
+    /// where the axis turns too much.
     pub(super) fn cut_split(
         &self,
         stations: Vec<Station>,
@@ -182,8 +184,8 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// What row `row` has to clear at `s`: from half way to the row before it (or the wall's foot) to half way to the
-    /// next, as angles from its M.
+    /// Floor that row `row` has to clear at `s`: from half way to the previous row (or the wall's foot) to
+    /// half way to the next, as angles about Z from its M, rad.
     fn floor_of_row(
         &self,
         stretch: &Stretch,
@@ -198,7 +200,7 @@ impl Planner<'_> {
         let margin = self.setup.stock.blade_allowance / self.part.hub.point(s).r * self.part.pitch().signum();
         let half_way = |other: usize| Some(0.5 * wrap_angle(at(rows[other])? - here));
         let foot = |wall: usize| {
-            // Beyond the blade's ends the wall is where it ends.
+            // Beyond the ends of a blade its end is used.
             let walls = walls?;
             let inward = if wall == 0 { margin } else { -margin };
             Some(wrap_angle(walls[wall] + inward - here))
@@ -208,8 +210,8 @@ impl Planner<'_> {
         Some([from, to])
     }
 
-    /// λ of the rows, with one more beside each wall that leans over the channel: half way to the next row the cutter
-    /// can stand more upright, and takes part of the wedge under the lean.
+    /// λ of the rows, with one more beside each wall that leans over the channel: half way to the next row
+    /// the tilt angle can be smaller, which removes part of the wedge under the wall.
     pub(super) fn with_rows_beside_walls(
         &self,
         lane: &Lane,
@@ -237,8 +239,8 @@ impl Planner<'_> {
         lambdas
     }
 
-    /// How far W of each row may leave its place sideways, mm, before a ridge stays between neighbours at the shroud. Rows far
-    /// from the walls may go further, as their neighbours go with them.
+    /// Maximum displacement of W across each row without uncut stock between neighbours at the shroud, mm. It
+    /// grows with the distance from the walls, as neighbouring rows may be displaced together.
     fn sideways(&self, lane: &Lane, stretch: &Stretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
         let widest = (0..=8)
             .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
@@ -254,8 +256,8 @@ impl Planner<'_> {
     }
 }
 
-/// Places s of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub and shroud for
-/// conventional axes.
+/// s of the stages of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub
+/// and shroud for conventional axes.
 fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> Vec<f64> {
     let length = maker.part.hub.length().max(maker.part.shroud.length());
     let coarse = (((end - start).abs() * length / maker.step_limit / 3.0).ceil() as usize).clamp(1, 4000);
@@ -276,7 +278,7 @@ fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> Vec<f64> {
     (0..=first + count).map(|i| start + step * (i as f64 - first as f64)).collect()
 }
 
-/// Stage 2: puts positions between those that stand further apart than the step limit.
+/// Stage 2 of the planning loop: inserts stations between those whose spacing exceeds the step limit.
 fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<Station>) {
     for _ in 0..6 {
         let mut filled: Vec<Station> = Vec::with_capacity(stations.len());
@@ -295,7 +297,7 @@ fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<
     }
 }
 
-/// The station midway between two.
+/// The station midway between two, if it clears the blades.
 fn between(maker: &RowMaker, candidates: &CandidateMaker, a: &AxisEnds, b: &AxisEnds) -> Option<Station> {
     let middle = |x: f64, y: f64| 0.5 * (x + y);
     let (s_hub, s_shroud) = (middle(a.s_hub, b.s_hub), middle(a.s_shroud, b.s_shroud));

@@ -1,5 +1,5 @@
-//! What `minimal` adds to the rows of a section: single plunges where they left the most. And what it cuts with a smaller
-//! cutter afterwards: single plunges alone, where the layer is still thick.
+//! Single plunges that `minimal` adds to the rows of a section where they left the most, and rest milling
+//! with a smaller cutter: single plunges only, where the layer is still thick.
 
 use rayon::prelude::*;
 
@@ -15,48 +15,51 @@ use crate::plunge::plan::Stopped;
 use crate::plunge::row::RowMaker;
 use crate::plunge::sections::{MAX_POSITIONS, tool_of};
 
-/// How plunges are looked for.
+/// Settings of a search for single plunges.
 #[derive(Clone, Copy, Debug)]
 struct Manner {
-    /// Rounds, each beside all those before, by what a plunge has to take, in least gains: what takes most comes first,
-    /// as it frees others.
+    /// Minimum gain in each round, in multiples of the search's minimum: plunges with a large gain come
+    /// first, as they free others of contact.
     rounds: [f64; 3],
-    /// How far apart they are tried along the channel, in step limits.
+    /// Spacing of the tried plunges along the channel, in step limits.
     step_share: f64,
-    /// Into how many parts they divide the way between two rows at most.
+    /// Maximum number of parts into which the gap between two rows is divided.
     parts: usize,
 }
 
-/// Beside the rows of a section.
+/// For additions to the rows of a section.
 const BESIDE_ROWS: Manner = Manner { rounds: [4.0, 2.0, 1.0], step_share: 0.5, parts: 4 };
-/// For the rest. The cutter before is about twice as large, so its least gains are about eight times as large; and one plunge of
-/// the smaller one takes no less time: it has to take several of them.
+/// For rest milling. The previous cutter is about twice as large, so its minimum gain is about eight times as
+/// large. A plunge of the smaller cutter takes as much time, so it has to gain several times that.
 const REST: Manner = Manner { rounds: [52.0, 26.0, 13.0], step_share: 0.7, parts: 3 };
-/// At most so many for each plunge of the rows.
+/// Maximum number of added plunges per plunge of the rows.
 const MOST_SHARE: usize = 2;
-/// Plans of so many positions get no more: the rest of the limit is for what the setup asks for.
+/// Number of positions from which on a plan gets no added plunges: the rest of the limit is reserved for
+/// rows.
 const MOST_POSITIONS: usize = MAX_POSITIONS / 2;
-/// They are tried no nearer to each other than this, in cutter radii.
+/// Minimum spacing of tried plunges, in cutter radii.
 const NEAREST_RADII: f64 = 0.12;
-/// Share of a stretch's floor that has to be thick for a smaller cutter to come back.
+/// Share of a stretch's floor that must have thick stock for rest milling.
 const THICK_SHARE: f64 = 0.04;
 
-/// Which plunges may be added.
+/// Limits of the plunges to add.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
-    /// At most so many in all, for a section and as the whole plan has room.
+    /// Maximum number for the section, and the number left until the limit of the whole plan.
     most: usize,
     room: usize,
-    /// How they are looked for.
+    /// Settings of the search.
     manner: Manner,
-    /// Only where the stock stands more than this above the allowance, and only if it does on a good part of the floor, mm.
+    /// Plunges are added only where stock is more than this above the allowance, and only if it is so on at
+    /// least [`THICK_SHARE`] of the floor, mm.
     above: Option<f64>,
-    /// Where it still does so by this much after the first round, mm, the others are left to a smaller cutter.
+    /// If stock is more than this above the allowance on that share after the first round, the other rounds
+    /// are left to a smaller cutter, mm.
     rest_from: Option<f64>,
 }
 
 impl Planner<'_> {
-    /// Adds plunges where the rows of a section left the most, up to [`MOST_SHARE`] times as many as there are.
+    /// Adds plunges where the rows of a section left the most, up to a multiple of their number.
     pub(super) fn add_extras(
         &self,
         index: usize,
@@ -72,7 +75,8 @@ impl Planner<'_> {
         self.add_plunges(index, grounds, cut, wanted, monitor)
     }
 
-    /// Plans section `index`, which cuts the rest of those before: no rows, single plunges where they left a thick layer.
+    /// Plans section `index`, a rest-milling section: no rows, only single plunges where earlier sections
+    /// left a thick layer.
     ///
     /// # Errors
     /// As [`Planner::plan`].
@@ -104,7 +108,7 @@ impl Planner<'_> {
             cut.added = Some((0, Stopped::Cancelled));
             return Ok(());
         }
-        // Those that were found are cut.
+        // Found plunges are cut even after a stop.
         let closing = &monitor.closing();
         let stock = &self.setup.stock;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
@@ -168,7 +172,7 @@ impl Planner<'_> {
                 for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
                     self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
                 }
-                // Nothing is missing where one of these has no place after all.
+                // An added plunge that is dropped is not reported as missing.
                 let added: Vec<CutRow> = cut.rows.drain(before..).collect();
                 let added = added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0);
                 for row in added {
@@ -188,7 +192,7 @@ impl Planner<'_> {
     }
 }
 
-/// The λ of `rows` and of more between them, no nearer to each other than `nearest`.
+/// The λ of `rows` and of more between them, no closer than `nearest`.
 fn between_rows(rows: &[f64], nearest: f64, most_parts: usize) -> Vec<f64> {
     let mut lambdas = rows.to_vec();
     for pair in rows.windows(2) {

@@ -1,11 +1,11 @@
-//! How near cutter and holder come to the finished part along a step.
+//! Clearance of cutter and holder from the finished part along a step.
 
 use super::steps::Step;
 use crate::geometry::{CutterSolid, Meridional};
 use crate::part::Tool;
 use crate::plunge::clearance::FinishedPart;
 
-/// The finished part, ready for many steps.
+/// The finished part, prepared for the clearances of many steps.
 pub(super) struct Surroundings<'a> {
     pub(super) finished: &'a FinishedPart<'a>,
     pub(super) tools: &'a [Tool],
@@ -18,18 +18,18 @@ pub(super) struct Surroundings<'a> {
 pub(super) struct Clearance {
     pub(super) hub: f64,
     pub(super) blade: f64,
-    /// Whether the holder meets a blade, the stock that stays on it, or the hub.
+    /// Whether the holder meets a blade, its allowance, or the hub.
     pub(super) holder: bool,
 }
 
-/// Distances further above the allowance are not told apart, mm.
+/// Distance above the allowance at which clearances are capped, mm.
 pub(super) const LOOKED_AT: f64 = 1.0;
-/// How far a holder may come into the stock that stays on a blade, mm.
+/// Depth of a holder in the allowance of a blade that is tolerated, mm.
 const HOLDER_TOLERANCE: f64 = 0.01;
-/// Longest piece of a step between two looks, mm, and greatest turn, rad.
+/// Largest travel, mm, and turn, rad, between two samples of a step.
 const PIECE: f64 = 1.0;
 const PIECE_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
-/// Smallest radius of curvature that a wall or the hub is thought to have along a piece, mm.
+/// Smallest radius of curvature assumed for a wall or the hub between two samples, mm.
 const SHARPEST: f64 = 4.0;
 
 impl Clearance {
@@ -67,15 +67,16 @@ impl Surroundings<'_> {
             || (distance < holder.radius && self.finished.hub_clearance(&holder) < 0.0)
     }
 
-    /// At one place of a step.
+    /// Clearance at the parameter `share`, 0…1, of a step.
     pub(super) fn at(&self, step: &Step, share: f64) -> Clearance {
         let cutter = step.cutter(self.tools, share);
         let holder = self.holder_meets(&cutter, &self.tools[step.tool]);
         Clearance { hub: self.hub(&cutter), blade: self.blade(&cutter), holder }
     }
 
-    /// Along a whole step; `ends` are the clearances at both ends, where they are known. Between two looks a clearance falls below both by no more than the bend of what is near lets it;
-    /// where that matters the lowest place is looked for.
+    /// Least clearance along a step; `ends` are the clearances at both ends, where they are known. Between
+    /// two samples a clearance falls below both by no more than the curvature of the part permits; where that
+    /// matters, the minimum of a parabola is evaluated.
     pub(super) fn along(&self, step: &Step, ends: [Option<Clearance>; 2]) -> Clearance {
         let pieces = (step.length() / PIECE).max(step.turn() / PIECE_TURN).ceil().clamp(1.0, 2000.0);
         let sag = (step.length() / pieces).powi(2) / (8.0 * SHARPEST) + 0.01;
@@ -103,7 +104,8 @@ impl Surroundings<'_> {
     }
 }
 
-/// Where in [0, 1] the parabola with these values at 0, ½ and 1 is lowest, if that is not at one of them.
+/// Where in [0, 1] the parabola with these values at 0, ½ and 1 has its minimum, unless that is near one of
+/// them.
 fn lowest_share(start: f64, middle: f64, end: f64) -> Option<f64> {
     let (slope, bend) = (4.0 * middle - 3.0 * start - end, 2.0 * (start - 2.0 * middle + end));
     let share = -0.5 * slope / bend;

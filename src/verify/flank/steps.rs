@@ -1,4 +1,4 @@
-//! From a program's moves to steps of a cutter in the frame of channel 1.
+//! Converts the moves of a program to steps of a cutter in the frame of channel 1.
 
 use super::super::Fault;
 use super::super::plunges::tool_of;
@@ -7,27 +7,27 @@ use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, r
 use crate::part::{Channel, Impeller, Setup, Tool, passage_angle};
 use crate::plunge::flight::Turn;
 
-/// A straight move of a cutter: tip linear; under feed the axis is linear and normalised, as a controller does it, in rapid
-/// it turns evenly, as links are planned.
+/// A linear move of a cutter. Under feed the axis is interpolated linearly and normalised, as by a
+/// controller; in rapid it turns at a constant rate, as links are planned.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     /// Line of the program.
     pub(super) line: usize,
     /// Index of the tool.
     pub(super) tool: usize,
-    /// `None` for a rapid; else the feed, mm/min.
+    /// `None` for a rapid; otherwise the feed rate, mm/min.
     pub(super) feed: Option<f64>,
-    /// By how many pitches it lies ahead of channel 1, into which it is turned.
+    /// Number of pitches ahead of channel 1, into which the step is rotated.
     pub(super) channel: i64,
     pub(super) from: (Point, Vector),
     pub(super) to: (Point, Vector),
 }
 
-/// Share of the cuts of the channel with most of them that another must have to count as worked in.
+/// Least cutting length in a channel that counts, as a share of that in the channel with the most.
 const LEAST_SHARE: f64 = 0.1;
 
 impl Step {
-    /// Tip and axis at `share` of the way.
+    /// Tip and axis at the parameter `share`, 0…1.
     pub(super) fn at(&self, share: f64) -> (Point, Vector) {
         let ((p, a), (q, b)) = (self.from, self.to);
         if self.feed.is_none() {
@@ -37,13 +37,13 @@ impl Step {
         (p + (q - p) * share, axis)
     }
 
-    /// The cutter at `share` of the way.
+    /// The cutter at the parameter `share`, 0…1.
     pub(super) fn cutter(&self, tools: &[Tool], share: f64) -> CutterSolid {
         let (tip, axis) = self.at(share);
         tools[self.tool].placed(tip, axis)
     }
 
-    /// Way of the tip, mm.
+    /// Travel of the tip, mm.
     pub(super) fn length(&self) -> f64 {
         (self.to.0 - self.from.0).norm()
     }
@@ -53,14 +53,14 @@ impl Step {
         self.from.1.angle(&self.to.1)
     }
 
-    /// Whether the cutter stays in its own column.
+    /// Whether the cutter moves along its own axis.
     pub(super) fn is_axial(&self) -> bool {
         let travel = self.to.0 - self.from.0;
         let across = (travel - self.to.1 * travel.dot(&self.to.1)).norm();
         across < 1e-4 * (1.0 + travel.norm()) && self.turn() < 1e-5
     }
 
-    /// Whether it goes up its own column.
+    /// Whether the cutter retracts along its own axis.
     pub(super) fn is_way_out(&self) -> bool {
         self.is_axial() && (self.to.0 - self.from.0).dot(&self.to.1) >= 0.0
     }
@@ -103,15 +103,15 @@ pub(super) fn steps_of(
     Ok((steps, tools))
 }
 
-/// Moves from a rapid up to the next, and where they seem to be.
+/// Rapids and the cuts after them, up to the next rapid, and the channel of most of these cuts.
 struct Stretch {
     range: std::ops::Range<usize>,
     channel: Option<i64>,
-    /// Way under feed, mm.
+    /// Cutting length, mm.
     length: f64,
 }
 
-/// Turns every stretch of cuts, with the rapids that lead to it, into channel 1.
+/// Rotates every run of cuts, with the rapids before it, into channel 1.
 fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
     let mut stretches: Vec<Stretch> = Vec::new();
     let mut start = 0;
@@ -130,7 +130,8 @@ fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
         });
         start = cuts.end;
     }
-    // Over blades that lean far a few cuts seem to be in a neighbouring channel. They belong to those around them.
+    // Over blades that lean far a few cuts are assigned to a neighbouring channel. They get the channel of
+    // those before them.
     let length_in =
         |k: i64| -> f64 { stretches.iter().filter(|s| s.channel == Some(k)).map(|s| s.length).sum() };
     let mut worked_in: Vec<i64> = stretches.iter().filter_map(|s| s.channel).collect();
@@ -150,7 +151,8 @@ fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
     }
 }
 
-/// By how many pitches a tip lies ahead of channel 1; `None` beyond leading edge and rim, where no walls tell.
+/// Number of pitches by which a tip is ahead of channel 1; `None` beyond leading edge and rim, where there
+/// are no walls.
 fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
     let here = Meridional::of(tip);
     let (t, height) = part.hub.curve().project(here);
@@ -162,7 +164,8 @@ fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
     let eta = (height / depth).clamp(0.0, 1.0);
     let [low, high] = channel.full.walls.each_ref().map(|wall| {
         let near = wall.at(part, s, eta)?;
-        // At the place itself: beside leaning blades that at equal s and height may be far off.
+        // Evaluated at the point itself: beside leaning blades the wall at equal s and height may be far
+        // away.
         Some(wall.search(here, near.u, near.v).map_or(near.theta, |there| there.theta))
     });
     let low = low?;

@@ -1,4 +1,5 @@
-//! What a flank program leaves over the floor, and rapids and holders that run into stock, by the heightfield.
+//! Residual stock of a flank program over the floor, and collisions of rapids and holders with stock, by the
+//! heightfield.
 
 use super::steps::Step;
 use super::uncovered::Uncovered;
@@ -11,12 +12,13 @@ use crate::residual::{
 
 /// Cells of the floor along either direction.
 const CELLS: usize = 256;
-/// Ridges between the places at which a sweep is looked at, mm.
+/// Scallop height between the samples of a sweep, mm.
 pub(super) const RIDGE: f64 = 0.01;
-/// Stock that a rapid may touch over its whole bottom, mm: what the field cannot tell from ridges.
+/// Stock that a rapid may touch over its whole bottom, mm: the field cannot distinguish it from scallops
+/// between samples.
 const SKIM: f64 = 0.02;
 
-/// What must not meet stock.
+/// A part of the tool that must not meet stock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Probe {
     /// The cutter in rapid.
@@ -25,7 +27,7 @@ pub(super) enum Probe {
     Holder,
 }
 
-/// A place at which one of them is within the outline of the blank.
+/// A sample of a step at which a probe is inside the outline of the blank.
 pub(super) struct Place {
     /// Index of the step.
     pub(super) step: usize,
@@ -33,7 +35,7 @@ pub(super) struct Place {
     pub(super) what: Probe,
 }
 
-/// Stock that was met, mm³.
+/// A collision with stock; volume in mm³.
 pub(super) struct Struck {
     /// Index of the step.
     pub(super) step: usize,
@@ -43,18 +45,18 @@ pub(super) struct Struck {
 
 /// A floor after a program.
 pub(super) struct Floor {
-    /// What ran into stock.
+    /// Collisions with stock.
     pub(super) struck: Vec<Struck>,
-    /// What was cut over the floor, mm³.
+    /// Volume cut over the floor, mm³.
     pub(super) removed: f64,
-    /// How deep each step cuts, with its index: how far above the bottom the stock that it removes reaches, mm. Steps that
-    /// remove nothing are missing.
+    /// Depth of each step that removes stock, with its index: height above the bottom of the stock it
+    /// removes, mm.
     pub(super) depths: Vec<(f64, usize)>,
-    /// What is left, unless nothing is cut.
+    /// Residual stock, unless nothing is cut.
     left: Option<Left>,
 }
 
-/// What is left over the floor.
+/// Residual stock over the floor.
 struct Left {
     grid: FloorGrid,
     heights: Vec<f32>,
@@ -63,7 +65,7 @@ struct Left {
 }
 
 impl Floor {
-    /// Where more stays than may, and the layer.
+    /// The floor with too much stock, and statistics of the residual stock.
     pub(super) fn figures(
         &self,
         finished: &FinishedPart,
@@ -81,7 +83,7 @@ impl Floor {
     }
 }
 
-/// Walks `steps` (of one channel) in order.
+/// Applies `steps` (of one channel) in order.
 pub(super) fn floor_after(
     finished: &FinishedPart,
     channel: &Channel,
@@ -133,17 +135,17 @@ pub(super) fn floor_after(
     Floor { struck, removed, depths, left: Some(left) }
 }
 
-/// Whose a cutter of a field is.
+/// Origin of a cutter of the field.
 #[derive(Clone, Copy)]
 enum Owner {
-    /// Under feed in this step.
+    /// A cut of this step.
     Cut(usize),
-    /// What must not meet stock in this step.
+    /// A probe of this step.
     Struck(usize, Probe),
 }
 
-/// The cutter at many places of all steps in order, after each step's `places` of what must not meet stock: a holder before
-/// the cut that it is over, a rapid where it is. The core of those that cut is all of them: its contact is how deep they cut.
+/// The cutter sampled along all steps in order, with the probes at the `places` of each step before its cuts.
+/// For cuts the core is the whole cutter, so the contact depth is the depth of cut.
 fn swept(tools: &[Tool], steps: &[&Step], places: &[Place]) -> (Vec<FieldCutter>, Vec<Owner>) {
     let (mut cutters, mut owners) = (Vec::new(), Vec::new());
     let single = |v: [f64; 3]| v.map(|x| x as f32);

@@ -1,4 +1,4 @@
-//! Floor on which a program leaves more than it may, by what keeps the stock there.
+//! Floor on which a program leaves too much stock, by cause.
 
 use std::collections::BTreeMap;
 
@@ -12,33 +12,35 @@ use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
 use crate::residual::FloorGrid;
 
-/// Shares of the reachable floor on which more stays than the hub's allowance and the allowed error.
+/// Shares of the reachable floor with more stock than the hub's allowance and the scallop height.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Uncovered {
-    /// Beside a blade: no more than the round of the cutter's corner leaves where it comes as near as it may.
+    /// Beside a blade: no more than the fillet that the cutter's corner leaves where it is as near as it may
+    /// be.
     pub fillet: f64,
-    /// Where the cutter comes with no axis: blades or hub would be too near to it or to its holder.
+    /// Inaccessible to the cutter: with every axis, blades or hub would be too near to it or to its holder.
     pub no_axis: f64,
-    /// The rest: another program of the same cutter could take it.
+    /// The rest: another program with the same cutter could remove it.
     pub gap: f64,
 }
 
-/// Cells of a block, along and across, whose first stands for all of it when an axis is looked for.
+/// Cells of a block, along and across; the axis search uses its first cell for all of it.
 const BLOCK: usize = 8;
-/// Steps in which a ball slides along the floor away from the blades.
+/// Largest number of steps in which a ball slides along the floor away from the blades.
 const SLIDES: usize = 12;
-/// It rests where it lacks no more than this, mm.
+/// Missing distance of the ball from the blades that is tolerated, mm.
 const SLIDE_TOLERANCE: f64 = 1e-3;
 /// Sine of the angle between floor and wall below which it does not slide.
 const LEAST_SLOPE: f64 = 0.1;
 
 impl Uncovered {
-    /// All of it.
+    /// Total share.
     pub fn share(&self) -> f64 {
         self.fillet + self.no_axis + self.gap
     }
 
-    /// Over the cells of `grid`, on which `heights` mm are left by `tool` as the finest.
+    /// Evaluates the cells of `grid` with residual heights `heights`, mm; `tool` is the one with the smallest
+    /// corner.
     pub(super) fn of(
         finished: &FinishedPart,
         channel: &Channel,
@@ -68,7 +70,8 @@ impl Uncovered {
             (0..grid.floor.len()).filter(|&cell| grid.floor[cell] && grid.reachable[cell]).collect();
         let area_of = |cell: usize| f64::from(grid.areas[cell]);
         let whole: f64 = cells.iter().map(|&cell| area_of(cell)).sum();
-        // Where too much is left, and of what is no fillet where the corner would have to touch.
+        // Cells with too much stock, and for those that are not fillets the contact point of a corner that
+        // would cut them.
         let left: Vec<(usize, Option<Contact>)> = cells
             .into_par_iter()
             .filter_map(|cell| {
@@ -111,8 +114,9 @@ struct Corner<'a> {
 }
 
 impl Corner<'_> {
-    /// Where the ball comes nearest to the ray from `foot` along the hub's normal `up`, and what it leaves there above the
-    /// allowance, mm: infinite where it passes the ray by. `None` where it has no room between the blades.
+    /// The contact of the ball where it is nearest to the ray from `foot` along the hub's normal `up`, and
+    /// the stock it leaves there above the allowance, mm: infinite where it misses the ray. `None` where it
+    /// does not fit between the blades.
     fn over(&self, foot: &Point, up: &Vector) -> Option<(Contact, f64)> {
         let hub = self.finished.part.hub.curve();
         let height = self.hub_allowance + self.radius;

@@ -1,4 +1,4 @@
-//! What the cuts of a program leave on the walls, and where they cut too deep.
+//! Undercut and overcut of a program on the walls.
 
 use rayon::prelude::*;
 
@@ -6,7 +6,7 @@ use super::steps::Step;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, search};
 use crate::part::{Channel, Impeller, Tool};
 
-/// Steps that are sorted out together.
+/// Number of steps with a common bound.
 const CHUNK: usize = 16;
 /// Samples of a wall along u and v.
 const COLUMNS: usize = 64;
@@ -25,13 +25,14 @@ pub(super) struct WallDeviation {
 
 struct Chunk<'a> {
     steps: Vec<&'a Step>,
-    /// A cutter in the middle, and by how much others move and turn away from it.
+    /// A cutter in the middle, and bounds on the distance, mm, and angle, rad, of the others from it.
     middle: CutterSolid,
     moved: f64,
     turned: f64,
 }
 
-/// Over all samples of the flanks above `uncut` mm from the hub, which a cutter's corner does not reach with its flank.
+/// Deviation at all samples of the flanks more than `uncut` mm above the hub: below that a corner leaves
+/// stock.
 pub(super) fn wall_deviation(
     part: &Impeller,
     channel: &Channel,
@@ -42,7 +43,7 @@ pub(super) fn wall_deviation(
 ) -> WallDeviation {
     let chunks: Vec<Chunk> = steps.chunks(CHUNK).map(|steps| chunk(steps, tools)).collect();
     let hub = part.hub.curve();
-    // The sides that face the channel: the back of a thin blade is near a cutter too.
+    // Only the sides that face the channel: the back of a thin blade is near a cutter too.
     let beside = |passage: usize, wall: usize| channel.beside_splitter.get(passage).map(|p| &p.walls[wall]);
     let walls = channel.full.walls.iter().chain(beside(0, 1)).chain(beside(1, 0));
     let samples: Vec<Point> = walls
@@ -85,7 +86,7 @@ fn chunk<'a>(steps: &[&'a Step], tools: &[Tool]) -> Chunk<'a> {
     }
 }
 
-/// Least distance of a point from the sweep of all steps, or `below` when it is no less.
+/// Least distance of a point from the sweep of all steps, at most `below`. Branch and bound over the chunks.
 fn nearest(point: &Point, chunks: &[Chunk], tools: &[Tool], below: f64) -> f64 {
     let mut least = below;
     for chunk in chunks {

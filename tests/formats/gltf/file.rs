@@ -1,14 +1,14 @@
-//! A glTF file taken apart by the rules of the format, without the program's own reader.
+//! An independent glTF reader for tests, by the rules of the format.
 
 use serde_json::Value;
 
-/// Document and buffer.
+/// JSON document and buffer of a file.
 pub struct GltfFile {
     pub json: Value,
     pub binary: Vec<u8>,
 }
 
-/// A transform in the columns of the format.
+/// A transform from the column-major matrix of the format.
 pub struct Matrix(pub [f64; 16]);
 
 impl Matrix {
@@ -41,7 +41,7 @@ impl GltfFile {
         Self { json, binary: bytes[start + 8..].to_vec() }
     }
 
-    /// Checks what every reader relies on: ranges, alignment, bounds, indices that refer to something.
+    /// Checks what readers rely on: ranges, alignment, bounds, and valid indices.
     pub fn check(&self) {
         assert_eq!(self.json["asset"]["version"], "2.0");
         assert_eq!(number(&self.json["buffers"][0]["byteLength"]), self.binary.len());
@@ -94,7 +94,7 @@ impl GltfFile {
         (accessor, &self.binary[start..start + number(&view["byteLength"])])
     }
 
-    /// Vectors of floats.
+    /// The vectors of a float accessor.
     pub fn vectors<const N: usize>(&self, accessor: &Value) -> Vec<[f32; N]> {
         let (accessor, bytes) = self.bytes(accessor);
         assert_eq!(accessor["componentType"], 5_126);
@@ -105,7 +105,7 @@ impl GltfFile {
         floats.chunks_exact(N).map(|row| std::array::from_fn(|k| row[k])).collect()
     }
 
-    /// Normalised colours of four shorts.
+    /// Colours of an accessor of four normalised shorts.
     pub fn colours(&self, accessor: &Value) -> Vec<[f32; 3]> {
         let (accessor, bytes) = self.bytes(accessor);
         assert_eq!((&accessor["componentType"], &accessor["normalized"]), (&5_123.into(), &true.into()));
@@ -113,7 +113,7 @@ impl GltfFile {
         bytes.chunks_exact(8).map(|b| [part(&b[0..2]), part(&b[2..4]), part(&b[4..6])]).collect()
     }
 
-    /// Indices of either size.
+    /// Indices of an accessor of shorts or ints.
     pub fn indices(&self, accessor: &Value) -> Vec<u32> {
         let (accessor, bytes) = self.bytes(accessor);
         let count = number(&accessor["count"]);
@@ -147,7 +147,7 @@ impl GltfFile {
         item["name"].as_str().expect("a name").to_owned()
     }
 
-    /// The node of that name.
+    /// The node with this name.
     pub fn node(&self, name: &str) -> &Value {
         let found = list(&self.json["nodes"]).iter().find(|node| node["name"] == name);
         found.unwrap_or_else(|| panic!("no node {name}"))
@@ -166,7 +166,7 @@ impl GltfFile {
         (points, triangles)
     }
 
-    /// The same in its place in the scene, m; for nodes right below the root.
+    /// The same in scene coordinates, m; only for nodes directly below the root.
     pub fn placed(&self, node: &str) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         let (points, triangles) = self.local(node);
         let part = |key: &str, rest: &[f64]| -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! Scenes of plans.
+//! glTF scenes of plans.
 
 use serde_json::Value;
 use vanecut::formats::gltf::{CutterNodes, GltfScene, PlanScene};
@@ -13,13 +13,13 @@ use vanecut::residual::{FloorGrid, FloorSource};
 use super::file::GltfFile;
 use super::{sample, written};
 
-/// Cells of the floor each way.
+/// Cells of the floor grid in each direction.
 const CELLS: usize = 24;
 
 fn position(k: usize) -> Position {
     let angle = 0.3 + 0.02 * k as f64;
     let tip = Point::new(100.0 * angle.cos(), 100.0 * angle.sin(), -5.0 - k as f64);
-    // The first one stands upside down: no shortest turn leads there.
+    // The first axis is −Z, for which the shortest rotation from Z is not unique.
     let axis = if k == 0 { -Vector::z() } else { Vector::new(0.1 * k as f64, -0.2, -1.0).normalize() };
     Position {
         tip,
@@ -85,7 +85,7 @@ fn planned() -> Planned {
     let source =
         FloorSource { part: &part, channel: &channel, blank: &blank, stock: &setup.stock, cutters: &[] };
     let grid = FloorGrid::new(&source, CELLS);
-    // A ramp, and a stretch that nothing was taken off.
+    // A ramp, and a range of uncut cells.
     let heights = (0..CELLS * CELLS)
         .map(
             |k| if k < CELLS { grid.blank_heights[k] } else { 0.5 + 2.0 * k as f32 / (CELLS * CELLS) as f32 },
@@ -187,7 +187,7 @@ fn a_cutter_has_its_dimensions_and_faces_outwards() {
     assert!((radius - 6e-3).abs() < 1e-8, "radius {radius} m");
     let facing = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|k| Vector::from(points[k as usize].map(f64::from)));
-        // Radially outwards, or away from the middle along the axis.
+        // Radially outwards, or axially away from the middle.
         let (n, m) = ((b - a).cross(&(c - a)), (a + b + c) / 3.0);
         let middle = Vector::new(0.0, 0.0, 0.9e-3);
         n.dot(&(m - middle)) > 0.0
@@ -213,7 +213,7 @@ fn stock_is_coloured_by_the_scale_of_the_window() {
         };
         assert!((0..3).all(|c| (colour[c] - linear(shown[c])).abs() < 1e-4), "cell {k}: {colour:?}");
     }
-    // On the allowance surface, and seen from the channel.
+    // On the allowance surface, facing the channel.
     let (points, triangles) = file.local("stock");
     let cell = CELLS * CELLS / 2;
     let (foot, normal) = (p.grid.points[cell], p.grid.normals[cell]);

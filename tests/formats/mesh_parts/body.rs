@@ -1,5 +1,6 @@
-//! Wheels in one mesh without inner walls, as solid modellers export them: hub between the blades, rim, sides, tips and
-//! trailing edges share corners. With fillets at the feet if asked, and with a cover over the channels.
+//! Wheels in one mesh without inner walls, as solid modellers export them: hub between the blades, rim,
+//! sides, tips and trailing edges share corners. Fillets at the blade feet and a cover over the channels are
+//! optional.
 
 use std::f64::consts::TAU;
 
@@ -7,16 +8,16 @@ use vanecut::geometry::{Meridional, MeridionalCurve, Point, Vector, rotate_z};
 use vanecut::mesh::TriangleMesh;
 use vanecut::part::{BladeSide, Impeller};
 
-/// What a body is like, and how fine.
+/// Shape and fineness of a body.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
     /// Triangles along the blades.
     pub along: usize,
-    /// Across the channel.
+    /// Triangles across the channel.
     pub across: usize,
-    /// From hub to tip.
+    /// Triangles from hub to tip.
     pub high: usize,
-    /// Reach of the fillets along hub and blade, mm; 0: none.
+    /// Extent of the fillets along hub and blade, mm; 0: none.
     pub fillet: f64,
     /// Whether a cover joins the tips.
     pub cover: bool,
@@ -40,14 +41,14 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// All in one mesh.
+    /// All patches in one mesh.
     pub fn whole(&self) -> TriangleMesh {
         let mut whole = self.hub.clone();
         [&self.cover, &self.fillets, &self.blades].into_iter().for_each(|mesh| whole.append(mesh));
         whole
     }
 
-    /// The hub, and the blades; the fillets with the blades or with the hub.
+    /// Hub and blades separately; the fillets belong to the blades or to the hub.
     pub fn separate(&self, with_blades: bool) -> (TriangleMesh, Vec<TriangleMesh>) {
         let (mut hub, mut blades) = (self.hub.clone(), self.blades.clone());
         if with_blades { &mut blades } else { &mut hub }.append(&self.fillets);
@@ -65,7 +66,7 @@ impl Patches {
         let mut ring = TriangleMesh::default();
         for k in 0..part.blade_count {
             let (from, to) = (tip(k), tip(k + 1));
-            // Not turned: it leans between the two.
+            // Not a surface of revolution: the ring is inclined between the two tips.
             let between = rotate_z(&from, 0.5 * part.pitch()) + Vector::new(0.0, 0.0, 5.0);
             ring.triangles.push([0, 1, 2].map(|i| i + ring.points.len() as u32));
             ring.points.extend([from, to, between]);
@@ -76,7 +77,7 @@ impl Patches {
 
 /// Adds a grid of (rows + 1) × (columns + 1) points.
 fn patch(mesh: &mut TriangleMesh, rows: usize, columns: usize, at: impl Fn(usize, usize) -> Point) {
-    // Each patch has its own corners and comes to them in its own way: the reader makes them one.
+    // Each patch computes its own corners, which differ by rounding: the reader merges them.
     let first = mesh.points.len() as u32;
     for i in 0..=rows {
         mesh.points.extend((0..=columns).map(|j| at(i, j)));
@@ -90,13 +91,13 @@ fn patch(mesh: &mut TriangleMesh, rows: usize, columns: usize, at: impl Fn(usize
     }
 }
 
-/// A side of a blade at one of its ends, hub or shroud: where the surface there begins, and the fillet between.
+/// A blade side at its hub or shroud end: where the surface there begins, and the fillet between them.
 struct Foot<'a> {
     side: &'a BladeSide,
     curve: MeridionalCurve,
-    /// v at this end and at the other.
+    /// v at this end and at the other end.
     ends: (f64, f64),
-    /// Turns du × n to the outside of the blade.
+    /// Sign that makes du × n point out of the blade.
     outside: f64,
     fillet: f64,
 }
@@ -113,7 +114,7 @@ impl<'a> Foot<'a> {
         (self.curve.project(Meridional::of(p)).0, p.y.atan2(p.x))
     }
 
-    /// Along the surface of hub or shroud, away from the side; ahead of a blade's nose straight upstream.
+    /// Direction along hub or shroud away from the side; at the nose of a blade straight upstream.
     fn outwards(&self, u: f64) -> Vector {
         let (p, along, _) = self.side.derivatives(u, self.ends.0);
         let (t, angle) = self.place(&p);
@@ -126,14 +127,14 @@ impl<'a> Foot<'a> {
         along.cross(&normal).normalize() * self.outside
     }
 
-    /// Where the surface of hub or shroud begins beside the side.
+    /// Point where the surface of hub or shroud begins beside the side.
     fn floor(&self, u: f64) -> Point {
         let p = self.side.point(u, self.ends.0);
         if self.fillet == 0.0 {
             return p;
         }
         let (t, angle) = self.place(&(p + self.outwards(u) * self.fillet));
-        // The rim cuts the fillets off.
+        // The fillets end at the rim.
         let (rim, _) = self.place(&self.side.point(1.0, self.ends.0));
         self.curve.point(if u == 1.0 { rim } else { t.min(rim) }).at_angle(angle)
     }
@@ -145,7 +146,7 @@ impl<'a> Foot<'a> {
         from + (to - from) * self.fillet / length
     }
 
-    /// The fillet, from the surface (0) to the side (1): an arc of a parabola.
+    /// Point on the fillet, a parabolic arc from the surface (0) to the side (1).
     fn arc(&self, u: f64, x: f64) -> Point {
         let (a, b, c) = (self.floor(u), self.side.point(u, self.ends.0), self.side.point(u, self.start(u)));
         let y = 1.0 - x;
@@ -165,7 +166,7 @@ impl Body {
         let lower = feet(0.0, part.hub.curve(), fillet);
         let upper = feet(1.0, part.shroud.curve(), if cover { fillet } else { 0.0 });
         let u = |i: usize| (i as f64 / along as f64).powi(2);
-        // From the suction side of a blade to the pressure side of the next one.
+        // From the suction side of a blade to the pressure side of the next blade.
         let floor = |feet: &[Foot<'_>; 2], i: usize, j: usize| {
             let [(t0, a0), (t1, a1)] = [0, 1].map(|k| feet[k].place(&feet[k].floor(u(i))));
             let width = (a1 - a0 + part.pitch()).rem_euclid(TAU.copysign(part.pitch()));

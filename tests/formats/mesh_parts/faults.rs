@@ -1,4 +1,4 @@
-//! Meshes as they come: soups whose corners rounding has parted, and meshes with holes.
+//! Imperfect meshes: triangle soups whose corners differ by rounding, and meshes with holes.
 
 use nalgebra::Rotation3;
 use vanecut::geometry::{Point, Vector};
@@ -10,7 +10,7 @@ use vanecut::part::Impeller;
 use super::body::Body;
 use super::{SAMPLES, back, named, same, sample, separate, turning};
 
-/// Triangles that share no corners, each rounded to single precision in one of some frames of its own.
+/// Triangles without shared corners, each rounded to single precision in one of several frames.
 fn soup(mesh: &TriangleMesh) -> TriangleMesh {
     let mut soup = TriangleMesh::default();
     for (k, t) in mesh.triangles.iter().enumerate() {
@@ -43,7 +43,7 @@ fn soups_of_triangles_with_rounded_corners_give_the_part_back() {
     same(&part, &back(changed(whole, soup), &turning(&part)), 0.02);
 }
 
-/// Every `step`-th triangle, scattered, and as many of its neighbours in the list as make `width` of them, taken out.
+/// Removes runs of `width` triangles that begin at every `step`-th triangle in pseudo-random order.
 fn holed(mesh: &TriangleMesh, step: usize, width: usize) -> TriangleMesh {
     let gone = |k: usize| {
         (0..width).any(|w| k >= w && (((k - w) * 2_654_435_761) % 4_294_967_296).is_multiple_of(step))
@@ -82,7 +82,7 @@ fn holes_are_filled_or_refused_with_their_place() {
     let part = sample("impeller532.toml");
     let whole = |step| vec![named("Solid1".into(), 0, holed(&Body::default().of(&part).whole(), step, 1))];
     assert!(judged(&part, whole(400), "in one mesh"));
-    // A window in the middle of each blade.
+    // A hole in the middle of each blade.
     let window = |m: &TriangleMesh| {
         let inside = |t: &[u32; 3]| {
             let c = t.iter().map(|i| m.points[*i as usize].coords).sum::<Vector>() / 3.0;
@@ -98,7 +98,8 @@ fn holes_are_filled_or_refused_with_their_place() {
     assert!(error.contains("hole of") && error.contains("z ="), "{error}");
 }
 
-/// Blades of their two sides alone, open at foot, tip and blunt edges, without the triangles whose corners are all `gone`.
+/// Blades with only their two sides, open at foot, tip and blunt edges, without the triangles whose corners
+/// are all `gone`.
 fn bitten(part: &Impeller, gone: impl Fn(FaceKind, &Point) -> bool) -> Vec<NamedMesh> {
     let main = Tessellation::new(part, &Fineness::default()).main;
     let mut mesh = TriangleMesh { points: main.points.clone(), triangles: Vec::new() };
@@ -123,7 +124,7 @@ fn bites_out_of_a_border_are_refused_or_named() {
     let (hub, rim) = (part.hub.point(0.0), part.rim_radius());
     let at_nose = |p: &Point| p.xy().coords.norm() < hub.r + 12.0 && (p.z - hub.z).abs() < 10.0;
     let at_rim = |p: &Point| p.xy().coords.norm() > rim - 15.0 && (p.z - part.hub.point(1.0).z).abs() < 8.0;
-    // One side ends before the other, or the sides meet at some heights only.
+    // One side ends before the other, or the sides meet only at some heights.
     for (what, edge, meshes) in [
         ("a nose", "leading edge", bitten(&part, |_, p| at_nose(p))),
         ("one side", "trailing edge", bitten(&part, |kind, p| kind == FaceKind::Suction && at_rim(p))),
@@ -131,7 +132,7 @@ fn bites_out_of_a_border_are_refused_or_named() {
         let error = opened(meshes).expect_err(what).to_string();
         assert!(error.contains(edge) && error.contains("gap of") && error.contains("z ="), "{error}");
     }
-    // Both sides end early: it may be the shape of the blade.
+    // Both sides end early: this may be the shape of the blade.
     let cut = opened(bitten(&part, |_, p| at_rim(p))).expect("a part");
     let note = cut.notes.first().expect("a word about it");
     assert!(note.contains("trailing edge") && note.contains("jumps by") && note.contains("z ="), "{note}");

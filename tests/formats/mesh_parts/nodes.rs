@@ -1,4 +1,4 @@
-//! What a user sees of the nodes of a mesh file.
+//! The list of mesh nodes that is presented to the user.
 
 use vanecut::mesh::Role;
 use vanecut::mesh::axis::Axis;

@@ -1,4 +1,4 @@
-//! Blades as span sections: thickness, nose and tail put on the camber lines.
+//! Blades as span sections: thickness, nose and tail added to the camber lines.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,7 +11,7 @@ use super::surface::{Camber, CamberSurface, Station};
 /// Makes the blades of one wheel.
 pub struct BladeMaker<'a> {
     pub surface: &'a CamberSurface<'a>,
-    /// Sign of z: −1 turns the inlet up.
+    /// Sign of z: with −1 the inlet faces +z.
     pub up: f64,
 }
 
@@ -20,7 +20,7 @@ const BODY_POINTS: usize = 40;
 const TAIL_POINTS: usize = 14;
 
 impl BladeMaker<'_> {
-    /// The blade that begins at `leading`, turned by `ahead` (rad) from the main blade.
+    /// The blade with leading edge `leading`, rotated by `ahead`, rad, from the main blade.
     pub fn blade(&self, leading: &Edge, ahead: f64) -> BladeDescription {
         let spec = self.surface.spec;
         let (from, to) = (-spec.overrun[0], 1.0 + spec.overrun[1]);
@@ -28,7 +28,7 @@ impl BladeMaker<'_> {
         for k in 0..spec.sections {
             let eta = from + (to - from) * k as f64 / (spec.sections - 1) as f64;
             let section = Section::new(self, leading, eta);
-            // Blades run back against the sense of rotation: the side ahead of them, where θ grows, trails.
+            // Blades are backswept: the side at larger θ trails and is the suction side.
             for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
                 side.push(section.side(sign).into_iter().map(|p| self.place(eta, p, ahead)).collect());
             }
@@ -37,7 +37,7 @@ impl BladeMaker<'_> {
         BladeDescription::Sections { suction, pressure, line: 0 }
     }
 
-    /// The point at s and θ on the stream surface `eta`.
+    /// The point at s and θ, rad, on the stream surface `eta`.
     fn place(&self, eta: f64, (s, theta): (f64, f64), ahead: f64) -> Point {
         let place = self.surface.walls.at(s, eta);
         let theta = self.surface.spec.turn * theta + ahead;
@@ -49,7 +49,7 @@ impl BladeMaker<'_> {
 struct Section<'a> {
     maker: &'a BladeMaker<'a>,
     camber: Camber,
-    /// Lengths along the camber line at both ends, mm.
+    /// Arc lengths of both ends on the camber line, mm.
     ends: (f64, f64),
     /// Thickness at the nose, mm.
     thickness: f64,
@@ -72,7 +72,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Half the thickness without nose and tail, mm.
+    /// Half thickness without nose and tail, mm.
     fn half(&self, length: f64) -> f64 {
         let x = ((length - self.ends.0) / (self.ends.1 - self.ends.0)).clamp(0.0, 1.0);
         0.5 * self.thickness * (1.0 + (self.maker.surface.spec.taper - 1.0) * x)
@@ -84,7 +84,7 @@ impl<'a> Section<'a> {
         (at.m - sin * offset / at.r, at.theta + cos * offset / at.r)
     }
 
-    /// (s, θ) of a side from leading to trailing edge; `sign` says on which side of the camber line.
+    /// (s, θ) of a side from leading to trailing edge; `sign` chooses the side of the camber line.
     fn side(&self, sign: f64) -> Vec<(f64, f64)> {
         let spec = self.maker.surface.spec;
         let (ratio, exponent) = spec.nose;
@@ -98,7 +98,7 @@ impl<'a> Section<'a> {
         let rounded = |i: usize, points: usize| 1.0 - (FRAC_PI_2 * i as f64 / points as f64).cos();
         lengths.extend((0..NOSE_POINTS).map(|i| self.ends.0 + nose * rounded(i, NOSE_POINTS)));
         let body = (self.ends.0 + nose, end - tail);
-        // Points crowd towards both ends, as those of CAD systems do.
+        // Points are denser towards both ends, as in files of CAD systems.
         let smooth = |x: f64| 0.6 * x + 0.4 * x * x * (3.0 - 2.0 * x);
         lengths.extend(
             (0..=BODY_POINTS).map(|i| body.0 + (body.1 - body.0) * smooth(i as f64 / BODY_POINTS as f64)),
@@ -122,7 +122,7 @@ impl<'a> Section<'a> {
         lengths.into_iter().map(point).collect()
     }
 
-    /// Length along the camber line at which the side comes to the m′ of the trailing edge, mm.
+    /// Arc length on the camber line at which the side reaches the m′ of the trailing edge, mm.
     fn turned_end(&self, sign: f64) -> f64 {
         let ahead =
             |length: f64| self.beside(&self.camber.at_length(length), sign * self.half(length)).0 - self.rim;

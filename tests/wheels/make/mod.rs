@@ -1,5 +1,5 @@
-//! Wheels that nobody has looked at: sensible ones, with edges, blades and curves of every kind that shops are given.
-//! The same wheel for the same seed and index on every machine.
+//! Random wheels that can be built, with edges, blades and curves of all common kinds. The same seed and
+//! index give the same wheel on every machine.
 
 mod blade;
 mod dice;
@@ -15,14 +15,14 @@ use dice::Dice;
 use spec::{Kind, Spec};
 use surface::{CamberSurface, Wall, Walls};
 
-/// A made wheel.
+/// A random wheel.
 pub struct Wheel {
     pub description: PartDescription,
-    /// What stands out about it, one line.
+    /// Its main characteristics, one line.
     pub remarks: String,
 }
 
-/// Wheel `index` of `seed`; the kinds take turns.
+/// Wheel `index` of `seed`; the kinds alternate.
 pub fn wheel(seed: u64, index: usize) -> Wheel {
     let kind = Kind::ALL[index % Kind::ALL.len()];
     let mut dice = Dice::new(seed, index as u64);
@@ -33,15 +33,16 @@ pub fn wheel(seed: u64, index: usize) -> Wheel {
     }
 }
 
-/// Largest lean of a blade against the straight line from hub to shroud, as a tangent.
+/// Largest inclination of a blade from the straight line from hub to shroud, as a tangent.
 const MAX_LEAN: f64 = 1.3;
 /// Largest angle of a blade from the meridional direction, degrees.
 const MAX_ANGLE: f64 = 88.0;
 /// Largest wrap, rad.
 const MAX_WRAP: f64 = 0.5 * TAU;
 
-/// The wheel of a specification, brought within what can be built: twist, wrap, blades and thickness are reduced until blades
-/// lean no further and passages are no narrower than shops can mill. `None` where that takes fewer than four blades.
+/// The wheel of a specification, limited to what can be built: twist, wrap, number of blades and thickness
+/// are reduced until inclination and passage width are within what can be milled. `None` with fewer than four
+/// blades.
 fn sensible(mut spec: Spec, name: &str) -> Option<Wheel> {
     let walls = Walls::of(&spec);
     let (mut twist, mut wrap) = (1.0, 1.0);
@@ -75,16 +76,16 @@ fn sensible(mut spec: Spec, name: &str) -> Option<Wheel> {
     None
 }
 
-/// What decides whether a wheel can be built.
+/// Measures that decide whether a wheel can be built.
 struct Measures {
     /// Largest blade angle, degrees.
     angle: f64,
     /// Largest wrap of the blade, rad.
     wrap: f64,
     lean: f64,
-    /// Narrowest passage as a multiple of what is asked of it.
+    /// Narrowest passage as a multiple of the required width.
     room: f64,
-    /// Shortest chord in thicknesses.
+    /// Shortest chord as a multiple of the thickness.
     chord: f64,
 }
 
@@ -106,7 +107,7 @@ impl Measures {
                 let s = from + (to - from) * f64::from(i) / 60.0;
                 let here = camber.at_s(s);
                 measures.angle = measures.angle.max(here.beta.to_degrees().abs());
-                // Places of the blades that stand here, in the pitch.
+                // Positions, relative to the pitch, of the blades that exist at this s.
                 let mut places: Vec<f64> = spec
                     .splitters
                     .iter()
@@ -155,13 +156,14 @@ fn made(surface: &CamberSurface<'_>, measures: &Measures, name: &str) -> Wheel {
     let pitch = spec.turn * TAU / spec.blades as f64;
     let splitters: Vec<BladeDescription> =
         spec.splitters.iter().map(|row| maker.blade(&row.edge, row.place * pitch)).collect();
-    // Two flat curves that meet do so at the leading edge only.
+    // Hub and shroud that meet do so at the leading edge only, so neither extends upstream of it.
     let mut runs_on = spec.runs_on;
     if spec.kind == Kind::Meeting {
         runs_on = [(0.0, runs_on[0].1), (0.0, runs_on[1].1)];
     }
     let remarks = format!(
-        "D {:.0}, {}+{} blades, wrap {:.0}°, angle {:.0}°, t {:.2}, LE {:.2}/{:.2}, TE {:.2}/{:.2} {:?}, lean {:.0}°",
+        "D {:.0}, {}+{} blades, wrap {:.0}°, angle {:.0}°, t {:.2}, \
+         LE {:.2}/{:.2}, TE {:.2}/{:.2} {:?}, lean {:.0}°",
         2.0 * spec.rim,
         spec.blades,
         spec.blades * spec.splitters.len(),

@@ -1,15 +1,15 @@
-//! What a wheel is to be like: numbers drawn by kind, before anything is computed.
+//! Random parameters of a wheel, by kind.
 
 use super::dice::Dice;
 
-/// What a wheel is made to have; everything else of it is drawn freely.
+/// Kind of a wheel: it fixes some characteristics, all others are random.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Axial inlet with an inducer, radial outlet, splitters as a rule.
+    /// Axial inlet with an inducer, radial outlet, usually splitters.
     Compressor,
-    /// Leading edge that is swept, slanted and curved, trailing edge slanted.
+    /// Leading edge swept, slanted and curved, trailing edge slanted.
     Swept,
-    /// Few blades, wrapped by up to 180°, tangents up to 88° from the meridional direction.
+    /// Few blades, wrap up to 180°, blade angles up to 88° from the meridional direction.
     Wrapped,
     /// Cylindrical blades: the same camber line at every height, leading edge along the axis.
     Cylindrical,
@@ -17,13 +17,13 @@ pub enum Kind {
     Bowed,
     /// Thick blades with round or blunt edges.
     Thick,
-    /// D 15 to 40.
+    /// Diameters of 15 to 40 mm.
     Micro,
-    /// D 400 to 900, up to 30 blades.
+    /// Diameters of 400 to 900 mm, up to 30 blades.
     Large,
     /// Two rows of splitters.
     Splitters,
-    /// Cylindrical blades whose tips begin on the hub: hub and shroud meet at the leading edge.
+    /// Cylindrical blades without height at the leading edge, where hub and shroud meet.
     Meeting,
 }
 
@@ -56,24 +56,24 @@ impl Kind {
         }
     }
 
-    /// Whether blades are cylinders along the axis.
+    /// Whether the blades are cylindrical, parallel to the axis.
     pub fn is_flat(self) -> bool {
         matches!(self, Self::Cylindrical | Self::Meeting)
     }
 }
 
-/// How a blade ends.
+/// Shape of a trailing edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tail {
-    /// Semicircle or half ellipse: its length in half thicknesses.
+    /// Semicircle or half ellipse; its length in half thicknesses.
     Round(f64),
-    /// Cut off across the camber line.
+    /// Cut off at right angles to the camber line.
     Blunt,
-    /// Turned to the rim with the wheel: both sides end at the same s.
+    /// Turned on a lathe with the rim: both sides end at the same s.
     Turned,
 }
 
-/// An edge across the span: s at hub and shroud, and how far it bulges downstream between.
+/// An edge across the span: s at hub and shroud, and its downstream bulge in between.
 #[derive(Clone, Copy, Debug)]
 pub struct Edge {
     pub hub: f64,
@@ -91,14 +91,14 @@ impl Edge {
     }
 }
 
-/// A row of splitters: its place in the pitch and where it begins.
+/// A row of splitters: its relative position in the pitch and its leading edge.
 #[derive(Clone, Copy, Debug)]
 pub struct SplitterRow {
     pub place: f64,
     pub edge: Edge,
 }
 
-/// Everything that makes a wheel. Lengths as shares of the rim's radius but where said; angles in degrees.
+/// All parameters of a wheel. Lengths are shares of the rim's radius unless noted; angles are in degrees.
 #[derive(Clone, Debug)]
 pub struct Spec {
     pub kind: Kind,
@@ -111,36 +111,36 @@ pub struct Spec {
     pub depth: f64,
     /// Height of the blades at the rim.
     pub outlet: f64,
-    /// Of the flow at the rim against the radius.
+    /// Inclination of the flow at the rim from the radial direction.
     pub incline: f64,
     pub blades: usize,
     pub splitters: Vec<SplitterRow>,
     /// Blade angle from the meridional direction at the leading edge, hub and shroud.
     pub inlet_angle: [f64; 2],
     pub outlet_angle: f64,
-    /// Angle midway on the mean surface.
+    /// Blade angle midway on the mean surface.
     pub middle_angle: f64,
     pub rake: f64,
-    /// Of the blade between hub and shroud, as a share of its height.
+    /// Bow of the blade between hub and shroud, as a share of its height.
     pub bow: f64,
-    /// The same with two bends.
+    /// S-shaped bow, as a share of its height.
     pub compound: f64,
     pub leading: Edge,
     pub trailing: Edge,
-    /// At hub and shroud.
+    /// Thickness at hub and shroud.
     pub thickness: [f64; 2],
-    /// Of the thickness at the trailing edge to that of the blade.
+    /// Thickness at the trailing edge relative to that of the blade.
     pub taper: f64,
     /// Length of the nose in half thicknesses, and the exponent of its superellipse (2: ellipse, 4: blunt).
     pub nose: (f64, f64),
     pub tail: Tail,
-    /// How far hub and shroud run on beyond s = 0 and s = 1.
+    /// Extension of hub and shroud beyond s = 0 and s = 1.
     pub runs_on: [(f64, f64); 2],
-    /// How far the sections reach beyond hub and shroud; negative where they fall short.
+    /// Extension of the sections beyond hub and shroud; negative where they end before.
     pub overrun: [f64; 2],
     pub sections: usize,
     pub inlet_up: bool,
-    /// +1 or −1: blades run towards growing or falling θ downstream.
+    /// +1 or −1: θ of the blades grows or falls downstream.
     pub turn: f64,
 }
 
@@ -214,7 +214,7 @@ impl Spec {
         spec
     }
 
-    /// A wheel with an axial inlet.
+    /// Random parameters of a wheel with an axial inlet.
     fn any(kind: Kind, dice: &mut Dice) -> Self {
         let eye = dice.between(0.16, 0.34);
         let tip = (eye + dice.between(0.2, 0.42)).min(0.72);
@@ -282,7 +282,7 @@ impl Spec {
         }
     }
 
-    /// Turns the wheel into one of a pump or blower with blades between two discs.
+    /// Changes the parameters to those of a pump or blower with blades between two discs.
     fn flatten(&mut self, dice: &mut Dice) {
         self.eye = dice.between(0.3, 0.6);
         self.tip = self.eye;
@@ -303,7 +303,8 @@ impl Spec {
         (self.leading, self.trailing) = (Edge::straight(0.0), Edge::straight(1.0));
         self.thickness = [dice.between(0.015, 0.05); 2];
         if self.kind == Kind::Meeting {
-            // Noses reach ahead of the edge by at most half the thickness: nothing stands where there is no channel.
+            // Noses extend upstream of the edge by at most half the thickness, so that they stay in the
+            // channel.
             let nose = 0.5 * self.thickness[0] / (1.0 - self.eye);
             let behind = if dice.chance(0.5) { dice.between(0.02, 0.06) } else { 0.0 };
             self.leading = Edge::straight(nose + behind);

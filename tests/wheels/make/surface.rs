@@ -6,7 +6,7 @@ use vanecut::part::Meridional;
 
 use super::spec::{Kind, Spec};
 
-/// Hub or shroud by s, s = 0 … 1 evenly over its points; straight beyond.
+/// Hub or shroud over s: s = 0 … 1 is uniform over its points, with straight extensions beyond.
 pub struct Wall(Vec<Meridional>);
 
 impl Wall {
@@ -17,7 +17,7 @@ impl Wall {
         self.0[i].lerp(self.0[i + 1], x - i as f64)
     }
 
-    /// Points evenly by arc length along a cubic Bézier curve.
+    /// Points at equal arc lengths on a cubic Bézier curve.
     fn bezier(control: [Meridional; 4]) -> Self {
         let point = |t: f64| {
             let [a, b, c, d] = control;
@@ -40,7 +40,7 @@ impl Wall {
     }
 }
 
-/// Hub and shroud of a wheel whose inlet is at z = 0 and whose back is towards +z, mm.
+/// Hub and shroud of a wheel with its inlet at z = 0 and its back towards +z, mm.
 pub struct Walls {
     pub hub: Wall,
     pub shroud: Wall,
@@ -51,7 +51,7 @@ impl Walls {
         let Spec { rim, eye, tip, depth, outlet, .. } = *spec;
         let place = |r: f64, z: f64| Meridional { r: r * rim, z: z * rim };
         if spec.kind.is_flat() {
-            // Both by radius. The blades are as high at the inlet as keeps the cross-section about even.
+            // Both over the radius. The height at the inlet keeps the cross-section roughly constant.
             let inlet = outlet * (0.75 / eye).min(1.8);
             let by_radius = |z: &dyn Fn(f64) -> f64| {
                 Wall(
@@ -64,7 +64,7 @@ impl Walls {
             let back = |s: f64| depth * (1.0 - (1.0 - s).powi(2));
             let height = |s: f64| {
                 let grown = match spec.kind {
-                    // From nothing at the leading edge to all at a quarter of the chord.
+                    // From zero at the leading edge to the full height at a quarter of the chord.
                     Kind::Meeting if s < 0.0 => 0.0,
                     Kind::Meeting if s < 0.25 => (FRAC_PI_2 * s / 0.25).sin(),
                     _ => 1.0,
@@ -92,7 +92,8 @@ impl Walls {
     }
 }
 
-/// The camber line on a stream surface, in its conformal plane (m′, θ), dm′ = dm / r: angles there are those of the blade.
+/// Point of the camber line on a stream surface, in its conformal plane (m′, θ) with dm′ = dm / r, where
+/// angles equal blade angles.
 #[derive(Clone, Copy)]
 pub struct Station {
     pub s: f64,
@@ -101,14 +102,14 @@ pub struct Station {
     pub r: f64,
     /// Blade angle, rad.
     pub beta: f64,
-    /// Length along the camber line, mm.
+    /// Arc length along the camber line, mm.
     pub length: f64,
 }
 
-/// A camber line as a table by s, from before the inlet to beyond the rim.
+/// A camber line as a table over s, from upstream of the inlet to beyond the rim.
 pub struct Camber(Vec<Station>);
 
-/// s of the tables.
+/// Range of s of the tables.
 const RANGE: (f64, f64) = (-0.2, 1.2);
 const STEPS: usize = 1400;
 
@@ -141,13 +142,13 @@ impl Camber {
     }
 }
 
-/// The camber surface, and how much of the drawn twist and wrap it keeps.
+/// The camber surface, with factors that reduce the random twist and wrap.
 pub struct CamberSurface<'a> {
     pub spec: &'a Spec,
     pub walls: &'a Walls,
-    /// Of the difference between a stream surface's camber line and the mean one.
+    /// Factor of the difference between a stream surface's camber line and the mean one.
     pub twist: f64,
-    /// Of all θ.
+    /// Factor of all θ.
     pub wrap: f64,
 }
 
@@ -161,7 +162,7 @@ impl CamberSurface<'_> {
         for i in 0..=STEPS {
             let s = s_at(i);
             let place = self.walls.at(s, eta);
-            // Inside the rotation axis nothing is needed; the blade never gets there.
+            // Extensions may cross the rotation axis, where no blade is: the radius is clamped.
             let r = place.r.max(0.02 * self.spec.rim);
             let wrapped = self.wrap * (mean[i] + self.twist * (own[i] - mean[i]));
             let theta = wrapped + self.leaned(s, eta) / r;
@@ -181,7 +182,7 @@ impl CamberSurface<'_> {
         Camber(stations)
     }
 
-    /// How far rake and bow move the blade along the circumference, mm.
+    /// Circumferential displacement of the blade by rake and bow, mm.
     fn leaned(&self, s: f64, eta: f64) -> f64 {
         let Spec { rake, bow, compound, .. } = *self.spec;
         let shape =
@@ -189,8 +190,8 @@ impl CamberSurface<'_> {
         shape * self.walls.height(s.clamp(0.0, 1.0))
     }
 
-    /// θ of the drawn angles, 0 at the rim. The tangent of the angle is a quadratic Bézier curve in s; its middle makes every
-    /// stream surface wrap as far as the mean one.
+    /// θ, rad, of the random angles, 0 at the rim. The tangent of the angle is a quadratic Bézier curve in s,
+    /// whose middle control value gives every stream surface the wrap of the mean one.
     fn drawn(&self, eta: f64) -> Vec<f64> {
         let share = eta.clamp(0.0, 1.0);
         let tangent = |degrees: f64| degrees.to_radians().tan();

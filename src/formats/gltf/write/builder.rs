@@ -1,8 +1,8 @@
-//! A glTF 2.0 document under construction: one buffer with its views and accessors, and the lists that refer to them.
+//! Builds a glTF 2.0 document: one buffer with its views and accessors, and the lists that refer to them.
 
 use serde_json::{Map, Value, json};
 
-/// First bytes of a `.glb`, and its version.
+/// Magic bytes of a `.glb`, and the version of the container.
 const MAGIC: (&[u8; 4], u32) = (b"glTF", 2);
 const JSON_CHUNK: u32 = 0x4E4F_534A;
 const BINARY_CHUNK: u32 = 0x004E_4942;
@@ -13,18 +13,18 @@ const UNSIGNED_SHORT: u32 = 5_123;
 const UNSIGNED_INT: u32 = 5_125;
 const FLOAT: u32 = 5_126;
 
-/// What an accessor of floats is for.
+/// Purpose of an accessor of floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
-    /// Positions of corners: with bounds, as the format asks.
+    /// Positions of corners, with the bounds that the format requires.
     Positions,
-    /// Another attribute of corners.
+    /// Other attributes of corners.
     Corners,
-    /// Attribute of instances.
+    /// Attributes of instances.
     Instances,
 }
 
-/// The document.
+/// The document under construction.
 #[derive(Debug, Default)]
 pub struct Builder {
     binary: Vec<u8>,
@@ -44,7 +44,7 @@ impl Builder {
         if let Some(target) = target {
             view["target"] = json!(target);
         }
-        // Every element starts at a multiple of its size.
+        // Every element must be aligned to the size of its components.
         self.binary.resize(self.binary.len().next_multiple_of(4), 0);
         self.views.push(view);
         self.views.len() - 1
@@ -55,7 +55,7 @@ impl Builder {
         self.accessors.len() - 1
     }
 
-    /// Accessor of vectors of `N` floats.
+    /// Adds an accessor of vectors of `N` floats; returns its index.
     pub fn floats<const N: usize>(&mut self, rows: &[[f32; N]], what: Use) -> usize {
         let target = (what != Use::Instances).then_some(ARRAY_BUFFER);
         let view = self.view(rows.iter().flatten().flat_map(|x| x.to_le_bytes()), target);
@@ -77,7 +77,7 @@ impl Builder {
         self.accessor(accessor)
     }
 
-    /// Accessor of colours: linear, each part 0…1.
+    /// Adds an accessor of linear colours, components 0…1; returns its index.
     pub fn colours(&mut self, colours: &[[f32; 3]]) -> usize {
         let part = |x: f32| (x.clamp(0.0, 1.0) * 65_535.0).round() as u16;
         let four = colours.iter().flat_map(|&[r, g, b]| [part(r), part(g), part(b), u16::MAX]);
@@ -88,9 +88,9 @@ impl Builder {
         }))
     }
 
-    /// Accessor of indices of `corners` corners.
+    /// Adds an accessor of indices of `corners` corners; returns its index.
     pub fn indices(&mut self, indices: &[u32], corners: usize) -> usize {
-        // The largest number of a type ends a strip.
+        // The largest value of an index type is reserved for primitive restart.
         let short = corners < usize::from(u16::MAX);
         let target = Some(ELEMENT_ARRAY_BUFFER);
         let view = if short {
@@ -104,32 +104,32 @@ impl Builder {
         }))
     }
 
-    /// Adds a material.
+    /// Adds a material; returns its index.
     pub fn material(&mut self, material: Value) -> usize {
         self.materials.push(material);
         self.materials.len() - 1
     }
 
-    /// Adds a mesh.
+    /// Adds a mesh; returns its index.
     pub fn mesh(&mut self, name: &str, primitives: Vec<Value>) -> usize {
         self.meshes.push(json!({ "name": name, "primitives": primitives }));
         self.meshes.len() - 1
     }
 
-    /// Adds a node.
+    /// Adds a node; returns its index.
     pub fn node(&mut self, node: Value) -> usize {
         self.nodes.push(node);
         self.nodes.len() - 1
     }
 
-    /// Notes that an extension is used; none is required.
+    /// Lists an extension as used, not as required.
     pub fn uses(&mut self, extension: &'static str) {
         if !self.extensions.contains(&extension) {
             self.extensions.push(extension);
         }
     }
 
-    /// The document with the node `root` as its only scene; `uri` names the buffer if it is a file of its own.
+    /// The document with the node `root` as its only scene; `uri` names the buffer if it is a separate file.
     fn document(&self, root: usize, uri: Option<&str>) -> Value {
         let mut buffer = json!({ "byteLength": self.binary.len() });
         if let Some(uri) = uri {
@@ -172,7 +172,7 @@ impl Builder {
         glb
     }
 
-    /// The text of a `.gltf`, and the bytes of the file beside it that its JSON calls `uri`.
+    /// The text of a `.gltf`, and the bytes of the buffer file that its JSON names `uri`.
     pub fn gltf(&self, root: usize, uri: &str) -> (String, Vec<u8>) {
         let mut text = serde_json::to_string_pretty(&self.document(root, Some(uri))).unwrap_or_default();
         text.push('\n');

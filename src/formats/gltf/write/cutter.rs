@@ -1,4 +1,4 @@
-//! A plunge cutter as it is shown: the core solid, the ring of inserts and the wall as glass.
+//! Mesh of a plunge cutter: the core is opaque, the ring of inserts and the outer wall are transparent.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,15 +10,16 @@ use super::part::{direction, metres};
 use crate::geometry::{Meridional, Vector};
 use crate::part::Tool;
 
-/// Facets around.
+/// Facets around the axis.
 const STEPS: u32 = 72;
-/// Chords of a rounded corner.
+/// Chords of a rounded corner's profile.
 const CORNER_STEPS: u32 = 6;
 
-/// A place of an outline and the normal there, in the plane of axis and radius.
+/// A point of a profile and its normal, in the plane of radius and axis.
 type Place = (Meridional, Meridional);
 
-/// Core and glass of a cutter of `height` mm, its bottom at the origin and its axis along Z.
+/// Primitives of a cutter of `height` mm, bottom at the origin, axis along Z: the core in material `solid`,
+/// the rest in material `glass`.
 pub fn primitives(builder: &mut Builder, tool: &Tool, height: f64, solid: usize, glass: usize) -> Vec<Value> {
     let at = |r: f64, z: f64| Meridional { r, z };
     let (down, up, out) = (at(0.0, -1.0), at(0.0, 1.0), at(1.0, 0.0));
@@ -81,13 +82,13 @@ fn primitive(builder: &mut Builder, bands: &[Vec<Place>], material: usize) -> Va
     })
 }
 
-/// The turn of Z into `axis`.
+/// The shortest rotation from Z to `axis`; a half turn about X for −Z.
 pub fn turn_of(axis: &Vector) -> UnitQuaternion<f64> {
     UnitQuaternion::rotation_between(&Vector::z(), axis)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector::x_axis(), PI))
 }
 
-/// A turn as the file has it.
+/// A rotation as a glTF quaternion x y z w.
 pub fn quaternion(turn: &UnitQuaternion<f64>) -> [f32; 4] {
     [turn.i, turn.j, turn.k, turn.w].map(|x| x as f32)
 }

@@ -1,4 +1,4 @@
-//! A flank plan as a scene: the part, and the curves layer by layer as lines.
+//! Scene of a flank plan: the part, and the passes of each layer as lines.
 
 use serde_json::json;
 
@@ -9,11 +9,11 @@ use crate::formats::flank_file::StoredFlank;
 use crate::mesh::tessellate::Tessellation;
 use crate::palette::{ColourMap, looked_up};
 
-/// Drawing mode of lines from point to point.
+/// glTF primitive mode of a polyline.
 const LINE_STRIP: u32 = 3;
 
 impl GltfScene {
-    /// The curves of a flank plan, coloured by layer: dark next to the hub, light at the top.
+    /// Scene of a flank plan, with passes coloured by layer: dark near the hub, light at the top.
     pub fn of_flank(plan: &StoredFlank, shape: &Tessellation) -> Self {
         let mut builder = Builder::default();
         let mut nodes = part_nodes(&mut builder, &plan.part, shape, Walls::InWork);
@@ -32,7 +32,9 @@ impl GltfScene {
                 .map(|curve| {
                     let points: Vec<[f32; 3]> = curve.points.iter().map(metres).collect();
                     let positions = builder.floats(&points, Use::Positions);
-                    json!({ "attributes": { "POSITION": positions }, "mode": LINE_STRIP, "material": material })
+                    json!({
+                        "attributes": { "POSITION": positions }, "mode": LINE_STRIP, "material": material,
+                    })
                 })
                 .collect();
             let mesh = builder.mesh(&name, lines);

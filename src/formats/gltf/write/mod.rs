@@ -1,8 +1,8 @@
-//! Writes glTF 2.0: parts and plans as scenes that any viewer opens.
+//! Writes glTF 2.0: parts and plans as scenes for any viewer.
 //!
-//! The unit of the file is the metre. Its root node turns the part's axis Z to the file's Y, so that the wheel stands
-//! upright; all nodes below it are in the part's frame. `extras.vanecut` of the root names that axis and holds the figures
-//! (mm, degrees).
+//! The unit of the file is the metre. Its root node rotates the part's axis Z to the file's Y (up); all
+//! nodes below it are in the part frame. `extras.vanecut` of the root names that axis and has the figures of
+//! the plan (mm, degrees).
 
 mod builder;
 mod cutter;
@@ -28,7 +28,7 @@ pub struct GltfScene {
 }
 
 impl GltfScene {
-    /// A part alone.
+    /// Scene of a part alone.
     pub fn of_part(part: &Impeller, shape: &Tessellation) -> Self {
         let mut builder = Builder::default();
         let nodes = part_nodes(&mut builder, part, shape, Walls::Alike);
@@ -41,7 +41,7 @@ impl GltfScene {
         self.builder.glb(self.root)
     }
 
-    /// The text of a `.gltf`, and the bytes of the file beside it that goes by the name `binary`.
+    /// The text of a `.gltf`, and the bytes of its buffer file, which is named `binary`.
     pub fn gltf(&self, binary: &str) -> (String, Vec<u8>) {
         self.builder.gltf(self.root, binary)
     }

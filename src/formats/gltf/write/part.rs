@@ -13,37 +13,38 @@ use crate::part::Impeller;
 
 const UNLIT: &str = "KHR_materials_unlit";
 
-/// The file's unit is the metre.
+/// Metres per mm.
 const METRES: f64 = 1e-3;
 
-/// mm of the part to metres of the file.
+/// A point of the part frame (mm) in metres.
 pub fn metres(p: &Point) -> [f32; 3] {
     [p.x, p.y, p.z].map(|x| (x * METRES) as f32)
 }
 
-/// A direction as the file has it.
+/// A direction in single precision.
 pub fn direction(v: &Vector) -> [f32; 3] {
     [v.x, v.y, v.z].map(|x| x as f32)
 }
 
-/// A gamma-encoded colour as the file has it: linear.
+/// Converts an sRGB colour to linear RGB, as glTF requires.
 pub fn linear(colour: Rgb) -> Rgb {
     colour.map(|x| if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) })
 }
 
-/// A material of one colour, matt.
+/// Adds a matt material of one colour.
 pub fn matt(builder: &mut Builder, name: &str, colour: Rgb) -> usize {
     builder.material(json!({ "name": name, "pbrMetallicRoughness": factors(colour, 1.0) }))
 }
 
-/// A material that lets light through, seen from both sides.
+/// Adds a transparent, double-sided material.
 pub fn glass(builder: &mut Builder, name: &str, colour: Rgb, opacity: f64) -> usize {
     builder.material(json!({
-        "name": name, "pbrMetallicRoughness": factors(colour, opacity), "alphaMode": "BLEND", "doubleSided": true,
+        "name": name, "pbrMetallicRoughness": factors(colour, opacity),
+        "alphaMode": "BLEND", "doubleSided": true,
     }))
 }
 
-/// A material whose colour shows as it is, whatever the light: a colour scale is to be read.
+/// Adds an unlit material, so that the colours of a scale can be read off.
 pub fn unlit(builder: &mut Builder, name: &str, colour: Rgb) -> usize {
     builder.uses(UNLIT);
     builder.material(json!({
@@ -56,22 +57,22 @@ fn factors(colour: Rgb, opacity: f64) -> Value {
     json!({ "baseColorFactor": [r, g, b, opacity], "metallicFactor": 0.0, "roughnessFactor": 0.75 })
 }
 
-/// A rotation about the part's axis.
+/// Quaternion of a rotation by `angle` (rad) about the part's axis Z.
 pub fn turn(angle: f64) -> Value {
     let (sin, cos) = (0.5 * angle).sin_cos();
     json!([0.0, 0.0, sin as f32, cos as f32])
 }
 
-/// What the channel in work looks like in a scene: other colours for its walls, or none.
+/// Whether the walls of the active channel have their own colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Walls {
-    /// All blades look alike.
+    /// All blades have the same colour.
     Alike,
-    /// The two walls of channel 1 and the splitters between them stand out.
+    /// The two walls of channel 1 and the splitters between them are highlighted.
     InWork,
 }
 
-/// Adds the part; returns its nodes: `hub`, `shroud`, `blade_1`…, `splitter_1`…, in the part's frame.
+/// Adds the part; returns its nodes `hub`, `shroud`, `blade_1`…, `splitter_1`…, in the part frame.
 pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, walls: Walls) -> Vec<usize> {
     let greys = Theme::Light.greys();
     let hub = matt(builder, "hub", greys.hub);
@@ -91,8 +92,8 @@ pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, 
         let faces = primitives(builder, solid);
         let plain = builder.mesh(name, painted(&faces, blade));
         let wall =
-            in_work.map(|material| builder.mesh(&format!("{name} in work"), painted(&faces, material)));
-        // Splitters of several kinds are numbered on.
+            in_work.map(|material| builder.mesh(&format!("{name} (active)"), painted(&faces, material)));
+        // Splitters of several kinds are numbered consecutively.
         if index < 2 {
             count = 0;
         }
@@ -109,7 +110,7 @@ pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, 
     nodes
 }
 
-/// The faces of a solid as primitives without material, foot and edges of a blade joined with its tip.
+/// The faces of a solid as primitives without material; foot and edges of a blade are joined with its tip.
 fn primitives(builder: &mut Builder, solid: &Solid) -> Vec<Value> {
     let group = |kind: FaceKind| match kind {
         FaceKind::Foot | FaceKind::LeadingEdge | FaceKind::TrailingEdge => FaceKind::Tip,
@@ -158,7 +159,8 @@ fn painted(primitives: &[Value], material: usize) -> Vec<Value> {
     primitives.iter().map(paint).collect()
 }
 
-/// The root of a scene: turns the part's axis Z upright, to the file's Y, and says what the file is about.
+/// Adds the root node of a scene: it rotates the part's axis Z to the file's Y, and has the figures of the
+/// part, extended by `more`.
 pub fn root(
     builder: &mut Builder,
     part: &Impeller,
@@ -180,7 +182,7 @@ pub fn root(
     }
     builder.node(json!({
         "name": part.name,
-        // Columns: x stays, y becomes −z, z becomes y. A matrix holds it without rounding.
+        // Column-major: x stays, y becomes −z, z becomes y. A matrix is exact, a quaternion is not.
         "matrix": [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1],
         "children": children,
         "extras": { "vanecut": facts },

@@ -1,4 +1,5 @@
-//! A plunge plan as a scene: the part, the stock left on the floor of the channel, the cutters at the ends of their plunges.
+//! Scene of a plunge plan: the part, the residual stock on the channel floor, and the cutters at the ends of
+//! their plunges.
 
 use serde_json::{Value, json};
 
@@ -17,21 +18,22 @@ use crate::residual::surface::{FINE, FloorSurface, is_uncut};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// Length shown of a sound cutter, in diameters; the others are longer, so that not only colour tells.
+/// Displayed length of a sound cutter, in diameters; others are longer, so that they differ in more than
+/// colour.
 const SHOWN_LENGTH: f64 = 0.15;
 
-/// How cutters are put into a scene.
+/// How cutters are written to a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CutterNodes {
-    /// One node per tool and condition, in many places by `EXT_mesh_gpu_instancing`. A viewer that does not know the
-    /// extension shows the first cutter of each, in its place.
+    /// One node per tool and condition, with instances by `EXT_mesh_gpu_instancing`. A viewer without the
+    /// extension displays only the first cutter of each node.
     #[default]
     Instanced,
     /// One node per cutter, for any viewer.
     Plain,
 }
 
-/// A plan and everything that is shown of it.
+/// A plan and everything that is displayed of it.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanScene<'a> {
     /// The part.
@@ -42,11 +44,11 @@ pub struct PlanScene<'a> {
     pub setup: &'a Setup,
     /// The plan.
     pub plan: &'a PlungePlan,
-    /// The floor of the channel in work.
+    /// Grid of the floor of the active channel.
     pub grid: &'a FloorGrid,
-    /// Stock left on it, mm per cell.
+    /// Residual stock on each of its cells, mm.
     pub heights: &'a [f32],
-    /// Ends of the colour scale of that stock, mm.
+    /// Range of the colour scale of the stock, mm.
     pub range: (f32, f32),
     /// The scale's colours.
     pub map: ColourMap,
@@ -55,7 +57,7 @@ pub struct PlanScene<'a> {
 }
 
 impl GltfScene {
-    /// A plan.
+    /// Scene of a plunge plan.
     pub fn of_plan(scene: &PlanScene) -> Self {
         let mut builder = Builder::default();
         let mut nodes = part::part_nodes(&mut builder, scene.part, scene.shape, part::Walls::InWork);
@@ -66,7 +68,7 @@ impl GltfScene {
     }
 }
 
-/// What the setup asked for and what came of it.
+/// Figures of the setup and of its plan.
 fn facts(scene: &PlanScene) -> Value {
     let PlanScene { plan, setup, .. } = scene;
     let count = |of: Condition| plan.positions.iter().filter(|p| p.condition() == of).count();
@@ -100,7 +102,8 @@ fn facts(scene: &PlanScene) -> Value {
     })
 }
 
-/// The stock left as colours on the allowance surface of the hub; none where heights do not fit the grid.
+/// The residual stock as colours on the allowance surface of the hub; `None` if `heights` does not match
+/// the grid.
 fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
     let PlanScene { grid, heights, .. } = scene;
     if heights.len() != grid.points.len() {
@@ -110,7 +113,7 @@ fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
     if surface.triangles.is_empty() {
         return None;
     }
-    // Where the cut should end: in front of the hub, so that neither shows through the other.
+    // The surface is raised to the allowance, at least in front of the hub mesh, to avoid z-fighting.
     let raise = scene.setup.stock.hub_allowance.max(2.0 * scene.shape.chord_error);
     let vector = |v: [f32; 3]| Vector::from(v.map(f64::from));
     let normals: Vec<[f32; 3]> =
@@ -131,7 +134,7 @@ fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
             linear(shown)
         })
         .collect();
-    // Rows run along s, columns from the suction wall on: which side is up depends on the sense of rotation.
+    // Rows run along s, columns from the suction wall: the winding depends on the sense of rotation.
     let outside = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|k| vector(grid.points[surface.cells[k as usize]]));
         (b - a).cross(&(c - a)).dot(&vector(grid.normals[surface.cells[t[0] as usize]])) >= 0.0
@@ -154,7 +157,7 @@ fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
     Some(builder.node(json!({ "name": "stock", "mesh": mesh })))
 }
 
-/// Colour and share of the shown length of a condition.
+/// Colour of a condition, and factor on its displayed length.
 fn looks(condition: Condition) -> (Rgb, f64) {
     match condition {
         Condition::Sound => (palette::SOUND, 1.0),
@@ -163,7 +166,7 @@ fn looks(condition: Condition) -> (Rgb, f64) {
     }
 }
 
-/// Per-position facts, in cutting order.
+/// Figures of one plunge; `index` is in cutting order.
 fn position_facts(index: usize, p: &Position) -> Value {
     json!({
         "position": index + 1,
@@ -181,7 +184,7 @@ fn position_facts(index: usize, p: &Position) -> Value {
     })
 }
 
-/// The node above all cutters.
+/// Adds the cutters; returns their parent node.
 fn cutters(builder: &mut Builder, scene: &PlanScene) -> usize {
     let plan = scene.plan;
     let mut children = Vec::new();
@@ -226,7 +229,8 @@ fn cutters(builder: &mut Builder, scene: &PlanScene) -> usize {
     builder.node(node)
 }
 
-/// One node in the places of many positions. Its own place is that of the first, and the places count from there.
+/// Adds one node with an instance per position. The node has the pose of the first position, and the
+/// instances are relative to it.
 fn instances(builder: &mut Builder, name: &str, mesh: usize, positions: &[(usize, &Position)]) -> usize {
     builder.uses(INSTANCING);
     let first = positions[0].1;
