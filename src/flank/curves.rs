@@ -1,4 +1,4 @@
-//! All layers of a channel with their curves, by every scheme, and how the schemes compare.
+//! Passes on all layers of a channel by every strategy, and figures to compare the strategies.
 
 use rayon::prelude::*;
 
@@ -11,45 +11,46 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, FlankScheme, Impeller, Setup, Tool};
 use crate::plunge::sections::{SetupFault, SetupPlace};
 
-/// Most layers of a channel.
+/// Maximum number of layers of a channel.
 const MAX_LAYERS: usize = 1000;
-/// Most curves side by side.
+/// Maximum number of passes side by side.
 const MAX_ACROSS: f64 = 2000.0;
-/// A layer's depth short of a whole number by less than this share is a little deeper instead of one more.
+/// If the number of layers exceeds an integer by less than this, the layers become a little deeper instead of
+/// one more.
 const COUNT_SLACK: f64 = 0.05;
-/// Nodes of the chart to an interval, and their spacing at most and at least, mm.
+/// Nodes of the chart per stepover, and the limits of their spacing, mm.
 const NODES_PER_INTERVAL: f64 = 6.0;
 const NODE_SPACING: [f64; 2] = [0.05, 1.0];
-/// A gap counts as wide above this many intervals.
+/// A gap counts as wide above this multiple of the stepover.
 const WIDE: f64 = 1.02;
-/// Gaps are measured up to this many intervals.
+/// Gaps are measured up to this multiple of the stepover.
 const WIDEST_GAP: f64 = 2.5;
 
-/// Why there are no curves.
+/// Why the planning of passes failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FlankError {
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Part and setup do not go together.
+    /// The setup does not suit the part.
     #[error(transparent)]
     Setup(#[from] SetupFault),
 }
 
-/// How well curves cover a layer.
+/// How well passes cover a layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coverage {
-    /// Greatest gap between neighbouring curves, in intervals: twice the greatest distance of a reachable place from the
-    /// nearest curve. Measured up to 2.5.
+    /// Largest gap between neighbouring passes as a multiple of the stepover: twice the largest distance of a
+    /// reachable point from the nearest pass. Measured up to 2.5.
     pub largest_gap: f64,
-    /// Area in gaps wider than 1.02 intervals, mm².
+    /// Area in gaps wider than 1.02 times the stepover, mm².
     pub wide_area: f64,
 }
 
-/// Curves of one scheme on one layer, measured.
+/// Figures of one strategy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CurveFigures {
-    /// Number of curves.
+    /// Number of passes.
     pub curves: usize,
     /// Their length within the channel, mm.
     pub length: f64,
@@ -57,23 +58,24 @@ pub struct CurveFigures {
     pub coverage: Coverage,
 }
 
-/// A layer with the curves of one scheme.
+/// A layer with the passes of one strategy.
 #[derive(Clone, Debug)]
 pub struct LayerCurves {
     /// The surface.
     pub layer: Layer,
     /// Its walls.
     pub borders: Borders,
-    /// Largest distance between neighbouring curves, mm.
+    /// Stepover: largest allowed distance between neighbouring passes, mm.
     pub interval: f64,
-    /// The curves of the scheme that was asked for.
+    /// The passes of the requested strategy.
     pub curves: Vec<Curve>,
-    /// By scheme, in the order of [`FlankScheme::ALL`]; of the isoparametric one only where it was asked for, and then
-    /// nothing else.
+    /// By strategy, in the order of [`FlankScheme::ALL`]. Those of the isoparametric strategy are set only
+    /// where it was requested, and then no others are.
     pub figures: [CurveFigures; 4],
-    /// Area where the cutter's axis may be, mm².
+    /// Area that the tool axis may reach, mm².
     pub area: f64,
-    /// Least length that could cover it: the area over the interval, and half the curves along the walls, mm.
+    /// Lower bound on the length of passes: the area over the stepover, and half the length of the passes
+    /// along walls, mm.
     pub floor_length: f64,
     /// Length of the lines where the fans of two walls meet, mm.
     pub seam_length: f64,
@@ -82,24 +84,24 @@ pub struct LayerCurves {
 /// All layers of a channel.
 #[derive(Clone, Debug)]
 pub struct FlankCurves {
-    /// Scheme of the curves.
+    /// Strategy of the passes.
     pub scheme: FlankScheme,
-    /// The layers of that scheme, hub first.
+    /// The layers of that strategy, hub first.
     pub layers: Vec<LayerCurves>,
-    /// Figures by scheme over all layers, in the order of [`FlankScheme::ALL`].
+    /// Figures by strategy over all layers, in the order of [`FlankScheme::ALL`].
     pub totals: [CurveFigures; 4],
-    /// Sums over the layers of constant depth, mm², mm, mm.
+    /// Area that the tool axis may reach on the layers of constant depth, mm².
     pub area: f64,
-    /// See `area`.
+    /// Lower bound on the length of passes there, mm.
     pub floor_length: f64,
-    /// See `area`.
+    /// Length of the lines there where the fans of two walls meet, mm.
     pub seam_length: f64,
-    /// Layers of constant depth on which the cutter fits nowhere, by their height above the hub, mm.
+    /// Layers of constant depth on which the tool fits nowhere, by their height above the hub, mm.
     pub empty: Vec<f64>,
 }
 
 impl FlankCurves {
-    /// Share of the area in gaps wider than 1.02 intervals, of the scheme asked for.
+    /// Share of the area of a strategy in gaps wider than 1.02 times the stepover.
     pub fn wide_share(&self, scheme: FlankScheme) -> f64 {
         let area = match scheme {
             FlankScheme::Isoparametric => self.layers.iter().map(|l| l.area).sum(),
@@ -109,7 +111,7 @@ impl FlankCurves {
     }
 }
 
-/// What curves are planned from.
+/// Inputs of the planning of passes.
 #[derive(Clone, Copy, Debug)]
 pub struct CurveSource<'a> {
     /// The part.
@@ -118,27 +120,30 @@ pub struct CurveSource<'a> {
     pub channel: &'a Channel,
     /// Allowances and `[flank]`.
     pub setup: &'a Setup,
-    /// The cutter.
+    /// The tool.
     pub tool: &'a Tool,
 }
 
 impl CurveSource<'_> {
-    /// Least distance of the cutter's axis from a wall, mm.
+    /// Least distance of the tool axis from a wall, mm.
     fn clear(&self) -> f64 {
         self.tool.radius() + self.setup.stock.blade_allowance
     }
 
-    /// Height of the leading edge, mm.
-    fn leading_edge(&self) -> f64 {
-        self.part.hub.point(0.0).distance(self.part.shroud.point(0.0))
+    /// Depth of the channel where it is deepest: at the leading edge along it, elsewhere above the hub, mm.
+    fn deepest(&self) -> f64 {
+        const STATIONS: usize = 32;
+        let (hub, shroud) = (&self.part.hub, &self.part.shroud);
+        let above_hub = |k: usize| hub.curve().project(shroud.point(k as f64 / STATIONS as f64)).1.abs();
+        (1..=STATIONS).map(above_hub).fold(hub.point(0.0).distance(shroud.point(0.0)), f64::max)
     }
 
-    /// Number of layers at the leading edge.
+    /// Number of layers where the channel is deepest.
     ///
     /// # Errors
-    /// When the depth is none, or makes too many.
+    /// When the layer depth is not positive, exceeds the channel, or gives too many layers.
     fn layer_count(&self) -> Result<usize, SetupFault> {
-        let (depth, height) = (self.setup.flank.layer_depth, self.leading_edge());
+        let (depth, height) = (self.setup.flank.layer_depth, self.deepest());
         let fault = |what: String, cure: String| {
             Err(SetupFault::new(what, cure).at(SetupPlace::Flank("layer_depth")))
         };
@@ -147,9 +152,7 @@ impl CurveSource<'_> {
         }
         if depth > height {
             return fault(
-                format!(
-                    "a layer of {depth} mm is deeper than the channel, {height:.2} mm at the leading edge"
-                ),
+                format!("a layer of {depth} mm is deeper than the channel, {height:.2} mm"),
                 format!("give at most {height:.2}"),
             );
         }
@@ -163,10 +166,11 @@ impl CurveSource<'_> {
         Ok(count as usize)
     }
 
-    /// Plans the curves of all schemes; those of the setup's scheme are kept.
+    /// Plans the passes of all strategies; those of the strategy in the setup are kept.
     ///
     /// # Errors
-    /// [`FlankError`].
+    /// [`FlankError::Cancelled`] after a cancellation; [`FlankError::Setup`] where the layer depth or the
+    /// scallop height is unusable or the tool fits nowhere.
     pub fn plan(&self, monitor: &Monitor) -> Result<FlankCurves, FlankError> {
         let scheme = self.setup.flank.scheme;
         let count = self.layer_count()?;
@@ -187,7 +191,8 @@ impl CurveSource<'_> {
             let Some(layer) = Layer::at_height(self.part, deep[j]) else { return Ok(None) };
             self.layer(layer, scheme)
         };
-        // One list, so that no core waits: the layers next to the hub are the longest and come first.
+        // One parallel list for both kinds of layers, so that no core idles. The layers next to the hub take
+        // longest and come first.
         let done: Vec<Option<LayerCurves>> = (0..2 * count)
             .into_par_iter()
             .with_max_len(1)
@@ -236,7 +241,7 @@ impl CurveSource<'_> {
         Ok(result)
     }
 
-    /// The walls on `layer`, taken `raised` mm above it.
+    /// The walls on `layer`, traced `raised` mm above it.
     fn borders(&self, layer: &Layer, raised: f64) -> Option<Borders> {
         Borders::of(self.part, self.channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised)
     }
@@ -245,10 +250,10 @@ impl CurveSource<'_> {
         self.setup.flank.extension_of(self.tool)
     }
 
-    /// The interval on `layer`: the least that its curvature across the walls asks for.
+    /// The stepover on `layer`, mm: the minimum over stations along the walls, by the curvature across them.
     ///
     /// # Errors
-    /// When it is nothing, or so small that curves would be without number.
+    /// When it is 0, or so small that there would be more than [`MAX_ACROSS`] passes side by side.
     fn interval(&self, layer: &Layer, borders: &Borders) -> Result<f64, SetupFault> {
         const STATIONS: usize = 20;
         let error = self.setup.flank.allowed_error;
@@ -265,8 +270,11 @@ impl CurveSource<'_> {
         let pitch = layer.radius(layer.to).0 * (borders.high.y_at(layer.to) - borders.low.y_at(layer.to));
         if least.is_nan() || least * MAX_ACROSS <= pitch {
             return Err(SetupFault::new(
-                format!("an error of {error} mm leaves {least:.4} mm between curves: more than {MAX_ACROSS} side by side"),
-                "allow a greater error, or give a cutter with a larger corner",
+                format!(
+                    "a scallop height of {error} mm gives a stepover of {least:.4} mm: more than \
+                     {MAX_ACROSS} passes side by side"
+                ),
+                "give a greater scallop height, or a tool with a larger corner radius",
             )
             .at(SetupPlace::Flank("allowed_error")));
         }
@@ -278,7 +286,7 @@ impl CurveSource<'_> {
         Chart::new(layer, borders, self.clear(), interval, spacing, self.beyond())
     }
 
-    /// A layer of constant depth with the curves of `scheme`.
+    /// A layer of constant depth with the passes of `scheme`.
     fn layer(&self, layer: Layer, scheme: FlankScheme) -> Result<Option<LayerCurves>, FlankError> {
         let Some(borders) = self.borders(&layer, self.tool.corner_radius) else { return Ok(None) };
         let interval = self.interval(&layer, &borders)?;
@@ -306,9 +314,9 @@ impl CurveSource<'_> {
         Ok(Some(LayerCurves { layer, borders, interval, curves, figures, area, floor_length, seam_length }))
     }
 
-    /// A layer of the baseline; its coverage only where `wanted`.
+    /// A layer of the isoparametric baseline; its coverage only where `wanted`.
     fn isoparametric_layer(&self, layer: Layer, wanted: bool) -> Result<Option<LayerCurves>, FlankError> {
-        // As published, from the walls where they cross the layer.
+        // As published: offsets start from the walls where they cross the layer itself.
         let Some(borders) = self.borders(&layer, 0.0) else { return Ok(None) };
         let interval = self.interval(&layer, &borders)?;
         let curves = schemes::isoparametric(&layer, &borders, self.clear(), interval, self.beyond());
@@ -328,7 +336,7 @@ impl CurveSource<'_> {
     }
 }
 
-/// The places of a layer that curves have to cover.
+/// The nodes of a layer that passes have to cover.
 struct Nodes {
     nodes: Vec<super::chart::Node>,
     area: f64,

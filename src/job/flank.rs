@@ -13,12 +13,12 @@ use crate::part::{Channel, Impeller, Setup, Tool};
 use crate::plunge::sections::check_part;
 use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier};
 
-/// What to plan.
+/// Request for a flank plan.
 #[derive(Clone, Debug)]
 pub struct FlankRequest {
     /// The part.
     pub part: Arc<Impeller>,
-    /// The setup as the programmer gave it.
+    /// The setup as given by the user.
     pub setup: Setup,
 }
 
@@ -31,11 +31,11 @@ pub struct FlankOutcome {
     pub setup: Setup,
     /// The plan.
     pub plan: FlankPlan,
-    /// What `verify` finds wrong with the program of the plan; empty unless something could not be left out.
+    /// Faults that `verify` finds in the plan's program; empty unless a faulty move could not be removed.
     pub faults: Vec<Fault>,
-    /// What it says of the program besides; `None` where it cannot be judged.
+    /// The other findings of `verify`; `None` if the program cannot be verified.
     pub verdict: Option<FlankVerdict>,
-    /// Wall time of the work, s.
+    /// Wall-clock time of the job, s.
     pub elapsed: f64,
 }
 
@@ -48,7 +48,7 @@ impl From<FlankError> for JobError {
     }
 }
 
-/// Plans flank curves and remembers the stages of the last plan, so that only stale ones are made again.
+/// Flank planner with a cache of the last plan's stages, so that only stale stages are computed again.
 #[derive(Debug, Default)]
 pub struct FlankJob {
     last: Mutex<Option<(Arc<Impeller>, FlankStages)>>,
@@ -58,8 +58,8 @@ impl FlankJob {
     /// Plans one channel.
     ///
     /// # Errors
-    /// [`JobError::Cancelled`] soon after `monitor` is told so; [`JobError::Setup`] when part and setup do not go
-    /// together.
+    /// [`JobError::Cancelled`] after a stop or cancel of `monitor`; [`JobError::Setup`] when part and setup
+    /// are incompatible.
     pub fn run(&self, request: &FlankRequest, monitor: &Monitor) -> Result<FlankOutcome, JobError> {
         let started = std::time::Instant::now();
         let part = &request.part;
@@ -89,19 +89,21 @@ impl FlankJob {
 }
 
 impl FlankOutcome {
-    /// Greatest cut below the blade allowance, mm: of the program, where it can be judged; else of the walls' positions.
+    /// Largest overcut below the blade allowance, mm: of the program if it can be verified, else of the
+    /// positions along the walls.
     pub fn max_overcut(&self) -> f64 {
         self.verdict.as_ref().map_or_else(|| self.plan.max_overcut(), |verdict| verdict.max_overcut)
     }
 }
 
-/// The program of `moves` as it is read back; `None` where it cannot be.
+/// The program of `moves`, written and read back; `None` if it cannot be read.
 fn as_written(name: &str, tool: &Tool, moves: &[FlankMove]) -> Option<ClProgram> {
     let written = write_apt(&ClProgram::of_flank(name, tool, moves));
     read_apt_bytes("flank.apt", written.as_bytes()).ok()
 }
 
-/// What `verify` finds wrong with the program of `moves` as it is written: in `found`, and by moves.
+/// Verifies the program of `moves` as written: stores all faults in `found`, and returns those of single
+/// moves.
 fn faults_as_written(
     verifier: &mut FlankVerifier,
     name: &str,
@@ -115,7 +117,7 @@ fn faults_as_written(
         return Ok(all("its program cannot be read back"));
     };
     let Ok(faults) = verifier.faults(&program, monitor) else {
-        return Ok(all("its program cannot be judged"));
+        return Ok(all("its program cannot be verified"));
     };
     *found = faults?;
     let move_fault = |fault: &Fault| {
@@ -125,19 +127,20 @@ fn faults_as_written(
     Ok(found.iter().filter_map(move_fault).collect())
 }
 
-/// Why a move with a fault is left out, for people; `None` for faults that are not of one move.
+/// Why a move with a fault is left out, as text for users; `None` for faults that do not concern a single
+/// move.
 fn reason(kind: FaultKind) -> Option<&'static str> {
     Some(match kind {
         FaultKind::HubAllowance => "the cutter would come too near to the hub",
         FaultKind::BladeAllowance => "the cutter would come too near to a blade",
         FaultKind::HolderCollision => "the holder would meet a blade or the hub",
-        FaultKind::HolderInStock => "the holder would meet stock that still stands",
+        FaultKind::HolderInStock => "the holder would meet uncut stock",
         FaultKind::RapidClearance | FaultKind::RapidInStock | FaultKind::ToolInBlank => {
-            "no rapid above the blank leads there"
+            "no rapid above the blank reaches it"
         }
-        FaultKind::AxisTilt => "the machine does not tilt the axis that far",
+        FaultKind::AxisTilt => "the tilt exceeds the limit of the machine",
         FaultKind::AxisTurn => "the axis would turn too far in one move",
-        FaultKind::TooDeep => "the cut would be too deep at once",
+        FaultKind::TooDeep => "the cut would be too deep in one pass",
         FaultKind::CoreContact
         | FaultKind::NoFeed
         | FaultKind::CutsNothing

@@ -1,5 +1,5 @@
-//! Sections of the plan before that still hold: planned again is only what depends on what was changed, and all that is cut
-//! after it.
+//! Cache of the sections of the last plan: only the sections that depend on a change, and all that are cut
+//! after them, are planned again.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::sections::{SetupFault, tool_of};
 use crate::part::setup::{AxisPolicy, PlungeSetup, SectionSetup, Stock};
 use crate::part::{Machine, Setup, Tool};
 
-/// What a section's rows depend on, besides the part and the sections before.
+/// Cache key of a section: what its rows depend on, besides the part and the earlier sections.
 #[derive(Clone, Debug, PartialEq)]
 struct Input {
     stock: Stock,
@@ -17,18 +17,18 @@ struct Input {
     section: SectionSetup,
     plunge: PlungeSetup,
     machine: Machine,
-    /// Layer that is left to a smaller cutter, mm.
+    /// Layer from which on stock is left to a later rest-milling section, mm.
     rest_from: Option<f64>,
 }
 
 impl Input {
-    /// Of section `index`. What has no influence on where the cutter goes is made the same for all.
+    /// Key of section `index`. Values that do not influence the position of the cutter are normalised.
     fn of(setup: &Setup, index: usize) -> Result<Self, SetupFault> {
         let section = &setup.plunge.sections[index];
         let tool = tool_of(setup, section.tool)?;
         Ok(Self {
             stock: Stock { safety_distance: 0.0, ..setup.stock.clone() },
-            tool: Tool { number: 0, overhang: 0.0, plunge_feed: 0.0, spindle: 0.0, ..tool.clone() },
+            tool: Tool { number: 0, plunge_feed: 0.0, spindle: 0.0, ..tool.clone() },
             section: SectionSetup { tool: 0, ..section.clone() },
             plunge: PlungeSetup {
                 axis: AxisPolicy::Conventional,
@@ -42,19 +42,19 @@ impl Input {
     }
 }
 
-/// The sections of the last plan of a part by one policy, from the first on.
+/// Cache of the sections of the last plan of a part by one policy.
 #[derive(Debug, Default)]
 pub struct KnownSections {
     sections: Vec<(Input, Arc<SectionCut>)>,
-    /// All sections of the last plan that was finished, whether they still hold or not.
+    /// All sections of the last finished plan, stale or not: the source of the warm start.
     whole: Vec<(Input, Arc<SectionCut>)>,
 }
 
 impl KnownSections {
-    /// How many sections, from the first on, still hold for `setup`.
+    /// Number of leading sections that are valid for `setup`.
     ///
     /// # Errors
-    /// When a section of the setup has no tool.
+    /// When the tool of a section is missing in the setup.
     pub fn holding(&self, setup: &Setup) -> Result<usize, SetupFault> {
         for (index, (before, _)) in self.sections.iter().enumerate() {
             if index == setup.plunge.sections.len() || *before != Input::of(setup, index)? {
@@ -64,14 +64,14 @@ impl KnownSections {
         Ok(self.sections.len())
     }
 
-    /// Remembers the plan of so many `sections` as a whole, if all of them are known.
+    /// Stores the current plan as the last finished one, if all of its `sections` sections are cached.
     pub(super) fn remember_whole(&mut self, sections: usize) {
         if self.sections.len() == sections {
             self.whole.clone_from(&self.sections);
         }
     }
 
-    /// The sections of the last plan that was finished, if `setup` has as many with the same cutters.
+    /// The sections of the last finished plan, if `setup` has as many with the same cutters.
     ///
     /// # Errors
     /// As [`Self::holding`].
@@ -88,11 +88,11 @@ impl KnownSections {
         Ok(Some(self.whole.iter().map(|(_, cut)| Arc::clone(cut)).collect()))
     }
 
-    /// Section `index` of a plan by `setup`, if it is known; else what `make` makes of the section before, which is remembered
-    /// when it is finished. The sections before must be known.
+    /// Section `index` of a plan by `setup` from the cache, or else from `make`, which gets the previous
+    /// section; the result is cached if it is finished. All previous sections must be cached.
     ///
     /// # Errors
-    /// Those of `make`, and when the section has no tool.
+    /// Those of `make`, and when the tool of the section is missing.
     pub(super) fn get_or_make<E: From<SetupFault>>(
         &mut self,
         index: usize,
@@ -109,7 +109,7 @@ impl KnownSections {
         Ok(cut)
     }
 
-    /// Forgets what does not hold for `setup`.
+    /// Drops the sections that are stale for `setup`.
     ///
     /// # Errors
     /// As [`Self::holding`].

@@ -1,4 +1,4 @@
-//! From a program's moves to cuts: where the cutter is when it cuts, and where it flies.
+//! Groups the moves of a program into cuts, each with the rapids around it.
 
 use super::Fault;
 use crate::formats::apt::{ClProgram, ClTool, Motion, Move};
@@ -17,17 +17,19 @@ pub struct Cut {
     pub tool_index: usize,
     /// The cutter at the end of the move.
     pub cutter: CutterSolid,
-    /// The cutter along the move; one place for a plunge along the axis, which the column stands for.
+    /// The cutter sampled along the move; only its end for a plunge along the axis, whose column contains the
+    /// rest.
     pub swept: Vec<CutterSolid>,
-    /// The rapids that lead here; of the last cut of a tool those that come after it, too.
+    /// The rapids before the cut; of the last cut of a tool those after it, too.
     pub rapids: Vec<Rapid>,
     /// Where the move started.
     pub retract: Point,
-    /// Whether the program gives it a feed.
+    /// Whether the program gives it a feed rate.
     pub has_feed: bool,
-    /// Index of the section of the plan that the program names; else counts tool changes.
+    /// Index of the section that the program names; otherwise the number of tool changes before it.
     pub section: usize,
-    /// The row that the program names; else counts jumps within a section that are much longer than a step.
+    /// The row that the program names; otherwise the number of jumps before it within the section that are
+    /// much longer than a step.
     pub row: usize,
 }
 
@@ -43,7 +45,7 @@ pub struct Rapid {
 }
 
 impl Rapid {
-    /// Whether the cutter only goes up its own column, or stays.
+    /// Whether the cutter only retracts along its own axis, or does not move.
     pub fn is_way_out(&self) -> bool {
         let Some((from, axis)) = self.from else { return true };
         let travel = self.to.0 - from;
@@ -51,21 +53,22 @@ impl Rapid {
     }
 }
 
-/// Whether a cutter that travels by `travel` while its axis turns from one to the other stays in its own column.
+/// Whether a cutter that moves by `travel` while its axis turns from one to the other moves along its axis.
 fn is_axial(travel: &Vector, from: &Vector, to: &Vector) -> bool {
     let across = (travel - to * travel.dot(to)).norm();
     across < 1e-4 * (1.0 + travel.norm()) && from.angle(to) < 1e-5
 }
 
-/// Spacing of the places looked at along a move, in cutter radii.
+/// Spacing of the samples along a move, in cutter radii.
 const SAMPLE_RADII: f64 = 0.5;
-/// Most places looked at along one move.
+/// Largest number of samples along one move.
 const MAX_SAMPLES: usize = 200;
 
-/// All cuts of a program. Tools the setup knows by number give the insert width where the program is silent.
+/// All cuts of a program. Where the program gives no insert width, that of the setup's tool of the same
+/// number is used.
 ///
 /// # Errors
-/// A cut before any tool.
+/// When a cut comes before any tool, or a tool has no diameter; the fault names the line.
 pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
     let tools: Vec<Tool> = program.tools.iter().map(|t| tool_of(t, setup)).collect();
     let mut cuts: Vec<Cut> = Vec::new();
@@ -88,11 +91,14 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
         }
         let at = |p: Point, axis| tool.placed(p, axis);
         if last_tool.is_some_and(|t| t != number) {
-            // The way out after the last cut of a tool is that tool's.
+            // The retract after the last cut of a tool belongs to that tool.
             if let Some(last) = cuts.last_mut() {
                 last.rapids.append(&mut rapids);
             }
-            section += 1;
+            // A tool that only makes rapids has no section.
+            if cuts.last().is_some_and(|last| last.section == section) {
+                section += 1;
+            }
             row = 0;
         }
         let start = previous.filter(|p| p.tool == Some(number));
@@ -146,8 +152,8 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
     Ok(cuts)
 }
 
-/// The sections of the plan that `program` names, with their cuts numbered by them; `None`, and nothing changed, where it
-/// names none, or not those of its cuts.
+/// The sections that `program` names; assigns the cuts to them. `None`, with `cuts` unchanged, where it names
+/// none, or where they do not match its cuts.
 pub(super) fn named_sections(
     program: &ClProgram,
     setup: &Setup,

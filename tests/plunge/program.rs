@@ -1,12 +1,12 @@
-//! Programs as they are written and judged: those of whole wheels, what `plan` and `verify` say of the same program, and
-//! mutated ones.
+//! Programs written and verified: those of whole wheels, mutated ones, and agreement of the figures reported
+//! by `plan` and `verify` for the same program.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 
 use serde_json::Value;
-use vanecut::formats::apt::{ClProgram, Motion, read_apt_bytes, write_apt};
+use vanecut::formats::apt::{ClProgram, Motion, Move, read_apt_bytes, write_apt};
 use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Meridional, Vector};
 use vanecut::job::{PlanOutcome, PlanRequest, run};
@@ -29,7 +29,7 @@ fn planned(name: &str, policy: AxisPolicy) -> PlanOutcome {
     run(&request, &Monitor::default()).expect("a plan")
 }
 
-/// The program of a plan as it is read back from its file.
+/// The program of a plan, written to a file and read back.
 fn written(outcome: &PlanOutcome, channels: usize) -> ClProgram {
     let (part, stock) = (&outcome.part, &outcome.setup.stock);
     let blank = Blank::of(part, stock.inlet_extension);
@@ -55,7 +55,7 @@ fn programs_of_whole_wheels_have_no_fault() {
             assert_eq!(verdict.channels, channels, "{name}");
             assert_eq!(report.summary.positions, channels * outcome.after.plan.positions.len(), "{name}");
         }
-        // What one channel's plan says of itself is what its program says.
+        // The summary of one channel's plan equals that of its program.
         let (plan, program) = (&outcome.after.summary, &one.summary);
         for (what, plan, program, tolerance) in [
             ("cut", plan.cut_length, program.cut_length, 1e-2),
@@ -77,7 +77,7 @@ fn programs_of_whole_wheels_have_no_fault() {
     }
 }
 
-/// Exit code, object on standard output, standard error.
+/// Runs the program; returns exit code, JSON object on standard output, and standard error.
 fn command(arguments: &[&str]) -> (i32, Value, String) {
     let out = Command::new(env!("CARGO_BIN_EXE_vanecut")).args(arguments).output().expect("it starts");
     let text = String::from_utf8_lossy(&out.stderr).into_owned();
@@ -120,21 +120,21 @@ fn plan_and_verify_say_the_same() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// A folder of this test run.
+/// A temporary directory of this test run.
 fn tempfile() -> PathBuf {
     let folder = std::env::temp_dir().join(format!("vanecut-program-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// A sound plan to mutate.
+/// A plan and program without faults, to be mutated.
 static SOUND: LazyLock<(PlanOutcome, ClProgram)> = LazyLock::new(|| {
     let outcome = planned("impeller532", AxisPolicy::Minimal);
     let program = written(&outcome, 1);
     (outcome, program)
 });
 
-/// Faults of the sound program after a mutation: lines, kinds, values.
+/// Faults of the program after a mutation: lines, kinds, values.
 fn faults_after(mutate: impl FnOnce(&mut ClProgram)) -> Vec<(usize, FaultKind, Option<f64>)> {
     let (outcome, program) = &*SOUND;
     let mut program = program.clone();
@@ -151,7 +151,7 @@ fn a_sound_program_has_no_fault() {
 
 #[test]
 fn a_fault_names_the_move_that_is_wrong() {
-    // Moves of a plunge: rapid to the retract point, down, rapid back.
+    // Moves of a plunge: rapid to the retract point, plunge, rapid retract.
     let line = |index: usize| SOUND.1.moves[index].line;
     let low = faults_after(|p| {
         let (axis, retract) = (p.moves[30].axis, p.moves[30].tip);
@@ -165,7 +165,7 @@ fn a_fault_names_the_move_that_is_wrong() {
         p.moves[31].tip -= axis * 0.3;
     });
     assert!(deep.iter().any(|f| (f.0, f.1) == (line(31), FaultKind::HubAllowance)), "{deep:?}");
-    // The way back out of a plunge, sideways.
+    // The retract move of a plunge, shifted sideways.
     let aside = faults_after(|p| p.moves[32].tip += Vector::new(0.0, 0.0, 15.0));
     assert!(aside.iter().any(|f| (f.0, f.1) == (line(32), FaultKind::RapidClearance)), "{aside:?}");
 }
@@ -175,7 +175,7 @@ fn an_axis_that_flips_in_a_rapid_is_judged() {
     let line = SOUND.1.moves[30].line;
     let flipped = faults_after(|p| p.moves[30].axis = -p.moves[30].axis);
     assert!(flipped.iter().any(|f| f.0 == line), "{flipped:?}");
-    // Far above the part the tip is clear, and the tool goes through all of it.
+    // The tip is clear far above the part, but the flipped tool passes through all of it.
     let through = faults_after(|p| {
         let at = &mut p.moves[30];
         (at.tip, at.axis) = (at.tip + at.axis * 150.0, -at.axis);
@@ -203,7 +203,20 @@ fn programs_that_do_nothing_sensible_are_faults() {
     assert!(short.contains(&FaultKind::TooDeep), "{short:?}");
 }
 
-/// Distance from the top of a blank by brute force: shroud and both ends as dense polygons; negative between hub and shroud.
+#[test]
+fn a_tool_that_only_makes_rapids_has_no_section() {
+    let (outcome, program) = &*SOUND;
+    let mut program = program.clone();
+    let first = program.moves.iter().find(|m| m.motion == Motion::Rapid && m.tool.is_some()).unwrap();
+    let other = (0..program.tools.len()).find(|&tool| Some(tool) != first.tool).expect("rest milling");
+    let idle = Move { tool: Some(other), ..first.clone() };
+    program.moves.insert(0, idle);
+    let report = reported(outcome, &program);
+    assert_eq!(report.verdict.plan.sections.len(), outcome.after.plan.sections.len());
+}
+
+/// Distance from the top of a blank by brute force: shroud and both ends as dense polygons; negative between
+/// hub and shroud.
 struct BruteBlank {
     top: Vec<Meridional>,
     outline: Vec<Meridional>,
@@ -267,7 +280,7 @@ fn distances_from_the_blank_are_those_of_brute_force() {
                 z: middle.z + dice(-1.0, 1.0) * size,
             };
             let (far, solid) = (brute.distance(point), brute.inside(point));
-            // Below the hub nothing is said of the top.
+            // Below the hub, the distance from the top is not defined.
             if !solid && blank.is_solid(point, &mut None) {
                 continue;
             }

@@ -1,4 +1,5 @@
-//! The greedy search for runs: which axes suit the stations so far, and where none is left.
+//! The greedy search for runs: keeps the axes that suit all stations so far, and ends the run where none is
+//! left.
 
 use rayon::prelude::*;
 
@@ -7,7 +8,7 @@ use super::{Contact, FixedAxes, FixedAxisSearch, FixedRun, Obstacle, Place, Spar
 use crate::geometry::{Vector, frame_about};
 use crate::plunge::slotting::DepthSurface;
 
-/// An axis with the least it has to spare over the stations of a run, mm.
+/// An axis with its minimum spare clearance over the stations of a run, mm.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     axis: Vector,
@@ -16,33 +17,34 @@ struct Candidate {
 
 /// Angle between directions of the grid, rad.
 const GRID: f64 = 6.0 * std::f64::consts::PI / 180.0;
-/// Steps by which directions between those of the grid are looked for, rad.
+/// Step angles of the search for directions between those of the grid, rad.
 const STEPS: [f64; 3] = [0.5 * GRID, 0.25 * GRID, 0.125 * GRID];
-/// Axes that lack no more than this are where others are looked for between the nodes of the grid, mm.
+/// Missing clearance up to which an axis of the grid is a seed of that search, mm.
 pub(super) const SEED_SPARE: f64 = 1.5;
-/// Most places from which they are looked for.
+/// Maximum number of seeds.
 const SEEDS: usize = 4;
-/// Places that decide first where to go from there.
+/// Number of contacts that the search from a seed starts with.
 const DECIDING: usize = 6;
-/// Rounds of taking in another one that decides.
+/// Maximum number of contacts that are added to them.
 const ROUNDS: usize = 12;
-/// Axes between those of the grid are looked for so far beyond the axes of a run, rad.
+/// Angle beyond the axes of a run up to which axes between those of the grid are searched, rad.
 const BEYOND: f64 = 1.5 * GRID;
-/// Axes whose quick distances may be too careful are measured, mm.
+/// Missing clearance up to which an axis is checked against the true surfaces, mm: the fast distances may be
+/// too careful.
 const NEARLY: f64 = 0.3;
-/// Most axes of a run that are measured before it is cut short.
+/// Maximum number of axes of a run that are checked against the true surfaces before the run is shortened.
 const MEASURED: usize = 6;
-/// What an axis has to spare counts up to this many radii; beyond it the more upright axis is better.
+/// Spare clearance counts up to this many tool radii; beyond it the axis nearer to the normal is better.
 const ENOUGH_RADII: f64 = 1.0;
 
 pub(super) struct Greedy<'s, 'a> {
     search: &'s FixedAxisSearch<'a>,
     layer: &'s DepthSurface<'s>,
     stations: Vec<Vec<Contact>>,
-    /// Whether the search looks at all contacts of a station. At first it looks at the two that are furthest apart: between
-    /// two walls others seldom decide. Measured in the end are all.
+    /// Per station, whether the search uses all its contacts. At first it uses the two furthest apart:
+    /// between two walls others seldom decide. The final check uses all.
     in_full: Vec<bool>,
-    /// The stations of the run in work, ready for the axes it may have.
+    /// The contacts of the stations of the current run, prepared for the axes it may have.
     places: Vec<Vec<Place>>,
     grid: Vec<Vector>,
     found: FixedAxes,
@@ -74,7 +76,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
         self.found
     }
 
-    /// Makes a station ready for axes of `cone`, or for all axes.
+    /// Prepares a station for axes of `cone`, or for all axes.
     fn look_at(&mut self, station: usize, cone: Option<Cone>) {
         let contacts = &self.stations[station];
         let deciding: Vec<&Contact> =
@@ -83,8 +85,8 @@ impl<'s, 'a> Greedy<'s, 'a> {
         self.places[station] = deciding.par_iter().map(place).collect();
     }
 
-    /// Axes for the station alone, after contacts without any axis were taken out of it and named. `None` when nothing
-    /// is left of it.
+    /// Axes for the station alone. Contacts without any axis are removed from it and listed as unreachable.
+    /// `None` when no contact is left or those left have no axis in common.
     fn starting_at(&mut self, station: usize) -> Option<Vec<Candidate>> {
         if self.stations[station].is_empty() {
             return None;
@@ -119,38 +121,44 @@ impl<'s, 'a> Greedy<'s, 'a> {
         axes
     }
 
-    /// Names the contacts of a station as such that have no axis in common, and leaves the station out.
+    /// Lists contacts of a station as without a common axis, and drops the station.
     fn drop_station(&mut self, station: usize, contacts: Vec<usize>) {
         self.found.unreachable.push(Unreachable { station, contacts, why: Obstacle::NoCommonAxis });
         self.stations[station].clear();
         self.places[station].clear();
     }
 
-    /// Axes for all contacts of a station, those of the grid and, if need be, others.
+    /// Axes for all contacts of a station: those of the grid and, if none suits, others between them.
     fn for_station(&self, station: usize) -> Option<Vec<Candidate>> {
         let places: Vec<&Place> = self.places[station].iter().collect();
         let axes = self.suiting(&places);
         if axes.iter().any(|c| c.spare >= 0.0) { Some(axes) } else { self.between(&axes, &places) }
     }
 
-    /// Axes of the grid for some places, those that lack a little among them.
+    /// Axes of the grid for some contacts, including those that lack a little.
     fn suiting(&self, places: &[&Place]) -> Vec<Candidate> {
         let spare = |&axis: &Vector| Candidate { axis, spare: self.least(places, &axis, -SEED_SPARE) };
         self.grid.par_iter().map(spare).filter(|c| c.spare > -SEED_SPARE).collect()
     }
 
-    /// What stands in the way at a place that has no axis.
+    /// The obstacle at a contact that has no axis.
     pub(super) fn blocked(&self, place: &Place) -> Option<Obstacle> {
         let axes = self.suiting(&[place]);
         if axes.iter().any(|c| c.spare >= 0.0) || self.between(&axes, &[place]).is_some() {
             return None;
         }
-        let exact = |axis: &Vector| self.search.spare(place, axis, f64::NEG_INFINITY);
-        let nearest = self.grid.iter().map(exact).max_by(|a, b| a.amount.total_cmp(&b.amount));
-        Some(nearest.map_or(Obstacle::Tilt, |spare| spare.by))
+        // An axis is evaluated only until it falls behind the best one so far.
+        let mut nearest = Spare { amount: f64::NEG_INFINITY, by: Obstacle::Tilt };
+        for axis in &self.grid {
+            let spare = self.search.spare(place, axis, nearest.amount);
+            if spare.amount >= nearest.amount {
+                nearest = spare;
+            }
+        }
+        Some(nearest.by)
     }
 
-    /// The longest run from a station with its axes: its last station, and the axes of all of it.
+    /// The longest run from a station with its axes: its last station, and the axes that suit all of it.
     fn longest(&mut self, from: usize, start: Vec<Candidate>) -> (usize, Vec<Candidate>) {
         let mut axes = start;
         let mut station = from + 1;
@@ -167,14 +175,14 @@ impl<'s, 'a> Greedy<'s, 'a> {
                 station += 1;
                 continue;
             }
-            // The newest station first: it is the one that axes fail at.
+            // The newest station first: it is the one at which axes fail.
             let run: Vec<&Place> = (from..=station).rev().flat_map(|k| &self.places[k]).collect();
             if let Some(between) = self.between(&next, &run) {
                 axes = between;
                 station += 1;
                 continue;
             }
-            // A station that has no axis at all does not end the run.
+            // A station without any axis does not end the run.
             let contacts = self.stations[station].len();
             if self.starting_at(station).is_some() && self.stations[station].len() == contacts {
                 break;
@@ -186,14 +194,14 @@ impl<'s, 'a> Greedy<'s, 'a> {
         (station - 1, axes)
     }
 
-    /// Axes between those of the grid that suit `places`, looked for around the best of `axes`.
+    /// Axes between those of the grid that suit `places`, searched around the best of `axes`.
     fn between(&self, axes: &[Candidate], places: &[&Place]) -> Option<Vec<Candidate>> {
         let mut seeds = axes.to_vec();
         seeds.sort_by(|a, b| b.spare.total_cmp(&a.spare));
         seeds.truncate(SEEDS);
         let suited = |seed: &Candidate| {
             let found = self.suited(*seed, places)?;
-            // The quick distances may be too careful.
+            // The fast distances may be too careful.
             let free = found.spare >= 0.0 || self.is_free(places, &found.axis);
             free.then_some(Candidate { spare: found.spare.max(0.0), ..found })
         };
@@ -209,7 +217,8 @@ impl<'s, 'a> Greedy<'s, 'a> {
         Some(free.into_iter().chain(others).collect())
     }
 
-    /// An axis near `start` that suits all `places`, or nearly; the places that turn out to decide are followed.
+    /// An axis near `start` that suits all `places`, or nearly. Pattern search over a few contacts, to which
+    /// violated ones are added (cutting-plane style).
     fn suited(&self, start: Candidate, places: &[&Place]) -> Option<Candidate> {
         let first = places.len().min(DECIDING);
         let mut deciding: Vec<&Place> = places[..first].to_vec();
@@ -228,8 +237,8 @@ impl<'s, 'a> Greedy<'s, 'a> {
         None
     }
 
-    /// The axis near `start` with the most to spare over `places`, up to `enough`: the places that decide are followed, the
-    /// others looked at in the end.
+    /// The axis near `start` with the largest spare clearance over `places`, up to `enough`: pattern search
+    /// over the contacts with the least, re-evaluated over all of them.
     fn widest(&self, start: Candidate, places: &[&Place], enough: f64) -> Candidate {
         let by_place = |axis: &Vector| -> Vec<(f64, usize)> {
             let amount = |place: &&Place| self.search.spare(place, axis, f64::NEG_INFINITY).amount;
@@ -261,6 +270,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
         best
     }
 
+    /// Pattern search for the axis with the largest spare clearance over `places`, with decreasing steps.
     fn climbed_over(&self, start: Candidate, places: &[&Place], enough: f64) -> Candidate {
         let mut best = start;
         for step in STEPS {
@@ -280,7 +290,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
         best
     }
 
-    /// What an axis has to spare over places; anything below `enough` when it is below.
+    /// Spare clearance of an axis over contacts, mm; only an upper bound when it is below `enough`.
     fn least(&self, places: &[&Place], axis: &Vector, enough: f64) -> f64 {
         let mut least = f64::INFINITY;
         for place in places {
@@ -299,7 +309,10 @@ impl<'s, 'a> Greedy<'s, 'a> {
             .all(|place| self.search.measured(&place.contact, axis, self.layer, f64::INFINITY).is_ok())
     }
 
-    /// Least distance from the blades over the stations of a run, or the first station at which it is not free.
+    /// Minimum distance from the blades over the stations of a run, mm, against the true surfaces.
+    ///
+    /// # Errors
+    /// The first station at which the axis is not free.
     fn measured(&self, from: usize, to: usize, axis: &Vector) -> Result<f64, usize> {
         let stations: Vec<Result<f64, usize>> = (from..=to)
             .into_par_iter()
@@ -312,9 +325,9 @@ impl<'s, 'a> Greedy<'s, 'a> {
         stations.into_iter().try_fold(f64::INFINITY, |least, station| Ok(station?.min(least)))
     }
 
-    /// Takes the best axis of a run, measures it, and notes the run; returns its last station, which is an earlier one when
-    /// no axis holds what the quick distances promised. `None` when the run has to be looked for again, a station of it
-    /// with all its contacts.
+    /// Selects the best axis of a run, checks it against the true surfaces and records the run. Returns its
+    /// last station, an earlier one where no axis is free up to `to`. `None` when the run must be searched
+    /// again with all contacts of one of its stations.
     fn close(&mut self, from: usize, to: usize, mut axes: Vec<Candidate>) -> Option<usize> {
         let enough = ENOUGH_RADII * self.search.tool.radius();
         let normal: Vector = (from..=to).flat_map(|k| &self.stations[k]).map(|contact| contact.normal).sum();
@@ -352,7 +365,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
     }
 }
 
-/// The two contacts furthest from each other, or as many as there are.
+/// The two contacts furthest apart, or as many as there are.
 fn furthest_apart(contacts: &[Contact]) -> Vec<&Contact> {
     let mut best = (-1.0, 0, 0);
     for i in 0..contacts.len() {
@@ -370,14 +383,14 @@ fn furthest_apart(contacts: &[Contact]) -> Vec<&Contact> {
     }
 }
 
-/// A cone that holds axes and those next to them; `None` when there are none.
+/// A cone that holds the axes and those next to them; `None` when there are none.
 fn cone_of(axes: &[Candidate]) -> Option<Cone> {
     let axis = axes.iter().map(|c| c.axis).sum::<Vector>().try_normalize(1e-6)?;
     let widest = axes.iter().map(|c| c.axis.angle(&axis)).fold(0.0, f64::max);
     Some(Cone { axis, angle: widest + BEYOND })
 }
 
-/// Directions all around, neighbours about [`GRID`] apart (a spiral of equal areas).
+/// Directions over the whole sphere, neighbours about [`GRID`] apart (Fibonacci spiral).
 fn directions() -> Vec<Vector> {
     let count = (4.0 * std::f64::consts::PI / (GRID * GRID)).ceil();
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
@@ -391,7 +404,7 @@ fn directions() -> Vec<Vector> {
         .collect()
 }
 
-/// Directions `angle` (rad) away from `axis`.
+/// Eight directions at `angle` (rad) to `axis`.
 fn ring(axis: &Vector, angle: f64) -> [Vector; 8] {
     let (e1, e2) = frame_about(axis);
     std::array::from_fn(|k| {

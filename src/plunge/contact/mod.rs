@@ -1,6 +1,6 @@
-//! Contact of the core (DESIGN section 3): where the part of the cutter without edges meets stock that no
-//! earlier plunge removed. An exact question about half-infinite cylinders and the turned
-//! blank, answered by intervals along lines of the core.
+//! Contact of the core: where the part of the cutter without cutting edges meets stock that no earlier plunge
+//! removed. Plunges are half-infinite cylinders, the blank is a body of revolution. Contact is evaluated by
+//! exact intervals along lines of the core, as in a dexel model.
 
 mod columns;
 mod crossed;
@@ -16,28 +16,28 @@ use crate::part::Blank;
 /// Rings of lines through the core: (share of the core radius, lines). Contact starts at the
 /// rim of the core, so most lines are there.
 const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
-/// The same for searches.
+/// Fewer lines, for searches.
 const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
-/// The lines of the rim that tell whether it is worth looking at all of them: the first that are looked at.
+/// Number of rim lines of the quick test, which are evaluated first.
 const FEW: usize = 8;
-/// Uncovered stretches of one line that are kept apart.
+/// Maximum number of disjoint uncut intervals of one line.
 const STRETCHES: usize = 12;
-/// Contact a plan may have, mm: well below the tolerance of the verdict, so that rounding in a CL file or
-/// another checker's samples do not tip it.
+/// Contact depth that planning tolerates, mm: well below [`CONTACT_TOLERANCE`], so that rounding in a CL file
+/// or the samples of another checker do not exceed it.
 const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
-/// An entry this far below the bottom, mm, is as good as one further below.
+/// Height below the bottom, mm, below which entries are not distinguished.
 const DEEP_ENTRY: f64 = -0.2;
-/// Height above the bottom, mm, at which stock counts for the contact area.
+/// Height above the bottom, mm, up to which stock counts for the contact area.
 const AREA_HEIGHT: f64 = 0.02;
 
-/// Contact of `column`'s core with the stock of `blank` that `earlier` plunges left.
+/// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &Column, earlier: Earlier, blank: &Blank) -> CoreContact {
     let near = Neighbours::of(column, earlier.near(column));
     contact_up_to(column, StockLines::new(column, &near, blank), &RINGS, f64::INFINITY)
 }
 
-/// Whether the contact with what the `earlier` plunges that may meet it left is deeper than a planner may leave it: as
-/// [`core_contact`], but done at the first line that says so.
+/// Whether the core of `column` has more contact than planning tolerates, given the `earlier` plunges that
+/// may meet it. As [`core_contact`], but returns at the first such line.
 pub fn core_interferes<'c>(
     column: &Column,
     earlier: impl DoubleEndedIterator<Item = &'c Column>,
@@ -48,24 +48,24 @@ pub fn core_interferes<'c>(
         > PLANNED_CONTACT
 }
 
-/// By how much a planned plunge must stop short for its core to be free, mm: the depth of [`core_contact`], 0 when it
-/// is no deeper than a plan may leave it.
+/// Lift that frees the core of a planned plunge, mm: the depth of [`core_contact`], 0 when planning tolerates
+/// it.
 pub fn planned_contact(column: &Column, earlier: Earlier, blank: &Blank) -> f64 {
     let depth = core_contact(column, earlier, blank).depth;
     if depth > PLANNED_CONTACT { depth } else { 0.0 }
 }
 
-/// How far a search must lift a plunge for its core to be free: fewer lines than [`core_contact`]. What earlier plunges
-/// left on each of these is kept, so that many ways to a plunge are looked at for the price of the plunges they pass.
+/// Contact for searches, with fewer lines than [`core_contact`]. What earlier plunges left on each line is
+/// cached, so that evaluating many transitions to a plunge costs only the plunges passed on them.
 #[derive(Debug, Default)]
 pub struct ContactSearch {
     near: Neighbours,
-    /// What the plunges gathered in `near` left on each of the lines, as far as it was looked at.
+    /// What the plunges gathered in `near` left on each of the lines evaluated so far.
     left: Vec<Option<Left>>,
 }
 
 impl ContactSearch {
-    /// The lines of the core of `column` among the `earlier` plunges that may meet it.
+    /// The lines of the core of `column` after the `earlier` plunges that may meet it, in cutting order.
     pub fn among<'c, 's>(
         &'s mut self,
         column: &Column,
@@ -77,7 +77,7 @@ impl ContactSearch {
         SearchLines { column: *column, search: self }
     }
 
-    /// The lines of the same core after `passed` plunges besides.
+    /// The lines of the same core after additional `passed` plunges, in cutting order.
     pub fn after<'c, 's>(
         &'s mut self,
         column: &Column,
@@ -88,7 +88,7 @@ impl ContactSearch {
     }
 }
 
-/// The lines of a core by which a search looks at its contact.
+/// The lines of a core on which a search evaluates contact.
 #[derive(Debug)]
 pub struct SearchLines<'s> {
     column: Column,
@@ -96,8 +96,8 @@ pub struct SearchLines<'s> {
 }
 
 impl SearchLines<'_> {
-    /// Contact depth, mm, 0 when it is no deeper than a plan may leave it. Any value above `enough` when it is deeper
-    /// than that.
+    /// Contact depth, mm; 0 when planning tolerates it. If it exceeds `enough` (mm), any value above `enough`
+    /// may be returned.
     pub fn depth(&mut self, blank: &Blank, enough: f64) -> f64 {
         let enough = enough.max(PLANNED_CONTACT);
         let ContactSearch { near, left } = &mut *self.search;
@@ -107,7 +107,7 @@ impl SearchLines<'_> {
         if depth > PLANNED_CONTACT { depth } else { 0.0 }
     }
 
-    /// As [`Self::depth`], by a few of the lines: no more than that, and mostly not much less.
+    /// Lower bound on [`Self::depth`] from a few of the lines, usually close to it.
     pub fn depth_by_few(&mut self, blank: &Blank, enough: f64) -> f64 {
         if self.column.top <= 0.0 {
             return 0.0;
@@ -130,7 +130,7 @@ impl SearchLines<'_> {
     }
 }
 
-/// Contact; the search may end as soon as the depth exceeds `enough`.
+/// Contact on the lines of `rings`; may return as soon as the depth exceeds `enough`.
 fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)], enough: f64) -> CoreContact {
     if column.top <= 0.0 {
         return CoreContact::default();
@@ -139,19 +139,20 @@ fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)],
     let line = |rho: f64, phi: f64| near.line(rho, phi);
     let mut depth = 0.0f64;
     let mut area = 0.0;
-    // (value, angle) of the rim lines: entry into what is already removed, negative below the bottom.
+    // (entry, angle) of the rim lines: height at which the line enters removed stock, negative below the
+    // bottom.
     let mut rim = [(0.0f64, 0.0f64); RINGS[0].1];
     let mut before = 0;
     for (ring, &(share, count)) in rings.iter().enumerate() {
         let rho = share * column.core_radius;
         let mut hits = 0usize;
-        // Who is content with little is told soonest by lines from all sides.
+        // With a finite `enough`, interleave the lines so that the early exit triggers soonest.
         let parts = if ring == 0 && enough.is_finite() { FEW } else { 1 };
         for k in 0..count {
             let i = k % parts * (count / parts) + k / parts;
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let line = line(rho, phi);
-            // Only of the rim it matters how far below the bottom a line that is free of stock enters.
+            // Only for rim lines the entry below the bottom is needed, for the refinement below.
             let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
             let (entry, highest) = stock.on_kept_line(before + i, &line, deep);
             depth = depth.max(highest);
@@ -168,7 +169,7 @@ fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)],
         area += hits as f64 / count as f64 * ring_weight(rings, ring);
         before += count;
     }
-    // Between the lines of the rim the first entry may rise higher: follow it to its top.
+    // Between rim lines the first entry may be higher: search its local maxima.
     let rim = &rim[..rings[0].1];
     let count = rim.len();
     let step = std::f64::consts::TAU / count as f64;
@@ -177,9 +178,9 @@ fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)],
         if here < before || here < after || here < DEEP_ENTRY || !here.is_finite() {
             continue;
         }
-        // Twice as far up as the steeper side leads.
+        // Bound of the maximum: twice the rise of the steeper side.
         let most = here + 2.0 * (here - before).max(here - after);
-        // A search looks no closer where that is no deeper.
+        // A search skips maxima whose bound does not exceed the depth.
         if enough.is_finite() && most <= depth {
             continue;
         }
@@ -197,7 +198,7 @@ fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)],
     CoreContact { depth, area_share: area }
 }
 
-/// Share of the core disc each ring stands for: annuli midway between the rings.
+/// Share of the core disc that each ring represents: annuli with borders midway between the rings.
 fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
     let border = |i: usize| 0.5 * (rings[i].0 + rings[i + 1].0);
     let outer = if ring == 0 { 1.0 } else { border(ring - 1) };
@@ -205,13 +206,13 @@ fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
     outer * outer - inner * inner
 }
 
-/// What plunges left of a line.
+/// What plunges left of a line: uncut intervals and the first entry.
 #[derive(Clone, Copy, Debug)]
 struct Left {
-    /// Stretches of heights that none of them removed, mm.
+    /// Intervals of height that none of them removed, mm.
     open: [(f64, f64); STRETCHES],
     count: usize,
-    /// Height from which on one of them removed something, mm; infinite where none did.
+    /// Lowest height at which one of them removed something, mm; infinite where none did.
     first: f64,
 }
 
@@ -221,12 +222,13 @@ impl Left {
         Self { open: [(0.0, top); STRETCHES], count: 1, first: f64::INFINITY }
     }
 
-    /// Whether nothing is left, and `first` below `deep`: nothing that counts changes any more.
+    /// Whether nothing is left and `first` is at most `deep`, so that further plunges change nothing
+    /// relevant.
     fn is_settled(&self, deep: f64) -> bool {
         self.count == 0 && self.first <= deep
     }
 
-    /// What plunges, latest first, leave of it; no further than to where nothing that counts changes any more.
+    /// What `plunges`, latest first, leave of it; stops as soon as further ones change nothing relevant.
     fn after(mut self, plunges: &[Crossed], line: &CoreLine, deep: f64) -> Self {
         for crossed in plunges {
             if self.is_settled(deep) {
@@ -237,10 +239,10 @@ impl Left {
         self
     }
 
-    /// Takes away what a plunge removed.
+    /// Removes the interval that a plunge cut.
     fn remove(&mut self, crossed: &Crossed, line: &CoreLine) {
         let Some((low, high)) = crossed.removed_by_sharp(line) else { return };
-        // The corner only takes away from what a sharp cutter would have removed.
+        // A rounded corner removes less than a sharp one, so the sharp interval is a quick reject.
         let matters = low < self.first || self.open[..self.count].iter().any(|&(a, b)| low < b && high > a);
         if !matters {
             return;
@@ -253,9 +255,15 @@ impl Left {
         let mut n = 0;
         for &(a, b) in &self.open[..self.count] {
             for piece in [(a, b.min(low)), (a.max(high), b)] {
-                if piece.0 < piece.1 && n < STRETCHES {
+                if piece.0 >= piece.1 {
+                    continue;
+                }
+                if n < STRETCHES {
                     kept[n] = piece;
                     n += 1;
+                } else {
+                    // On the safe side: the gap before the piece counts as stock.
+                    kept[n - 1].1 = piece.1;
                 }
             }
         }
@@ -263,14 +271,14 @@ impl Left {
     }
 }
 
-/// Looks for stock on lines of one core.
+/// Finds stock on lines of one core.
 struct StockLines<'a> {
     near: &'a Neighbours,
     blank: &'a Blank,
     top: f64,
-    /// Where on the shroud the last look was.
+    /// Warm start: shroud position of the last query.
     warm: Option<f64>,
-    /// What is kept of lines that are looked at more than once.
+    /// Cache for lines that are evaluated more than once.
     kept: Option<&'a mut [Option<Left>]>,
 }
 
@@ -283,15 +291,15 @@ impl<'a> StockLines<'a> {
         self.blank.is_solid(Meridional::of(point), &mut self.warm)
     }
 
-    /// (height from which on something is already removed, or any below `deep` where no stock is left, highest stock)
-    /// on the line from the bottom upwards, mm above it; infinite and 0 where there is none.
+    /// (first entry into removed stock, highest stock) on the line, mm above the bottom; infinite and 0 where
+    /// there is none. Where no stock is left, an entry below `deep` may be any such value.
     fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
         let left = Left::whole(self.top).after(self.near.passed(), line, deep);
         let left = left.after(self.near.columns(), line, deep);
         (left.first, self.highest(&left, line))
     }
 
-    /// As [`Self::on_line`], for line `number` of those that are kept.
+    /// As [`Self::on_line`], for line `number` of the cache.
     fn on_kept_line(&mut self, number: usize, line: &CoreLine, deep: f64) -> (f64, f64) {
         let Some(kept) = &mut self.kept else { return self.on_line(line, deep) };
         let gathered =

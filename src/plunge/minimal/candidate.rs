@@ -1,5 +1,8 @@
-//! What one position of a row may look like: an axis for each feed tilt of a grid, as upright across the row as
-//! walls and neighbouring rows let it be, lowered onto the hub.
+//! Candidates of one position of a row: an axis for each lead angle of a grid, with a tilt angle as close to
+//! zero as walls and neighbouring rows allow, lowered onto the hub.
+//!
+//! The lead angle is the inclination of the axis from the hub normal along the row, positive towards the
+//! uncut side. The tilt angle is that across the row.
 
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
 use crate::part::Machine;
@@ -8,42 +11,44 @@ use crate::plunge::contact::{BlankTop, Column};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 
-/// Feed tilts looked at: from, and steps to the last one, degrees. Positive leans towards the uncut side. They are moved
-/// where the conventional axis leans so far that its largest tilt back leaves less than half of them.
+/// First lead angle of the grid, degrees. The grid is shifted where the conventional axis has so large a lead
+/// angle that `max_tilt` would leave less than half of the grid.
 const TILT_FROM_DEG: f64 = -12.0;
-/// See [`TILT_FROM_DEG`].
+/// Step of the grid of lead angles, degrees.
 const TILT_STEP_DEG: f64 = 2.0;
-/// See [`TILT_FROM_DEG`].
+/// Number of steps of the grid.
 const TILT_STEPS: usize = 19;
-/// The middle between the first and the last, degrees.
+/// Middle of the grid, degrees.
 const MIDDLE_TILT_DEG: f64 = TILT_FROM_DEG + 0.5 * TILT_STEP_DEG * TILT_STEPS as f64;
 
-/// Tilts are too coarse when from one to the next the axis moves on the shroud by more than this share of the ring that
-/// the edges sweep: the next core then meets what the last plunge left high above the hub.
+/// The grid is too coarse when from one lead angle to the next the axis moves on the shroud by more than this
+/// share of the width of the cutting ring: the next core then meets stock that the last plunge left high
+/// above the hub.
 const COARSE_SHARE: f64 = 0.4;
-/// Drafts beside a wall are a few µm off it; the exact axis is met once a path is chosen.
+/// Error of drafts beside a wall, mm; the exact axis is computed after a path is chosen.
 const DRAFT_SLACK: f64 = 5e-3;
-/// The search looks at a core so much wider, that between its few lines nothing of the real one is missed.
+/// Factor by which the search widens the core, so that its few lines miss nothing of the real one.
 const WIDER_CORE: f64 = 1.012;
-/// Strips of the floor, side by side across the row, and points of each along it.
+/// Strips of the floor, side by side across the row, and sample points of each along the row.
 const STRIPS: usize = 9;
 const ALONG: usize = 7;
-/// Furthest point along the row, in radii.
+/// Distance of the outermost point along the row, in cutter radii.
 const FURTHEST: f64 = 0.9;
 
-/// One possible position, not yet looked at for blades.
+/// One candidate position, not yet checked against the blades.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// Axis and depth.
     pub station: Station,
-    /// Stock left above the allowance by moving this cutter on along the row, by strips of the row's floor, mm.
+    /// Layer left above the allowance when this cutter moves along the row, per strip of the row's floor, mm.
     layer: [f64; STRIPS],
 }
 
 impl Candidate {
-    /// The greatest lift, mm, for which the candidate costs no more than `budget`; negative when it costs more as it is.
+    /// Maximum lift, mm, for which the candidate costs at most `budget`; negative when it costs more without
+    /// lift.
     pub fn affordable_lift(&self, budget: f64, scale: f64) -> f64 {
-        // cost(l) = cost(0) + l·(1 + 2·mean(e)/scale) + l²/scale.
+        // Inverse of the quadratic cost(l) = cost(0) + l·(1 + 2·mean(e)/scale) + l²/scale.
         let spare = budget - self.cost(0.0, scale);
         if spare < 0.0 {
             return spare;
@@ -52,34 +57,35 @@ impl Candidate {
         (half * half + scale * spare).sqrt() - half
     }
 
-    /// What the candidate costs when it stops `lift` mm short: the mean of e + e²/`scale` of the layer e it
-    /// leaves, mm. The square makes the 95th percentile count beside the mean.
+    /// Cost of the candidate when it stops `lift` mm short: the mean of e + e²/`scale` over the layer e it
+    /// leaves, mm. The square gives weight to the thickest strips, hence to the 95th percentile.
     pub fn cost(&self, lift: f64, scale: f64) -> f64 {
         let weigh = |e: f64| e + e * e / scale;
         self.layer.iter().map(|e| weigh(e + lift)).sum::<f64>() / STRIPS as f64
     }
 }
 
-/// Ways to lean sideways at one tilt.
+/// Number of tilt angles per lead angle.
 const LEANS: usize = 3;
-/// Their shares of the way from the row's own lean to upright.
+/// Tilt angles as shares from the row's own tilt angle (0) to zero tilt (1).
 const UPRIGHT_SHARES: [f64; LEANS] = [1.0, 0.5, 0.0];
 
-/// What one place offers.
+/// The candidates of one stage.
 #[derive(Clone, Debug)]
 pub struct Place {
-    /// For each tilt candidates, the best first. Those that limits forbid outright are missing.
+    /// Candidates for each lead angle, the cheapest first; without those beyond the limits of inclination.
     pub tilts: Vec<[Option<Candidate>; LEANS]>,
     floor: FloorPoints,
 }
 
 impl Place {
-    /// What the cheapest candidate costs, if there is any.
+    /// Cost of the cheapest candidate, if there is any.
     pub fn cheapest(&self, scale: f64) -> Option<f64> {
         self.tilts.iter().filter_map(|tilt| Some(tilt[0].as_ref()?.cost(0.0, scale))).reduce(f64::min)
     }
 
-    /// The least angle between axes of the same tilt here and at `next`, rad; 0 when there are none.
+    /// Minimum angle between axes of the same lead angle at this stage and `next`, rad; 0 when there are
+    /// none.
     pub fn least_turn(&self, next: &Place) -> f64 {
         let axes = |tilt: &[Option<Candidate>; LEANS]| tilt.map(|c| c.map(|c| c.station.axis));
         let turns = self.tilts.iter().zip(&next.tilts).flat_map(|(here, next)| {
@@ -90,7 +96,7 @@ impl Place {
     }
 }
 
-/// Makes the candidates of one row.
+/// Makes the candidates of one row. Lengths in mm, angles in rad.
 #[derive(Clone)]
 pub struct CandidateMaker<'a> {
     pub maker: &'a RowMaker<'a>,
@@ -100,53 +106,53 @@ pub struct CandidateMaker<'a> {
     pub blade_allowance: f64,
     pub max_tilt: f64,
     pub machine: &'a Machine,
-    /// Layer whose square weighs as much as itself, mm.
+    /// Layer e for which e²/`scale` equals e in the cost, mm.
     pub scale: f64,
-    /// What the row has to clear: from half way to the row or wall before it to half way to the next, as angles about Z
-    /// from M. Depends on s.
+    /// Floor that the row has to clear at an s: from half way to the previous row or wall to half way to the
+    /// next one, as angles about Z from M, rad.
     pub floor: &'a (dyn Fn(f64) -> Option<[f64; 2]> + Sync),
-    /// How far W may leave the row's place on the shroud sideways, mm: further, and a ridge would stay.
+    /// Maximum displacement of W across the row on the shroud without uncut stock between the rows, mm.
     pub sideways: f64,
-    /// Into how many parts the steps from tilt to tilt are divided.
+    /// Number of parts into which the steps of the grid of lead angles are divided.
     pub fineness: usize,
 }
 
-/// The directions that count at a place of a row.
+/// Local frame at a position of a row.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     /// Hub normal.
     normal: Vector,
-    /// Along the row, towards what is still uncut.
+    /// Unit direction along the row, towards the uncut side.
     feed: Vector,
-    /// Across it.
+    /// Unit direction across the row.
     across: Vector,
-    /// How far M goes and turns about Z per unit of s along the row, mm and rad.
+    /// Distance and angle about Z that M moves per unit of s along the row, mm and rad.
     path_by_s: (f64, f64),
 }
 
-/// Points of the finished hub, strip by strip, with the normal there.
+/// Sample points of the finished hub with their normals, by strips.
 type FloorPoints = [[(Point, Vector); ALONG]; STRIPS];
 
-/// How W answers at a place: where the axis stands upright, or nearly, and what moving W does.
+/// Linearisation of the lead angle by s of W, around the axis with zero lead angle or a shifted one.
 #[derive(Clone, Copy, Debug)]
 struct Upright {
     s_shroud: f64,
-    /// Feed tilt there, by which all feed tilts are moved, rad.
+    /// Lead angle there, by which the whole grid is shifted, rad.
     moved: f64,
-    /// Tangent of the feed tilt gained per unit of s of W.
+    /// Derivative of the tangent of the lead angle by s of W.
     tilt_by_s: f64,
     /// Height of W above M along the normal, mm.
     height: f64,
 }
 
 impl Upright {
-    /// s of W for a feed tilt beside that, rad.
+    /// s of W for a lead angle `tilt` (rad) relative to the shift.
     fn tilted(&self, tilt: f64) -> f64 {
         self.s_shroud + ((tilt + self.moved).tan() - self.moved.tan()) / self.tilt_by_s
     }
 }
 
-/// What all axes at a place are made from.
+/// Reference from which all axes at an s are made.
 struct Stand {
     conventional: AxisEnds,
     frame: Frame,
@@ -155,11 +161,11 @@ struct Stand {
     reference: Vector,
 }
 
-/// Step of s for slopes.
+/// Step of s for finite differences.
 const SLOPE_STEP: f64 = 2e-3;
 
 impl CandidateMaker<'_> {
-    /// What there is at `s_hub`; `None` where the cutter does not fit at all.
+    /// The stage at `s_hub`; `None` where the cutter does not fit at all.
     pub fn at(&self, s_hub: f64) -> Option<Place> {
         let Stand { conventional, frame, upright, reference } = self.stand(s_hub)?;
         let floor = self.floor_points(&conventional, &frame)?;
@@ -179,7 +185,7 @@ impl CandidateMaker<'_> {
         Some(Place { tilts, floor })
     }
 
-    /// Whether the steps from tilt to tilt are too coarse for the cutter somewhere on a row along the places `s`.
+    /// Whether the grid of lead angles is too coarse for the cutter at one of the `s` of a row.
     pub fn is_coarse(&self, s: &[f64]) -> bool {
         let tool = self.maker.tool;
         let step = (TILT_STEP_DEG / self.fineness as f64).to_radians();
@@ -189,8 +195,8 @@ impl CandidateMaker<'_> {
         s.iter().filter_map(|&s| self.isoparametric(s)).any(|ends| step * depth(&ends) > most)
     }
 
-    /// Stations at `s_hub` with feed `tilts` (rad; moved as those of [`Self::at`]), each with all `shares` of the way to
-    /// upright across the row; blades not looked at.
+    /// Stations at `s_hub` with lead angles `tilts` (rad, shifted as the grid), each with the tilt angles
+    /// given by `shares` (1 for zero tilt). They are not checked against the blades.
     pub fn fan<const N: usize>(
         &self,
         s_hub: f64,
@@ -208,13 +214,14 @@ impl CandidateMaker<'_> {
             .collect()
     }
 
-    /// What all axes at `s_hub` are made from.
+    /// The reference at `s_hub`.
     fn stand(&self, s_hub: f64) -> Option<Stand> {
         let conventional = self.isoparametric(s_hub)?;
         let frame = self.frame(&conventional)?;
         let (_, reference) = self.maker.lane.line(&conventional);
         let tilt = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
-        // Axes that lean back without end leave each plunge above the one before: where no other is left a row ends.
+        // The grid is shifted towards positive lead angles only: with large negative ones each plunge would
+        // end above the previous one. Where no others remain, the row ends.
         let moved = (tilt - self.max_tilt - MIDDLE_TILT_DEG.to_radians()).max(0.0);
         let upright = self.upright(&conventional, &frame, moved)?;
         Some(Stand { conventional, frame, upright, reference })
@@ -225,7 +232,7 @@ impl CandidateMaker<'_> {
         self.maker.lane.guide(self.maker.lambda, s_hub)
     }
 
-    /// Directions at the foot of a conventional axis.
+    /// Local frame at the foot of a conventional axis.
     fn frame(&self, ends: &AxisEnds) -> Option<Frame> {
         let normal = self.maker.part.hub.normal(ends.s_hub).direction_at_angle(ends.theta_hub);
         let (before, after) =
@@ -242,11 +249,11 @@ impl CandidateMaker<'_> {
         Some(Frame { normal, feed, across: normal.cross(&feed), path_by_s })
     }
 
-    /// Where the axis stands upright in the plane of feed and hub normal, or `moved` (rad) from there.
+    /// Newton iteration for the s of W at which the lead angle is `moved` (rad).
     fn upright(&self, from: &AxisEnds, frame: &Frame, moved: f64) -> Option<Upright> {
         let lane = self.maker.lane;
         let m = lane.hub_point(from);
-        // The row's shroud curve in the neighbourhood, its sides left as they are at the start.
+        // The row's shroud curve; where it has no axis, the angles about Z of `from` are kept.
         let to_shroud = |s_shroud: f64| {
             let ends = lane
                 .row_axis(self.maker.lambda, from.s_hub, s_shroud)
@@ -277,8 +284,9 @@ impl CandidateMaker<'_> {
         })
     }
 
-    /// Axes at `s_hub` with W at `s_shroud`: the row's own one at a wall; between walls one for each of `shares` of the way
-    /// from the row's own to as upright across the row as `sideways` allows.
+    /// Axes at `s_hub` with W at `s_shroud`: at a wall only the row's own one; between walls one for each of
+    /// `shares` from the row's own tilt angle (0) to the smallest one that the limit of displacement across
+    /// the row allows (1).
     fn axes<const N: usize>(
         &self,
         s_shroud: f64,
@@ -295,7 +303,7 @@ impl CandidateMaker<'_> {
         let w = maker.lane.shroud_point(&ends);
         let lean = (w - maker.lane.hub_point(&ends)).dot(&frame.across);
         let most = -lean.clamp(-self.sideways, self.sideways);
-        // Turning W about Z tilts the axis along the row as well: s of W makes up for it.
+        // Turning W about Z changes the lead angle as well; s of W compensates that.
         let turn = Vector::new(-w.y, w.x, 0.0);
         let by_s = upright.tilt_by_s * upright.height;
         let gain = turn.dot(&frame.across);
@@ -310,7 +318,7 @@ impl CandidateMaker<'_> {
         })
     }
 
-    /// Whether the machine reaches the axis of a station and its cutter keeps clear of the blades.
+    /// Whether the axis of a station is within the machine's limits and its cutter clears the blades.
     pub fn allowed(&self, station: &Station) -> bool {
         if self.machine.beyond(self.maker.part, &station.axis) > 0.0 {
             return false;
@@ -319,11 +327,18 @@ impl CandidateMaker<'_> {
         self.finished.clears(&self.maker.cutter(station), self.blade_allowance - slack)
     }
 
+    /// Whether the cutter of a station is longer than its depth in the blank.
+    pub fn is_long_enough(&self, station: &Station) -> bool {
+        let tool = self.maker.tool;
+        Column::new(self.maker.cutter(station), tool.radius(), self.top).top <= tool.overhang
+    }
+
     fn lowered(&self, ends: AxisEnds, floor: &FloorPoints, reference: &Vector) -> Option<Candidate> {
         Some(self.candidate(self.within_tilt(ends, reference)?, floor))
     }
 
-    /// The station of an axis that the machine reaches, no further than the greatest tilt from `reference`.
+    /// The station of an axis, if it is within the machine's limits and inclined by at most `max_tilt` from
+    /// `reference`.
     fn within_tilt(&self, ends: AxisEnds, reference: &Vector) -> Option<Station> {
         let (_, axis) = self.maker.lane.line(&ends);
         let reached =
@@ -335,24 +350,24 @@ impl CandidateMaker<'_> {
         Candidate { station, layer: self.layer(&self.maker.cutter(&station), &station.ends, floor) }
     }
 
-    /// A candidate of `place`, made to clear the blades; `None` where it cannot.
+    /// A candidate of `place` that clears the blades, refitted if needed; `None` where that is impossible.
     pub fn cleared(&self, candidate: &Candidate, place: &Place) -> Option<Candidate> {
         if self.allowed(&candidate.station) {
             return Some(*candidate);
         }
-        // Between two branches of fits the table is further off than a draft may be.
+        // Between two branches of fits the table error exceeds that of a draft.
         let station = self.maker.exact(&candidate.station)?;
         (station.ends != candidate.station.ends && self.allowed(&station))
             .then(|| self.candidate(station, &place.floor))
     }
 
-    /// The column of a station as contact sees it, its core a little wider than it is.
+    /// The column of a station for the contact search, with a slightly widened core.
     pub fn column(&self, station: &Station) -> Column {
         let core_radius = WIDER_CORE * self.maker.tool.core_radius() + DRAFT_SLACK;
         Column::new(self.maker.cutter(station), core_radius, self.top)
     }
 
-    /// The floor that the row has to clear around a place.
+    /// Sample points of the floor that the row has to clear around a position.
     fn floor_points(&self, ends: &AxisEnds, frame: &Frame) -> Option<FloorPoints> {
         let hub = &self.maker.part.hub;
         let [from, to] = (self.floor)(ends.s_hub)?;
@@ -368,9 +383,10 @@ impl CandidateMaker<'_> {
         }))
     }
 
-    /// Layer left by strips: where the cutter comes nearest to the hub while it moves on.
+    /// Layer left per strip: minimum height of the cutter above the hub while it moves along the row, minus
+    /// the allowance.
     fn layer(&self, cutter: &CutterSolid, ends: &AxisEnds, floor: &FloorPoints) -> [f64; STRIPS] {
-        // What the cutter never comes over stands as high as the channel.
+        // Floor that the cutter never covers keeps stock up to the shroud.
         let uncut = (self.maker.lane.shroud_point(ends) - cutter.tip).norm();
         std::array::from_fn(|i| {
             let lowest = floor[i]

@@ -1,8 +1,10 @@
-//! The cheapest path through the candidates of a row.
+//! The cheapest path through the candidates of a row: dynamic programming over lead angles with a beam. A
+//! stage is an s, a state a candidate reached at it, with a back-pointer to the previous state.
 
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, CandidateMaker, Place};
+use super::section::MOST_LIFT;
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
@@ -10,67 +12,67 @@ use crate::plunge::contact::{Column, Columns, ContactSearch};
 use crate::plunge::plan::Held;
 use crate::plunge::row::Station;
 
-/// Positions of the own row that are looked at for contact, besides all earlier rows.
+/// Number of previous positions of the own row that are checked for contact, besides all earlier rows.
 const LOOK_BACK: usize = 4;
-/// Cost of a position as such, mm: of two paths that leave the same, the shorter.
+/// Cost of each position, mm: breaks ties in favour of the shorter path.
 const COST_PER_POSITION: f64 = 1e-3;
-/// Times the way between two places is halved for their axes to turn less, and the share of the allowed change that
-/// axes of the same tilt may use up.
+/// How often the interval between two stages is halved so that axes turn less.
 const MAX_HALVINGS: usize = 4;
+/// Share of the allowed axis change above which an interval between axes of the same lead angle is halved.
 const TURN_SHARE: f64 = 0.7;
-/// Cost by which a tilt may be behind the best one of its place and still be followed, mm.
+/// Beam: excess of a state's lower bound over the best one of its stage up to which it is expanded, mm.
 const BEAM: f64 = 3.0;
 /// Cost of ending a row and beginning another, mm.
 const COST_OF_NEW_ROW: f64 = 5.0;
-/// What a place without any axis costs beside one that leaves a thick layer, mm.
+/// Cost of each stage with candidates that the path does not reach, mm.
 const COST_OF_MISSED: f64 = 30.0;
-/// Lift of a position from which on finer tilts may free it, in cutter radii.
+/// Lift from which on a finer grid of lead angles is tried, in cutter radii.
 const COARSE_LIFT_RADII: f64 = 0.3;
-/// Into how many parts the steps from tilt to tilt are divided at most.
+/// Maximum number of parts into which the steps of the grid are divided.
 const MOST_FINENESS: usize = 4;
-/// Share of its cost that a path must gain by finer tilts for still finer ones to be looked at.
+/// Share of its cost that a path must save by a finer grid for a still finer one to be tried.
 const LEAST_GAINED: f64 = 0.02;
-/// Cost by which another axis must be better for a position to count as held back, mm.
+/// Saving of another axis from which on a position is reported as limited, mm.
 const WORTH_TELLING: f64 = 0.02;
-/// Lift kept above what the fewer lines of the search saw, mm.
+/// Margin added to lifts found with the few lines of the search, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
-/// A way along a row.
+/// A path along a row.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
     /// Stations with the lift the search gave them, mm.
     pub steps: Vec<(Station, f64)>,
-    /// What it costs: the sum over its positions, and the places at the end that it does not reach.
+    /// Cost: the sum over its positions and the stages that it does not reach, mm.
     pub cost: f64,
-    /// What no path could cost less than, by blades and contact or without them.
+    /// Lower bound on the cost of any path, mm: blades and contact are ignored.
     pub least: f64,
-    /// s of the places from the start on at which the cutter has no axis at all.
+    /// s of the stages from the start on at which the cutter has no axis at all.
     pub missing: Vec<f64>,
 }
 
 impl Path {
-    /// By how much one of its plunges stops short at most, mm.
+    /// Maximum lift of its plunges, mm.
     fn highest_lift(&self) -> f64 {
         self.steps.iter().map(|(_, lift)| *lift).fold(0.0, f64::max)
     }
 }
 
-/// A candidate reached, on the cheapest way to it.
+/// A state: a candidate with the cheapest path to it.
 #[derive(Clone, Copy, Debug)]
 struct State {
     candidate: Candidate,
     column: Column,
-    /// Of the way so far.
+    /// Cost of the path up to here, mm.
     cost: f64,
     /// How far the plunge stops short, mm.
     lift: f64,
-    /// Place and tilt of the position before.
+    /// Back-pointer: stage and lead angle of the previous position.
     before: Option<(usize, usize)>,
 }
 
-/// An s and what there is. A place is large, and they are moved about.
+/// A stage with its s. Boxed, as stages are large and are moved.
 type PlaceAt = (f64, Option<Box<Place>>);
-/// States of one place, by tilt.
+/// States of one stage, by lead angle.
 type States = Vec<Option<State>>;
 
 /// Searches one row.
@@ -83,30 +85,30 @@ pub struct PathSearch<'a> {
     pub max_axis_change: f64,
 }
 
-/// What is the same for all candidates of a place.
+/// What all candidates of a stage share.
 struct Here<'h> {
-    /// States of the places before.
+    /// States of the previous stages.
     states: &'h [States],
-    /// The last place that has any, and its states by cost, the cheapest first.
+    /// The last stage that has states, and these in order of cost, the cheapest first.
     last: Option<usize>,
     order: Vec<usize>,
-    /// Whether a row may begin here.
+    /// Whether a row may begin at this stage.
     may_begin: bool,
-    /// Whether the layer left here counts.
+    /// Whether the layer left at this stage counts.
     counts: bool,
     /// Plunges of earlier rows.
     earlier: &'h Columns,
 }
 
-/// A candidate that the blades allow, and how contact sees it.
+/// A candidate that clears the blades, prepared for transitions from several previous states.
 struct Leg {
     candidate: Candidate,
     column: Column,
-    /// Among the plunges of earlier rows.
+    /// Contact with the plunges of earlier rows.
     search: ContactSearch,
 }
 
-/// Numbers of states, the cheapest first.
+/// Indices of states, the cheapest first.
 fn by_cost(states: &States) -> Vec<usize> {
     let cost = |i: usize| states[i].map_or(f64::INFINITY, |s| s.cost);
     let mut order: Vec<usize> = (0..states.len()).collect();
@@ -115,9 +117,10 @@ fn by_cost(states: &States) -> Vec<usize> {
 }
 
 impl PathSearch<'_> {
-    /// The cheapest path along the places `s` (in cutting order) after `earlier` plunges. The path may begin anywhere
-    /// up to s = `start`; a layer left before it costs nothing. Places are added where the axes turn too much from
-    /// one to the next. Where one has to stop short, tilts are looked at more finely if the cutter is slender.
+    /// The cheapest path along `s` (in cutting order) after the `earlier` plunges. The path may begin
+    /// anywhere up to s = `start`; a layer left before that is free. Stages are inserted where the axes turn
+    /// too much from one to the next. Where a plunge has to stop short, the grid of lead angles is refined if
+    /// it is coarse for the cutter.
     ///
     /// # Errors
     /// When the work is cancelled.
@@ -131,7 +134,7 @@ impl PathSearch<'_> {
         {
             finer.candidates.fineness *= 2;
             let path = match finer.path_by(s, start, earlier) {
-                // What was found until now stands for itself.
+                // When stopped, the best path so far is the result.
                 Err(_) if self.candidates.maker.monitor.is_stopped() => break,
                 path => path?,
             };
@@ -146,7 +149,7 @@ impl PathSearch<'_> {
         Ok(best)
     }
 
-    /// [`Self::path`] by the tilts as they are.
+    /// [`Self::path`] with the current grid.
     fn path_by(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<Path, Cancelled> {
         let monitor = self.candidates.maker.monitor;
         let inward = self.candidates.maker.inward;
@@ -155,7 +158,7 @@ impl PathSearch<'_> {
         let mut last: Option<usize> = None;
         for (k, (s, place)) in places.iter().enumerate() {
             monitor.check()?;
-            // Ahead of the start is where the cut has not come yet.
+            // Signed distance in s before the start, in cutting direction.
             let ahead = (start - s) * inward;
             let Some(place) = place else {
                 states.push(States::new());
@@ -175,7 +178,7 @@ impl PathSearch<'_> {
             }
             states.push(reached);
         }
-        // A layer left before the start costs nothing.
+        // A layer left before the start is free.
         let counts = |s: f64| (start - s) * inward >= -1e-9;
         let least: f64 = places
             .iter()
@@ -188,11 +191,16 @@ impl PathSearch<'_> {
         let path = Path { missing: missing.collect(), least, ..path };
         let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(path) };
         let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
-        let missed = ((end - reached) / (second - first)).abs();
+        let skipped: f64 = (1..last.unwrap_or(0))
+            .filter(|&k| counts(places[k].0) && places[k].1.is_some())
+            .filter(|&k| states[k].iter().all(Option::is_none))
+            .map(|k| 0.5 * (places[k + 1].0 - places[k - 1].0).abs())
+            .sum();
+        let missed = ((end - reached).abs() + skipped) / (second - first).abs();
         Ok(Path { cost: path.cost + COST_OF_MISSED * missed, ..path })
     }
 
-    /// What there is at every s, and between two of them where the axes turn too much on the way.
+    /// The stages at every s, and between two of them where the axes turn too much.
     fn places(&self, s: &[f64]) -> Vec<PlaceAt> {
         let monitor = self.candidates.maker.monitor;
         let at =
@@ -220,8 +228,8 @@ impl PathSearch<'_> {
         places
     }
 
-    /// States of a place. Tilts that cannot come near the best are left out, unless the best has to stop
-    /// short or is blocked.
+    /// States of a stage. Lead angles whose lower bound is outside the beam are expanded only if the best
+    /// state inside it costs more than the beam allows, because of lifts or blades.
     fn reached(&self, place: &Place, here: &Here) -> States {
         let bounds: Vec<f64> = place.tilts.iter().map(|tilt| self.bound(tilt, here)).collect();
         let promising = bounds.iter().copied().fold(f64::INFINITY, f64::min) + BEAM;
@@ -243,33 +251,33 @@ impl PathSearch<'_> {
         states
     }
 
-    /// What a candidate costs in `here` when it stops `lift` mm short.
+    /// Cost of a candidate alone when it stops `lift` mm short.
     fn own(&self, candidate: &Candidate, lift: f64, here: &Here) -> f64 {
         let layer = if here.counts { candidate.cost(lift, self.candidates.scale) } else { 0.0 };
         layer + COST_PER_POSITION
     }
 
-    /// What the cheapest way before a place costs.
+    /// Cost of the cheapest path to the previous stage.
     fn least_before(here: &Here) -> f64 {
         let begin = if here.may_begin { 0.0 } else { f64::INFINITY };
         let cheapest = here.last.zip(here.order.first()).and_then(|(last, &i)| here.states[last][i].as_ref());
         cheapest.map_or(begin, |state| state.cost.min(begin))
     }
 
-    /// Less than this no way through a tilt costs.
+    /// Lower bound on the cost of a path through this lead angle.
     fn bound(&self, candidates: &[Option<Candidate>], here: &Here) -> f64 {
         let Some(Some(cheapest)) = candidates.first() else { return f64::INFINITY };
         Self::least_before(here) + self.own(cheapest, 0.0, here)
     }
 
-    /// The cheapest way to a tilt: to its cheapest candidate that the blades allow, or another where no axis before it is
-    /// near enough to that one, or contact holds it back.
+    /// The cheapest path to a lead angle: usually to its cheapest candidate that clears the blades, or to
+    /// another one where the axis change or contact prevents that.
     fn reach(&self, tilt: usize, place: &Place, here: &Here) -> Option<State> {
         let before = Self::least_before(here);
         let mut first: Option<Leg> = None;
         let mut best: Option<State> = None;
         for candidate in place.tilts[tilt].iter().flatten() {
-            // The others leave more; of free starts any will do.
+            // The other candidates cost more; before the start any state without lift is as good.
             let is_done = |best: &State| match here.counts {
                 true => best.cost <= before + self.own(candidate, 0.0, here),
                 false => best.lift == 0.0,
@@ -278,11 +286,14 @@ impl PathSearch<'_> {
                 break;
             }
             let Some(candidate) = self.candidates.cleared(candidate, place) else { continue };
+            if !self.candidates.is_long_enough(&candidate.station) {
+                continue;
+            }
             let mut leg = self.leg(candidate, here);
             self.follow(&mut leg, here, &mut best);
             first.get_or_insert(leg);
         }
-        // Where no axis can be had from the last ones, another row begins.
+        // Where the axis change allows no transition, a new row begins.
         if best.is_none()
             && here.counts
             && let Some(mut leg) = first
@@ -294,7 +305,7 @@ impl PathSearch<'_> {
         best
     }
 
-    /// A candidate with what was cut near it.
+    /// A candidate with the earlier plunges near it.
     fn leg(&self, candidate: Candidate, here: &Here) -> Leg {
         let column = self.candidates.column(&candidate.station);
         let mut search = ContactSearch::default();
@@ -302,7 +313,7 @@ impl PathSearch<'_> {
         Leg { candidate, column, search }
     }
 
-    /// The cheapest way from the last axes, or from nowhere, if it is cheaper than `best`.
+    /// Replaces `best` by a cheaper transition from the previous states or, where a row may begin, from none.
     fn follow(&self, leg: &mut Leg, here: &Here, best: &mut Option<State>) {
         let axis = leg.candidate.station.axis;
         if let Some(last) = here.last {
@@ -318,7 +329,7 @@ impl PathSearch<'_> {
         }
     }
 
-    /// The way over `before`, which costs so much until there, if it is cheaper than `best`.
+    /// Replaces `best` by the transition from `before`, whose path costs `cost_before`, if that is cheaper.
     fn consider(
         &self,
         leg: &mut Leg,
@@ -329,7 +340,7 @@ impl PathSearch<'_> {
         let Leg { candidate, column, search } = leg;
         let affordable = match &best {
             None => f64::INFINITY,
-            // Where the layer does not count a free start does, and of free starts the latest.
+            // Where the layer is free, prefer the smallest lift, then the latest start.
             Some(b) if !here.counts && b.lift > 0.0 => b.lift,
             Some(b) if !here.counts && cost_before + COST_PER_POSITION >= b.cost => return,
             Some(_) if !here.counts => 0.0,
@@ -340,6 +351,8 @@ impl PathSearch<'_> {
         if affordable < 0.0 {
             return;
         }
+        // A plunge that stops shorter is left out when the row is cut: the path must not rely on it.
+        let longest = (MOST_LIFT * column.top - LIFT_MARGIN).max(0.0);
         let mut passed = [*column; LOOK_BACK];
         let mut count = 0;
         let mut at = before;
@@ -352,7 +365,10 @@ impl PathSearch<'_> {
             at = state.before;
         }
         let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
-        let depth = search.after(column, passed).depth(self.blank, affordable);
+        let depth = search.after(column, passed).depth(self.blank, affordable.min(longest));
+        if depth > longest {
+            return;
+        }
         let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
         let cost = cost_before + self.own(candidate, lift, here);
         let better = |b: &State| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };
@@ -361,7 +377,7 @@ impl PathSearch<'_> {
         }
     }
 
-    /// The path that ends in the cheapest state of place `last`.
+    /// Follows the back-pointers from the cheapest state of stage `last`.
     fn traced(&self, places: &[PlaceAt], states: &[States], last: Option<usize>) -> Path {
         let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
         let end = last
@@ -380,7 +396,7 @@ impl PathSearch<'_> {
         path
     }
 
-    /// What keeps a state from the cheapest candidate of its place.
+    /// What keeps a state from the cheapest candidate of its stage.
     fn held(&self, place: &Place, state: &State, before: Option<Vector>) -> Option<Held> {
         let cost = |c: &Candidate| c.cost(0.0, self.candidates.scale);
         let cheapest =
