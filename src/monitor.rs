@@ -15,13 +15,13 @@ pub struct Cancelled;
 /// it ends without a result.
 #[derive(Debug, Default)]
 pub struct Monitor {
-    shared: Arc<Shared>,
+    shared: Arc<MonitorState>,
     /// Whether [`Self::stop`] is ignored.
-    closing: bool,
+    ignores_stop: bool,
 }
 
 #[derive(Debug, Default)]
-struct Shared {
+struct MonitorState {
     stopped: AtomicBool,
     cancelled: AtomicBool,
     permille: AtomicU32,
@@ -46,13 +46,13 @@ impl Monitor {
     /// Whether the computation must end: cancelled, or stopped unless stops are ignored.
     pub fn is_cancelled(&self) -> bool {
         self.shared.cancelled.load(Ordering::Relaxed)
-            || !self.closing && self.shared.stopped.load(Ordering::Relaxed)
+            || !self.ignores_stop && self.shared.stopped.load(Ordering::Relaxed)
     }
 
     /// The same token for the steps that complete a partial result: a stop is ignored, only a cancel is an
     /// error.
-    pub fn closing(&self) -> Self {
-        Self { shared: Arc::clone(&self.shared), closing: true }
+    pub fn ignoring_stop(&self) -> Self {
+        Self { shared: Arc::clone(&self.shared), ignores_stop: true }
     }
 
     /// Returns an error once the computation must end; to be called every few milliseconds.

@@ -8,13 +8,13 @@ const fn rgb(hex: u32) -> Rgb {
 }
 
 /// Interfering plunge: vermilion of the Okabe–Ito set.
-pub const INTERFERENTIAL: Rgb = rgb(0xD55E00);
+pub const INTERFERING: Rgb = rgb(0xD55E00);
 /// Blocked position: orange.
 pub const BLOCKED: Rgb = rgb(0xE69F00);
 /// Sound position: bluish green.
 pub const SOUND: Rgb = rgb(0x009E73);
 /// Position whose contact is not evaluated yet: grey.
-pub const UNJUDGED: Rgb = rgb(0x8C9299);
+pub const UNEVALUATED: Rgb = rgb(0x8C9299);
 /// Selected position: the accent colour.
 pub const SELECTED: Rgb = rgb(0x0072B2);
 
@@ -124,7 +124,7 @@ impl ColourMap {
                     let weight = if i == 0 { 0.0 } else { 0.35 + 0.65 * t as f32 };
                     let pale = rgb(0xF1EBDA);
                     std::array::from_fn(|c| {
-                        ((pale[c] + (INTERFERENTIAL[c] - pale[c]) * weight) * 255.0).round() as u8
+                        ((pale[c] + (INTERFERING[c] - pale[c]) * weight) * 255.0).round() as u8
                     })
                 }
             }
@@ -133,7 +133,7 @@ impl ColourMap {
 }
 
 /// Colour of `value` in a table that spans `range`.
-pub fn looked_up(table: &[[u8; 3]; TABLE_LEN], value: f32, range: (f32, f32)) -> Rgb {
+pub fn colour_of_value(table: &[[u8; 3]; TABLE_LEN], value: f32, range: (f32, f32)) -> Rgb {
     let t = (value - range.0) / (range.1 - range.0).max(1e-6);
     let entry = (t.clamp(0.0, 1.0) * (TABLE_LEN - 1) as f32).round() as usize;
     table[entry].map(|x| f32::from(x) / 255.0)

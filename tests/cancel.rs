@@ -10,7 +10,7 @@ use vanecut::formats::plan_file::{read_plan_bytes, write_plan};
 use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{AxisPolicy, Channel, Impeller, PartDescription, Setup};
-use vanecut::plunge::{PlungePlan, Stopped};
+use vanecut::plunge::{PlungePlan, StopReason};
 use vanecut::verify::verify;
 
 fn description() -> PartDescription {
@@ -40,7 +40,7 @@ fn stopped_after(
 
 /// Number of positions of the finished sections.
 fn finished_part(plan: &PlungePlan) -> usize {
-    let whole = |s: &usize| !matches!(plan.sections[*s].added, Some((_, Stopped::Cancelled)));
+    let whole = |s: &usize| !matches!(plan.sections[*s].added, Some((_, StopReason::Cancelled)));
     plan.positions.iter().filter(|p| whole(&p.section)).count()
 }
 
@@ -76,8 +76,8 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
             "as in the whole plan"
         );
         cut_short += usize::from(plan.positions.len() > finished);
-        assert_eq!(summary.interferential, 0, "the core is free");
-        assert!(summary.min_retract_clearance >= outcome.setup.stock.safety_distance - 1e-3, "measured");
+        assert_eq!(summary.interfering, 0, "the core is free");
+        assert!(summary.min_retract_clearance >= outcome.setup.allowances.safety_distance - 1e-3, "measured");
         assert!(
             summary.uncut_share >= whole.after.summary.uncut_share - 1e-6,
             "what is not cut counts: {} uncut, {} by the whole plan",

@@ -9,8 +9,8 @@ use vanecut::geometry::{Point, Vector};
 use vanecut::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, Picture, Renderer, Scene, SceneOptions, SectionPlane, View,
 };
-use vanecut::palette::{INTERFERENTIAL, SELECTED};
-use vanecut::part::{AxisPolicy, Feed, Impeller, Tool};
+use vanecut::palette::{INTERFERING, SELECTED};
+use vanecut::part::{AxisPolicy, CutDirection, Impeller, Tool};
 use vanecut::plunge::plan::{CoreContact, PlungePlan, Position, SectionPlan};
 use vanecut::residual::FloorGrid;
 
@@ -41,12 +41,12 @@ fn plan(part: &Impeller) -> PlungePlan {
             row: 0,
             s,
             lambda: 0.5,
-            alpha: 0.0,
+            alpha_rad: 0.0,
             contact_point: foot,
             contact: CoreContact { depth, area_share: 0.2 },
             lift: 0.0,
             blocked: None,
-            held: None,
+            limited_by: None,
             hub_clearance: 0.5,
             blade_clearance: 5.0,
             retract_clearance: 5.0,
@@ -67,15 +67,15 @@ fn plan(part: &Impeller) -> PlungePlan {
             tool,
             from: 1.0,
             to: 0.6,
-            feed: Feed::Inward,
+            feed: CutDirection::Inward,
             rows: 1,
             rest: false,
             added: None,
         }],
         positions: vec![position(0.95, 0.0), position(0.75, 2.0)],
         dropped: Vec::new(),
-        rounds: 1,
-        settled: true,
+        iterations: 1,
+        converged: true,
     }
 }
 
@@ -161,12 +161,11 @@ fn cutters_show_in_the_colour_of_their_state() {
     scene.set_plan(Some(&plan(&part)));
     let hidden = SceneOptions { show_cutters: CutterFilter::Hidden, ..Default::default() };
     let all = SceneOptions { show_cutters: CutterFilter::All, ..hidden };
-    let mut red = |options: &SceneOptions| {
-        pixels_like(&studio.shot(&scene, View::Section(1), options, 4), INTERFERENTIAL)
-    };
+    let mut red =
+        |options: &SceneOptions| pixels_like(&studio.shot(&scene, View::Section(1), options, 4), INTERFERING);
     assert_eq!(red(&hidden), 0);
     assert!(red(&all) > 100);
-    assert_eq!(red(&SceneOptions { at: Some(1), ..all }), 0, "before the second plunge");
+    assert_eq!(red(&SceneOptions { up_to: Some(1), ..all }), 0, "before the second plunge");
     let selected = SceneOptions { selected: Some(1), ..hidden };
     let picture = studio.shot(&scene, View::Section(1), &selected, 1);
     assert!(pixels_like(&picture, SELECTED) > 100);
@@ -271,9 +270,9 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     scene.set_plan(Some(&plan));
     let options = SceneOptions { show_cutters: CutterFilter::All, ..Default::default() };
     let mut red =
-        |scene: &Scene| pixels_like(&studio.shot(scene, View::Section(1), &options, 4), INTERFERENTIAL);
+        |scene: &Scene| pixels_like(&studio.shot(scene, View::Section(1), &options, 4), INTERFERING);
     assert!(red(&scene) > 100, "the plan before the preview");
-    scene.set_coming(Some(&plan), false);
+    scene.set_preview(Some(&plan), false);
     assert_eq!(red(&scene), 0, "not evaluated");
     let size = SIZE.as_vec2();
     let camera = Camera::standard(View::Section(1), scene.framing(), size.x / size.y);
@@ -282,8 +281,8 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     let pixel = pixel.expect("in front");
     let pick = |scene: &Scene| scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
     assert_eq!(pick(&scene), None);
-    scene.set_coming(Some(&plan), true);
+    scene.set_preview(Some(&plan), true);
     assert!(red(&scene) > 100, "judged");
-    scene.set_coming(None, false);
+    scene.set_preview(None, false);
     assert_eq!(pick(&scene), Some(1), "the plan before can be picked again");
 }

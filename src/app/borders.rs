@@ -16,22 +16,22 @@ use super::viewport::Pane;
 /// Number of s values that a drag compares.
 const STEPS: usize = 200;
 /// Size of a drag handle, points.
-const GRIP: f32 = 16.0;
+const HANDLE_SIZE: f32 = 16.0;
 
 impl App {
     /// Draws the borders with their handles. A drag is one undo step; it copies tools and sections that the
     /// program chose into the setup.
     pub(super) fn section_borders(&mut self, ui: &mut Ui, panes: &[Pane], camera: &Camera) {
-        self.border_held = false;
+        self.is_dragging_border = false;
         let chosen = self.state.results.planned.as_ref().map(|planned| planned.outcome.setup.clone());
         let sections = self.sections_with_borders();
         for k in (0..sections.len()).filter(|&k| tools::is_joined(&sections, k)) {
             for pane in panes {
                 let Some((grip, line)) = self.border_line(pane, camera, sections[k].to) else { continue };
-                if !pane.visible.shrink(GRIP).contains(grip) {
+                if !pane.visible.shrink(HANDLE_SIZE).contains(grip) {
                     continue;
                 }
-                let at = Rect::from_center_size(grip, Vec2::splat(GRIP));
+                let at = Rect::from_center_size(grip, Vec2::splat(HANDLE_SIZE));
                 let id = pane.response.id.with(("border", k, pane.side as usize));
                 let response = ui.interact(at, id, Sense::drag());
                 let name = format!("Border {} | {} in the view", k + 1, k + 2);
@@ -47,16 +47,16 @@ impl App {
                     let faint = Stroke::new(1.2, colour.gamma_multiply(0.75));
                     painter.extend(egui::Shape::dashed_line(&line, faint, 5.0, 4.0));
                 }
-                painter.circle(grip, 0.35 * GRIP, colour, Stroke::new(1.5, egui::Color32::WHITE));
+                painter.circle(grip, 0.35 * HANDLE_SIZE, colour, Stroke::new(1.5, egui::Color32::WHITE));
                 if response.drag_started() {
                     self.state.document.step();
                     if let Some(chosen) = chosen.as_ref().filter(|_| own_is_empty(&self.state)) {
-                        tools::take_over(&mut self.state.document.edited.setup, chosen);
+                        tools::copy_sections(&mut self.state.document.edited.setup, chosen);
                     }
                 }
                 if let Some(to) = response.interact_pointer_pos().filter(|_| response.dragged()) {
-                    self.border_held = true;
-                    if let Some(s) = self.border_at(pane, camera, &sections, k, to) {
+                    self.is_dragging_border = true;
+                    if let Some(s) = self.nearest_border_s(pane, camera, &sections, k, to) {
                         tools::move_border(&mut self.state.document.edited.setup.plunge.sections, k, s);
                     }
                 }
@@ -114,7 +114,7 @@ impl App {
     }
 
     /// Value of s within the range of border `k` whose line midpoint is nearest to the pointer.
-    fn border_at(
+    fn nearest_border_s(
         &self,
         pane: &Pane,
         camera: &Camera,
@@ -130,6 +130,6 @@ impl App {
     }
 }
 
-fn own_is_empty(state: &super::state::State) -> bool {
+fn own_is_empty(state: &super::state::AppState) -> bool {
     state.document.edited.setup.plunge.sections.is_empty()
 }

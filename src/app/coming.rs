@@ -3,87 +3,99 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::job::{PlanOutcome, PolicyResult, Stage};
+use crate::job::{PlanOutcome, PlanStage, PolicyResult};
 use crate::part::{AxisPolicy, Impeller, Setup};
 use crate::plunge::PlungePlan;
 use crate::residual::FloorGrid;
 
-use super::planned::Planned;
+use super::planned::DisplayPlan;
 
 /// Cutters of a policy's plan before its residual stock is computed.
 #[derive(Clone, Debug)]
-pub struct ComingCutters {
+pub struct PreviewCutters {
     /// The plan so far.
     pub plan: Arc<PlungePlan>,
     /// Whether core contact is checked; before that no plunge may be shown as sound.
-    pub judged: bool,
+    pub is_checked: bool,
     /// Whether the axes are those of the last plan (warm start).
-    pub carried: bool,
+    pub is_warm_start: bool,
 }
 
-impl ComingCutters {
+impl PreviewCutters {
     /// Number of interfering plunges; `None` while contact is not checked.
-    pub fn interferential(&self) -> Option<usize> {
-        self.judged.then(|| self.plan.positions.iter().filter(|p| p.contact.interferes()).count())
+    pub fn interfering_count(&self) -> Option<usize> {
+        self.is_checked.then(|| self.plan.positions.iter().filter(|p| p.contact.interferes()).count())
     }
 }
 
 /// Preview of a running plan.
 #[derive(Clone, Debug)]
-pub struct Coming {
+pub struct PlanPreview {
     /// Number of the task; see [`super::engine::PlanTask`].
     pub(super) task: u64,
     /// The setup as requested.
     pub setup: Setup,
     /// Latest stage of each policy, in order of arrival.
-    cutters: Vec<ComingCutters>,
+    cutters: Vec<PreviewCutters>,
     /// The finished policies, as a plan.
-    pub planned: Option<Arc<Planned>>,
+    pub planned: Option<Arc<DisplayPlan>>,
     part: Arc<Impeller>,
     resolved: Option<(Setup, Vec<Option<String>>)>,
 }
 
-impl Coming {
+impl PlanPreview {
     /// An empty preview.
     pub(super) fn new(task: u64, part: Arc<Impeller>, setup: Setup) -> Self {
         Self { task, setup, cutters: Vec::new(), planned: None, part, resolved: None }
     }
 
     /// Adds a stage.
-    pub(super) fn add(&mut self, stage: Stage) {
+    pub(super) fn add_stage(&mut self, stage: PlanStage) {
         match stage {
-            Stage::Resolved(setup, reasons) => self.resolved = Some((setup, reasons)),
-            Stage::Carried(plan) => {
-                self.take_cutters(ComingCutters { plan: plan.into(), judged: true, carried: true });
+            PlanStage::Resolved(setup, reasons) => self.resolved = Some((setup, reasons)),
+            PlanStage::Preview(plan) => {
+                self.take_cutters(PreviewCutters {
+                    plan: plan.into(),
+                    is_checked: true,
+                    is_warm_start: true,
+                });
             }
             // The warm-start plan is shown already, and its contact is checked.
-            Stage::Placed(plan) if self.has_carried(plan.policy) => {}
-            Stage::Placed(plan) => {
-                self.take_cutters(ComingCutters { plan: plan.into(), judged: false, carried: false });
+            PlanStage::Placed(plan) if self.has_warm_start(plan.policy) => {}
+            PlanStage::Placed(plan) => {
+                self.take_cutters(PreviewCutters {
+                    plan: plan.into(),
+                    is_checked: false,
+                    is_warm_start: false,
+                });
             }
-            Stage::Judged(plan) => {
-                self.take_cutters(ComingCutters { plan: plan.into(), judged: true, carried: false });
+            PlanStage::Evaluated(plan) => {
+                self.take_cutters(PreviewCutters {
+                    plan: plan.into(),
+                    is_checked: true,
+                    is_warm_start: false,
+                });
             }
             // The conventional result arrives first. The requested policy is skipped: the finished plan
             // follows at once.
-            Stage::Measured(_, result)
+            PlanStage::Measured(_, result)
                 if result.plan.policy == self.setup.plunge.axis && self.planned.is_some() => {}
-            Stage::Measured(grid, result) => self.take_result(grid, result),
+            PlanStage::Measured(grid, result) => self.take_result(grid, result),
         }
     }
 
-    fn take_cutters(&mut self, cutters: ComingCutters) {
+    fn take_cutters(&mut self, cutters: PreviewCutters) {
         self.cutters.retain(|known| known.plan.policy != cutters.plan.policy);
         self.cutters.push(cutters);
     }
 
-    fn has_carried(&self, policy: AxisPolicy) -> bool {
-        self.cutters.iter().any(|known| known.carried && known.plan.policy == policy)
+    fn has_warm_start(&self, policy: AxisPolicy) -> bool {
+        self.cutters.iter().any(|known| known.is_warm_start && known.plan.policy == policy)
     }
 
     /// Whether core contact is checked for any policy.
-    pub(super) fn is_anything_judged(&self) -> bool {
-        self.cutters.iter().any(|known| known.judged)
+    pub(super) fn has_checked_stage(&self) -> bool {
+        self.cutters.iter().any(|known| known.is_checked)
     }
 
     fn take_result(&mut self, grid: Arc<FloorGrid>, result: PolicyResult) {
@@ -105,32 +117,32 @@ impl Coming {
                 elapsed: 0.0,
             },
         };
-        self.planned = Some(Arc::new(Planned::new(self.setup.clone(), outcome)));
+        self.planned = Some(Arc::new(DisplayPlan::new(self.setup.clone(), outcome)));
     }
 
     /// The cutters to show where `policy` is awaited: its own as soon as there are any, else the latest.
-    pub fn cutters(&self, policy: AxisPolicy) -> Option<&ComingCutters> {
+    pub fn cutters(&self, policy: AxisPolicy) -> Option<&PreviewCutters> {
         let own = self.cutters.iter().find(|known| known.plan.policy == policy);
-        own.or_else(|| self.cutters.iter().rfind(|known| !known.carried))
+        own.or_else(|| self.cutters.iter().rfind(|known| !known.is_warm_start))
     }
 }
 
 /// Single-entry slot for the latest preview; a newer one replaces it, nothing queues up.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Slot(Arc<Mutex<Option<Arc<Coming>>>>);
+pub(super) struct PreviewSlot(Arc<Mutex<Option<Arc<PlanPreview>>>>);
 
-impl Slot {
-    fn latest(&self) -> MutexGuard<'_, Option<Arc<Coming>>> {
+impl PreviewSlot {
+    fn latest(&self) -> MutexGuard<'_, Option<Arc<PlanPreview>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Replaces the content by `coming`.
-    pub(super) fn put(&self, coming: Coming) {
+    pub(super) fn put(&self, coming: PlanPreview) {
         *self.latest() = Some(Arc::new(coming));
     }
 
     /// Takes the content out.
-    pub(super) fn take(&self) -> Option<Arc<Coming>> {
+    pub(super) fn take(&self) -> Option<Arc<PlanPreview>> {
         self.latest().take()
     }
 }

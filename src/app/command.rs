@@ -142,7 +142,7 @@ commands! {
 
 impl Command {
     /// Whether a focused widget takes precedence: without Ctrl the keys also type, move or press there.
-    fn yields(shortcut: &KeyboardShortcut) -> bool {
+    fn yields_to_focus(shortcut: &KeyboardShortcut) -> bool {
         !shortcut.modifiers.command && !matches!(shortcut.logical_key, Key::F5 | Key::F6 | Key::Escape)
     }
 
@@ -169,7 +169,7 @@ impl Command {
                     | Key::End
             );
             let kept = if letter { typing } else { taken };
-            if kept && Self::yields(&keys) || !can(command) {
+            if kept && Self::yields_to_focus(&keys) || !can(command) {
                 continue;
             }
             if ctx.input_mut(|input| input.consume_shortcut(&keys)) {

@@ -20,7 +20,7 @@ const FACES: [(Vec3, &str, &str); 6] = [
 /// Half an edge, points.
 const HALF: f32 = 19.0;
 /// Cosine between face normal and view direction below which a face is neither drawn nor clickable.
-const LEAST_FACING: f32 = 0.12;
+const MIN_FACING: f32 = 0.12;
 
 /// Draws the cube around `center`; returns the direction to look from when a face was clicked.
 pub fn show(ui: &mut Ui, center: Pos2, camera: &Camera) -> Option<Vec3> {
@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, center: Pos2, camera: &Camera) -> Option<Vec3> {
     let mut chosen = None;
     let mut faces: Vec<(f32, (Vec3, &str, &str))> =
         FACES.iter().map(|&face| (face.0.dot(back), face)).collect();
-    faces.retain(|(facing, _)| *facing > LEAST_FACING);
+    faces.retain(|(facing, _)| *facing > MIN_FACING);
     faces.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (facing, (normal, letter, name)) in faces {
         // Edges run along the other two axes.

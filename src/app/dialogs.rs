@@ -80,23 +80,23 @@ struct Prompt {
 }
 
 /// Answer of the dialog thread: purpose, path unless it was closed, and time taken.
-type Slot = Arc<Mutex<Option<(Purpose, Option<PathBuf>, Duration)>>>;
+type AnswerSlot = Arc<Mutex<Option<(Purpose, Option<PathBuf>, Duration)>>>;
 
 /// The file dialogs; at most one is open.
 #[derive(Default)]
 pub struct Dialogs {
-    slot: Slot,
+    slot: AnswerSlot,
     open: bool,
     prompt: Option<Prompt>,
     suggestion: String,
 }
 
 /// A system dialog that returns without a path in less than this never opened.
-const NO_DIALOG: Duration = Duration::from_millis(150);
+const MIN_DIALOG_TIME: Duration = Duration::from_millis(150);
 
 impl Dialogs {
     /// Opens a file dialog; `suggestion` is the proposed name when saving.
-    pub fn ask(&mut self, ctx: &Context, purpose: Purpose, suggestion: String) {
+    pub fn open_dialog(&mut self, ctx: &Context, purpose: Purpose, suggestion: String) {
         if self.open || self.prompt.is_some() {
             return;
         }
@@ -133,7 +133,7 @@ impl Dialogs {
             self.open = false;
             match chosen {
                 Some(path) => return Some((purpose, path)),
-                None if took < NO_DIALOG => self.start_prompt(purpose),
+                None if took < MIN_DIALOG_TIME => self.start_prompt(purpose),
                 None => {}
             }
         }

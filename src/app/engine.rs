@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::formats::InputError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
-use crate::job::{JobError, Listener, PlanJob, PlanOutcome, PlanRequest, Stage};
+use crate::job::{JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage};
 use crate::mesh::MeshOptions;
 use crate::monitor::Monitor;
 use crate::part::{Impeller, Setup};
 
-use super::coming::{Coming, Slot};
-use super::planned::Planned;
+use super::coming::{PlanPreview, PreviewSlot};
+use super::planned::DisplayPlan;
 
 /// Source of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,7 +89,7 @@ impl Default for Engine {
             open: Arc::new(|source, _| super::files::open_part(source)),
             plan: {
                 let job = PlanJob::default();
-                Arc::new(move |request, monitor, listener| job.run_telling(request, monitor, listener))
+                Arc::new(move |request, monitor, listener| job.run_with_listener(request, monitor, listener))
             },
             flank: {
                 let job = FlankJob::default();
@@ -128,9 +128,9 @@ impl Engine {
         &self,
         task: &PlanTask,
         monitor: &Monitor,
-        slot: &Slot,
+        slot: &PreviewSlot,
         notify: &(dyn Fn() + Sync),
-    ) -> Result<Planned, JobError> {
+    ) -> Result<DisplayPlan, JobError> {
         let request = PlanRequest {
             part: Arc::clone(&task.part),
             setup: task.setup.clone(),
@@ -138,17 +138,17 @@ impl Engine {
             compare: task.compare,
             field_cells: if task.draft { DRAFT_CELLS } else { FIELD_CELLS },
         };
-        let coming = Mutex::new(Coming::new(task.number, Arc::clone(&task.part), task.setup.clone()));
-        let listen = |stage: Stage| {
+        let coming = Mutex::new(PlanPreview::new(task.number, Arc::clone(&task.part), task.setup.clone()));
+        let listen = |stage: PlanStage| {
             if monitor.is_cancelled() {
                 return;
             }
             let mut coming = coming.lock().unwrap_or_else(PoisonError::into_inner);
-            coming.add(stage);
+            coming.add_stage(stage);
             slot.put(coming.clone());
             notify();
         };
         let outcome = (self.plan)(&request, monitor, Listener::new(&listen))?;
-        Ok(Planned::new(request.setup, outcome))
+        Ok(DisplayPlan::new(request.setup, outcome))
     }
 }

@@ -91,14 +91,14 @@ impl App {
         let screen = self.screen_size();
         let mut dialog = std::mem::take(&mut self.export_dialog);
         if dialog.show(ui, &mut self.export, screen) {
-            let name = self.suggest("picture.png");
-            self.dialogs.ask(ui.ctx(), Purpose::SavePicture, name);
+            let name = self.suggest_file_name("picture.png");
+            self.dialogs.open_dialog(ui.ctx(), Purpose::SavePicture, name);
         }
         self.export_dialog = dialog;
     }
 
     fn screen_size(&self) -> [u32; 2] {
-        let size = self.glass.size * self.glass.scale;
+        let size = self.screen.size * self.screen.scale;
         [size.x, size.y].map(|side| (side.round() as u32).clamp(1, MAX_SIDE))
     }
 
@@ -122,7 +122,7 @@ impl App {
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
         // A file cannot show the badge of a preview, so leave the preview out.
-        picture.load_coming(None);
+        picture.load_preview(None);
         picture.load_flank(flank);
         match picture.export(&camera, &options, size) {
             Ok(mut picture) => {
@@ -131,7 +131,7 @@ impl App {
                 }
                 self.write(WriteTask::Picture(path, picture.width, picture.height, picture.rgba));
             }
-            Err(error) => self.state.fault(device_problem(&error)),
+            Err(error) => self.state.report_problem(device_problem(&error)),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::formats::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::formats::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::formats::project_file::{EXTENSION, part_hash};
 use crate::formats::setup_file::write_setup;
-use crate::formats::write::write_whole;
+use crate::formats::write::write_atomically;
 use crate::gpu::encode_png;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
@@ -17,7 +17,7 @@ use crate::part::{AxisPolicy, Impeller, Setup};
 
 use super::document::Edited;
 use super::engine::{PartSource, Sample};
-use super::planned::Planned;
+use super::planned::DisplayPlan;
 use crate::job::flank::FlankOutcome;
 
 /// Name, description and file text of a sample part.
@@ -61,8 +61,8 @@ pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError
                 return Err(InputError {
                     file,
                     line: 0,
-                    what: "is not a sample part".to_owned(),
-                    cure: "choose one from the list".to_owned(),
+                    message: "is not a sample part".to_owned(),
+                    help: "choose one from the list".to_owned(),
                 });
             };
             let description = read_part_bytes(&file, text.as_bytes(), "toml")?;
@@ -74,8 +74,8 @@ pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError
     impeller.map(|impeller| (Arc::new(impeller), hash)).map_err(|e| InputError {
         file,
         line: e.line,
-        what: e.what,
-        cure: e.cure,
+        message: e.message,
+        help: e.help,
     })
 }
 
@@ -116,7 +116,7 @@ pub struct SceneTask {
     /// The part.
     pub part: Arc<Impeller>,
     /// The plan and its shown policy.
-    pub planned: Option<(Arc<Planned>, AxisPolicy)>,
+    pub planned: Option<(Arc<DisplayPlan>, AxisPolicy)>,
     /// Ends of the colour scale of the stock, mm.
     pub range: (f32, f32),
 }
@@ -128,7 +128,7 @@ pub enum WriteTask {
     /// The setup.
     Setup(PathBuf, Box<Setup>),
     /// The plan's "after" side as APT.
-    Cl(PathBuf, Arc<Planned>),
+    Cl(PathBuf, Arc<DisplayPlan>),
     /// The flank plan as APT.
     Flank(PathBuf, Arc<FlankOutcome>),
     /// A glTF scene.
@@ -152,13 +152,13 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
             let png = encode_png(*width, *height, rgba).map_err(|error| InputError {
                 file: path.display().to_string(),
                 line: 0,
-                what: error.to_string(),
-                cure: "resize the window and try again".to_owned(),
+                message: error.to_string(),
+                help: "resize the window and try again".to_owned(),
             })?;
             (path, png)
         }
     };
-    write_whole(path, &bytes)?;
+    write_atomically(path, &bytes)?;
     let project = match task {
         WriteTask::Project(path, _, edited) => Some((path.clone(), Edited::clone(edited))),
         _ => None,
@@ -166,7 +166,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     Ok(Written { text: format!("Wrote {}", path.display()), project })
 }
 
-fn cl_text(planned: &Planned) -> String {
+fn cl_text(planned: &DisplayPlan) -> String {
     write_apt(&ClProgram::of_plan(&planned.outcome.part.name, &planned.outcome.after.plan))
 }
 

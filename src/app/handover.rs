@@ -12,12 +12,12 @@ use super::engine::Engine;
 use super::export::ExportSettings;
 use super::picture::PartMeshes;
 use super::project::Session;
-use super::state::{Problem, State};
+use super::state::{AppState, Problem};
 use super::view3d::View3d;
 
 /// State of a window without its device.
 pub struct Handover {
-    state: State,
+    state: AppState,
     view: View3d,
     session: Session,
     export: ExportSettings,
@@ -44,9 +44,9 @@ impl Handover {
 
 /// Shared slot through which a closing window passes its state to the next one.
 #[derive(Clone, Default)]
-pub struct WayOut(Rc<RefCell<Option<Handover>>>);
+pub struct RecoverySlot(Rc<RefCell<Option<Handover>>>);
 
-impl WayOut {
+impl RecoverySlot {
     /// Takes the state out of the slot.
     pub fn take(&self) -> Option<Handover> {
         self.0.borrow_mut().take()
@@ -56,8 +56,8 @@ impl WayOut {
 impl App {
     /// Sets the slot that receives the state when the device is lost; the window then closes. Without a slot
     /// the window stays open, without pictures.
-    pub fn leave_by(&mut self, way_out: WayOut) {
-        self.way_out = Some(way_out);
+    pub fn set_recovery_slot(&mut self, way_out: RecoverySlot) {
+        self.recovery_slot = Some(way_out);
     }
 
     /// The application with the state of another window.
@@ -69,8 +69,8 @@ impl App {
         if let Some((pictures, mesh)) = app.pictures.as_mut().zip(mesh) {
             pictures.set_part(mesh);
         }
-        app.state.results.coming = None;
-        app.state.fault(Problem::new(
+        app.state.results.preview = None;
+        app.state.report_problem(Problem::new(
             format!("The graphics device was lost ({reason}); the window continues with the software driver"),
             "",
         ));
@@ -81,13 +81,13 @@ impl App {
     }
 
     /// Whether the state was handed over and the window only waits to be closed.
-    pub(super) fn has_left(&self) -> bool {
-        self.left
+    pub(super) fn was_handed_over(&self) -> bool {
+        self.handed_over
     }
 
     /// Hands the state over and closes the window; `false` without a slot.
-    pub(super) fn leave(&mut self, ctx: &Context, reason: &str) -> bool {
-        let Some(way_out) = self.way_out.take() else { return false };
+    pub(super) fn hand_over(&mut self, ctx: &Context, reason: &str) -> bool {
+        let Some(way_out) = self.recovery_slot.take() else { return false };
         let planning = self.work.is_planning();
         let handover = Handover {
             state: std::mem::take(&mut self.state),
@@ -101,7 +101,7 @@ impl App {
             reason: reason.to_owned(),
         };
         *way_out.0.borrow_mut() = Some(handover);
-        self.left = true;
+        self.handed_over = true;
         self.pictures = None;
         // Nothing may be drawn any more on the lost device.
         ctx.graphics_mut(|graphics| *graphics = Default::default());

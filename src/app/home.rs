@@ -8,19 +8,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::formats::InputError;
 use crate::formats::project_file::EXTENSION;
-use crate::formats::write::write_whole;
+use crate::formats::write::write_atomically;
 
 use super::mouse::MousePreset;
 
 /// File of the preferences.
 const HABITS: &str = "habits.json";
 /// Maximum number of recent projects.
-const MOST_RECENTS: usize = 10;
+const MAX_RECENTS: usize = 10;
 
 /// User preferences that do not depend on the open project.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Habits {
+pub struct Preferences {
     /// Mouse preset of the camera.
     pub mouse: MousePreset,
 }
@@ -55,7 +55,7 @@ impl Home {
             // If this fails, the write below reports the error.
             let _ = std::fs::create_dir_all(folder);
         }
-        write_whole(&self.copy, text.as_bytes())
+        write_atomically(&self.copy, text.as_bytes())
     }
 
     /// Removes this session's recovery copy, after saving or discarding.
@@ -65,7 +65,7 @@ impl Home {
     }
 
     /// Recovery copies of other sessions that ended without closing, latest first.
-    pub fn left_behind(&self) -> Vec<PathBuf> {
+    pub fn recovery_copies(&self) -> Vec<PathBuf> {
         let Some(folder) = self.copy.parent() else { return Vec::new() };
         let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let mut found: Vec<(SystemTime, PathBuf)> = files
@@ -84,7 +84,7 @@ impl Home {
     pub fn recents(&self) -> Vec<PathBuf> {
         let text = std::fs::read_to_string(self.list()).unwrap_or_default();
         let paths: Vec<PathBuf> = serde_json::from_str(&text).unwrap_or_default();
-        paths.into_iter().filter(|path| path.is_file()).take(MOST_RECENTS).collect()
+        paths.into_iter().filter(|path| path.is_file()).take(MAX_RECENTS).collect()
     }
 
     /// Moves a project to the front of the recent projects; returns the list.
@@ -93,26 +93,26 @@ impl Home {
         let mut recents = self.recents();
         recents.retain(|known| *known != path);
         recents.insert(0, path);
-        recents.truncate(MOST_RECENTS);
+        recents.truncate(MAX_RECENTS);
         let text = serde_json::to_string_pretty(&recents).unwrap_or_default();
         let _ = std::fs::create_dir_all(&self.folder);
         // A failure is ignored: the list is a convenience.
-        let _ = write_whole(&self.list(), text.as_bytes());
+        let _ = write_atomically(&self.list(), text.as_bytes());
         recents
     }
 
     /// Stored preferences; the defaults where there are none or they cannot be read.
-    pub fn habits(&self) -> Habits {
+    pub fn preferences(&self) -> Preferences {
         let text = std::fs::read_to_string(self.folder.join(HABITS)).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
     }
 
     /// Stores the preferences.
-    pub fn note_habits(&self, habits: &Habits) {
+    pub fn store_preferences(&self, habits: &Preferences) {
         let text = serde_json::to_string_pretty(habits).unwrap_or_default();
         let _ = std::fs::create_dir_all(&self.folder);
         // On failure the preferences last until the window closes.
-        let _ = write_whole(&self.folder.join(HABITS), text.as_bytes());
+        let _ = write_atomically(&self.folder.join(HABITS), text.as_bytes());
     }
 
     fn list(&self) -> PathBuf {
@@ -123,14 +123,14 @@ impl Home {
 /// Whether the session that wrote a recovery copy still runs. The file name contains its process number. On
 /// systems without `/proc`, a copy that has not changed for five minutes counts as abandoned.
 fn is_in_use(path: &Path, changed: SystemTime) -> bool {
-    const FORGOTTEN: Duration = Duration::from_secs(300);
+    const MAX_ABANDONED_AGE: Duration = Duration::from_secs(300);
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let process: Option<u32> = name.split('-').next().and_then(|number| number.parse().ok());
     match process {
         Some(process) if Path::new("/proc/self").exists() => {
             process != std::process::id() && Path::new("/proc").join(process.to_string()).exists()
         }
-        _ => changed.elapsed().is_ok_and(|age| age < FORGOTTEN),
+        _ => changed.elapsed().is_ok_and(|age| age < MAX_ABANDONED_AGE),
     }
 }
 
@@ -143,12 +143,12 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let home = Home::new(folder.path().to_owned());
         home.write_copy("mine").expect("writes");
-        assert!(home.left_behind().is_empty(), "its own is in use");
+        assert!(home.recovery_copies().is_empty(), "its own is in use");
         let recovery = folder.path().join("recovery");
         std::fs::write(recovery.join("4194304999-1.vanecut"), "crashed").expect("writes");
         std::fs::write(recovery.join("1-1.vanecut"), "of process 1, which always runs").expect("writes");
         std::fs::write(recovery.join("notes.txt"), "of somebody").expect("writes");
-        assert_eq!(home.left_behind(), [recovery.join("4194304999-1.vanecut")]);
+        assert_eq!(home.recovery_copies(), [recovery.join("4194304999-1.vanecut")]);
         home.drop_copy();
         assert!(!home.copy().exists());
     }

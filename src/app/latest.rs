@@ -3,7 +3,7 @@
 
 use std::convert::Infallible;
 
-use crate::job::worker::{End, Worker};
+use crate::job::worker::{Outcome, Worker};
 
 /// The worker thread with the latest request and answer.
 pub(super) struct Latest<Q, A> {
@@ -31,8 +31,8 @@ where
 
     /// Submits `wanted` unless it was submitted already, and collects a finished answer. `None` clears the
     /// answer.
-    pub(super) fn follow(&mut self, wanted: Option<Q>) {
-        if let Some((_, End::Done(answer))) = self.worker.take_end() {
+    pub(super) fn request(&mut self, wanted: Option<Q>) {
+        if let Some((_, Outcome::Done(answer))) = self.worker.take_outcome() {
             self.answer = Some(answer);
         }
         if wanted == self.asked {

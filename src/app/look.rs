@@ -81,7 +81,7 @@ impl Filter {
 
 /// Columns of the position table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Column {
+pub enum TableColumn {
     /// Number in cutting order.
     #[default]
     Order,
@@ -97,7 +97,7 @@ pub enum Column {
     Hub,
 }
 
-impl Column {
+impl TableColumn {
     /// All columns, left to right.
     pub const ALL: [Self; 6] =
         [Self::Order, Self::Row, Self::Diameter, Self::Alpha, Self::Contact, Self::Hub];
@@ -143,7 +143,7 @@ impl Column {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sort {
     /// Sort column.
-    pub column: Column,
+    pub column: TableColumn,
     /// Largest first.
     pub descending: bool,
 }
@@ -151,11 +151,11 @@ pub struct Sort {
 impl Sort {
     /// Order after a click on the head of `column`; a second click reverses it. Contact and residual stock
     /// start with the largest, as the worst positions are of interest.
-    pub fn clicked(self, column: Column) -> Self {
+    pub fn clicked(self, column: TableColumn) -> Self {
         if self.column == column {
             Self { column, descending: !self.descending }
         } else {
-            Self { column, descending: matches!(column, Column::Contact | Column::Hub) }
+            Self { column, descending: matches!(column, TableColumn::Contact | TableColumn::Hub) }
         }
     }
 }
@@ -200,7 +200,7 @@ pub struct Look {
     /// Display of the flank plan.
     pub flank: FlankLook,
     /// Timeline: number of positions cut; `None`: all.
-    pub cut: Option<usize>,
+    pub cut_count: Option<usize>,
     /// While the timeline plays: time of its last step, in seconds on the window's clock.
     pub playing: Option<f64>,
     /// Ends of the colour scale, mm; `None`: fitted to the plan.
@@ -210,7 +210,7 @@ pub struct Look {
     /// Whether the camera zooms to the selection in the next frame.
     pub fly: bool,
     /// Section plane, if shown.
-    pub section: Option<Section>,
+    pub section: Option<SectionPlaneLook>,
     /// Measured points while measuring, mm; at most two.
     pub measure: Option<Vec<glam::Vec3>>,
     /// Whether the plots along the row are shown.
@@ -233,7 +233,7 @@ pub enum Tab {
 
 /// Orientation of a section plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Across {
+pub enum PlaneOrientation {
     /// Contains tool axis and cutting direction of the selected position.
     #[default]
     Row,
@@ -245,7 +245,7 @@ pub enum Across {
     Z,
 }
 
-impl Across {
+impl PlaneOrientation {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Row, Self::X, Self::Y, Self::Z];
 
@@ -262,9 +262,9 @@ impl Across {
 
 /// A section plane of the 3D view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Section {
+pub struct SectionPlaneLook {
     /// Orientation.
-    pub across: Across,
+    pub across: PlaneOrientation,
     /// Offset along the normal, mm.
     pub offset: f32,
     /// Whether the other half is cut away.
@@ -284,7 +284,7 @@ impl Default for Look {
             sort: Sort::default(),
             layers: Layers::default(),
             flank: FlankLook::default(),
-            cut: None,
+            cut_count: None,
             playing: None,
             range: None,
             difference: false,
@@ -306,7 +306,7 @@ impl Look {
     }
 
     /// Selects a position and zooms to it.
-    pub fn visit(&mut self, position: Option<usize>) {
+    pub fn select_and_zoom(&mut self, position: Option<usize>) {
         self.select(position);
         self.fly = position.is_some();
     }
@@ -316,8 +316,8 @@ impl Look {
     pub fn select(&mut self, position: Option<usize>) {
         self.selected = position;
         self.reveal_selection = if position.is_some() { REVEAL } else { 0 };
-        if let (Some(_), Some(k)) = (self.cut, position) {
-            self.cut = Some(k + 1);
+        if let (Some(_), Some(k)) = (self.cut_count, position) {
+            self.cut_count = Some(k + 1);
         }
     }
 }

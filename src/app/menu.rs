@@ -127,10 +127,10 @@ impl App {
             });
         });
         if let Some(command) = chosen {
-            self.obey(ui.ctx(), command);
+            self.run_command(ui.ctx(), command);
         }
         if let Some(path) = recent {
-            self.guarded(ui.ctx(), Pending::Open(path));
+            self.run_guarded(ui.ctx(), Pending::Open(path));
         }
     }
 
@@ -141,7 +141,7 @@ impl App {
                 ui.separator();
             }
             for &command in *group {
-                if command.menu_item(ui, self.can(command)) {
+                if command.menu_item(ui, self.is_available(command)) {
                     chosen = Some(command);
                 }
             }
@@ -150,7 +150,7 @@ impl App {
     }
 
     /// Whether a command is available now.
-    pub(super) fn can(&self, command: Command) -> bool {
+    pub(super) fn is_available(&self, command: Command) -> bool {
         use Command as C;
         let open = self.state.document.part.is_some();
         match command {
@@ -181,7 +181,7 @@ impl App {
             C::FlyToSelection | C::ShowInTable | C::OpenSection | C::ScrubHere => {
                 self.state.selected().is_some()
             }
-            C::MeasureHere => self.place_to_measure().is_some(),
+            C::MeasureHere => self.measure_start().is_some(),
             C::Cancel => self.work.running().is_some() || self.state.look.measure.is_some(),
             C::Undo => self.state.document.can_undo(),
             C::Redo => self.state.document.can_redo(),
@@ -190,44 +190,52 @@ impl App {
     }
 
     /// Executes a command.
-    pub(super) fn obey(&mut self, ctx: &Context, command: Command) {
+    pub(super) fn run_command(&mut self, ctx: &Context, command: Command) {
         use Command as C;
         let look = &mut self.state.look;
         match command {
-            C::NewProject => self.guarded(ctx, Pending::New),
-            C::OpenProject => self.dialogs.ask(ctx, Purpose::OpenProject, String::new()),
+            C::NewProject => self.run_guarded(ctx, Pending::New),
+            C::OpenProject => self.dialogs.open_dialog(ctx, Purpose::OpenProject, String::new()),
             C::SaveProject => self.save_project(ctx),
-            C::SaveProjectAs => self.dialogs.ask(ctx, Purpose::SaveProject, self.suggest_project()),
+            C::SaveProjectAs => self.dialogs.open_dialog(ctx, Purpose::SaveProject, self.suggest_project()),
             C::Palette => self.palette.toggle(),
             C::KeepSet => self.state.document.keep_set(),
-            C::FollowEdits => self.state.follow ^= true,
+            C::FollowEdits => self.state.auto_update ^= true,
             C::DismissProblems => self.state.problems.clear(),
-            C::OpenPart => self.dialogs.ask(ctx, Purpose::OpenPart, String::new()),
+            C::OpenPart => self.dialogs.open_dialog(ctx, Purpose::OpenPart, String::new()),
             C::AssignRoles => self.assign_roles(),
-            C::OpenSetup => self.dialogs.ask(ctx, Purpose::OpenSetup, String::new()),
-            C::SaveSetup => self.dialogs.ask(ctx, Purpose::SaveSetup, self.suggest("setup.toml")),
-            C::ExportCl => self.dialogs.ask(ctx, Purpose::ExportCl, self.suggest("plunge.apt")),
-            C::ExportScene => self.dialogs.ask(ctx, Purpose::ExportScene, self.suggest("scene.glb")),
+            C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
+            C::SaveSetup => {
+                self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"))
+            }
+            C::ExportCl => {
+                self.dialogs.open_dialog(ctx, Purpose::ExportCl, self.suggest_file_name("plunge.apt"))
+            }
+            C::ExportScene => {
+                self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"))
+            }
             C::SavePicture => self.export_dialog.open(),
-            C::Quit => self.guarded(ctx, Pending::Quit),
+            C::Quit => self.run_guarded(ctx, Pending::Quit),
             C::Undo => self.state.document.undo(),
             C::Redo => self.state.document.redo(),
             C::Plan => self.plan(),
             C::PlanFlank => self.plan_flank(),
-            C::ExportFlank => self.dialogs.ask(ctx, Purpose::ExportFlank, self.suggest("flank.apt")),
+            C::ExportFlank => {
+                self.dialogs.open_dialog(ctx, Purpose::ExportFlank, self.suggest_file_name("flank.apt"))
+            }
             C::FlankCurves => look.flank.shown ^= true,
             C::Cancel if self.work.running().is_none() => look.measure = None,
             C::Cancel => self.cancel(),
-            C::NextFault => self.state.step_fault(true),
-            C::PreviousFault => self.state.step_fault(false),
-            C::NextRow => self.state.step_row(1),
-            C::PreviousRow => self.state.step_row(-1),
-            C::StepForward => self.state.step_cut(1),
-            C::StepBack => self.state.step_cut(-1),
-            C::LeapForward => self.state.step_cut(100),
-            C::LeapBack => self.state.step_cut(-100),
-            C::ToBlank => self.state.set_cut(Some(0)),
-            C::ToEnd => self.state.set_cut(None),
+            C::NextFault => self.state.select_next_fault(true),
+            C::PreviousFault => self.state.select_next_fault(false),
+            C::NextRow => self.state.select_next_row(1),
+            C::PreviousRow => self.state.select_next_row(-1),
+            C::StepForward => self.state.step_timeline(1),
+            C::StepBack => self.state.step_timeline(-1),
+            C::LeapForward => self.state.step_timeline(100),
+            C::LeapBack => self.state.step_timeline(-100),
+            C::ToBlank => self.state.set_timeline(Some(0)),
+            C::ToEnd => self.state.set_timeline(None),
             C::Play => self.state.play(ctx.input(|i| i.time)),
             C::BeforeAfter => {
                 look.arrangement = Arrangement::One;
@@ -247,7 +255,7 @@ impl App {
             C::ViewFront => self.view.look(View::Front),
             C::ViewTop => self.view.look(View::Top),
             C::ViewChannel => self.view.look(View::Channel),
-            C::ViewSection => self.view.look(View::Section(self.section_in_work() + 1)),
+            C::ViewSection => self.view.look(View::Section(self.current_section() + 1)),
             C::Perspective => self.view.switch_projection(),
             C::SectionPlane => {
                 look.section = if look.section.is_some() { None } else { Some(Default::default()) };
@@ -257,10 +265,10 @@ impl App {
             C::OpenSection => look.tab = Tab::Section,
             C::ScrubHere => {
                 let cut = look.selected.map(|k| k + 1);
-                self.state.set_cut(cut);
+                self.state.set_timeline(cut);
             }
             C::MeasureHere => {
-                let from = self.place_to_measure();
+                let from = self.measure_start();
                 self.state.look.measure = Some(from.into_iter().collect());
             }
             C::Plots => look.plots ^= true,
@@ -273,7 +281,7 @@ impl App {
             C::Links => look.layers.links ^= true,
             C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
                 look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
-                self.note_habits();
+                self.store_preferences();
             }
             C::SwitchTheme => {
                 let dark = ctx.theme() == egui::Theme::Dark;
@@ -284,7 +292,7 @@ impl App {
     }
 
     /// Proposed name of a file saved from the part.
-    pub(super) fn suggest(&self, ending: &str) -> String {
+    pub(super) fn suggest_file_name(&self, ending: &str) -> String {
         match &self.state.document.part {
             Some(part) => format!("{}_{ending}", part.impeller.name),
             None => ending.to_owned(),
@@ -292,7 +300,7 @@ impl App {
     }
 
     /// Index of the section of the selected position, else 0.
-    fn section_in_work(&self) -> usize {
+    fn current_section(&self) -> usize {
         self.state.selected().map_or(0, |position| position.section)
     }
 }

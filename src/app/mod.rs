@@ -13,7 +13,7 @@
 //! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: arrangement; mouse and camera; textures |
 //! | [`mouse`], `point_menu` | mouse presets; the context menu of a 3D view |
 //! | [`overlay`], [`cube`], `borders` | controls over the 3D views; the view cube; section borders to drag |
-//! | [`scrub`] | stock at a timeline position; sectional view of the selected position |
+//! | `scrub` | stock at a timeline position; sectional view of the selected position |
 //! | `roles` | the dialog that assigns roles to the nodes of a mesh file |
 //! | [`dialogs`], [`files`] | file dialogs; reading and writing files in the background |
 //! | `project`, [`home`] | the project file, the question before closing; recent projects, recovery copies |
@@ -67,29 +67,29 @@ pub use run::{AppError, run};
 use command::Command;
 use engine::{Engine, PartSource};
 use look::Tab;
-use panels::part::Wish;
+use panels::part::PartAction;
 use picture::Pictures;
-use state::State;
+use state::AppState;
 use view3d::View3d;
 use work::Work;
 
 /// The application.
 pub struct App {
-    state: State,
+    state: AppState,
     engine: Engine,
     work: Work,
     dialogs: dialogs::Dialogs,
     view: View3d,
     /// `None` on a device that cannot draw; the panels work without it.
     pictures: Option<Pictures>,
-    scrubbed: scrub::Scrubbed,
-    inspected: scrub::Inspected,
+    scrubbed: scrub::TimelineStock,
+    inspected: scrub::InspectedSection,
     hover: Option<viewport::Hover>,
     /// Target of the right click, while its context menu is open.
-    pointed: Option<view3d::Hit>,
+    context_hit: Option<view3d::ViewHit>,
     /// Whether a section border is being dragged.
-    border_held: bool,
-    glass: viewport::Glass,
+    is_dragging_border: bool,
+    screen: viewport::ScreenInfo,
     palette: palette::Palette,
     session: project::Session,
     export: export::ExportSettings,
@@ -97,9 +97,9 @@ pub struct App {
     roles: roles::RolesDialog,
     device: String,
     /// Receives the window's state when the device is lost.
-    way_out: Option<handover::WayOut>,
+    recovery_slot: Option<handover::RecoverySlot>,
     /// Whether the state was handed over; the window then only waits to be closed.
-    left: bool,
+    handed_over: bool,
     title: String,
     start: Option<Instant>,
     first_picture: Option<Duration>,
@@ -117,26 +117,26 @@ impl App {
         let pictures = cc.wgpu_render_state.as_ref().map(Pictures::new);
         let device = pictures.as_ref().map_or_else(|| "no 3D view".to_owned(), Pictures::device_name);
         Self {
-            state: State::default(),
+            state: AppState::default(),
             work: Work::new(&engine, &cc.egui_ctx),
             engine,
             dialogs: dialogs::Dialogs::default(),
             view: View3d::default(),
             pictures,
-            scrubbed: scrub::Scrubbed::new(&cc.egui_ctx),
-            inspected: scrub::Inspected::new(&cc.egui_ctx),
+            scrubbed: scrub::TimelineStock::new(&cc.egui_ctx),
+            inspected: scrub::InspectedSection::new(&cc.egui_ctx),
             hover: None,
-            pointed: None,
-            border_held: false,
-            glass: viewport::Glass::default(),
+            context_hit: None,
+            is_dragging_border: false,
+            screen: viewport::ScreenInfo::default(),
             palette: palette::Palette::default(),
             session: project::Session::default(),
             export: export::ExportSettings::default(),
             export_dialog: export::ExportDialog::default(),
             roles: roles::RolesDialog::default(),
             device,
-            way_out: None,
-            left: false,
+            recovery_slot: None,
+            handed_over: false,
             title: String::new(),
             start: None,
             first_picture: None,
@@ -144,7 +144,7 @@ impl App {
     }
 
     /// Sets the start of the time measured by [`App::first_picture`].
-    pub fn time_from(&mut self, start: Instant) {
+    pub fn set_start_time(&mut self, start: Instant) {
         self.start = Some(start);
     }
 
@@ -159,7 +159,7 @@ impl App {
     }
 
     /// The window's state: document, results and look.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &AppState {
         &self.state
     }
 
@@ -189,7 +189,7 @@ impl App {
         match &paths[..] {
             [] => {}
             [path] if files::is_setup(path) => self.open_file(path.clone()),
-            [path] => self.guarded(ctx, project::Pending::Open(path.clone())),
+            [path] => self.run_guarded(ctx, project::Pending::Open(path.clone())),
             // A part together with its setup.
             many => {
                 let (setups, parts): (Vec<&PathBuf>, Vec<&PathBuf>) =
@@ -201,12 +201,12 @@ impl App {
     }
 
     /// Runs the action a panel returned.
-    fn grant(&mut self, ctx: &egui::Context, wish: Wish) {
+    fn apply_action(&mut self, ctx: &egui::Context, wish: PartAction) {
         match wish {
-            Wish::Command(command) => self.obey(ctx, command),
-            Wish::Open(source) => self.guarded(ctx, project::Pending::OpenPart(source)),
-            Wish::OpenFile(path) => self.guarded(ctx, project::Pending::Open(path)),
-            Wish::GiveUp(path) => self.drop_recoverable(&path),
+            PartAction::Command(command) => self.run_command(ctx, command),
+            PartAction::Open(source) => self.run_guarded(ctx, project::Pending::OpenPart(source)),
+            PartAction::OpenFile(path) => self.run_guarded(ctx, project::Pending::Open(path)),
+            PartAction::DiscardRecovery(path) => self.drop_recoverable(&path),
         }
     }
 
@@ -224,7 +224,7 @@ impl App {
                 .to_owned();
             ui.label(egui::RichText::new(name).strong());
             if let Some(wish) = panels::part::show(ui, &self.state, &self.engine.samples) {
-                self.grant(ui.ctx(), wish);
+                self.apply_action(ui.ctx(), wish);
             }
             ui.separator();
             let text = egui::RichText::new(Command::Plan.label()).color(egui::Color32::WHITE).strong();
@@ -234,9 +234,9 @@ impl App {
                 .on_hover_text(Command::Plan.tip_with_keys(ui.ctx()))
                 .clicked()
             {
-                self.obey(ui.ctx(), Command::Plan);
+                self.run_command(ui.ctx(), Command::Plan);
             }
-            ui.checkbox(&mut self.state.follow, Command::FollowEdits.label())
+            ui.checkbox(&mut self.state.auto_update, Command::FollowEdits.label())
                 .on_hover_text(Command::FollowEdits.tip());
             let planned = self.state.results.planned.clone();
             let chosen = planned.as_ref().map(|planned| &planned.outcome.setup);
@@ -248,10 +248,10 @@ impl App {
             open("Allowances").show(ui, |ui| panels::setup::stock(ui, setup, &defaults));
             let what_if = open("Variants").show(ui, |ui| panels::whatif::show(ui, &mut self.state));
             if let Some(command) = what_if.body_returned.flatten() {
-                self.obey(ui.ctx(), command);
+                self.run_command(ui.ctx(), command);
             }
             let compare = &mut self.state.compare;
-            let coming = self.state.results.coming.as_ref().and_then(|coming| coming.planned.clone());
+            let coming = self.state.results.preview.as_ref().and_then(|coming| coming.planned.clone());
             open("Axis strategies")
                 .show(ui, |ui| panels::policies::show(ui, compare, planned.as_deref(), coming.as_deref()));
             let setup = &mut self.state.document.edited.setup;
@@ -262,7 +262,7 @@ impl App {
             let asked = egui::CollapsingHeader::new("Flank")
                 .show(ui, |ui| panels::flank::show(ui, setup, &defaults, flank.as_deref(), stale, look));
             if let Some(command) = asked.body_returned.flatten() {
-                self.obey(ui.ctx(), command);
+                self.run_command(ui.ctx(), command);
             }
         });
     }
@@ -273,10 +273,10 @@ impl App {
             let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(6, 4));
             Panel::bottom("timeline").frame(frame).exact_size(panels::timeline::HEIGHT).show(ui, |ui| {
                 if let Some(command) = panels::timeline::show(ui, &mut self.state) {
-                    self.obey(ui.ctx(), command);
+                    self.run_command(ui.ctx(), command);
                 }
             });
-            if self.state.look.plots && ui.available_height() > LEAST_FOR_PLOTS {
+            if self.state.look.plots && ui.available_height() > MIN_HEIGHT_FOR_PLOTS {
                 Panel::bottom("plots").frame(frame).exact_size(panels::plots::HEIGHT + 8.0).show(ui, |ui| {
                     panels::plots::show(ui, &mut self.state);
                 });
@@ -311,13 +311,13 @@ impl App {
 
     fn note_first_picture(&mut self) {
         if let (Some(start), None) = (self.start, self.first_picture) {
-            let told = std::env::var_os("VANECUT_TIMES").is_some();
-            if let Some(pictures) = self.pictures.as_ref().filter(|_| told) {
+            let is_timing = std::env::var_os("VANECUT_TIMES").is_some();
+            if let Some(pictures) = self.pictures.as_ref().filter(|_| is_timing) {
                 pictures.wait();
             }
             let took = start.elapsed();
             self.first_picture = Some(took);
-            if told {
+            if is_timing {
                 eprintln!("vanecut: first picture after {:.0} ms", 1e3 * took.as_secs_f64());
             }
         }
@@ -342,14 +342,14 @@ impl App {
 }
 
 /// Height of the middle below which the plots are hidden in favour of the 3D view, points.
-const LEAST_FOR_PLOTS: f32 = 400.0;
+const MIN_HEIGHT_FOR_PLOTS: f32 = 400.0;
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        if !self.has_left() {
+        if !self.was_handed_over() {
             self.collect(ctx);
         }
-        if self.has_left() {
+        if self.was_handed_over() {
             return;
         }
         self.take_drops(ctx);
@@ -357,11 +357,11 @@ impl eframe::App for App {
         // While a dialog or the command search is open, shortcuts are disabled.
         let asks = self.session.is_asking() || self.export_dialog.is_open() || self.roles.is_open();
         if !self.palette.is_open() && !asks {
-            for command in Command::pressed(ctx, |command| self.can(command)) {
-                self.obey(ctx, command);
+            for command in Command::pressed(ctx, |command| self.is_available(command)) {
+                self.run_command(ctx, command);
             }
         }
-        self.follow_edits(ctx.input(|input| input.pointer.any_down()));
+        self.plan_edits(ctx.input(|input| input.pointer.any_down()));
         self.keep_copy(ctx);
         if let Some(wait) = self.state.advance(ctx.input(|input| input.time)) {
             ctx.request_repaint_after(Duration::from_secs_f64(wait));
@@ -375,7 +375,7 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
-        if self.has_left() {
+        if self.was_handed_over() {
             return;
         }
         Panel::top("menu").show(ui, |ui| self.menu(ui));
@@ -388,7 +388,7 @@ impl eframe::App for App {
         if !self.state.problems.is_empty() {
             Panel::top("problems").frame(panels::problems::frame(ui)).show(ui, |ui| {
                 if let Some(command) = panels::problems::show(ui, &mut self.state) {
-                    self.obey(ui.ctx(), command);
+                    self.run_command(ui.ctx(), command);
                 }
             });
         }
@@ -396,7 +396,7 @@ impl eframe::App for App {
             let activity =
                 panels::status::Activity { running: self.work.running(), device: self.device.clone() };
             if panels::status::show(ui, &self.state, &activity) {
-                self.obey(ui.ctx(), Command::Cancel);
+                self.run_command(ui.ctx(), Command::Cancel);
             }
         });
         if open {
@@ -420,16 +420,16 @@ impl eframe::App for App {
             self.file_chosen(ui.ctx(), purpose, path);
         }
         let mut palette = std::mem::take(&mut self.palette);
-        let command = palette.show(ui, |command| self.can(command));
+        let command = palette.show(ui, |command| self.is_available(command));
         self.palette = palette;
         if let Some(command) = command {
-            self.obey(ui.ctx(), command);
+            self.run_command(ui.ctx(), command);
         }
         self.ask_unsaved(ui);
         self.ask_export(ui);
         self.ask_roles(ui);
         // A border drag is one undo step, however long it takes.
-        if !self.border_held {
+        if !self.is_dragging_border {
             let time = ui.input(|input| input.time);
             self.state.document.watch(time);
         }

@@ -12,7 +12,7 @@ pub fn parse(text: &str) -> Option<f64> {
 }
 
 /// Maximum nesting depth; deeper input is rejected, so that it cannot exhaust the stack.
-const DEEPEST: usize = 32;
+const MAX_DEPTH: usize = 32;
 
 fn sum(rest: &mut &[u8], depth: usize) -> Option<f64> {
     let mut value = product(rest, depth)?;
@@ -37,7 +37,7 @@ fn product(rest: &mut &[u8], depth: usize) -> Option<f64> {
 }
 
 fn atom(rest: &mut &[u8], depth: usize) -> Option<f64> {
-    if depth > DEEPEST {
+    if depth > MAX_DEPTH {
         return None;
     }
     match peek(rest)? {

@@ -6,13 +6,13 @@ use egui::{Align2, Color32, ComboBox, DragValue, FontId, Pos2, Rect, RichText, S
 use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
 
-use super::coming::ComingCutters;
+use super::coming::PreviewCutters;
 use super::command::Command;
-use super::look::{Across, Arrangement, Layers, Look};
+use super::look::{Arrangement, Layers, Look, PlaneOrientation};
 use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
 use super::planned::Side;
-use super::state::State;
+use super::state::AppState;
 use super::theme::{self, Condition};
 
 /// Draws `content` on a translucent backing at `at`.
@@ -26,7 +26,7 @@ fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
 
 /// A click on the switch in the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Choice {
+pub enum SwitchChoice {
     /// Show one side alone.
     Side(Side),
     /// Show both in this arrangement.
@@ -34,7 +34,7 @@ pub enum Choice {
 }
 
 /// The switch between before, after and both.
-pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<Choice> {
+pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<SwitchChoice> {
     let mut chosen = None;
     let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 10.0), egui::vec2(230.0, 30.0)).intersect(rect);
     floating(ui, at, |ui| {
@@ -44,7 +44,7 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<Choice> {
             for side in [Side::Before, Side::After] {
                 let button = egui::Button::selectable(one && look.side == side, side.label());
                 if ui.add(button).on_hover_text(Command::BeforeAfter.tip_with_keys(ui.ctx())).clicked() {
-                    chosen = Some(Choice::Side(side));
+                    chosen = Some(SwitchChoice::Side(side));
                 }
             }
             for (arrangement, name, command) in
@@ -52,7 +52,7 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<Choice> {
             {
                 let button = egui::Button::selectable(look.arrangement == arrangement, name);
                 if ui.add(button).on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
-                    chosen = Some(Choice::Arrange(arrangement));
+                    chosen = Some(SwitchChoice::Arrange(arrangement));
                 }
             }
         });
@@ -61,7 +61,7 @@ pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<Choice> {
 }
 
 /// Policy of a side, below the switch; a list where several policies were planned.
-pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut State, side: Side) {
+pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
     let (Some(now), Some(planned)) = (state.policy(side), state.results.planned.clone()) else { return };
     let at = Rect::from_min_size(corner, egui::vec2(150.0, 28.0));
     floating(ui, at, |ui| {
@@ -90,7 +90,7 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut State, side: Side) {
 }
 
 /// Badge and border of a stale plan, with a summary of the preview of the next plan.
-pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&ComingCutters>) {
+pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&PreviewCutters>) {
     let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
     let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(230.0, 62.0)).intersect(rect);
@@ -101,10 +101,10 @@ pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Comin
             ui.label(text).on_hover_text("The setup was edited after this calculation; recalculate (F5)");
         }
         let Some(coming) = coming else { return };
-        let axes = if coming.carried { ", axes as before" } else { "" };
+        let axes = if coming.is_warm_start { ", axes as before" } else { "" };
         let policy = format!("{}{axes}", policy_label(coming.plan.policy).to_lowercase());
         let count = coming.plan.positions.len();
-        let (words, colour) = match coming.interferential() {
+        let (words, colour) = match coming.interfering_count() {
             None => (format!("New {policy}: {count} positions, not checked yet"), ui.visuals().text_color()),
             Some(0) => {
                 (format!("New {policy}: none of {count} interferes"), Condition::Sound.text(ui.visuals()))
@@ -114,7 +114,7 @@ pub fn in_the_making(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Comin
                 Condition::Interferential.text(ui.visuals()),
             ),
         };
-        ui.label(RichText::new(words).color(colour)).on_hover_text(if coming.carried {
+        ui.label(RichText::new(words).color(colour)).on_hover_text(if coming.is_warm_start {
             "The axes of the last plan, lifted until their cores are free; better ones follow"
         } else {
             "Cutters of the current setup; their residual stock follows"
@@ -229,7 +229,7 @@ pub struct Values {
 }
 
 /// Legend at the lower left: colour bar, editable ends in mm, and the value under the cursor.
-pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
+pub fn legend(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
     let walls = state.shown_deviation();
     let difference = state.look.difference || walls.is_some();
     let of_floor = state.look.layers.hub && (difference || state.look.layers.floor == FloorColours::Residual);
@@ -249,7 +249,7 @@ pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
             None => "Residual on hub",
         };
         let value = match (walls, values.other) {
-            (Some(most), _) => values.deviation.map(|d| format!("{} here", signed(d, most))),
+            (Some(most), _) => values.deviation.map(|d| format!("{} here", format_signed(d, most))),
             (None, Some((side, other))) => {
                 values.here.map(|stock| format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()))
             }
@@ -275,8 +275,8 @@ pub fn legend(ui: &mut Ui, rect: Rect, state: &mut State, values: Values) {
             ui.painter().rect_filled(part, 0.0, colour);
         }
         match walls {
-            Some(most) => fixed_ends(ui, most),
-            None => ends(ui, state, difference),
+            Some(most) => draw_fixed_ends(ui, most),
+            None => draw_ends(ui, state, difference),
         }
     });
 }
@@ -287,25 +287,25 @@ fn end_field(value: &mut f32, from: f32, to: f32) -> DragValue<'_> {
 }
 
 /// Fixed ends of a symmetric scale: below and above the blade allowance.
-fn fixed_ends(ui: &mut Ui, most: f32) {
+fn draw_fixed_ends(ui: &mut Ui, most: f32) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new(signed(-most, most)).size(12.0));
+        ui.label(RichText::new(format_signed(-most, most)).size(12.0));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(signed(most, most)).size(12.0))
+            ui.label(RichText::new(format_signed(most, most)).size(12.0))
                 .on_hover_text("Stock above the blade allowance; negative: overcut");
         });
     });
 }
 
 /// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
-pub fn signed(value: f32, most: f32) -> String {
+pub fn format_signed(value: f32, most: f32) -> String {
     let digits = if most < 0.1 { 4 } else { 3 };
     let sign = if value < 0.0 { '−' } else { '+' };
     format!("{sign}{:.digits$} mm", value.abs())
 }
 
 /// The editable ends of the scale.
-fn ends(ui: &mut Ui, state: &mut State, difference: bool) {
+fn draw_ends(ui: &mut Ui, state: &mut AppState, difference: bool) {
     let (mut low, mut high) = state.range();
     let before = (low, high);
     let least = 0.05;
@@ -354,7 +354,7 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
                     .width(96.0)
                     .selected_text(section.across.label())
                     .show_ui(ui, |ui| {
-                        for across in Across::ALL {
+                        for across in PlaneOrientation::ALL {
                             ui.selectable_value(&mut section.across, across, across.label());
                         }
                     })
@@ -389,7 +389,7 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
             if let (Some(p), Some(q)) = (place(a), place(b)) {
                 painter.line_segment([p, q], Stroke::new(2.0, colour));
             }
-            distance_words(a, b)
+            format_distance(a, b)
         }
         _ => "Click two points to measure (Esc ends)".to_owned(),
     };
@@ -401,7 +401,7 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
 }
 
 /// Distance of two points with its components, mm.
-pub fn distance_words(a: glam::Vec3, b: glam::Vec3) -> String {
+pub fn format_distance(a: glam::Vec3, b: glam::Vec3) -> String {
     let d = b - a;
     format!("{:.2} mm  Δx {:.2}  Δy {:.2}  Δz {:.2}", d.length(), d.x, d.y, d.z)
 }

@@ -51,7 +51,7 @@ impl Palette {
             if field.changed() {
                 self.chosen = 0;
             }
-            let found = found(&self.words);
+            let found = find_commands(&self.words);
             if down {
                 self.chosen = (self.chosen + 1).min(found.len().saturating_sub(1));
             }
@@ -67,7 +67,7 @@ impl Palette {
             }
             ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
                 for (k, &command) in found.iter().enumerate() {
-                    let response = line(ui, command, k == self.chosen, can(command));
+                    let response = command_line(ui, command, k == self.chosen, can(command));
                     if k == self.chosen && (up || down) {
                         response.scroll_to_me(None);
                     }
@@ -84,7 +84,7 @@ impl Palette {
     }
 }
 
-fn line(ui: &mut Ui, command: Command, chosen: bool, enabled: bool) -> egui::Response {
+fn command_line(ui: &mut Ui, command: Command, chosen: bool, enabled: bool) -> egui::Response {
     let mut button =
         egui::Button::selectable(chosen, command.label()).min_size(egui::vec2(ui.available_width(), 0.0));
     if let Some(keys) = command.shortcut() {
@@ -95,7 +95,7 @@ fn line(ui: &mut Ui, command: Command, chosen: bool, enabled: bool) -> egui::Res
 
 /// Commands whose label or tip contains every typed word. Those whose label starts with the first word come
 /// first, then those whose label contains it.
-fn found(words: &str) -> Vec<Command> {
+fn find_commands(words: &str) -> Vec<Command> {
     let words: Vec<String> = words.to_lowercase().split_whitespace().map(str::to_owned).collect();
     let mut found: Vec<(usize, Command)> = Command::ALL
         .iter()
@@ -121,10 +121,10 @@ mod tests {
 
     #[test]
     fn words_find_commands_by_label_and_tip() {
-        assert_eq!(found("").len(), Command::ALL.len() - 1, "all but the palette itself");
-        assert_eq!(found("export").first(), Some(&Command::ExportCl));
-        assert_eq!(found("CALC rough").first(), Some(&Command::Plan));
-        assert!(found("conventional").contains(&Command::BeforeAfter), "tips count");
-        assert!(found("no such thing").is_empty());
+        assert_eq!(find_commands("").len(), Command::ALL.len() - 1, "all but the palette itself");
+        assert_eq!(find_commands("export").first(), Some(&Command::ExportCl));
+        assert_eq!(find_commands("CALC rough").first(), Some(&Command::Plan));
+        assert!(find_commands("conventional").contains(&Command::BeforeAfter), "tips count");
+        assert!(find_commands("no such thing").is_empty());
     }
 }

@@ -7,7 +7,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::{TextureId, Vec2};
 use glam::Vec3;
 
-use crate::formats::flank_file::{shown_curves, shown_walls};
+use crate::formats::flank_file::{shown_passes, shown_walls};
 use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::flank::{self, FlankColours};
@@ -16,18 +16,18 @@ use crate::gpu::mesh::{Mesh, Segment};
 use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
 use crate::gpu::scene::{Scene, SceneOptions};
-use crate::gpu::view::Framing;
+use crate::gpu::view::ViewTargets;
 use crate::job::flank::FlankOutcome;
 use crate::part::{AxisPolicy, Impeller};
 use crate::residual::FloorGrid;
 
-use super::coming::ComingCutters;
-use super::planned::{Planned, Side};
-use super::view3d::Hit;
+use super::coming::PreviewCutters;
+use super::planned::{DisplayPlan, Side};
+use super::view3d::ViewHit;
 
 /// Values on the floor of the current channel.
 #[derive(Clone, Debug)]
-pub enum FloorStock {
+pub enum FloorValues {
     /// Residual stock of the whole plan.
     Final,
     /// Stock after part of the positions: heights per cell, mm.
@@ -40,20 +40,20 @@ pub enum FloorStock {
 #[derive(Clone, Debug)]
 pub struct Content {
     /// The set of plans.
-    pub planned: Arc<Planned>,
+    pub planned: Arc<DisplayPlan>,
     /// Policy of the shown plan.
     pub policy: AxisPolicy,
     /// Values on the floor.
-    pub floor: FloorStock,
+    pub floor: FloorValues,
 }
 
 impl PartialEq for Content {
     /// Plans and heights are immutable, so pointer equality suffices.
     fn eq(&self, other: &Self) -> bool {
         let floor = match (&self.floor, &other.floor) {
-            (FloorStock::Final, FloorStock::Final) => true,
-            (FloorStock::Heights(a), FloorStock::Heights(b)) => Arc::ptr_eq(a, b),
-            (FloorStock::MoreThan(a), FloorStock::MoreThan(b)) => a == b,
+            (FloorValues::Final, FloorValues::Final) => true,
+            (FloorValues::Heights(a), FloorValues::Heights(b)) => Arc::ptr_eq(a, b),
+            (FloorValues::MoreThan(a), FloorValues::MoreThan(b)) => a == b,
             _ => false,
         };
         floor && self.policy == other.policy && Arc::ptr_eq(&self.planned, &other.planned)
@@ -79,7 +79,7 @@ pub struct Pictures {
     egui: RenderState,
     gpu: Gpu,
     mesh: Option<PartMeshes>,
-    sides: [Option<Picture>; 2],
+    sides: [Option<SidePicture>; 2],
 }
 
 impl Pictures {
@@ -106,7 +106,7 @@ impl Pictures {
     }
 
     /// Framing of the standard views; `None` while no part is loaded.
-    pub fn framing(&self) -> Option<&Framing> {
+    pub fn framing(&self) -> Option<&ViewTargets> {
         let with_sections = self.sides.iter().flatten().map(|picture| picture.scene.framing());
         with_sections
             .max_by_key(|framing| framing.sections.len())
@@ -120,18 +120,18 @@ impl Pictures {
     }
 
     /// The picture of a side; `None` while no part is loaded.
-    pub fn side(&mut self, side: Side) -> Option<&mut Picture> {
+    pub fn side(&mut self, side: Side) -> Option<&mut SidePicture> {
         let slot = &mut self.sides[side as usize];
         if slot.is_none() {
-            *slot = Some(Picture::new(&self.egui, &self.gpu, self.mesh.as_ref()?));
+            *slot = Some(SidePicture::new(&self.egui, &self.gpu, self.mesh.as_ref()?));
         }
         slot.as_mut()
     }
 
     /// A picture of triangles that are not yet a part.
-    pub fn loose(&self, mesh: PartMesh) -> Picture {
+    pub fn picture_of_mesh(&self, mesh: PartMesh) -> SidePicture {
         let mesh = Arc::new(mesh);
-        Picture::new(&self.egui, &self.gpu, &PartMeshes { fine: Arc::clone(&mesh), draft: mesh })
+        SidePicture::new(&self.egui, &self.gpu, &PartMeshes { fine: Arc::clone(&mesh), draft: mesh })
     }
 
     /// Errors that the device reported since the last call. Polls it first, to detect a loss before drawing.
@@ -159,14 +159,14 @@ struct Drawn {
 }
 
 /// A picture of one side.
-pub struct Picture {
+pub struct SidePicture {
     egui: RenderState,
     gpu: Gpu,
     /// Created at the first drawing, so that the window opens before the pipelines are built.
     renderer: Option<Renderer>,
     scene: Scene,
     content: Option<Content>,
-    coming: Option<ComingCutters>,
+    coming: Option<PreviewCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
     borders: Vec<Segment>,
     /// Floor grid and its shown values, for the value under the cursor.
@@ -177,7 +177,7 @@ pub struct Picture {
     generation: u64,
 }
 
-impl Picture {
+impl SidePicture {
     fn new(egui: &RenderState, gpu: &Gpu, mesh: &PartMeshes) -> Self {
         Self {
             egui: egui.clone(),
@@ -212,9 +212,9 @@ impl Picture {
             let planned = &content.planned;
             let left = |policy| planned.result(policy).field.heights.as_slice();
             let heights = match &content.floor {
-                FloorStock::Final => left(content.policy).to_vec(),
-                FloorStock::Heights(heights) => heights.to_vec(),
-                FloorStock::MoreThan(other) => {
+                FloorValues::Final => left(content.policy).to_vec(),
+                FloorValues::Heights(heights) => heights.to_vec(),
+                FloorValues::MoreThan(other) => {
                     left(content.policy).iter().zip(left(*other)).map(|(a, b)| a - b).collect()
                 }
             };
@@ -228,10 +228,10 @@ impl Picture {
             return;
         }
         let is_heights = |content: &Option<Content>| {
-            content.as_ref().is_some_and(|content| !matches!(content.floor, FloorStock::MoreThan(_)))
+            content.as_ref().is_some_and(|content| !matches!(content.floor, FloorValues::MoreThan(_)))
         };
         match (floor, content.as_ref().map(|content| &content.floor)) {
-            (Some((grid, values)), Some(FloorStock::MoreThan(_))) => {
+            (Some((grid, values)), Some(FloorValues::MoreThan(_))) => {
                 if let Some(mesh) = value_mesh(grid, values) {
                     self.scene.set_values(&self.gpu, mesh);
                 }
@@ -257,7 +257,7 @@ impl Picture {
         }
         let lines = shown.as_ref().map(|(outcome, colours)| {
             let plan = &outcome.plan;
-            flank::lines(&shown_curves(plan), &plan.moves, plan.curves.layers.len(), *colours)
+            flank::toolpath_lines(&shown_passes(plan), &plan.moves, plan.layout.layers.len(), *colours)
         });
         self.scene.set_paths(&self.gpu, &lines.unwrap_or_default());
         if self.shows_walls() {
@@ -283,19 +283,19 @@ impl Picture {
     }
 
     /// Framing of the standard views.
-    pub fn framing(&self) -> &Framing {
+    pub fn framing(&self) -> &ViewTargets {
         self.scene.framing()
     }
 
     /// Shows the preview cutters of a running plan instead of the plan's; `None`: no preview.
-    pub fn load_coming(&mut self, coming: Option<&ComingCutters>) {
+    pub fn load_preview(&mut self, coming: Option<&PreviewCutters>) {
         let same = match (&self.coming, coming) {
-            (Some(a), Some(b)) => Arc::ptr_eq(&a.plan, &b.plan) && a.judged == b.judged,
+            (Some(a), Some(b)) => Arc::ptr_eq(&a.plan, &b.plan) && a.is_checked == b.is_checked,
             (None, None) => true,
             _ => false,
         };
         if !same {
-            self.scene.set_coming(coming.map(|c| &*c.plan), coming.is_some_and(|c| c.judged));
+            self.scene.set_preview(coming.map(|c| &*c.plan), coming.is_some_and(|c| c.is_checked));
             self.coming = coming.cloned();
             self.generation += 1;
         }
@@ -394,14 +394,14 @@ impl Picture {
     }
 
     /// What the ray through `at` hits, in points from the view's corner.
-    pub fn hit(&self, camera: &Camera, options: &SceneOptions, at: glam::Vec2, size: Vec2) -> Hit {
+    pub fn hit(&self, camera: &Camera, options: &SceneOptions, at: glam::Vec2, size: Vec2) -> ViewHit {
         let Some(pick) = self.scene.pick(camera, options, at, glam::vec2(size.x, size.y)) else {
-            return Hit::default();
+            return ViewHit::default();
         };
         // The cap of the section plane is inside the material: it has no residual stock.
         let on_hub = !pick.on_section && !self.shows_walls();
         let stock = if on_hub { self.stock_at(pick.point) } else { None };
-        Hit { point: Some(pick.point), stock, deviation: pick.value, position: pick.position }
+        ViewHit { point: Some(pick.point), stock, deviation: pick.value, position: pick.position }
     }
 
     /// Stock on the hub near `point`, mm; `None` off the channel floor.
@@ -430,7 +430,7 @@ impl Picture {
     }
 }
 
-impl Drop for Picture {
+impl Drop for SidePicture {
     fn drop(&mut self) {
         if let Some((id, _)) = self.texture {
             self.egui.renderer.write().free_texture(&id);

@@ -37,7 +37,7 @@ impl Side {
 
 /// A finished plan with display data.
 #[derive(Clone, Debug)]
-pub struct Planned {
+pub struct DisplayPlan {
     /// The setup as requested; the plan is stale when the edited setup differs.
     pub setup: Setup,
     /// The plan.
@@ -49,7 +49,7 @@ pub struct Planned {
     pub range: (f32, f32),
 }
 
-impl Planned {
+impl DisplayPlan {
     /// Computes the display data of a plan.
     pub fn new(setup: Setup, outcome: PlanOutcome) -> Self {
         let under = |result: &PolicyResult| {

@@ -7,7 +7,7 @@ use crate::gpu::camera::Camera;
 use super::App;
 use super::command::Command;
 use super::overlay;
-use super::view3d::pixel;
+use super::view3d::view_point;
 use super::viewport::Pane;
 
 /// Commands for the position under the pointer.
@@ -35,8 +35,8 @@ impl App {
         if let Some((pane, at)) = clicked {
             let options = self.options(pane.side);
             let picture = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side));
-            let hit =
-                picture.map(|picture| picture.hit(camera, &options, pixel(pane.rect, at), pane.rect.size()));
+            let hit = picture
+                .map(|picture| picture.hit(camera, &options, view_point(pane.rect, at), pane.rect.size()));
             let hit = hit.unwrap_or_default();
             if self.state.look.side != pane.side {
                 self.state.show(pane.side);
@@ -45,7 +45,7 @@ impl App {
             if hit.position.is_some() {
                 self.state.look.select(hit.position);
             }
-            self.pointed = Some(hit);
+            self.context_hit = Some(hit);
         }
         let (mut chosen, mut open) = (None, false);
         let mut last = None;
@@ -61,10 +61,10 @@ impl App {
         if let Some(command) = chosen
             && let Some(pane) = panes.first()
         {
-            self.obey(&pane.response.ctx, command);
+            self.run_command(&pane.response.ctx, command);
         }
         if !open {
-            self.pointed = None;
+            self.context_hit = None;
         }
     }
 
@@ -75,16 +75,16 @@ impl App {
                 chosen = Some(command);
             }
         };
-        if let Some(k) = self.pointed.and_then(|hit| hit.position) {
+        if let Some(k) = self.context_hit.and_then(|hit| hit.position) {
             ui.label(egui::RichText::new(format!("Position {}", k + 1)).strong());
             for command in WITH_POSITION {
-                item(ui, command, self.can(command));
+                item(ui, command, self.is_available(command));
             }
         }
-        item(ui, Command::MeasureHere, self.can(Command::MeasureHere));
+        item(ui, Command::MeasureHere, self.is_available(Command::MeasureHere));
         ui.separator();
         for command in VIEWS {
-            item(ui, command, self.can(command));
+            item(ui, command, self.is_available(command));
         }
         ui.separator();
         ui.menu_button("Layers", |ui| {
@@ -96,9 +96,9 @@ impl App {
     }
 
     /// Start of a measurement: the right-clicked point, else the tip of the selected position, mm.
-    pub(super) fn place_to_measure(&self) -> Option<glam::Vec3> {
+    pub(super) fn measure_start(&self) -> Option<glam::Vec3> {
         let tip =
             || self.state.selected().map(|p| glam::vec3(p.tip.x as f32, p.tip.y as f32, p.tip.z as f32));
-        self.pointed.and_then(|hit| hit.point).or_else(tip)
+        self.context_hit.and_then(|hit| hit.point).or_else(tip)
     }
 }

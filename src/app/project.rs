@@ -7,7 +7,7 @@ use std::time::Duration;
 use egui::{Context, Modal, RichText, Ui};
 
 use crate::formats::project_file::{
-    Chosen, EXTENSION, PartPlace, Project, StoredSet, Viewpoint, write_project,
+    EXTENSION, PartLocation, PlanSelection, Project, StoredSet, Viewpoint, write_project,
 };
 use crate::gpu::camera::{Camera, Projection};
 
@@ -16,10 +16,10 @@ use super::dialogs::Purpose;
 use super::document::{Edited, WhatIf};
 use super::engine::PartSource;
 use super::files::WriteTask;
-use super::home::{Habits, Home};
+use super::home::{Home, Preferences};
 use super::look::REVEAL;
 use super::planned::Side;
-use super::state::{Problem, State};
+use super::state::{AppState, Problem};
 
 /// Delay of the recovery copy after the last change.
 const COPY_AFTER: Duration = Duration::from_secs(2);
@@ -37,7 +37,7 @@ pub(super) enum Pending {
     Quit,
 }
 
-/// State of the session that is not part of [`State`].
+/// State of the session that is not part of [`AppState`].
 #[derive(Default)]
 pub(super) struct Session {
     home: Option<Home>,
@@ -60,13 +60,15 @@ impl Session {
 }
 
 /// The open project; `None` while no part is open.
-fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
+fn project(state: &AppState, camera: Option<Camera>) -> Option<Project> {
     let part = state.document.part.as_ref()?;
     let edited = &state.document.edited;
     let place = match &part.source {
-        PartSource::File(path) => PartPlace::File(path.clone()),
-        PartSource::Mesh(path, choices) => PartPlace::Mesh { file: path.clone(), choices: choices.clone() },
-        PartSource::Sample(name) => PartPlace::Sample(name.clone()),
+        PartSource::File(path) => PartLocation::File(path.clone()),
+        PartSource::Mesh(path, choices) => {
+            PartLocation::Mesh { file: path.clone(), choices: choices.clone() }
+        }
+        PartSource::Sample(name) => PartLocation::Sample(name.clone()),
     };
     let sets = edited.sets.iter().map(|set| StoredSet {
         name: set.name.clone(),
@@ -79,10 +81,10 @@ fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
         setup: edited.setup.clone(),
         sets: sets.collect(),
         viewpoint: camera.as_ref().map(viewpoint),
-        chosen: Chosen {
+        chosen: PlanSelection {
             before: state.look.side == Side::Before,
             position: state.look.selected,
-            cut: state.look.cut,
+            cut: state.look.cut_count,
         },
         original: None,
     })
@@ -91,8 +93,8 @@ fn project(state: &State, camera: Option<Camera>) -> Option<Project> {
 fn viewpoint(camera: &Camera) -> Viewpoint {
     Viewpoint {
         target: camera.target.to_array(),
-        yaw: camera.yaw,
-        pitch: camera.pitch,
+        yaw: camera.yaw_rad,
+        pitch: camera.pitch_rad,
         distance: camera.distance,
         parallel: camera.projection == Projection::Orthographic,
     }
@@ -107,9 +109,9 @@ pub(super) fn edited_of(project: &Project) -> Edited {
 /// Source of a project's part.
 pub(super) fn source_of(project: &Project) -> PartSource {
     match &project.part {
-        PartPlace::File(path) => PartSource::File(path.clone()),
-        PartPlace::Mesh { file, choices } => PartSource::Mesh(file.clone(), choices.clone()),
-        PartPlace::Sample(name) => PartSource::Sample(name.clone()),
+        PartLocation::File(path) => PartSource::File(path.clone()),
+        PartLocation::Mesh { file, choices } => PartSource::Mesh(file.clone(), choices.clone()),
+        PartLocation::Sample(name) => PartSource::Sample(name.clone()),
     }
 }
 
@@ -118,28 +120,28 @@ impl App {
     pub fn set_home(&mut self, folder: PathBuf) {
         let home = Home::new(folder);
         self.state.recents = home.recents();
-        self.state.recoverable = home.left_behind();
-        self.state.look.mouse = home.habits().mouse;
+        self.state.recoverable = home.recovery_copies();
+        self.state.look.mouse = home.preferences().mouse;
         self.session.home = Some(home);
     }
 
     /// Stores the preferences for the next start.
-    pub(super) fn note_habits(&self) {
+    pub(super) fn store_preferences(&self) {
         if let Some(home) = &self.session.home {
-            home.note_habits(&Habits { mouse: self.state.look.mouse });
+            home.store_preferences(&Preferences { mouse: self.state.look.mouse });
         }
     }
 
     /// Runs an action that closes the open project; asks first if there are unsaved changes.
-    pub(super) fn guarded(&mut self, ctx: &Context, pending: Pending) {
+    pub(super) fn run_guarded(&mut self, ctx: &Context, pending: Pending) {
         if self.state.document.is_unsaved() {
             self.session.pending = Some(pending);
         } else {
-            self.go_on(ctx, pending);
+            self.run_pending(ctx, pending);
         }
     }
 
-    fn go_on(&mut self, ctx: &Context, pending: Pending) {
+    fn run_pending(&mut self, ctx: &Context, pending: Pending) {
         match pending {
             Pending::New => {
                 self.state.close();
@@ -192,7 +194,7 @@ impl App {
             self.save_project(ui.ctx());
         } else if discard {
             self.session.pending = None;
-            self.go_on(ui.ctx(), pending);
+            self.run_pending(ui.ctx(), pending);
         } else if cancel || modal.should_close() {
             self.session.pending = None;
         }
@@ -202,7 +204,7 @@ impl App {
     pub(super) fn save_project(&mut self, ctx: &Context) {
         match self.state.document.path.clone() {
             Some(path) => self.write_project(path),
-            None => self.dialogs.ask(ctx, Purpose::SaveProject, self.suggest_project()),
+            None => self.dialogs.open_dialog(ctx, Purpose::SaveProject, self.suggest_project()),
         }
     }
 
@@ -231,7 +233,7 @@ impl App {
             }
             self.session.copied = None;
             if let Some(pending) = self.session.after_saving.take() {
-                self.go_on(ctx, pending);
+                self.run_pending(ctx, pending);
             }
         }
     }
@@ -247,26 +249,26 @@ impl App {
     pub(super) fn take_project(&mut self, path: PathBuf, project: &Project) {
         for set in &project.sets {
             if let Some(figures) = set.figures {
-                self.state.results.note(set.setup.clone(), figures);
+                self.state.results.store_figures(set.setup.clone(), figures);
             }
         }
         let framing = self.pictures.as_ref().and_then(|pictures| pictures.framing());
         if let Some((v, framing)) = project.viewpoint.zip(framing) {
             let mut camera = Camera::standard(crate::gpu::View::Iso, framing, 1.0);
             camera.target = v.target.into();
-            (camera.yaw, camera.pitch, camera.distance) = (v.yaw, v.pitch, v.distance);
+            (camera.yaw_rad, camera.pitch_rad, camera.distance) = (v.yaw, v.pitch, v.distance);
             camera.projection = if v.parallel { Projection::Orthographic } else { Projection::Perspective };
             self.view.restore(camera);
         }
         // The next plan keeps the selection if it has that position.
-        let Chosen { before, position, cut } = project.chosen;
+        let PlanSelection { before, position, cut } = project.chosen;
         let look = &mut self.state.look;
         look.side = if before { Side::Before } else { Side::After };
-        (look.selected, look.cut) = (position, cut);
+        (look.selected, look.cut_count) = (position, cut);
         look.reveal_selection = if position.is_some() { REVEAL } else { 0 };
         let part = self.state.document.part.as_ref();
         if part.is_some_and(|part| part.hash != project.part_hash) {
-            self.state.fault(Problem::new(
+            self.state.report_problem(Problem::new(
                 format!("{}: the part changed after the project was saved", path.display()),
                 "check setup and variants, then save the project again",
             ));
@@ -275,7 +277,8 @@ impl App {
         if recovered {
             self.state.document.path.clone_from(&project.original);
             self.state.document.mark_unsaved();
-            self.state.done("Recovered unsaved changes of the last session; save the project to keep them");
+            self.state
+                .report_done("Recovered unsaved changes of the last session; save the project to keep them");
             self.copy_now();
             // The content is now in this session's own recovery copy.
             if self.session.copied.is_some() {
@@ -329,7 +332,7 @@ impl App {
             Err(error) => {
                 // Report the error once; the next change tries again.
                 self.session.copied = Some(self.state.document.edited.clone());
-                self.state.fault(Problem::from(&error));
+                self.state.report_problem(Problem::from(&error));
             }
         }
     }

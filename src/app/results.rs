@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use crate::formats::project_file::Figures;
+use crate::formats::project_file::SetFigures;
 use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
 use crate::part::Setup;
 
-use super::coming::Coming;
-use super::planned::Planned;
+use super::coming::PlanPreview;
+use super::planned::DisplayPlan;
 
 /// Figures of a plan.
-fn figures_of(summary: &Summary) -> Figures {
-    Figures {
+fn figures_of(summary: &Summary) -> SetFigures {
+    SetFigures {
         positions: summary.positions,
-        interferential: summary.interferential,
+        interferential: summary.interfering,
         residual_mean: summary.residual_mean,
         residual_p95: summary.residual_p95,
         uncut_share: summary.uncut_share,
@@ -23,42 +23,42 @@ fn figures_of(summary: &Summary) -> Figures {
 }
 
 /// Maximum number of setups with stored figures; the oldest are dropped first.
-const MOST_FIGURES: usize = 64;
+const MAX_FIGURES: usize = 64;
 
 /// Everything computed for the open part.
 #[derive(Debug, Default)]
 pub struct Results {
     /// Latest successful plan.
-    pub planned: Option<Arc<Planned>>,
+    pub planned: Option<Arc<DisplayPlan>>,
     /// Preview of the running plan, if there is one.
-    pub coming: Option<Arc<Coming>>,
+    pub preview: Option<Arc<PlanPreview>>,
     /// Latest successful flank plan.
     pub flank: Option<Arc<FlankOutcome>>,
-    figures: Vec<(Setup, Figures)>,
+    figures: Vec<(Setup, SetFigures)>,
 }
 
 impl Results {
     /// Stores a plan, and its figures if it is finished.
-    pub fn take(&mut self, planned: Planned) {
+    pub fn take(&mut self, planned: DisplayPlan) {
         // Figures of a cancelled plan would be misleading.
         if !planned.is_unfinished() {
-            self.note(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
+            self.store_figures(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
         }
         self.planned = Some(Arc::new(planned));
-        self.coming = None;
+        self.preview = None;
     }
 
     /// Stores the figures of a setup.
-    pub fn note(&mut self, setup: Setup, figures: Figures) {
+    pub fn store_figures(&mut self, setup: Setup, figures: SetFigures) {
         self.figures.retain(|(known, _)| *known != setup);
-        if self.figures.len() >= MOST_FIGURES {
+        if self.figures.len() >= MAX_FIGURES {
             self.figures.remove(0);
         }
         self.figures.push((setup, figures));
     }
 
     /// Figures of a setup, if it was planned.
-    pub fn figures(&self, setup: &Setup) -> Option<Figures> {
+    pub fn figures(&self, setup: &Setup) -> Option<SetFigures> {
         self.figures.iter().find(|(known, _)| known == setup).map(|(_, figures)| *figures)
     }
 }

@@ -11,7 +11,7 @@ use crate::gpu::device::{device_descriptor, pick_adapter, pick_software};
 
 use super::App;
 use super::engine::Engine;
-use super::handover::WayOut;
+use super::handover::RecoverySlot;
 
 /// Application id: name of the data folder and of the window to the desktop.
 const APP_ID: &str = "vanecut";
@@ -63,12 +63,12 @@ pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
     if cfg!(target_os = "linux") && !has_display() {
         return Err(AppError::NoDisplay);
     }
-    let way_out = WayOut::default();
+    let way_out = RecoverySlot::default();
     let leave_by = way_out.clone();
     open(None, false, move |cc| {
         let mut app = App::new(cc);
-        app.time_from(start);
-        app.leave_by(leave_by);
+        app.set_start_time(start);
+        app.set_recovery_slot(leave_by);
         if let Some(folder) = eframe::storage_dir(APP_ID) {
             app.set_home(folder);
         }

@@ -5,50 +5,50 @@ use std::sync::Arc;
 
 use crate::part::{AxisPolicy, Blank};
 use crate::plunge::inspect::{SectionView, section_view};
-use crate::residual::{cutters_of, residual_field};
+use crate::residual::{field_cutters, residual_field};
 
 use super::latest::Latest;
-use super::planned::{Planned, Side};
-use super::state::State;
+use super::planned::{DisplayPlan, Side};
+use super::state::AppState;
 
 /// A request about a plan: its first `count` positions, or the position with index `count`.
 #[derive(Clone)]
-pub(super) struct Place {
-    planned: Arc<Planned>,
+pub(super) struct PlanPosition {
+    planned: Arc<DisplayPlan>,
     policy: AxisPolicy,
     count: usize,
 }
 
-impl PartialEq for Place {
+impl PartialEq for PlanPosition {
     fn eq(&self, other: &Self) -> bool {
         self.count == other.count && self.policy == other.policy && Arc::ptr_eq(&self.planned, &other.planned)
     }
 }
 
 /// Stock at the timeline position, for the visible sides.
-pub(super) struct Scrubbed(Latest<Vec<Place>, Vec<Arc<Vec<f32>>>>);
+pub(super) struct TimelineStock(Latest<Vec<PlanPosition>, Vec<Arc<Vec<f32>>>>);
 
-impl Scrubbed {
+impl TimelineStock {
     /// Starts the thread.
     pub(super) fn new(ctx: &egui::Context) -> Self {
-        let after = |place: &Place| {
-            let cutters = cutters_of(place.planned.plan(place.policy));
+        let after = |place: &PlanPosition| {
+            let cutters = field_cutters(place.planned.plan(place.policy));
             let cut = &cutters[..place.count.min(cutters.len())];
             Arc::new(residual_field(&place.planned.outcome.grid, cut).heights)
         };
-        Self(Latest::new("scrub", ctx, move |places: &Vec<Place>| places.iter().map(after).collect()))
+        Self(Latest::new("scrub", ctx, move |places: &Vec<PlanPosition>| places.iter().map(after).collect()))
     }
 
     /// Requests the stock at the timeline position.
-    pub(super) fn follow(&mut self, state: &State) {
-        let places = state.look.cut.map(|count| {
+    pub(super) fn follow(&mut self, state: &AppState) {
+        let places = state.look.cut_count.map(|count| {
             let sides = [Side::Before, Side::After].into_iter().filter(|&side| state.shows(side));
             sides
-                .filter_map(|side| state.on(side))
-                .map(|shown| Place { planned: Arc::clone(shown.planned), policy: shown.policy, count })
+                .filter_map(|side| state.shown_on(side))
+                .map(|shown| PlanPosition { planned: Arc::clone(shown.planned), policy: shown.policy, count })
                 .collect()
         });
-        self.0.follow(places);
+        self.0.request(places);
     }
 
     /// Whether a request is being computed.
@@ -57,22 +57,22 @@ impl Scrubbed {
     }
 
     /// Heights per cell of a plan, mm, of the latest finished request; `None` before the first.
-    pub(super) fn heights(&self, planned: &Arc<Planned>, policy: AxisPolicy) -> Option<Arc<Vec<f32>>> {
+    pub(super) fn heights(&self, planned: &Arc<DisplayPlan>, policy: AxisPolicy) -> Option<Arc<Vec<f32>>> {
         let (places, heights) = self.0.answer()?;
-        let of = |place: &Place| place.policy == policy && Arc::ptr_eq(&place.planned, planned);
+        let of = |place: &PlanPosition| place.policy == policy && Arc::ptr_eq(&place.planned, planned);
         places.iter().position(of).and_then(|k| heights.get(k)).map(Arc::clone)
     }
 }
 
 /// The sectional view through the selected position.
-pub(super) struct Inspected(Latest<Place, Option<Arc<SectionView>>>);
+pub(super) struct InspectedSection(Latest<PlanPosition, Option<Arc<SectionView>>>);
 
-impl Inspected {
+impl InspectedSection {
     /// Starts the thread.
     pub(super) fn new(ctx: &egui::Context) -> Self {
-        let look = |place: &Place| {
+        let look = |place: &PlanPosition| {
             let outcome = &place.planned.outcome;
-            let stock = &outcome.setup.stock;
+            let stock = &outcome.setup.allowances;
             let blank = Blank::of(&outcome.part, stock.inlet_extension);
             let plan = place.planned.plan(place.policy);
             section_view(&outcome.part, &blank, stock.hub_allowance, plan, place.count).map(Arc::new)
@@ -81,13 +81,13 @@ impl Inspected {
     }
 
     /// Requests the sectional view through the selected position.
-    pub(super) fn follow(&mut self, state: &State) {
-        let place = state.shown().zip(state.look.selected).map(|(shown, count)| Place {
+    pub(super) fn follow(&mut self, state: &AppState) {
+        let place = state.shown().zip(state.look.selected).map(|(shown, count)| PlanPosition {
             planned: Arc::clone(shown.planned),
             policy: shown.policy,
             count,
         });
-        self.0.follow(place);
+        self.0.request(place);
     }
 
     /// Whether a request is being computed.

@@ -9,11 +9,11 @@ use crate::job::flank::FlankOutcome;
 use crate::part::AxisPolicy;
 use crate::plunge::{PlungePlan, Position};
 
-use super::coming::ComingCutters;
+use super::coming::PreviewCutters;
 use super::document::{Document, Edited, OpenPart};
 use super::engine::PartSource;
-use super::look::{Arrangement, Column, Filter, Look, REVEAL};
-use super::planned::{Planned, Side};
+use super::look::{Arrangement, Filter, Look, REVEAL, TableColumn};
+use super::planned::{DisplayPlan, Side};
 use super::results::Results;
 use super::theme::Condition;
 
@@ -39,7 +39,7 @@ pub struct Notice {
 }
 
 /// The state of the window, apart from drawing.
-pub struct State {
+pub struct AppState {
     /// What is edited.
     pub document: Document,
     /// What was computed.
@@ -49,7 +49,7 @@ pub struct State {
     /// Whether all policies are planned, for comparison.
     pub compare: bool,
     /// Whether every edit is planned at once.
-    pub follow: bool,
+    pub auto_update: bool,
     /// Problems not dismissed yet, oldest first.
     pub problems: Vec<Problem>,
     /// Recovery copies of sessions that ended without closing.
@@ -66,9 +66,9 @@ pub struct State {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// What is wrong, and where.
-    pub what: String,
+    pub message: String,
     /// What to do about it; may be empty.
-    pub cure: String,
+    pub help: String,
     /// Whether planning caused it; the next successful plan removes it.
     pub of_plan: bool,
 }
@@ -76,33 +76,33 @@ pub struct Problem {
 impl Problem {
     /// A problem that stays until it is dismissed.
     pub fn new(what: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self { what: what.into(), cure: cure.into(), of_plan: false }
+        Self { message: what.into(), help: cure.into(), of_plan: false }
     }
 
     /// A problem of planning, which the next successful plan removes.
-    pub fn of_plan(what: impl Into<String>, cure: impl Into<String>) -> Self {
+    pub fn from_planning(what: impl Into<String>, cure: impl Into<String>) -> Self {
         Self { of_plan: true, ..Self::new(what, cure) }
     }
 }
 
 impl From<&InputError> for Problem {
     fn from(error: &InputError) -> Self {
-        let bare = InputError { cure: String::new(), ..error.clone() }.to_string();
-        Self::new(bare.trim_end_matches("; "), error.cure.clone())
+        let bare = InputError { help: String::new(), ..error.clone() }.to_string();
+        Self::new(bare.trim_end_matches("; "), error.help.clone())
     }
 }
 
 /// Maximum number of problems kept.
-const MOST_PROBLEMS: usize = 5;
+const MAX_PROBLEMS: usize = 5;
 
-impl Default for State {
+impl Default for AppState {
     fn default() -> Self {
         Self {
             document: Document::default(),
             results: Results::default(),
             look: Look::default(),
             compare: false,
-            follow: true,
+            auto_update: true,
             problems: Vec::new(),
             recoverable: Vec::new(),
             recents: Vec::new(),
@@ -114,14 +114,14 @@ impl Default for State {
 
 /// A plan that is shown.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
+pub struct ShownPlan<'a> {
     /// The set of plans it belongs to.
-    pub planned: &'a Arc<Planned>,
+    pub planned: &'a Arc<DisplayPlan>,
     /// Policy of the plan.
     pub policy: AxisPolicy,
 }
 
-impl<'a> Shown<'a> {
+impl<'a> ShownPlan<'a> {
     /// The plan itself.
     pub fn plan(&self) -> &'a PlungePlan {
         self.planned.plan(self.policy)
@@ -133,13 +133,13 @@ impl<'a> Shown<'a> {
     }
 }
 
-impl State {
+impl AppState {
     /// Whether the setup was edited after the last plan was requested.
     pub fn out_of_date(&self) -> bool {
         self.results
             .planned
             .as_ref()
-            .is_some_and(|planned| !planned.setup.same_but_for_flank(&self.document.edited.setup))
+            .is_some_and(|planned| !planned.setup.equals_except_flank(&self.document.edited.setup))
     }
 
     /// Replaces the open part and its document; results of the previous part are dropped.
@@ -162,10 +162,11 @@ impl State {
 
     /// Stores a plan. The selection is kept if the new plan has that position. An unfinished plan does not
     /// replace a finished one of the same setup.
-    pub fn take_plan(&mut self, planned: Planned) {
+    pub fn take_plan(&mut self, planned: DisplayPlan) {
         let unfinished = planned.is_unfinished();
-        let has_better =
-            |known: &Arc<Planned>| !known.is_unfinished() && known.setup.same_but_for_flank(&planned.setup);
+        let has_better = |known: &Arc<DisplayPlan>| {
+            !known.is_unfinished() && known.setup.equals_except_flank(&planned.setup)
+        };
         if unfinished && self.results.planned.as_ref().is_some_and(has_better) {
             self.plan_cancelled();
             return;
@@ -175,14 +176,14 @@ impl State {
         self.problems.retain(|problem| !problem.of_plan);
         self.notice = None;
         if unfinished {
-            self.done("Calculation cancelled: the best so far, not finished; recalculate (F5)");
+            self.report_done("Calculation cancelled: the best so far, not finished; recalculate (F5)");
         }
     }
 
     /// Reports that planning was cancelled without a new plan.
     pub fn plan_cancelled(&mut self) {
         let kept = if self.results.planned.is_some() { "; the last plan is kept" } else { "" };
-        self.done(format!("Calculation cancelled{kept}"));
+        self.report_done(format!("Calculation cancelled{kept}"));
     }
 
     /// Stores a flank plan and shows it.
@@ -212,32 +213,32 @@ impl State {
             asked.flank.tool = None;
         }
         asked.flank != now.flank
-            || asked.stock != now.stock
+            || asked.allowances != now.allowances
             || !now.tools.is_empty() && !now.tools.contains(&outcome.plan.tool)
     }
 
     /// Policy that a side shows; `None` before there is a plan.
     pub fn policy(&self, side: Side) -> Option<AxisPolicy> {
-        self.on(side).map(|shown| shown.policy)
+        self.shown_on(side).map(|shown| shown.policy)
     }
 
     /// Plan on a side: the running task's once that side is finished, otherwise the last whole plan.
-    pub fn on(&self, side: Side) -> Option<Shown<'_>> {
-        let coming = self.results.coming.as_ref().and_then(|coming| coming.planned.as_ref());
-        let finished = coming.zip(self.awaited(side)).filter(|(planned, policy)| planned.has(*policy));
-        finished.map(|(planned, policy)| Shown { planned, policy }).or_else(|| self.before_edit(side))
+    pub fn shown_on(&self, side: Side) -> Option<ShownPlan<'_>> {
+        let coming = self.results.preview.as_ref().and_then(|coming| coming.planned.as_ref());
+        let finished = coming.zip(self.pending_policy(side)).filter(|(planned, policy)| planned.has(*policy));
+        finished.map(|(planned, policy)| ShownPlan { planned, policy }).or_else(|| self.last_whole_plan(side))
     }
 
     /// The last whole plan on a side; it may be older than the setup.
-    pub fn before_edit(&self, side: Side) -> Option<Shown<'_>> {
+    pub fn last_whole_plan(&self, side: Side) -> Option<ShownPlan<'_>> {
         let planned = self.results.planned.as_ref()?;
         let wished = self.look.policies[side as usize].filter(|&policy| planned.has(policy));
-        Some(Shown { planned, policy: wished.unwrap_or_else(|| planned.default_policy(side)) })
+        Some(ShownPlan { planned, policy: wished.unwrap_or_else(|| planned.default_policy(side)) })
     }
 
     /// Policy that a side will show when the running task finishes.
-    fn awaited(&self, side: Side) -> Option<AxisPolicy> {
-        let coming = self.results.coming.as_ref()?;
+    fn pending_policy(&self, side: Side) -> Option<AxisPolicy> {
+        let coming = self.results.preview.as_ref()?;
         let default = match side {
             Side::Before => AxisPolicy::Conventional,
             Side::After => coming.setup.plunge.axis,
@@ -246,8 +247,8 @@ impl State {
     }
 
     /// Preview cutters that a side shows instead of those of the last plan.
-    pub fn coming_on(&self, side: Side) -> Option<&ComingCutters> {
-        let (coming, policy) = self.results.coming.as_ref().zip(self.awaited(side))?;
+    pub fn preview_on(&self, side: Side) -> Option<&PreviewCutters> {
+        let (coming, policy) = self.results.preview.as_ref().zip(self.pending_policy(side))?;
         if coming.planned.as_ref().is_some_and(|planned| planned.has(policy)) {
             return None;
         }
@@ -256,8 +257,8 @@ impl State {
 
     /// Whether what a side shows is older than the setup.
     pub fn is_stale(&self, side: Side) -> bool {
-        let stale = |shown: Shown| !shown.planned.setup.same_but_for_flank(&self.document.edited.setup);
-        self.on(side).is_some_and(stale)
+        let stale = |shown: ShownPlan| !shown.planned.setup.equals_except_flank(&self.document.edited.setup);
+        self.shown_on(side).is_some_and(stale)
     }
 
     /// Whether a side is visible.
@@ -266,8 +267,8 @@ impl State {
     }
 
     /// Plan of the active side, which table and sectional view describe.
-    pub fn shown(&self) -> Option<Shown<'_>> {
-        self.on(self.look.side)
+    pub fn shown(&self) -> Option<ShownPlan<'_>> {
+        self.shown_on(self.look.side)
     }
 
     /// The selected position.
@@ -290,7 +291,7 @@ impl State {
     pub fn range(&self) -> (f32, f32) {
         // A running task does not change the scale of the last plan.
         let fitting = || {
-            let first = || self.on(self.look.side).map(|shown| shown.planned.range);
+            let first = || self.shown_on(self.look.side).map(|shown| shown.planned.range);
             self.results.planned.as_ref().map(|planned| planned.range).or_else(first).unwrap_or((0.0, 1.0))
         };
         self.look.range.unwrap_or_else(fitting)
@@ -299,7 +300,7 @@ impl State {
     fn keep_within_plan(&mut self) {
         let count = self.position_count();
         self.look.selected = self.look.selected.filter(|&k| k < count);
-        self.look.cut = self.look.cut.map(|cut| cut.min(count));
+        self.look.cut_count = self.look.cut_count.map(|cut| cut.min(count));
     }
 
     /// Positions that pass the filter, in table order.
@@ -316,13 +317,15 @@ impl State {
         let mut rows: Vec<(f64, usize)> = passing
             .map(|(k, p)| {
                 let key = match self.look.sort.column {
-                    Column::Order => k as f64,
-                    Column::Row => p.section as f64 * 1e6 + p.row as f64,
-                    Column::Diameter => plan.sections.get(p.section).map_or(0.0, |s| s.tool.diameter),
-                    Column::Alpha => p.alpha,
-                    Column::Contact => p.contact.depth,
+                    TableColumn::Order => k as f64,
+                    TableColumn::Row => p.section as f64 * 1e6 + p.row as f64,
+                    TableColumn::Diameter => plan.sections.get(p.section).map_or(0.0, |s| s.tool.diameter),
+                    TableColumn::Alpha => p.alpha_rad,
+                    TableColumn::Contact => p.contact.depth,
                     // Without floor under the cutter: sort as the smallest.
-                    Column::Hub => Some(shown.stock(k)).filter(|s| s.is_finite()).map_or(-1.0, f64::from),
+                    TableColumn::Hub => {
+                        Some(shown.stock(k)).filter(|s| s.is_finite()).map_or(-1.0, f64::from)
+                    }
                 };
                 (key, k)
             })
@@ -344,7 +347,7 @@ impl State {
     }
 
     /// Selects the row `step` below the selected one in table order, clamped to the first and last row.
-    pub fn step_row(&mut self, step: isize) {
+    pub fn select_next_row(&mut self, step: isize) {
         let rows = self.rows();
         let Some(last) = rows.len().checked_sub(1) else { return };
         let now = self.look.selected.and_then(|k| rows.iter().position(|&row| row == k));
@@ -352,11 +355,11 @@ impl State {
             None => 0,
             Some(now) => now.saturating_add_signed(step).min(last),
         };
-        self.look.visit(rows.get(next).copied());
+        self.look.select_and_zoom(rows.get(next).copied());
     }
 
     /// Selects the next or previous interfering plunge in cutting order, with wrap-around.
-    pub fn step_fault(&mut self, forward: bool) {
+    pub fn select_next_fault(&mut self, forward: bool) {
         let Some(shown) = self.shown() else { return };
         let positions = shown.plan().positions.iter().enumerate();
         let faults: Vec<usize> = positions.filter(|(_, p)| p.contact.interferes()).map(|(k, _)| k).collect();
@@ -367,28 +370,28 @@ impl State {
             (Some(now), true) => faults.iter().copied().find(|&k| k > now).unwrap_or(first),
             (Some(now), false) => faults.iter().copied().rev().find(|&k| k < now).unwrap_or(last),
         };
-        self.look.visit(Some(next));
+        self.look.select_and_zoom(Some(next));
     }
 
     /// Moves the timeline by `step` positions and selects the position cut last. From the end it starts at
     /// the selected position, if there is one.
-    pub fn step_cut(&mut self, step: isize) {
+    pub fn step_timeline(&mut self, step: isize) {
         let count = self.position_count();
         if count == 0 {
             return;
         }
-        let now = self.look.cut.unwrap_or_else(|| match self.look.selected {
+        let now = self.look.cut_count.unwrap_or_else(|| match self.look.selected {
             Some(k) => k + 1,
             None => count,
         });
-        self.set_cut(Some(now.saturating_add_signed(step).min(count)));
+        self.set_timeline(Some(now.saturating_add_signed(step).min(count)));
     }
 
     /// Sets the timeline to after `cut` positions; `None`: the end, with the selection unchanged.
-    pub fn set_cut(&mut self, cut: Option<usize>) {
+    pub fn set_timeline(&mut self, cut: Option<usize>) {
         let count = self.position_count();
-        self.look.cut = cut.map(|cut| cut.min(count));
-        if let Some(cut) = self.look.cut {
+        self.look.cut_count = cut.map(|cut| cut.min(count));
+        if let Some(cut) = self.look.cut_count {
             self.look.selected = cut.checked_sub(1);
             self.look.reveal_selection = if cut > 0 { REVEAL } else { 0 };
         }
@@ -399,8 +402,8 @@ impl State {
         if self.look.playing.take().is_some() || self.position_count() == 0 {
             return;
         }
-        if self.look.cut.is_none_or(|cut| cut >= self.position_count()) {
-            self.set_cut(Some(0));
+        if self.look.cut_count.is_none_or(|cut| cut >= self.position_count()) {
+            self.set_timeline(Some(0));
         }
         self.look.playing = Some(time);
     }
@@ -411,8 +414,8 @@ impl State {
         let steps = ((time - since) * PLAY_RATE).floor().clamp(0.0, 1e6);
         if steps >= 1.0 {
             self.look.playing = Some(since + steps / PLAY_RATE);
-            self.step_cut(steps as isize);
-            if self.look.cut.is_none_or(|cut| cut >= self.position_count()) {
+            self.step_timeline(steps as isize);
+            if self.look.cut_count.is_none_or(|cut| cut >= self.position_count()) {
                 self.look.playing = None;
             }
         }
@@ -420,20 +423,20 @@ impl State {
     }
 
     /// Reports success in the status bar.
-    pub fn done(&mut self, text: impl Into<String>) {
+    pub fn report_done(&mut self, text: impl Into<String>) {
         self.notice = Some(Notice { tone: Tone::Done, text: text.into() });
     }
 
     /// Reports a problem; it stays until it is dismissed or solved.
-    pub fn fault(&mut self, problem: Problem) {
-        let text = if problem.cure.is_empty() {
-            problem.what.clone()
+    pub fn report_problem(&mut self, problem: Problem) {
+        let text = if problem.help.is_empty() {
+            problem.message.clone()
         } else {
-            format!("{}; {}", problem.what, problem.cure)
+            format!("{}; {}", problem.message, problem.help)
         };
         self.notice = Some(Notice { tone: Tone::Fault, text });
         self.problems.retain(|known| *known != problem);
-        if self.problems.len() >= MOST_PROBLEMS {
+        if self.problems.len() >= MAX_PROBLEMS {
             self.problems.remove(0);
         }
         self.problems.push(problem);

@@ -3,7 +3,7 @@
 use egui::{PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
 
 use crate::gpu::camera::{Camera, Projection};
-use crate::gpu::view::{Framing, View};
+use crate::gpu::view::{View, ViewTargets};
 
 use super::mouse::{Gesture, MousePreset};
 
@@ -18,12 +18,12 @@ pub struct View3d {
     /// Point that the current drag orbits around or holds, mm.
     grabbed: Option<glam::Vec3>,
     aspect: f32,
-    flight: Option<Flight>,
+    transition: Option<CameraTransition>,
 }
 
 /// An animated transition of the camera.
 #[derive(Clone, Copy, Debug)]
-struct Flight {
+struct CameraTransition {
     from: Camera,
     to: Camera,
     /// Seconds on the window's clock.
@@ -31,11 +31,11 @@ struct Flight {
 }
 
 /// Duration of a camera transition, s.
-const FLIGHT: f64 = 0.22;
+const TRANSITION_S: f64 = 0.22;
 
 /// What the ray under the cursor hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Hit {
+pub struct ViewHit {
     /// Point on the part, mm.
     pub point: Option<glam::Vec3>,
     /// Stock on the hub there, mm.
@@ -73,7 +73,7 @@ impl View3d {
         self.camera = Some(camera);
         self.wanted = None;
         self.standard = None;
-        self.flight = None;
+        self.transition = None;
     }
 
     /// Starts a transition to a view that a sphere around `center` fills. `facing` is the direction the
@@ -85,12 +85,12 @@ impl View3d {
             to.look_from((facing + from.basis().2 * 0.3).normalize_or(facing));
         }
         to.fit(center, radius, self.aspect.max(0.1));
-        self.flight = Some(Flight { from, to, start: time });
+        self.transition = Some(CameraTransition { from, to, start: time });
     }
 
     /// Looks at the same target from `direction`, at the same distance.
     pub fn look_from(&mut self, direction: glam::Vec3) {
-        self.flight = None;
+        self.transition = None;
         if let Some(camera) = &mut self.camera {
             camera.look_from(direction);
         }
@@ -98,13 +98,13 @@ impl View3d {
 
     /// Advances the transition (smoothstep); `true` while it runs. `time` in seconds.
     pub fn advance(&mut self, time: f64) -> bool {
-        let Some(flight) = self.flight else { return false };
-        let share = ((time - flight.start) / FLIGHT).clamp(0.0, 1.0) as f32;
-        self.camera = Some(flight.from.towards(&flight.to, share * share * (3.0 - 2.0 * share)));
+        let Some(flight) = self.transition else { return false };
+        let share = ((time - flight.start) / TRANSITION_S).clamp(0.0, 1.0) as f32;
+        self.camera = Some(flight.from.interpolate_to(&flight.to, share * share * (3.0 - 2.0 * share)));
         if share >= 1.0 {
-            self.flight = None;
+            self.transition = None;
         }
-        self.flight.is_some()
+        self.transition.is_some()
     }
 
     /// Switches between perspective and parallel projection.
@@ -118,7 +118,7 @@ impl View3d {
     }
 
     /// Fits the whole wheel into the view, keeping the view direction.
-    pub fn fit(&mut self, framing: &Framing) {
+    pub fn fit(&mut self, framing: &ViewTargets) {
         let aspect = self.aspect;
         if let Some(camera) = &mut self.camera {
             camera.fit_points(&framing.wheel_outline, aspect);
@@ -127,7 +127,7 @@ impl View3d {
 
     /// The camera for a picture of `size` points; applies a requested standard view. A standard view that was
     /// not moved since is fitted again when the aspect ratio changes.
-    pub fn camera(&mut self, framing: &Framing, size: Vec2) -> Camera {
+    pub fn camera(&mut self, framing: &ViewTargets, size: Vec2) -> Camera {
         let aspect = size.x / size.y.max(1.0);
         let reshaped = aspect != self.aspect;
         self.aspect = aspect;
@@ -155,16 +155,16 @@ impl View3d {
         ui: &Ui,
         response: &Response,
         preset: MousePreset,
-        hit: impl Fn(&Camera, glam::Vec2) -> Hit,
+        hit: impl Fn(&Camera, glam::Vec2) -> ViewHit,
     ) -> Option<Pos2> {
         let moved = response.drag_started() || ui.input(|i| i.smooth_scroll_delta.y) != 0.0;
         if moved && response.contains_pointer() {
-            self.flight = None;
+            self.transition = None;
         }
         let camera = self.camera.as_mut()?;
         let rect = response.rect;
         let size = glam::vec2(rect.width(), rect.height());
-        let hit = |camera: &Camera, at: Pos2| hit(camera, pixel(rect, at));
+        let hit = |camera: &Camera, at: Pos2| hit(camera, view_point(rect, at));
         let cursor = response.interact_pointer_pos().or(response.hover_pos());
         if response.drag_started()
             && let Some(at) = ui.input(|i| i.pointer.press_origin())
@@ -205,12 +205,12 @@ impl View3d {
 }
 
 /// Point of the window, in points from the corner of the view `rect`.
-pub fn pixel(rect: Rect, at: Pos2) -> glam::Vec2 {
+pub fn view_point(rect: Rect, at: Pos2) -> glam::Vec2 {
     glam::vec2(at.x - rect.min.x, at.y - rect.min.y)
 }
 
 /// Allocates the area of a view, with its accessible name.
-pub fn area(ui: &mut Ui, rect: Rect, name: &str) -> Response {
+pub fn view_response(ui: &mut Ui, rect: Rect, name: &str) -> Response {
     let response = ui.interact(rect, ui.scope_id().with(name), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     response

@@ -17,21 +17,21 @@ use crate::plunge::inspect::feed_direction;
 use super::App;
 use super::cube;
 use super::export::device_problem;
-use super::look::{Across, Arrangement, Section};
-use super::overlay::{self, Choice, Values};
+use super::look::{Arrangement, PlaneOrientation, SectionPlaneLook};
+use super::overlay::{self, SwitchChoice, Values};
 use super::panels::part;
-use super::picture::{Content, FloorStock};
+use super::picture::{Content, FloorValues};
 use super::planned::Side;
-use super::state::State;
+use super::state::AppState;
 use super::theme;
-use super::view3d::{self, Hit, pixel};
+use super::view3d::{self, ViewHit, view_point};
 
 /// Delay after the last camera move until the fine picture is drawn.
 const SMOOTH_AFTER: Duration = Duration::from_millis(150);
 
 /// Properties of the screen that a picture depends on.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Glass {
+pub(super) struct ScreenInfo {
     /// Physical pixels per point.
     pub scale: f32,
     /// Light or dark.
@@ -56,14 +56,14 @@ impl App {
         if self.state.document.part.is_none() {
             ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
             if let Some(wish) = part::empty_state(ui, &self.state, &self.engine.samples) {
-                self.grant(ui.ctx(), wish);
+                self.apply_action(ui.ctx(), wish);
             }
             return;
         }
         let whole = ui.available_rect_before_wrap();
         ui.allocate_rect(whole, Sense::hover());
         let dark = ui.visuals().dark_mode;
-        self.glass = Glass {
+        self.screen = ScreenInfo {
             scale: ui.pixels_per_point(),
             theme: if dark { crate::gpu::Theme::Dark } else { crate::gpu::Theme::Light },
             size: whole.size(),
@@ -76,7 +76,7 @@ impl App {
         let size = panes[0].rect.size();
         self.view.camera(&framing, size);
         if std::mem::take(&mut self.state.look.fly) {
-            self.fly_to_selection(ui.input(|i| i.time));
+            self.zoom_to_selection(ui.input(|i| i.time));
         }
         if self.view.advance(ui.input(|i| i.time)) {
             ui.ctx().request_repaint();
@@ -91,14 +91,14 @@ impl App {
             self.draw(ui, pane, camera, moving);
         }
         self.note_first_picture();
-        self.over(ui, whole, &panes, camera);
+        self.draw_overlays(ui, whole, &panes, camera);
     }
 
     /// The views of the arrangement, with their accessible names.
     fn panes(&mut self, ui: &mut Ui, whole: Rect) -> Vec<Pane> {
         match self.state.look.arrangement {
             Arrangement::One => {
-                let response = view3d::area(ui, whole, "3D view");
+                let response = view3d::view_response(ui, whole, "3D view");
                 vec![Pane { side: self.state.look.side, rect: whole, visible: whole, response }]
             }
             Arrangement::Both => {
@@ -106,12 +106,12 @@ impl App {
                 [(Side::Before, left, "3D view, before"), (Side::After, right, "3D view, after")]
                     .map(|(side, rect, name)| {
                         let rect = rect.shrink2(egui::vec2(0.5, 0.0));
-                        Pane { side, rect, visible: rect, response: view3d::area(ui, rect, name) }
+                        Pane { side, rect, visible: rect, response: view3d::view_response(ui, rect, name) }
                     })
                     .into()
             }
             Arrangement::Wipe => {
-                let response = view3d::area(ui, whole, "3D view");
+                let response = view3d::view_response(ui, whole, "3D view");
                 let border = self.wipe_handle(ui, whole);
                 let (left, right) = whole.split_left_right_at_x(border);
                 [(Side::Before, left), (Side::After, right)]
@@ -152,7 +152,7 @@ impl App {
         let clicked =
             self.view.mouse(ui, &pane.response, preset, |camera, at| picture.hit(camera, &options, at, size));
         let Some((at, camera)) = clicked.zip(self.view.current()) else { return };
-        let at = pixel(pane.rect, at);
+        let at = view_point(pane.rect, at);
         if let Some(points) = &mut self.state.look.measure {
             if points.len() >= 2 {
                 points.clear();
@@ -167,7 +167,7 @@ impl App {
                 }
                 self.state.look.select(position);
             }
-            Err(error) => self.state.fault(device_problem(&error)),
+            Err(error) => self.state.report_problem(device_problem(&error)),
         }
     }
 
@@ -176,7 +176,7 @@ impl App {
         let options = SceneOptions { show_borders: true, ..self.options(pane.side) };
         let flank = self.shown_flank();
         let borders = self.border_segments(ui.visuals());
-        let coming = self.state.coming_on(pane.side);
+        let coming = self.state.preview_on(pane.side);
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || coming.is_some();
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
@@ -184,7 +184,7 @@ impl App {
         };
         picture.load_flank(flank);
         picture.load(content);
-        picture.load_coming(coming);
+        picture.load_preview(coming);
         picture.load_borders(borders);
         // The first picture is coarse, too, to appear sooner.
         let moving = moving || !picture.has_drawn();
@@ -201,19 +201,20 @@ impl App {
 
     /// Plan content of a side's picture.
     pub(super) fn content(&self, side: Side) -> Option<Content> {
-        let shown = self.state.on(side)?;
+        let shown = self.state.shown_on(side)?;
         // Plans of different setups have different floors.
-        let other = self.state.on(side.other()).filter(|other| Arc::ptr_eq(other.planned, shown.planned));
+        let other =
+            self.state.shown_on(side.other()).filter(|other| Arc::ptr_eq(other.planned, shown.planned));
         let other = other.map(|other| other.policy);
-        let floor = match (self.state.look.cut, other) {
+        let floor = match (self.state.look.cut_count, other) {
             (_, Some(other)) if self.state.look.difference && side == Side::After => {
-                FloorStock::MoreThan(other)
+                FloorValues::MoreThan(other)
             }
             (Some(_), _) => {
                 let heights = self.scrubbed.heights(shown.planned, shown.policy);
-                heights.map_or(FloorStock::Final, FloorStock::Heights)
+                heights.map_or(FloorValues::Final, FloorValues::Heights)
             }
-            (None, _) => FloorStock::Final,
+            (None, _) => FloorValues::Final,
         };
         Some(Content { planned: Arc::clone(shown.planned), policy: shown.policy, floor })
     }
@@ -225,7 +226,7 @@ impl App {
     }
 
     /// Draws the controls over the views.
-    fn over(&mut self, ui: &mut Ui, whole: Rect, panes: &[Pane], camera: Camera) {
+    fn draw_overlays(&mut self, ui: &mut Ui, whole: Rect, panes: &[Pane], camera: Camera) {
         let values = self.values_under_cursor(panes, &camera);
         if panes.len() > 1 {
             let x = panes[1].visible.left();
@@ -233,9 +234,9 @@ impl App {
             ui.painter().line_segment([egui::pos2(x, whole.top()), egui::pos2(x, whole.bottom())], line);
         }
         for pane in panes {
-            let coming = self.state.coming_on(pane.side);
+            let coming = self.state.preview_on(pane.side);
             if self.state.is_stale(pane.side) || coming.is_some() {
-                overlay::in_the_making(ui, pane.visible, self.state.is_stale(pane.side), coming);
+                overlay::preview_badge(ui, pane.visible, self.state.is_stale(pane.side), coming);
             }
         }
         if let Some(points) = self.state.look.measure.clone() {
@@ -247,11 +248,11 @@ impl App {
         self.section_borders(ui, panes, &camera);
         overlay::legend(ui, whole, &mut self.state, values);
         match overlay::side_switch(ui, whole, &self.state.look) {
-            Some(Choice::Side(side)) => {
+            Some(SwitchChoice::Side(side)) => {
                 self.state.look.arrangement = Arrangement::One;
                 self.state.show(side);
             }
-            Some(Choice::Arrange(arrangement)) => self.arrange(arrangement),
+            Some(SwitchChoice::Arrange(arrangement)) => self.arrange(arrangement),
             None => {}
         }
         for pane in panes {
@@ -260,13 +261,13 @@ impl App {
         }
         overlay::layers(ui, whole, &mut self.state.look.layers);
         if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
-            self.obey(ui.ctx(), command);
+            self.run_command(ui.ctx(), command);
         }
         self.point_menu(panes, &camera);
         let reach = camera.bounds.1;
         overlay::section_bar(ui, whole, &mut self.state.look, reach);
         if let Some(command) = overlay::view_buttons(ui, whole) {
-            self.obey(ui.ctx(), command);
+            self.run_command(ui.ctx(), command);
         }
         let corner = whole.right_top() + egui::vec2(-42.0, 84.0);
         if whole.height() > 300.0
@@ -298,7 +299,8 @@ impl App {
         let hover = known.or_else(|| {
             let options = self.options(pane.side);
             let pictures = self.pictures.as_mut()?;
-            let hit = pictures.side(pane.side)?.hit(camera, &options, pixel(pane.rect, at), pane.rect.size());
+            let hit =
+                pictures.side(pane.side)?.hit(camera, &options, view_point(pane.rect, at), pane.rect.size());
             let other = (panes.len() > 1)
                 .then(|| hit.point.filter(|_| hit.stock.is_some()))
                 .flatten()
@@ -318,7 +320,7 @@ impl App {
     }
 
     /// Zooms to the selected position.
-    pub(super) fn fly_to_selection(&mut self, time: f64) {
+    pub(super) fn zoom_to_selection(&mut self, time: f64) {
         let Some(shown) = self.state.shown() else { return };
         let Some(position) = self.state.selected() else { return };
         let radius = shown.plan().sections.get(position.section).map_or(10.0, |s| s.tool.radius());
@@ -335,7 +337,7 @@ impl App {
         let walls = state.shown_deviation();
         let difference = look.difference && side == Side::After;
         let (low, high) = state.range();
-        let count = state.on(side).map_or(0, |shown| shown.plan().positions.len());
+        let count = state.shown_on(side).map_or(0, |shown| shown.plan().positions.len());
         SceneOptions {
             show_hub: layers.hub,
             // The blades would hide the wall values.
@@ -356,10 +358,10 @@ impl App {
                 None if difference => (-high, high),
                 None => (low, high),
             },
-            theme: self.glass.theme,
-            at: look.cut.filter(|&cut| cut < count || cut == 0),
+            theme: self.screen.theme,
+            up_to: look.cut_count.filter(|&cut| cut < count || cut == 0),
             selected: look.selected.filter(|_| side == look.side),
-            pixel_scale: self.glass.scale,
+            pixel_scale: self.screen.scale,
             section: look.section.and_then(|section| section_plane(state, section)),
             ..SceneOptions::default()
         }
@@ -372,21 +374,21 @@ pub(super) struct Hover {
     at: Pos2,
     side: Side,
     camera: Camera,
-    hit: Hit,
+    hit: ViewHit,
     other: Option<f32>,
 }
 
 /// The section plane in the part's frame; `None` if it needs a position and there is none.
-fn section_plane(state: &State, section: Section) -> Option<SectionPlane> {
+fn section_plane(state: &AppState, section: SectionPlaneLook) -> Option<SectionPlane> {
     let part = &state.document.part.as_ref()?.impeller;
     let (normal, through) = match section.across {
-        Across::X => (Vec3::X, Vec3::ZERO),
-        Across::Y => (Vec3::Y, Vec3::ZERO),
-        Across::Z => {
+        PlaneOrientation::X => (Vec3::X, Vec3::ZERO),
+        PlaneOrientation::Y => (Vec3::Y, Vec3::ZERO),
+        PlaneOrientation::Z => {
             let middle = 0.5 * (part.hub.point(0.0).z + part.hub.point(1.0).z);
             (Vec3::Z, Vec3::Z * middle as f32)
         }
-        Across::Row => {
+        PlaneOrientation::Row => {
             let plan = state.shown()?.plan();
             let k = state.look.selected.unwrap_or(plan.positions.len() / 2);
             let position = plan.positions.get(k)?;

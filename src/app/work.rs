@@ -7,23 +7,23 @@ use std::time::Duration;
 use crate::formats::InputError;
 use crate::formats::project_file::{Project, read_project};
 use crate::formats::setup_file::read_setup;
-use crate::gpu::device::LOST;
+use crate::gpu::device::DEVICE_LOST_PREFIX;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
-use crate::job::worker::{End, Worker};
+use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
 use crate::part::Setup;
 
 use super::App;
-use super::coming::Slot;
+use super::coming::PreviewSlot;
 use super::dialogs::Purpose;
 use super::document::{Edited, OpenPart};
 use super::engine::{Engine, PartSource, PlanTask};
 use super::files::{self, WriteTask, Written};
 use super::picture::PartMeshes;
-use super::planned::Planned;
+use super::planned::DisplayPlan;
 use super::project::{Pending, edited_of, source_of};
-use super::roles::{Untold, asked_in_words};
+use super::roles::{UnassignedRoles, hint_for_dialog};
 use super::state::Problem;
 
 /// A task of the opening thread.
@@ -60,7 +60,7 @@ pub(super) struct Opened {
     setup: Option<(PathBuf, Setup)>,
     project: Option<(PathBuf, Project)>,
     /// A mesh file whose nodes need roles first.
-    untold: Option<Untold>,
+    untold: Option<UnassignedRoles>,
 }
 
 /// Runs an opening task. A mesh file that is not a valid part is returned with its nodes and the error.
@@ -78,7 +78,8 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
             (part.clone(), setup.as_ref().map(|path| (path, defaults.as_ref())), None)
         }
         OpenTask::Nodes(source) => {
-            let nodes = source.mesh().map(|(path, said)| Untold::read(path, &said, task.clone(), None));
+            let nodes =
+                source.mesh().map(|(path, said)| UnassignedRoles::read(path, &said, task.clone(), None));
             return Ok(Opened { untold: nodes.transpose()?, ..Opened::default() });
         }
     };
@@ -100,7 +101,7 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
         Err(error) => {
             let nodes = source
                 .mesh()
-                .and_then(|(path, said)| Untold::read(path, &said, task.clone(), Some(&error)).ok());
+                .and_then(|(path, said)| UnassignedRoles::read(path, &said, task.clone(), Some(&error)).ok());
             match nodes {
                 Some(untold) => Ok(Opened { untold: Some(untold), ..Opened::default() }),
                 // Roles cannot solve this error.
@@ -113,13 +114,13 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
 /// The background threads.
 pub(super) struct Work {
     opener: Worker<OpenTask, Opened, InputError>,
-    planner: Worker<PlanTask, Planned, JobError>,
+    planner: Worker<PlanTask, DisplayPlan, JobError>,
     flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     writer: Worker<WriteTask, Written, InputError>,
     /// Slot through which the planner passes its preview.
-    coming: Slot,
+    coming: PreviewSlot,
     /// The last request to the planner.
-    asked: Option<Asked>,
+    asked: Option<PlanKey>,
     /// Number of the planner's last task.
     tasks: u64,
 }
@@ -135,7 +136,7 @@ impl Work {
             move || ctx.request_repaint()
         };
         let (to_open, to_plan, to_flank) = (engine.clone(), engine.clone(), engine.clone());
-        let coming = Slot::default();
+        let coming = PreviewSlot::default();
         let plan = {
             let (slot, notify) = (coming.clone(), repaint());
             move |task: &PlanTask, monitor: &Monitor| to_plan.planned(task, monitor, &slot, &notify)
@@ -158,9 +159,9 @@ impl Work {
     /// Cancels planning and drops the results.
     pub(super) fn planner_cancel(&mut self) {
         self.planner.cancel();
-        let _ = self.planner.take_end();
+        let _ = self.planner.take_outcome();
         self.flanker.cancel();
-        let _ = self.flanker.take_end();
+        let _ = self.flanker.take_outcome();
         self.asked = None;
     }
 
@@ -217,7 +218,7 @@ impl App {
     fn submit_plan(&mut self, draft: bool) {
         let Some(part) = &self.state.document.part else { return };
         self.state.notice = None;
-        let asked = Asked {
+        let asked = PlanKey {
             setup: self.state.document.edited.setup.clone(),
             compare: self.state.compare && !draft,
             draft,
@@ -236,9 +237,9 @@ impl App {
 
     /// Plans edits automatically if auto-update is on. `held`: a mouse button is down, so that more edits
     /// will follow.
-    pub(super) fn follow_edits(&mut self, held: bool) {
-        let (true, Some(asked)) = (self.state.follow, &self.work.asked) else { return };
-        let same = asked.setup.same_but_for_flank(&self.state.document.edited.setup);
+    pub(super) fn plan_edits(&mut self, held: bool) {
+        let (true, Some(asked)) = (self.state.auto_update, &self.work.asked) else { return };
+        let same = asked.setup.equals_except_flank(&self.state.document.edited.setup);
         let enough = held || (!asked.draft && asked.compare == self.state.compare);
         if same && enough {
             return;
@@ -246,13 +247,13 @@ impl App {
         // While a slider is held, let the task finish if it is past half way. Also wait for its first checked
         // stage: otherwise continuous movement would restart planning before anything is shown.
         let worth_waiting = self.work.planner.progress().is_some_and(|fraction| {
-            let told = self
+            let has_stage = self
                 .state
                 .results
-                .coming
+                .preview
                 .as_ref()
-                .is_some_and(|coming| coming.task == self.work.tasks && coming.is_anything_judged());
-            !told || fraction > 0.5
+                .is_some_and(|coming| coming.task == self.work.tasks && coming.has_checked_stage());
+            !has_stage || fraction > 0.5
         });
         if !(held && worth_waiting) {
             self.submit_plan(held);
@@ -263,9 +264,9 @@ impl App {
     fn collect_coming(&mut self) {
         let coming = self.work.coming.take().filter(|coming| coming.task == self.work.tasks);
         if !self.work.planner.is_busy() {
-            self.state.results.coming = None;
+            self.state.results.preview = None;
         } else if coming.is_some() {
-            self.state.results.coming = coming;
+            self.state.results.preview = coming;
         }
     }
 
@@ -285,65 +286,67 @@ impl App {
         self.work.flanker.submit(FlankRequest { part: Arc::clone(&part.impeller), setup });
     }
 
-    fn take_flank(&mut self, end: End<FlankOutcome, JobError>) {
+    fn take_flank(&mut self, end: Outcome<FlankOutcome, JobError>) {
         match end {
-            End::Done(outcome) => {
+            Outcome::Done(outcome) => {
                 let part = self.state.document.part.as_ref();
                 if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &outcome.part)) {
                     self.state.take_flank(outcome);
                 }
             }
-            End::Cancelled | End::Failed(JobError::Cancelled) => self.state.done("Calculation cancelled"),
-            End::Failed(JobError::Setup(fault)) => {
-                self.state.fault(Problem::of_plan(fault.what, fault.cure));
+            Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => {
+                self.state.report_done("Calculation cancelled")
             }
-            End::Broken(what) => self.state.fault(broken("Flank calculation", &what)),
+            Outcome::Failed(JobError::Setup(fault)) => {
+                self.state.report_problem(Problem::from_planning(fault.what, fault.cure));
+            }
+            Outcome::Panicked(what) => self.state.report_problem(panic_problem("Flank calculation", &what)),
         }
     }
 
     /// Handles the results of finished tasks.
     pub(super) fn collect(&mut self, ctx: &egui::Context) {
-        if let Some((_, end)) = self.work.opener.take_end() {
+        if let Some((_, end)) = self.work.opener.take_outcome() {
             self.state.opening = None;
-            self.roles.stop_waiting();
+            self.roles.enable();
             match end {
-                End::Done(opened) => self.take_opened(opened),
-                End::Cancelled => self.state.done("Opening cancelled"),
-                End::Failed(error) => self.state.fault(Problem::from(&error)),
-                End::Broken(what) => self.state.fault(broken("Opening", &what)),
+                Outcome::Done(opened) => self.take_opened(opened),
+                Outcome::Cancelled => self.state.report_done("Opening cancelled"),
+                Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
+                Outcome::Panicked(what) => self.state.report_problem(panic_problem("Opening", &what)),
             }
         }
-        if let Some((_, end)) = self.work.planner.take_end() {
+        if let Some((_, end)) = self.work.planner.take_outcome() {
             match end {
-                End::Done(planned) => {
+                Outcome::Done(planned) => {
                     // Drop the plan of a part that was replaced meanwhile.
                     let part = self.state.document.part.as_ref();
                     if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &planned.outcome.part)) {
                         self.state.take_plan(planned);
                     }
                 }
-                End::Cancelled | End::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
-                End::Failed(JobError::Setup(fault)) => {
-                    self.state.fault(Problem::of_plan(fault.what, fault.cure));
+                Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
+                Outcome::Failed(JobError::Setup(fault)) => {
+                    self.state.report_problem(Problem::from_planning(fault.what, fault.cure));
                 }
-                End::Broken(what) => self.state.fault(broken("Calculation", &what)),
+                Outcome::Panicked(what) => self.state.report_problem(panic_problem("Calculation", &what)),
             }
         }
         self.collect_coming();
-        if let Some((_, end)) = self.work.flanker.take_end() {
+        if let Some((_, end)) = self.work.flanker.take_outcome() {
             self.take_flank(end);
         }
-        if let Some((_, end)) = self.work.writer.take_end() {
+        if let Some((_, end)) = self.work.writer.take_outcome() {
             match end {
-                End::Done(written) => {
-                    self.state.done(written.text);
+                Outcome::Done(written) => {
+                    self.state.report_done(written.text);
                     if let Some((path, edited)) = written.project {
                         self.note_saved(ctx, path, edited);
                     }
                 }
-                End::Cancelled => {}
-                End::Failed(error) => self.state.fault(Problem::from(&error)),
-                End::Broken(what) => self.state.fault(broken("Writing", &what)),
+                Outcome::Cancelled => {}
+                Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
+                Outcome::Panicked(what) => self.state.report_problem(panic_problem("Writing", &what)),
             }
         }
         self.collect_device_faults(ctx);
@@ -352,12 +355,12 @@ impl App {
     /// Handles errors reported by the graphics device.
     pub(super) fn collect_device_faults(&mut self, ctx: &egui::Context) {
         let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
-        let lost = errors.iter().find(|error| error.starts_with(LOST));
+        let lost = errors.iter().find(|error| error.starts_with(DEVICE_LOST_PREFIX));
         let Some(error) = lost.or(errors.last()) else { return };
         let line = error.lines().next().unwrap_or_default();
         // Save the work first, whatever happens to the device.
         self.copy_now();
-        if lost.is_some() && self.leave(ctx, line) {
+        if lost.is_some() && self.hand_over(ctx, line) {
             return;
         }
         let problem = Problem::new(
@@ -366,12 +369,12 @@ impl App {
         );
         if lost.is_some() {
             // The window itself may not be able to draw any more.
-            eprintln!("vanecut: {}; {}", problem.what, problem.cure);
+            eprintln!("vanecut: {}; {}", problem.message, problem.help);
             self.pictures = None;
             self.hover = None;
             "no 3D view".clone_into(&mut self.device);
         }
-        self.state.fault(problem);
+        self.state.report_problem(problem);
     }
 
     fn take_opened(&mut self, opened: Opened) {
@@ -404,7 +407,7 @@ impl App {
             }
             let part = self.state.document.part.as_ref();
             for note in part.map(|part| part.impeller.notes.clone()).unwrap_or_default() {
-                self.state.fault(Problem::new(asked_in_words(&note), ""));
+                self.state.report_problem(Problem::new(hint_for_dialog(&note), ""));
             }
             self.view.reset();
             self.hover = None;
@@ -413,7 +416,7 @@ impl App {
             }
         }
         if let Some((path, setup)) = setup {
-            self.state.done(format!("Opened {}", path.display()));
+            self.state.report_done(format!("Opened {}", path.display()));
             self.state.document.edited.setup = setup;
         }
         if let Some((path, project)) = project {
@@ -428,7 +431,7 @@ impl App {
     /// Reads or writes a chosen file in the background.
     pub fn file_chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         match purpose {
-            Purpose::OpenPart | Purpose::OpenProject => self.guarded(ctx, Pending::Open(path)),
+            Purpose::OpenPart | Purpose::OpenProject => self.run_guarded(ctx, Pending::Open(path)),
             Purpose::SaveProject => self.write_project(path),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
             Purpose::SaveSetup => {
@@ -455,15 +458,15 @@ impl App {
 }
 
 /// A request to the planner.
-struct Asked {
+struct PlanKey {
     setup: Setup,
     compare: bool,
     draft: bool,
 }
 
 /// Problem message for a panic of a background task.
-fn broken(what: &str, message: &str) -> Problem {
-    Problem::of_plan(
+fn panic_problem(what: &str, message: &str) -> Problem {
+    Problem::from_planning(
         format!("{what} failed unexpectedly ({message})"),
         "change the setup, or report this with the part file",
     )

@@ -10,7 +10,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::{CutterSolid, Point, Vector, search, wrap_angle};
-use crate::part::{BladeSide, Impeller, Nearest, Passage, SideProbe};
+use crate::part::{BladeSide, Impeller, NearestOnSide, Passage, SideProbe};
 
 /// The largest cylinder at one station.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +64,7 @@ impl FacingWall {
     }
 
     /// The nearer of side and flank, by `distance`.
-    fn nearest(&self, distance: impl Fn(&SideProbe) -> Nearest) -> (&BladeSide, Nearest) {
+    fn nearest(&self, distance: impl Fn(&SideProbe) -> NearestOnSide) -> (&BladeSide, NearestOnSide) {
         let whole = (self.whole.side(), distance(&self.whole));
         let flank = self.flank.as_ref().map(|probe| (probe.side(), distance(probe)));
         match flank {
@@ -75,14 +75,14 @@ impl FacingWall {
 }
 
 /// The free parameters of an axis: angle of the foot, angle of the upper end, s of the upper end.
-type Axis = Vector3<f64>;
+type AxisParameters = Vector3<f64>;
 
 /// Signed clearance of an axis from a third of a wall, mm, and its gradient in the three parameters, each
 /// measured in mm at the end it moves.
 #[derive(Clone, Copy, Debug)]
-struct Clearance {
+struct WallClearance {
     distance: f64,
-    slope: Vector3<f64>,
+    gradient: Vector3<f64>,
 }
 
 /// The walls in thirds of their height: within a third the nearest point moves smoothly with the axis.
@@ -93,7 +93,7 @@ const STARTS: [f64; 3] = [0.0, 0.25, -0.25];
 /// Starts of the upper end between the walls.
 const STARTS_ACROSS: [f64; 3] = [0.5, 0.2, 0.8];
 /// Maximum difference of s between upper end and foot.
-const MOST_TILT: f64 = 0.4;
+const MAX_S_OFFSET: f64 = 0.4;
 /// Length of the extension of the walls beyond the trailing edge, in u.
 const RUN_ON: f64 = 0.4;
 
@@ -116,7 +116,7 @@ impl<'a> WallPair<'a> {
             let top = self.passage.wall_angles(self.part, s + ahead, 1.0);
             let across = STARTS_ACROSS.iter();
             across.filter_map(move |share| {
-                top.map(|[low, high]| Axis::new(foot, low + share * (high - low), s + ahead))
+                top.map(|[low, high]| AxisParameters::new(foot, low + share * (high - low), s + ahead))
             })
         });
         let (clearance, axis) =
@@ -124,14 +124,14 @@ impl<'a> WallPair<'a> {
         let (foot, _, direction) = self.line(s, &axis);
         // Past the end of a wall an axis could be clear of it only because nothing is near: bound the
         // clearance by that of the foot.
-        let clearance = clearance.min(self.room_at(&foot));
+        let clearance = clearance.min(self.wall_distance(&foot));
         let section_width = self.section_width(s, walls).max(2.0 * clearance);
         let diameter = 2.0 * clearance;
         (clearance > 0.0).then_some(LargestCutter { s, diameter, section_width, foot, axis: direction })
     }
 
     /// Distance from `point` to the nearer wall, mm.
-    fn room_at(&self, point: &Point) -> f64 {
+    fn wall_distance(&self, point: &Point) -> f64 {
         let distance = |wall: &FacingWall| wall.nearest(|probe| probe.nearest_to_point(point)).1.distance;
         distance(&self.walls[0]).min(distance(&self.walls[1]))
     }
@@ -140,31 +140,31 @@ impl<'a> WallPair<'a> {
     /// search: the distance to the nearer wall decreases towards either of them.
     fn section_width(&self, s: f64, [low, high]: [f64; 2]) -> f64 {
         let hub = self.part.hub.point(s);
-        let room = |share: f64| -self.room_at(&hub.at_angle(low + share * (high - low)));
+        let room = |share: f64| -self.wall_distance(&hub.at_angle(low + share * (high - low)));
         -2.0 * search::minimum(room, 0.0, 1.0, 1e-6).1
     }
 
     /// `axis` with its ends clamped between the walls, given the angles of the walls at the foot.
-    fn held_between(&self, s: f64, foot: [f64; 2], axis: Axis) -> Axis {
+    fn clamp_between_walls(&self, s: f64, foot: [f64; 2], axis: AxisParameters) -> AxisParameters {
         let between = |angle: f64, [a, b]: [f64; 2]| angle.clamp(a.min(b), a.max(b));
-        let upper = axis.z.clamp(s - MOST_TILT, s + MOST_TILT);
+        let upper = axis.z.clamp(s - MAX_S_OFFSET, s + MAX_S_OFFSET);
         let top = self.passage.wall_angles(self.part, upper, 1.0);
         // Angles of the walls may differ from those of the axis by whole turns.
         let top = top.map(|[low, high]| {
             let near = axis.y + wrap_angle(0.5 * (low + high) - axis.y) - 0.5 * (low + high);
             [low + near, high + near]
         });
-        Axis::new(between(axis.x, foot), top.map_or(axis.y, |walls| between(axis.y, walls)), upper)
+        AxisParameters::new(between(axis.x, foot), top.map_or(axis.y, |walls| between(axis.y, walls)), upper)
     }
 
     /// Local maximum of the minimum clearance from a start axis; returns that clearance and the axis.
     ///
     /// The minimum of six clearances has kinks, so a smooth minimum is maximised instead, sharpened in
     /// stages. The returned clearance is the exact one.
-    fn best_from(&self, s: f64, walls: [f64; 2], start: Axis) -> (f64, Axis) {
-        let mut axis = self.held_between(s, walls, start);
+    fn best_from(&self, s: f64, walls: [f64; 2], start: AxisParameters) -> (f64, AxisParameters) {
+        let mut axis = self.clamp_between_walls(s, walls, start);
         let mut here = self.clearances(s, &axis);
-        let mut best = (least(&here), axis);
+        let mut best = (min_clearance(&here), axis);
         // Units of the parameters per millimetre.
         let unit = Vector3::new(
             1.0 / self.part.hub.point(s).r.max(1e-6),
@@ -177,14 +177,14 @@ impl<'a> WallPair<'a> {
             for _ in 0..10 {
                 let Some(step) = ascent(&here, sharpness, damping) else { break };
                 let step = step.map(|x| x.clamp(-0.5 * size, 0.5 * size)).component_mul(&unit);
-                let next = self.held_between(s, walls, axis + step);
+                let next = self.clamp_between_walls(s, walls, axis + step);
                 let there = self.clearances(s, &next);
-                if smooth_least(&there, sharpness) > smooth_least(&here, sharpness) {
+                if smooth_min_clearance(&there, sharpness) > smooth_min_clearance(&here, sharpness) {
                     let moved = (next - axis).component_div(&unit).norm();
                     (axis, here) = (next, there);
                     damping *= 0.2;
-                    if least(&here) > best.0 {
-                        best = (least(&here), axis);
+                    if min_clearance(&here) > best.0 {
+                        best = (min_clearance(&here), axis);
                     }
                     if moved < 1e-4 * size {
                         break;
@@ -201,13 +201,13 @@ impl<'a> WallPair<'a> {
     }
 
     /// Foot, upper end and unit direction of an axis.
-    fn line(&self, s: f64, axis: &Axis) -> (Point, Point, Vector) {
+    fn line(&self, s: f64, axis: &AxisParameters) -> (Point, Point, Vector) {
         let foot = self.part.hub.point(s).at_angle(axis.x);
         let top = self.part.shroud.point(axis.z).at_angle(axis.y);
         (foot, top, (top - foot).normalize())
     }
 
-    fn clearances(&self, s: f64, axis: &Axis) -> [Clearance; 6] {
+    fn clearances(&self, s: f64, axis: &AxisParameters) -> [WallClearance; 6] {
         let (foot, top, direction) = self.line(s, axis);
         let height = (top - foot).norm();
         let turn = |p: &Point| {
@@ -227,9 +227,9 @@ impl<'a> WallPair<'a> {
             let sign = if inside { 1.0 } else { -1.0 };
             let unit = away.try_normalize(1e-12).unwrap_or_else(Vector::zeros) * sign;
             let share = up / height;
-            Clearance {
+            WallClearance {
                 distance: sign * near.distance,
-                slope: Vector3::new(
+                gradient: Vector3::new(
                     (1.0 - share) * unit.dot(&turn(&foot)),
                     share * unit.dot(&turn(&top)),
                     share * unit.dot(&along_shroud),
@@ -239,27 +239,27 @@ impl<'a> WallPair<'a> {
     }
 }
 
-fn least(clearances: &[Clearance; 6]) -> f64 {
+fn min_clearance(clearances: &[WallClearance; 6]) -> f64 {
     clearances.iter().map(|c| c.distance).fold(f64::INFINITY, f64::min)
 }
 
 /// −ln Σ exp(−k·c) / k: below the minimum clearance by at most ln 6 / k.
-fn smooth_least(clearances: &[Clearance; 6], sharpness: f64) -> f64 {
-    let least = least(clearances);
+fn smooth_min_clearance(clearances: &[WallClearance; 6], sharpness: f64) -> f64 {
+    let least = min_clearance(clearances);
     let sum: f64 = clearances.iter().map(|c| (-sharpness * (c.distance - least)).exp()).sum();
     least - sum.ln() / sharpness
 }
 
 /// Damped Newton step of the smooth minimum, in mm, from the gradients of the clearances.
-fn ascent(clearances: &[Clearance; 6], sharpness: f64, damping: f64) -> Option<Vector3<f64>> {
-    let least = least(clearances);
+fn ascent(clearances: &[WallClearance; 6], sharpness: f64, damping: f64) -> Option<Vector3<f64>> {
+    let least = min_clearance(clearances);
     let weights = clearances.map(|c| (-sharpness * (c.distance - least)).exp());
     let total: f64 = weights.iter().sum();
     let mut slope = Vector3::zeros();
     let mut bend = Matrix3::zeros();
     for (c, weight) in clearances.iter().zip(weights) {
-        slope += c.slope * (weight / total);
-        bend += c.slope * c.slope.transpose() * (weight / total);
+        slope += c.gradient * (weight / total);
+        bend += c.gradient * c.gradient.transpose() * (weight / total);
     }
     bend -= slope * slope.transpose();
     let step = (bend * sharpness + Matrix3::identity() * damping).try_inverse()? * slope;

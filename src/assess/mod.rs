@@ -15,8 +15,8 @@ pub mod shape;
 mod stand;
 
 use crate::part::{Blade, BladeWall, Channel, Impeller, WallEnvelope};
-use passage::{PassageMeasure, Place};
-use reach::{ReachLimits, ReachMap, Stretch};
+use passage::{PassageKind, PassageMeasure};
+use reach::{ReachLimits, ReachMap, ReachSection};
 use shape::BladeShape;
 
 /// Number of curves per wall in its envelope.
@@ -41,12 +41,12 @@ impl BladeMeasure {
 
     /// Twist, rad.
     pub fn twisting(&self) -> f64 {
-        self.shape.most_twisted().map_or(0.0, |twist| twist.degree)
+        self.shape.max_twist().map_or(0.0, |twist| twist.angle_rad)
     }
 
     /// Maximum gap between a wall and its envelope, mm.
     pub fn envelope_gap(&self) -> f64 {
-        self.envelopes.iter().map(WallEnvelope::greatest_gap).fold(0.0, f64::max)
+        self.envelopes.iter().map(WallEnvelope::max_gap).fold(0.0, f64::max)
     }
 }
 
@@ -65,7 +65,12 @@ pub struct Assessment {
 
 impl Assessment {
     /// Assesses `part` with its `channel`, and the reach of the tools of `stretches`.
-    pub fn of(part: &Impeller, channel: &Channel, stretches: &[Stretch<'_>], limits: &ReachLimits) -> Self {
+    pub fn of(
+        part: &Impeller,
+        channel: &Channel,
+        stretches: &[ReachSection<'_>],
+        limits: &ReachLimits,
+    ) -> Self {
         let blades =
             std::iter::once(&part.main).chain(part.splitters.first()).map(BladeMeasure::of).collect();
         Self {
@@ -82,8 +87,8 @@ impl Assessment {
     }
 
     /// Maximum bow of the blades, mm: distance of the mid section from the straight line between hub and tip.
-    pub fn bending(&self) -> f64 {
-        self.blades.iter().map(|b| b.shape.bend.offset).fold(0.0, f64::max)
+    pub fn max_bow(&self) -> f64 {
+        self.blades.iter().map(|b| b.shape.bow.offset).fold(0.0, f64::max)
     }
 
     /// Maximum depth of the channel, mm; NaN where none could be measured.
@@ -104,7 +109,7 @@ impl Assessment {
     }
 
     /// The measures of one passage.
-    pub fn passage(&self, place: Place) -> Option<&PassageMeasure> {
-        self.passages.iter().find(|p| p.place == place)
+    pub fn passage(&self, place: PassageKind) -> Option<&PassageMeasure> {
+        self.passages.iter().find(|p| p.kind == place)
     }
 }

@@ -7,7 +7,7 @@ use crate::part::{BladeSide, Channel, Impeller, Passage, PassageWidth, SideProbe
 
 /// A passage of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum PassageKind {
     /// Between two main blades.
     Full,
     /// Between the suction side of a main blade and the splitter.
@@ -30,7 +30,7 @@ pub struct WidthStation {
 #[derive(Clone, Debug)]
 pub struct PassageMeasure {
     /// Which passage.
-    pub place: Place,
+    pub kind: PassageKind,
     /// Widths along s; for the full channel also where a splitter divides it.
     pub widths: Vec<WidthStation>,
     /// Largest cutters along s, where only these two walls bound them: in a divided channel ahead of the
@@ -70,8 +70,8 @@ pub fn depths(part: &Impeller, channel: &Channel) -> Vec<(f64, f64)> {
 }
 
 /// A passage with its bounds.
-struct Bounded<'a> {
-    place: Place,
+struct BoundedPassage<'a> {
+    place: PassageKind,
     passage: &'a Passage,
     /// Its walls including noses: a suction side and a pressure side.
     sides: [&'a BladeSide; 2],
@@ -84,27 +84,28 @@ struct Bounded<'a> {
 /// Measures every passage of the channel.
 pub fn measure(part: &Impeller, channel: &Channel) -> Vec<PassageMeasure> {
     let next = part.main.rotated(part.pitch());
-    let full = Bounded {
-        place: Place::Full,
+    let full = BoundedPassage {
+        place: PassageKind::Full,
         passage: &channel.full,
         sides: [&part.main.suction, &next.pressure],
         start: [0.0; 2],
         end: channel.splitter_s.map_or(f64::INFINITY, |[hub, _]| hub),
     };
-    let mut measures = vec![measured(part, &full)];
+    let mut measures = vec![measure_passage(part, &full)];
     if let ([near, far], Some(blade), Some(start)) =
         (&channel.beside_splitter[..], part.splitters.first(), channel.splitter_s)
     {
-        let beside = |place, passage, sides| Bounded { place, passage, sides, start, end: f64::INFINITY };
-        let suction = beside(Place::BesideSuction, near, [&part.main.suction, &blade.pressure]);
-        let pressure = beside(Place::BesidePressure, far, [&blade.suction, &next.pressure]);
-        measures.extend([suction, pressure].iter().map(|bounded| measured(part, bounded)));
+        let beside =
+            |place, passage, sides| BoundedPassage { place, passage, sides, start, end: f64::INFINITY };
+        let suction = beside(PassageKind::BesideSuction, near, [&part.main.suction, &blade.pressure]);
+        let pressure = beside(PassageKind::BesidePressure, far, [&blade.suction, &next.pressure]);
+        measures.extend([suction, pressure].iter().map(|bounded| measure_passage(part, bounded)));
     }
     measures
 }
 
-fn measured(part: &Impeller, bounded: &Bounded<'_>) -> PassageMeasure {
-    let Bounded { passage, start, .. } = bounded;
+fn measure_passage(part: &Impeller, bounded: &BoundedPassage<'_>) -> PassageMeasure {
+    let BoundedPassage { passage, start, .. } = bounded;
     let widths = PassageWidth::new(part, passage);
     let width_at = |s: f64| {
         let width = [0.0, 0.5, 1.0].map(|eta| {
@@ -119,7 +120,7 @@ fn measured(part: &Impeller, bounded: &Bounded<'_>) -> PassageMeasure {
         within.then(|| pair.largest(s)).flatten()
     };
     PassageMeasure {
-        place: bounded.place,
+        kind: bounded.place,
         widths: stations(WIDTH_STEPS).map(width_at).collect(),
         cutters: stations(CUTTER_STEPS).filter_map(cutter_at).collect(),
     }

@@ -5,8 +5,8 @@
 //! holder clears the blades and the turned blank, in which the neighbouring channels may still be solid.
 //! Floor is *reached* where the bottom of a tool on some centre covers it.
 //!
-//! An axis comes **from the outlet** when it is inclined by [`LEAN`] or more from the hub normal of its foot
-//! towards the outlet (α ≤ −[`LEAN`]), so that the spindle is on the side of the outlet. It comes **from the
+//! An axis comes **from the outlet** when it is inclined by [`MIN_INCLINATION`] or more from the hub normal of its foot
+//! towards the outlet (α ≤ −[`MIN_INCLINATION`]), so that the spindle is on the side of the outlet. It comes **from the
 //! inlet** when it is inclined as much towards the inlet. An axis along the normal reaches a point too, but
 //! from neither side. Inclinations along the flow range to `max_tilt` in both directions; across the flow the
 //! axis is interpolated between the walls and pushed off the one it is too near to. Rows that are cut from
@@ -18,13 +18,13 @@
 
 use rayon::prelude::*;
 
-use super::stand::Surroundings;
+use super::stand::ReachObstacles;
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::{Channel, Impeller, Passage, Tool};
 
 /// A section of the channel and its tool.
 #[derive(Clone, Debug)]
-pub struct Stretch<'a> {
+pub struct ReachSection<'a> {
     /// s at the outlet end.
     pub from: f64,
     /// s at the inlet end.
@@ -41,12 +41,12 @@ pub struct ReachLimits {
     /// Stock that stays on the blades, mm.
     pub blade_allowance: f64,
     /// Maximum angle between axis and hub normal along the flow, rad.
-    pub max_tilt: f64,
+    pub max_tilt_rad: f64,
 }
 
 /// The sides from which a point is reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sides {
+pub struct ReachSides {
     /// From the outlet.
     pub outlet: bool,
     /// From the inlet.
@@ -55,7 +55,7 @@ pub struct Sides {
     pub any: bool,
 }
 
-impl Sides {
+impl ReachSides {
     fn or(self, other: Self) -> Self {
         Self {
             outlet: self.outlet || other.outlet,
@@ -88,7 +88,7 @@ pub struct FloorCell {
     /// Area, mm².
     pub area: f64,
     /// The sides from which its middle is reached.
-    pub reached: Sides,
+    pub reached: ReachSides,
 }
 
 impl FloorCell {
@@ -102,7 +102,7 @@ impl FloorCell {
 
 /// Cells of the floor at one s, ordered by angle.
 #[derive(Clone, Debug)]
-pub struct FloorRow {
+pub struct ReachRow {
     /// s.
     pub s: f64,
     /// The cells of all passages at this s.
@@ -113,7 +113,7 @@ pub struct FloorRow {
 #[derive(Clone, Debug)]
 pub struct ReachMap {
     /// Rows from leading edge to rim.
-    pub rows: Vec<FloorRow>,
+    pub rows: Vec<ReachRow>,
 }
 
 /// Rows along s.
@@ -126,20 +126,27 @@ const CENTRES: usize = 15;
 /// Bisections of a border: to 1/500 of the passage.
 const BORDER_STEPS: usize = 5;
 /// Minimum inclination of an axis that comes from one side, and step of the inclinations tested, rad.
-pub const LEAN: f64 = 7.5 * std::f64::consts::PI / 180.0;
+pub const MIN_INCLINATION: f64 = 7.5 * std::f64::consts::PI / 180.0;
 
 impl ReachMap {
     /// The map of the floor of `channel`.
-    pub fn new(part: &Impeller, channel: &Channel, stretches: &[Stretch<'_>], limits: &ReachLimits) -> Self {
-        let surroundings = Surroundings::new(part, channel, limits);
+    pub fn new(
+        part: &Impeller,
+        channel: &Channel,
+        stretches: &[ReachSection<'_>],
+        limits: &ReachLimits,
+    ) -> Self {
+        let surroundings = ReachObstacles::new(part, channel, limits);
         let rows_of = |row: usize| (row as f64 + 0.5) / ROWS as f64;
-        let strips: Vec<Vec<Strip>> = (0..ROWS)
+        let strips: Vec<Vec<FloorStrip>> = (0..ROWS)
             .into_par_iter()
             .map(|row| {
                 let s = rows_of(row);
                 let tool = stretches.iter().find(|x| (x.to..=x.from).contains(&s)).map(|x| x.tool);
                 let passages = passages_at(channel, s).iter();
-                passages.filter_map(|passage| Strip::new(part, passage, s, tool, &surroundings)).collect()
+                passages
+                    .filter_map(|passage| FloorStrip::new(part, passage, s, tool, &surroundings))
+                    .collect()
             })
             .collect();
         let mut centres = Vec::new();
@@ -155,23 +162,23 @@ impl ReachMap {
             .map(|row| {
                 let s = rows_of(row);
                 let Some(walls) = channel.full.wall_angles(part, s, 0.0) else {
-                    return FloorRow { s, cells: Vec::new() };
+                    return ReachRow { s, cells: Vec::new() };
                 };
                 let cells = strips[row].iter().flat_map(|strip| strip.cells(&centres, &surroundings, limits));
                 let cells = cells.map(|cell| cell.across(walls, part.pitch())).collect();
-                FloorRow { s, cells }
+                ReachRow { s, cells }
             })
             .collect();
         Self { rows }
     }
 
     /// Share of the floor, by area, whose sides satisfy `wanted`; NaN without floor.
-    pub fn share(&self, wanted: impl Fn(Sides) -> bool) -> f64 {
+    pub fn share(&self, wanted: impl Fn(ReachSides) -> bool) -> f64 {
         self.share_between(f64::INFINITY, f64::NEG_INFINITY, wanted)
     }
 
     /// As [`Self::share`], of the floor between s = `from` (at the outlet end) and s = `to`.
-    pub fn share_between(&self, from: f64, to: f64, wanted: impl Fn(Sides) -> bool) -> f64 {
+    pub fn share_between(&self, from: f64, to: f64, wanted: impl Fn(ReachSides) -> bool) -> f64 {
         let rows = self.rows.iter().filter(|row| (to..=from).contains(&row.s));
         share(rows.flat_map(|row| &row.cells), wanted)
     }
@@ -184,14 +191,14 @@ impl ReachMap {
     }
 }
 
-impl FloorRow {
+impl ReachRow {
     /// Share of the row, by area, whose sides satisfy `wanted`; NaN without floor.
-    pub fn share(&self, wanted: impl Fn(Sides) -> bool) -> f64 {
+    pub fn share(&self, wanted: impl Fn(ReachSides) -> bool) -> f64 {
         share(self.cells.iter(), wanted)
     }
 }
 
-fn share<'c>(cells: impl Iterator<Item = &'c FloorCell>, wanted: impl Fn(Sides) -> bool) -> f64 {
+fn share<'c>(cells: impl Iterator<Item = &'c FloorCell>, wanted: impl Fn(ReachSides) -> bool) -> f64 {
     let (mut had, mut all) = (0.0, 0.0);
     for cell in cells {
         all += cell.area;
@@ -203,13 +210,13 @@ fn share<'c>(cells: impl Iterator<Item = &'c FloorCell>, wanted: impl Fn(Sides) 
 }
 
 /// A line on the hub whose points are all centres; its ends may coincide.
-struct Centres {
+struct CentreLine {
     ends: [Point; 2],
     radius: f64,
-    sides: Sides,
+    sides: ReachSides,
 }
 
-impl Centres {
+impl CentreLine {
     /// Whether the bottom of a tool on the line covers `point`.
     fn cover(&self, point: &Point) -> bool {
         let (along, to) = (self.ends[1] - self.ends[0], point - self.ends[0]);
@@ -219,7 +226,7 @@ impl Centres {
 }
 
 /// The floor of one passage at one s.
-struct Strip {
+struct FloorStrip {
     hub: Meridional,
     /// Angles of the walls.
     walls: [f64; 2],
@@ -229,7 +236,7 @@ struct Strip {
     radius: f64,
     /// Tested points, by λ across the passage, with the sides from which a tool can be placed there. Between
     /// two of them the sides common to both apply.
-    places: Vec<(f64, Sides)>,
+    places: Vec<(f64, ReachSides)>,
 }
 
 /// The passages at `s` on the hub.
@@ -240,7 +247,7 @@ fn passages_at(channel: &Channel, s: f64) -> &[Passage] {
     }
 }
 
-impl Strip {
+impl FloorStrip {
     /// Tests `tool` across `passage` at `s`; without a tool there are no centres. `None` where a wall does
     /// not extend to `s`.
     fn new(
@@ -248,15 +255,15 @@ impl Strip {
         passage: &Passage,
         s: f64,
         tool: Option<&Tool>,
-        surroundings: &Surroundings<'_>,
+        surroundings: &ReachObstacles<'_>,
     ) -> Option<Self> {
         let hub = part.hub.point(s);
         let walls = passage.wall_angles(part, s, 0.0)?;
         let across = (walls[1] - walls[0]).abs() * hub.r;
         let cell_area = across / COLUMNS as f64 * part.hub.length() / ROWS as f64;
         let places = tool.map_or_else(Vec::new, |tool| {
-            let aims = surroundings.aims(passage, s);
-            tried(|lambda| surroundings.sides_at(&aims, s, walls, lambda, tool))
+            let aims = surroundings.inclinations(passage, s);
+            sample_sides(|lambda| surroundings.sides_at(&aims, s, walls, lambda, tool))
         });
         Some(Self { hub, walls, cell_area, radius: tool.map_or(0.0, Tool::radius), places })
     }
@@ -271,20 +278,20 @@ impl Strip {
 
     /// Centres of this strip, each with the line to its neighbour on the `next` strip of the passage: beside
     /// a wall oblique to the rows, tools between the rows cover floor that those on them do not.
-    fn centres(&self, next: Option<&Self>) -> Vec<Centres> {
-        let free = |strip: &Self| -> Vec<(f64, Sides)> {
+    fn centres(&self, next: Option<&Self>) -> Vec<CentreLine> {
+        let free = |strip: &Self| -> Vec<(f64, ReachSides)> {
             strip.places.iter().filter(|(_, sides)| sides.any).copied().collect()
         };
         let neighbours = next.map(free).unwrap_or_default();
         let mut centres = Vec::new();
         for (lambda, sides) in free(self) {
             let point = self.point(lambda);
-            centres.push(Centres { ends: [point; 2], radius: self.radius, sides });
-            let off = |place: &&(f64, Sides)| (place.0 - lambda).abs();
+            centres.push(CentreLine { ends: [point; 2], radius: self.radius, sides });
+            let off = |place: &&(f64, ReachSides)| (place.0 - lambda).abs();
             let nearest = neighbours.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
             if let (Some(next), Some(place)) = (next, nearest.filter(|p| off(p) < 1.0 / CENTRES as f64)) {
                 let ends = [point, next.point(place.0)];
-                centres.push(Centres {
+                centres.push(CentreLine {
                     ends,
                     radius: self.radius.min(next.radius),
                     sides: sides.and(place.1),
@@ -295,19 +302,19 @@ impl Strip {
     }
 
     /// The sides from which a tool can be placed at `lambda`, by the tested points.
-    fn sides(&self, lambda: f64) -> Sides {
+    fn sides(&self, lambda: f64) -> ReachSides {
         let above = self.places.partition_point(|(at, _)| *at < lambda);
         match (above.checked_sub(1).and_then(|below| self.places.get(below)), self.places.get(above)) {
             (Some((_, below)), Some((_, above))) => below.and(*above),
-            _ => Sides::default(),
+            _ => ReachSides::default(),
         }
     }
 
     /// The cells outside the blade allowance, with the sides from which tools on `centres` reach them.
     fn cells(
         &self,
-        centres: &[Centres],
-        surroundings: &Surroundings<'_>,
+        centres: &[CentreLine],
+        surroundings: &ReachObstacles<'_>,
         limits: &ReachLimits,
     ) -> Vec<FloorCell> {
         let across = (self.walls[1] - self.walls[0]).abs() * self.hub.r;
@@ -329,12 +336,12 @@ impl Strip {
 
 /// Points across a passage with the result of `sides_at`: evenly spaced, and both sides of every border
 /// between them.
-fn tried(sides_at: impl Fn(f64) -> Sides) -> Vec<(f64, Sides)> {
+fn sample_sides(sides_at: impl Fn(f64) -> ReachSides) -> Vec<(f64, ReachSides)> {
     // No tool fits on the walls themselves.
-    let mut places = vec![(0.0, Sides::default())];
+    let mut places = vec![(0.0, ReachSides::default())];
     for k in 1..=CENTRES + 1 {
         let lambda = k as f64 / (CENTRES + 1) as f64;
-        let here = (lambda, if k <= CENTRES { sides_at(lambda) } else { Sides::default() });
+        let here = (lambda, if k <= CENTRES { sides_at(lambda) } else { ReachSides::default() });
         let (mut low, mut high) = (places[places.len() - 1], here);
         if low.1 != high.1 {
             for _ in 0..BORDER_STEPS {

@@ -13,11 +13,11 @@ pub struct BladeShape {
     pub twists: Vec<Twist>,
     /// Maximum turn of the normal of the camber surface from hub to tip, rad: 0 for cylindrical blades, whose
     /// twist is only the angle of their lines to the axis.
-    pub turn: f64,
+    pub normal_turn_rad: f64,
     /// Bow where its offset is greatest.
-    pub bend: Bend,
+    pub bow: Bow,
     /// Bow where the angle between its chords is greatest.
-    pub sharpest_bend: Bend,
+    pub sharpest_bow: Bow,
 }
 
 /// Twist of one camber line LE → TE. Angles are to the rotation axis, 0 along it to π/2 across it, rad.
@@ -26,27 +26,27 @@ pub struct Twist {
     /// v of the line, hub 0 to tip 1.
     pub v: f64,
     /// Twist: the larger angle of the two chords, rad.
-    pub degree: f64,
+    pub angle_rad: f64,
     /// Angles of the chords LE → split and split → TE, rad.
-    pub chords: [f64; 2],
+    pub chord_angles_rad: [f64; 2],
     /// Where the line is split, at its maximum curvature: fraction of its length from the LE.
     pub split: f64,
     /// Maximum angle of the tangent, rad. Unlike the twist it does not jump where two points have equal
     /// curvature.
-    pub largest_tangent: f64,
+    pub max_tangent_rad: f64,
     /// Where that is, as a fraction of the length.
-    pub largest_tangent_at: f64,
+    pub max_tangent_at: f64,
 }
 
 /// Bow of one curve hub → tip at mid span.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Bend {
+pub struct Bow {
     /// u of the curve.
     pub u: f64,
     /// Distance of the mid section from the straight line between hub and tip, mm.
     pub offset: f64,
     /// Angle between the chords hub → mid and mid → tip, rad.
-    pub angle: f64,
+    pub angle_rad: f64,
 }
 
 /// Share of a camber line left out at both ends in the search for curvature and tangents: noses and blunt
@@ -67,17 +67,17 @@ impl BladeShape {
     /// Measures a blade.
     pub fn of(blade: &Blade) -> Self {
         let mut line = Vec::with_capacity(STEPS + 1);
-        let twists = (0..=LINES).map(|k| twist(blade, k as f64 / LINES as f64, &mut line)).collect();
+        let twists = (0..=LINES).map(|k| measure_twist(blade, k as f64 / LINES as f64, &mut line)).collect();
         let curve_u = |i: usize| TRIM + (1.0 - 2.0 * TRIM) * i as f64 / CURVES as f64;
-        let bends = || (0..=CURVES).map(|i| bend(blade, curve_u(i)));
-        let most = |of: fn(&Bend) -> f64| bends().max_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or_default();
+        let bends = || (0..=CURVES).map(|i| measure_bow(blade, curve_u(i)));
+        let most = |of: fn(&Bow) -> f64| bends().max_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or_default();
         let turn = (0..=CURVES).map(|i| normal_turn(blade, curve_u(i))).fold(0.0, f64::max);
-        Self { twists, turn, bend: most(|b| b.offset), sharpest_bend: most(|b| b.angle) }
+        Self { twists, normal_turn_rad: turn, bow: most(|b| b.offset), sharpest_bow: most(|b| b.angle_rad) }
     }
 
     /// The most twisted line; its twist is that of the blade.
-    pub fn most_twisted(&self) -> Option<&Twist> {
-        self.twists.iter().max_by(|a, b| a.degree.total_cmp(&b.degree))
+    pub fn max_twist(&self) -> Option<&Twist> {
+        self.twists.iter().max_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad))
     }
 
     /// The lines at hub, mid span and tip.
@@ -120,16 +120,16 @@ pub fn tangents(blade: &Blade, v: f64) -> Vec<(f64, f64)> {
 }
 
 /// Twist of the camber line at `v`. `line` is a buffer.
-fn twist(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> Twist {
+fn measure_twist(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> Twist {
     let length = camber_line(blade, v, line);
     let step = |i: usize, j: usize| line[j].1 - line[i].1;
     let mut twist = Twist {
         v,
-        degree: 0.0,
-        chords: [0.0; 2],
+        angle_rad: 0.0,
+        chord_angles_rad: [0.0; 2],
         split: 0.5,
-        largest_tangent: 0.0,
-        largest_tangent_at: TRIM,
+        max_tangent_rad: 0.0,
+        max_tangent_at: TRIM,
     };
     let (mut largest_curvature, mut split) = (f64::NEG_INFINITY, STEPS / 2);
     for i in WINDOW..=STEPS - WINDOW {
@@ -144,21 +144,21 @@ fn twist(blade: &Blade, v: f64, line: &mut Vec<(f64, Point)>) -> Twist {
             twist.split = at;
         }
         let tangent = from_axis(step(i - 1, i + 1));
-        if tangent > twist.largest_tangent {
-            (twist.largest_tangent, twist.largest_tangent_at) = (tangent, at);
+        if tangent > twist.max_tangent_rad {
+            (twist.max_tangent_rad, twist.max_tangent_at) = (tangent, at);
         }
     }
     // The chords run from end to end of the blade as in the paper; only the search is trimmed.
-    twist.chords = [from_axis(step(0, split)), from_axis(step(split, STEPS))];
-    twist.degree = twist.chords[0].max(twist.chords[1]);
+    twist.chord_angles_rad = [from_axis(step(0, split)), from_axis(step(split, STEPS))];
+    twist.angle_rad = twist.chord_angles_rad[0].max(twist.chord_angles_rad[1]);
     twist
 }
 
-fn bend(blade: &Blade, u: f64) -> Bend {
+fn measure_bow(blade: &Blade, u: f64) -> Bow {
     let [hub, middle, tip] = [0.0, 0.5, 1.0].map(|v| camber(blade, u, v));
     let (lower, upper) = (middle - hub, tip - middle);
-    let Some(straight) = (tip - hub).try_normalize(1e-12) else { return Bend { u, ..Bend::default() } };
-    Bend { u, offset: (lower - straight * lower.dot(&straight)).norm(), angle: lower.angle(&upper) }
+    let Some(straight) = (tip - hub).try_normalize(1e-12) else { return Bow { u, ..Bow::default() } };
+    Bow { u, offset: (lower - straight * lower.dot(&straight)).norm(), angle_rad: lower.angle(&upper) }
 }
 
 /// Angle between the normals of the camber surface at hub and tip, rad.
@@ -196,15 +196,15 @@ mod tests {
                 Point::new(30.0 + 40.0 * v, 50.0 * u * stagger.sin(), -50.0 * u * stagger.cos())
             }));
             for t in &shape.twists {
-                assert!((t.degree - stagger).abs() < 1e-9, "degree {} at {}", t.degree, t.v);
+                assert!((t.angle_rad - stagger).abs() < 1e-9, "degree {} at {}", t.angle_rad, t.v);
                 assert!(
-                    (t.largest_tangent - stagger).abs() < 1e-9,
+                    (t.max_tangent_rad - stagger).abs() < 1e-9,
                     "tangent {} at {}",
-                    t.largest_tangent,
+                    t.max_tangent_rad,
                     t.v
                 );
             }
-            assert!(shape.bend.offset < 1e-9 && shape.sharpest_bend.angle < 1e-6, "{:?}", shape.bend);
+            assert!(shape.bow.offset < 1e-9 && shape.sharpest_bow.angle_rad < 1e-6, "{:?}", shape.bow);
         }
     }
 
@@ -226,12 +226,12 @@ mod tests {
             let (y, z) = path(u);
             Point::new(40.0 + 20.0 * v, y, z)
         }));
-        let most = shape.most_twisted().expect("lines");
+        let most = shape.max_twist().expect("lines");
         assert!((most.split - knee).abs() < 0.02, "split at {}", most.split);
-        let chords = most.chords.map(f64::to_degrees);
+        let chords = most.chord_angles_rad.map(f64::to_degrees);
         assert!((chords[0] - 20.0).abs() < 1.5 && (chords[1] - 70.0).abs() < 1.5, "{chords:?}");
-        assert_eq!(most.degree, most.chords[1]);
-        assert!((most.largest_tangent - to).abs() < 5e-3, "{}", most.largest_tangent.to_degrees());
+        assert_eq!(most.angle_rad, most.chord_angles_rad[1]);
+        assert!((most.max_tangent_rad - to).abs() < 5e-3, "{}", most.max_tangent_rad.to_degrees());
     }
 
     #[test]
@@ -242,14 +242,18 @@ mod tests {
             let (x, y) = arc(u);
             Point::new(40.0 + x, y, 20.0 * v)
         }));
-        assert!(flat.turn < 1e-6, "{}", flat.turn);
-        assert!((flat.twists[0].degree - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "across the axis");
+        assert!(flat.normal_turn_rad < 1e-6, "{}", flat.normal_turn_rad);
+        assert!((flat.twists[0].angle_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "across the axis");
         let warp = 30f64.to_radians();
         let warped = BladeShape::of(&blade(9, |u, v| {
             let (sin, cos) = (warp * v).sin_cos();
             Point::new(100.0 * u * cos, 100.0 * u * sin, 400.0 * v)
         }));
-        assert!((warped.turn - warp).abs() < 0.1 * warp, "{}", warped.turn.to_degrees());
+        assert!(
+            (warped.normal_turn_rad - warp).abs() < 0.1 * warp,
+            "{}",
+            warped.normal_turn_rad.to_degrees()
+        );
     }
 
     #[test]
@@ -258,8 +262,8 @@ mod tests {
         let bow = |u: f64, v: f64| 1.5 * u * 4.0 * v * (1.0 - v);
         let shape = BladeShape::of(&blade(5, |u, v| Point::new(30.0 + 40.0 * v, bow(u, v), 60.0 * u)));
         let expected = 1.5 * (1.0 - TRIM);
-        assert!((shape.bend.offset - expected).abs() < 1e-9, "{:?}", shape.bend);
-        assert!((shape.sharpest_bend.angle - 2.0 * (expected / 20.0).atan()).abs() < 1e-9, "{shape:?}");
-        assert!((shape.bend.u - (1.0 - TRIM)).abs() < 1e-12, "{:?}", shape.bend);
+        assert!((shape.bow.offset - expected).abs() < 1e-9, "{:?}", shape.bow);
+        assert!((shape.sharpest_bow.angle_rad - 2.0 * (expected / 20.0).atan()).abs() < 1e-9, "{shape:?}");
+        assert!((shape.bow.u - (1.0 - TRIM)).abs() < 1e-12, "{:?}", shape.bow);
     }
 }

@@ -2,7 +2,7 @@
 //! interpolated between the walls and pushed off the one it is too near to. The cutter must clear the hub,
 //! and the holder everything.
 
-use super::reach::{LEAN, ReachLimits, Sides};
+use super::reach::{MIN_INCLINATION, ReachLimits, ReachSides};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about};
 use crate::part::{Blank, Channel, Impeller, Passage, SideProbe, Tool};
 
@@ -11,7 +11,7 @@ const PUSHES: usize = 5;
 
 /// An inclination of the axis in the meridional plane: the point it passes through, and the angles of the
 /// walls there.
-struct Aim {
+struct Inclination {
     /// Point on the axis about as high as the shroud.
     top: Meridional,
     /// Angles of the walls at that point.
@@ -19,21 +19,21 @@ struct Aim {
 }
 
 /// The inclinations at one s; those towards one side in ascending order.
-pub struct Aims {
-    upright: Option<Aim>,
-    outlet: Vec<Aim>,
-    inlet: Vec<Aim>,
+pub struct Inclinations {
+    upright: Option<Inclination>,
+    outlet: Vec<Inclination>,
+    inlet: Vec<Inclination>,
 }
 
 /// All collision geometry of a tool.
-pub struct Surroundings<'a> {
+pub struct ReachObstacles<'a> {
     part: &'a Impeller,
     sides: Vec<SideProbe>,
     blank: Blank,
     limits: ReachLimits,
 }
 
-impl<'a> Surroundings<'a> {
+impl<'a> ReachObstacles<'a> {
     /// The collision geometry of `channel`.
     pub fn new(part: &'a Impeller, channel: &Channel, limits: &ReachLimits) -> Self {
         Self {
@@ -58,7 +58,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// The inclinations at `s`, towards both sides.
-    pub fn aims(&self, passage: &Passage, s: f64) -> Aims {
+    pub fn inclinations(&self, passage: &Passage, s: f64) -> Inclinations {
         let hub = self.part.hub.at(s);
         let depth = hub.point.distance(self.part.shroud.point(s));
         let aim = |alpha: f64| {
@@ -70,29 +70,37 @@ impl<'a> Surroundings<'a> {
                 z: hub.point.z + along(hub.normal.z, hub.tangent.z),
             };
             let s_top = self.part.shroud.s_at(self.part.shroud.curve().project(top).0);
-            Some(Aim { top, walls: passage.wall_angles(self.part, s_top, 1.0)? })
+            Some(Inclination { top, walls: passage.wall_angles(self.part, s_top, 1.0)? })
         };
-        let steps = (self.limits.max_tilt / LEAN + 1e-9).floor() as usize;
-        let towards = |sign: f64| (1..=steps).filter_map(|k| aim(sign * LEAN * k as f64)).collect();
-        Aims { upright: aim(0.0), outlet: towards(-1.0), inlet: towards(1.0) }
+        let steps = (self.limits.max_tilt_rad / MIN_INCLINATION + 1e-9).floor() as usize;
+        let towards =
+            |sign: f64| (1..=steps).filter_map(|k| aim(sign * MIN_INCLINATION * k as f64)).collect();
+        Inclinations { upright: aim(0.0), outlet: towards(-1.0), inlet: towards(1.0) }
     }
 
     /// The sides from which `tool` can be placed at `lambda` between `walls`, the angles of the walls on the
     /// hub at `s`.
-    pub fn sides_at(&self, aims: &Aims, s: f64, walls: [f64; 2], lambda: f64, tool: &Tool) -> Sides {
+    pub fn sides_at(
+        &self,
+        aims: &Inclinations,
+        s: f64,
+        walls: [f64; 2],
+        lambda: f64,
+        tool: &Tool,
+    ) -> ReachSides {
         let foot = self.foot(s, walls, lambda);
         // The distance along the circumference is an upper bound on the distance from a wall.
         let around = lambda.min(1.0 - lambda) * (walls[1] - walls[0]).abs() * foot.x.hypot(foot.y);
         if around < tool.radius() + self.limits.blade_allowance {
-            return Sides::default();
+            return ReachSides::default();
         }
-        let stands = |aim: &Aim| self.stands(&foot, aim, lambda, tool);
+        let stands = |aim: &Inclination| self.is_placeable(&foot, aim, lambda, tool);
         let (outlet, inlet) = (aims.outlet.iter().any(stands), aims.inlet.iter().any(stands));
-        Sides { outlet, inlet, any: outlet || inlet || aims.upright.as_ref().is_some_and(stands) }
+        ReachSides { outlet, inlet, any: outlet || inlet || aims.upright.as_ref().is_some_and(stands) }
     }
 
     /// Whether a tool can be placed at `foot` with an axis inclined as `aim` along the flow.
-    fn stands(&self, foot: &Point, aim: &Aim, lambda: f64, tool: &Tool) -> bool {
+    fn is_placeable(&self, foot: &Point, aim: &Inclination, lambda: f64, tool: &Tool) -> bool {
         let mut theta = aim.walls[0] + lambda * (aim.walls[1] - aim.walls[0]);
         let mut last = 0.0;
         for _ in 0..PUSHES {

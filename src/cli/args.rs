@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::mesh::axis::Axis;
-use crate::mesh::{MeshOptions, Role, Unit};
+use crate::mesh::{LengthUnit, MeshOptions, Role};
 use crate::part::Rotation;
 
 /// Plans the rough milling of centrifugal impellers. Without a command it opens the window.
@@ -55,7 +55,7 @@ pub struct MeshArgs {
     pub roles: Vec<(String, Role)>,
     /// Unit of the file's lengths: mm, cm, m or in; absent: metres
     #[arg(long)]
-    pub unit: Option<Unit>,
+    pub unit: Option<LengthUnit>,
     /// Axis of rotation in the file: x, y or z; absent: found from the hub
     #[arg(long, value_name = "AXIS")]
     pub rotation_axis: Option<Axis>,

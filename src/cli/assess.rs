@@ -4,16 +4,16 @@ use serde_json::{Map, Value, json};
 
 use super::args::AssessArgs;
 use super::report::{head, number};
-use super::{Failure, assess_pictures, open, plan, say};
-use crate::assess::passage::{PassageMeasure, Place};
-use crate::assess::reach::{ReachLimits, ReachMap, Sides, Stretch};
+use super::{Failure, assess_pictures, open, plan, print_stdout};
+use crate::assess::passage::{PassageKind, PassageMeasure};
+use crate::assess::reach::{ReachLimits, ReachMap, ReachSection, ReachSides};
 use crate::assess::shape::Twist;
 use crate::assess::{Assessment, BladeMeasure};
 use crate::job::resolve;
 use crate::part::{Channel, Impeller, Setup};
 
 /// A part with its assessment and the setup with the tools.
-struct Found<'a> {
+struct AssessedPart<'a> {
     part: &'a Impeller,
     channel: &'a Channel,
     setup: &'a Setup,
@@ -29,7 +29,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     let (_, part) = open::part(&args.part, &args.mesh)?;
     let opened = open::setup(args.setup.as_deref(), &args.part, &part)?;
     if let Some(folder) = &args.output {
-        plan::check_folder(folder)?;
+        plan::check_directory(folder)?;
     }
     let channel = Channel::of(&part);
     let (setup, no_reach) = match resolve(&opened.setup, &part, &channel) {
@@ -39,12 +39,12 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
         Err(fault) => return Err(opened.failure(&fault)),
     };
     let limits = ReachLimits {
-        hub_allowance: setup.stock.hub_allowance,
-        blade_allowance: setup.stock.blade_allowance,
-        max_tilt: setup.plunge.max_tilt,
+        hub_allowance: setup.allowances.hub_allowance,
+        blade_allowance: setup.allowances.blade_allowance,
+        max_tilt_rad: setup.plunge.max_tilt_rad,
     };
     let assessment = Assessment::of(&part, &channel, &stretches(&setup), &limits);
-    let found = Found { part: &part, channel: &channel, setup: &setup, assessment: &assessment };
+    let found = AssessedPart { part: &part, channel: &channel, setup: &setup, assessment: &assessment };
     let drawn = match &args.output {
         Some(folder) => assess_pictures::write(folder, &part, &channel, &setup, &assessment)?,
         None => String::new(),
@@ -52,52 +52,53 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     if args.json {
         let mut map = object(&found);
         map.insert("elapsed".into(), number(started.elapsed().as_secs_f64()));
-        say(&format!("{}\n", Value::Object(map)))
+        print_stdout(&format!("{}\n", Value::Object(map)))
     } else {
         let reach =
-            no_reach.map_or_else(|| reach_lines(&found), |fault| format!("reach: not computed, {fault}\n"));
-        say(&format!("{}{reach}{drawn}", tables(&found)))
+            no_reach.map_or_else(|| reach_table(&found), |fault| format!("reach: not computed, {fault}\n"));
+        print_stdout(&format!("{}{reach}{drawn}", tables(&found)))
     }
 }
 
-fn stretches(setup: &Setup) -> Vec<Stretch<'_>> {
+fn stretches(setup: &Setup) -> Vec<ReachSection<'_>> {
     let tool = |number: u32| setup.tools.iter().find(|t| t.number == number);
     setup
         .plunge
         .sections
         .iter()
-        .filter_map(|s| Some(Stretch { from: s.from, to: s.to, tool: tool(s.tool)? }))
+        .filter_map(|s| Some(ReachSection { from: s.from, to: s.to, tool: tool(s.tool)? }))
         .collect()
 }
 
 /// A class of access to the floor: its key in JSON, and whether a point is accessible in this class.
-type Way = (&'static str, fn(Sides) -> bool);
+type AccessClass = (&'static str, fn(ReachSides) -> bool);
 
 /// The classes of access, in the order of the tables.
-const WAYS: [Way; 4] = [
+const ACCESS_CLASSES: [AccessClass; 4] = [
     ("reached", |s| s.any),
     ("from_outlet", |s| s.outlet),
     ("from_inlet", |s| s.inlet),
-    ("from_both", Sides::both),
+    ("from_both", ReachSides::both),
 ];
 
-fn object(found: &Found) -> Map<String, Value> {
+fn object(found: &AssessedPart) -> Map<String, Value> {
     let (part, a) = (found.part, found.assessment);
     let (narrow, wide) = a.width_range();
-    let share =
-        |wanted: fn(Sides) -> bool| a.reach.as_ref().map_or(Value::Null, |map| number(map.share(wanted)));
+    let share = |wanted: fn(ReachSides) -> bool| {
+        a.reach.as_ref().map_or(Value::Null, |map| number(map.share(wanted)))
+    };
     let mut map = head(part, None);
     let mut put = |key: &str, value: Value| {
         map.insert(key.to_owned(), value);
     };
     put("twisting", number(a.twisting().to_degrees()));
-    put("bending", number(a.bending()));
+    put("bending", number(a.max_bow()));
     put("passage_depth", number(a.depth()));
     put("passage_width_min", number(narrow));
     put("passage_width_max", number(wide));
     put("largest_cutter", number(a.largest_cutter()));
     put("reachable_share", share(|s| s.any));
-    for (key, wanted) in &WAYS[1..] {
+    for (key, wanted) in &ACCESS_CLASSES[1..] {
         put(&format!("reachable_{key}"), share(*wanted));
     }
     put("envelope_gap", number(a.blades.iter().map(BladeMeasure::envelope_gap).fold(0.0, f64::max)));
@@ -120,34 +121,34 @@ fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
     let twist = |t: &Twist| {
         json!({
             "span": t.v,
-            "twisting": t.degree.to_degrees(),
-            "chords": t.chords.map(f64::to_degrees),
+            "twisting": t.angle_rad.to_degrees(),
+            "chords": t.chord_angles_rad.map(f64::to_degrees),
             "split": t.split,
-            "largest_tangent": t.largest_tangent.to_degrees(),
-            "largest_tangent_at": t.largest_tangent_at,
+            "largest_tangent": t.max_tangent_rad.to_degrees(),
+            "largest_tangent_at": t.max_tangent_at,
         })
     };
     let [suction, pressure] = &blade.envelopes;
     json!({
         "blade": name,
         "twisting": blade.twisting().to_degrees(),
-        "normal_turn": blade.shape.turn.to_degrees(),
-        "most_twisted": blade.shape.most_twisted().map(twist),
+        "normal_turn": blade.shape.normal_turn_rad.to_degrees(),
+        "most_twisted": blade.shape.max_twist().map(twist),
         "hub_mid_tip": blade.shape.hub_mid_tip().iter().map(twist).collect::<Vec<_>>(),
-        "bending": blade.shape.bend.offset,
-        "bending_at": blade.shape.bend.u,
-        "bending_angle": blade.shape.sharpest_bend.angle.to_degrees(),
-        "envelope_gap_suction": suction.greatest_gap(),
-        "envelope_gap_pressure": pressure.greatest_gap(),
+        "bending": blade.shape.bow.offset,
+        "bending_at": blade.shape.bow.u,
+        "bending_angle": blade.shape.sharpest_bow.angle_rad.to_degrees(),
+        "envelope_gap_suction": suction.max_gap(),
+        "envelope_gap_pressure": pressure.max_gap(),
     })
 }
 
 /// JSON key of a passage.
-fn place_key(place: Place) -> &'static str {
+fn passage_key(place: PassageKind) -> &'static str {
     match place {
-        Place::Full => "full",
-        Place::BesideSuction => "beside_splitter_suction",
-        Place::BesidePressure => "beside_splitter_pressure",
+        PassageKind::Full => "full",
+        PassageKind::BesideSuction => "beside_splitter_suction",
+        PassageKind::BesidePressure => "beside_splitter_pressure",
     }
 }
 
@@ -169,10 +170,10 @@ fn passage_object(passage: &PassageMeasure) -> Value {
             })
         })
         .collect();
-    json!({"passage": place_key(passage.place), "widths": widths, "cutters": cutters})
+    json!({"passage": passage_key(passage.kind), "widths": widths, "cutters": cutters})
 }
 
-fn sections_object(found: &Found) -> Value {
+fn sections_object(found: &AssessedPart) -> Value {
     stretches(found.setup)
         .iter()
         .map(|stretch| {
@@ -183,7 +184,7 @@ fn sections_object(found: &Found) -> Value {
             map.insert("overhang".into(), json!(stretch.tool.overhang));
             map.insert("from".into(), json!(stretch.from));
             map.insert("to".into(), json!(stretch.to));
-            for (key, wanted) in WAYS {
+            for (key, wanted) in ACCESS_CLASSES {
                 let share = found.assessment.reach.as_ref();
                 let share = share.map(|map| map.share_between(stretch.from, stretch.to, wanted));
                 map.insert(key.into(), share.map_or(Value::Null, number));
@@ -199,7 +200,7 @@ fn reach_object(map: &ReachMap) -> Value {
         .map(|row| {
             let mut object = Map::new();
             object.insert("s".into(), json!(row.s));
-            for (key, wanted) in WAYS {
+            for (key, wanted) in ACCESS_CLASSES {
                 object.insert(key.into(), number(row.share(wanted)));
             }
             Value::Object(object)
@@ -207,15 +208,15 @@ fn reach_object(map: &ReachMap) -> Value {
         .collect()
 }
 
-fn place_words(place: Place) -> &'static str {
+fn passage_label(place: PassageKind) -> &'static str {
     match place {
-        Place::Full => "main to main blade",
-        Place::BesideSuction => "beside the splitter, at the suction side",
-        Place::BesidePressure => "beside the splitter, at the pressure side",
+        PassageKind::Full => "main to main blade",
+        PassageKind::BesideSuction => "beside the splitter, at the suction side",
+        PassageKind::BesidePressure => "beside the splitter, at the pressure side",
     }
 }
 
-fn tables(found: &Found) -> String {
+fn tables(found: &AssessedPart) -> String {
     let (part, a) = (found.part, found.assessment);
     let mut text = format!(
         "{}: {} blades{}, D {:.1}\n\n",
@@ -228,22 +229,22 @@ fn tables(found: &Found) -> String {
              bow mm      bow °  envelope gap mm\n";
     for (blade, name) in a.blades.iter().zip(BLADE_NAMES) {
         let shape = &blade.shape;
-        let (v, split) = shape.most_twisted().map_or((f64::NAN, f64::NAN), |t| (t.v, t.split));
-        let [hub, mid, tip] = shape.hub_mid_tip().map(|t| t.largest_tangent.to_degrees());
+        let (v, split) = shape.max_twist().map_or((f64::NAN, f64::NAN), |t| (t.v, t.split));
+        let [hub, mid, tip] = shape.hub_mid_tip().map(|t| t.max_tangent_rad.to_degrees());
         text += &format!(
             "{name:<9} {:>10.1}  {v:>7.2}  {split:>8.2}  {:>6.1}  {:>26}  {:>10.3}  {:>9.2}  {:>15.3}\n",
             blade.twisting().to_degrees(),
-            shape.turn.to_degrees(),
+            shape.normal_turn_rad.to_degrees(),
             format!("{hub:.1} / {mid:.1} / {tip:.1}"),
-            shape.bend.offset,
-            shape.sharpest_bend.angle.to_degrees(),
+            shape.bow.offset,
+            shape.sharpest_bow.angle_rad.to_degrees(),
             blade.envelope_gap(),
         );
     }
     text += "twist: angle of the camber line's chords to the rotation axis (twisting degree)\n\
              turn: rotation of the blade's normal from hub to tip; about 0 for cylindrical blades\n";
     for passage in &a.passages {
-        text += &format!("\n{}\n{}", place_words(passage.place), passage_table(passage, &a.depths));
+        text += &format!("\n{}\n{}", passage_label(passage.kind), passage_table(passage, &a.depths));
     }
     let (narrow, wide) = a.width_range();
     text += &format!(
@@ -284,7 +285,7 @@ fn passage_table(passage: &PassageMeasure, depths: &[(f64, f64)]) -> String {
     text
 }
 
-fn reach_lines(found: &Found) -> String {
+fn reach_table(found: &AssessedPart) -> String {
     let Some(map) = &found.assessment.reach else { return String::new() };
     let mut text = String::from(
         "\nreach          tool    overhang mm  floor reached %  from outlet %  from inlet %  from both %\n",
@@ -297,10 +298,10 @@ fn reach_lines(found: &Found) -> String {
         );
     };
     for s in stretches(found.setup) {
-        let shares = WAYS.map(|(_, wanted)| map.share_between(s.from, s.to, wanted));
+        let shares = ACCESS_CLASSES.map(|(_, wanted)| map.share_between(s.from, s.to, wanted));
         let name = format!("{:.2} to {:.2}", s.from, s.to);
         line(name, format!("D {}", s.tool.diameter), format!("{:.0}", s.tool.overhang), shares);
     }
-    line("all".to_owned(), String::new(), String::new(), WAYS.map(|(_, wanted)| map.share(wanted)));
+    line("all".to_owned(), String::new(), String::new(), ACCESS_CLASSES.map(|(_, wanted)| map.share(wanted)));
     text
 }

@@ -5,19 +5,19 @@ use std::path::Path;
 use glam::UVec2;
 
 use super::assess::BLADE_NAMES;
-use super::plot::{Chart, Series, escaped};
+use super::plot::{LineChart, Series, escaped};
 use super::{Failure, plan, render};
 use crate::assess::Assessment;
-use crate::assess::passage::{PassageMeasure, Place, wall_widths};
-use crate::assess::reach::{ReachMap, Sides};
+use crate::assess::passage::{PassageKind, PassageMeasure, wall_widths};
+use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::tangents;
-use crate::formats::write::write_together;
+use crate::formats::write::write_all_atomically;
 use crate::gpu::floor::floor_mesh;
-use crate::gpu::mesh::{Mesh, even};
+use crate::gpu::mesh::{Mesh, even_steps};
 use crate::gpu::walls::wall_mesh;
 use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
 use crate::part::{Blade, BladeSide, Blank, Channel, Impeller, Setup};
-use crate::residual::surface::FINE;
+use crate::residual::surface::MAX_LINES;
 use crate::residual::{FloorGrid, FloorSource};
 
 /// Size of the pictures, pixels.
@@ -28,7 +28,7 @@ const FLOOR_CELLS: usize = 256;
 const WALL_LINES: (usize, usize) = (120, 16);
 
 /// A file of the page: its name, its bytes and its caption.
-struct Shown {
+struct PageFile {
     name: &'static str,
     bytes: Vec<u8>,
     caption: String,
@@ -51,12 +51,12 @@ pub fn write(
     let mut scene = Scene::new(&gpu, part);
     let mut picture = |mesh: Mesh, range: (f32, f32)| {
         scene.set_values(&gpu, mesh);
-        let options = SceneOptions { range_mm: range, ..SceneOptions::showing(FloorColours::Values) };
+        let options = SceneOptions { range_mm: range, ..SceneOptions::for_colours(FloorColours::Values) };
         render::draw(&gpu, &mut renderer, &scene, View::Channel, &options, SIZE, false)
     };
     let mut files = Vec::new();
     if let Some(map) = &assessment.reach {
-        files.push(Shown {
+        files.push(PageFile {
             name: "reach.png",
             bytes: picture(reach_mesh(part, channel, setup, map), (0.0, 3.0))?,
             caption: "Floor reached by the cutters. Dark blue: not reached; grey: from the inlet only; \
@@ -65,7 +65,7 @@ pub fn write(
         });
     }
     let (width, least, most) = width_mesh(part);
-    files.push(Shown {
+    files.push(PageFile {
         name: "width.png",
         bytes: picture(width, (least, most))?,
         caption: format!(
@@ -73,35 +73,35 @@ pub fn write(
         ),
     });
     let (gaps, most) = envelope_mesh(part, assessment);
-    files.push(Shown {
+    files.push(PageFile {
         name: "envelope.png",
         bytes: picture(gaps, (0.0, most.max(0.01)))?,
         caption: format!(
             "Gap between the walls and their one-sided envelope, 0 (dark) to {most:.3} mm (bright)."
         ),
     });
-    files.push(Shown {
+    files.push(PageFile {
         name: "passage.svg",
         bytes: passage_chart(assessment).svg().into_bytes(),
         caption: "Depth, narrowest width and largest cutter along the channel.".to_owned(),
     });
-    files.push(Shown {
+    files.push(PageFile {
         name: "twist.svg",
         bytes: twist_chart(part, assessment).svg().into_bytes(),
         caption: "Angle between camber line and rotation axis. Dots: where the line is most curved."
             .to_owned(),
     });
     let page = page(part, &files);
-    plan::make_folder(folder)?;
+    plan::create_directory(folder)?;
     let mut written: Vec<_> = files.iter().map(|f| (folder.join(f.name), &f.bytes[..])).collect();
     written.push((folder.join("assess.html"), page.as_bytes()));
-    write_together(&written)?;
+    write_all_atomically(&written)?;
     Ok(format!("wrote {} and its pictures\n", folder.join("assess.html").display()))
 }
 
-fn page(part: &Impeller, files: &[Shown]) -> String {
+fn page(part: &Impeller, files: &[PageFile]) -> String {
     let name = escaped(&part.name);
-    let figure = |f: &Shown| {
+    let figure = |f: &PageFile| {
         let caption = escaped(&f.caption);
         format!(
             "<figure><img src=\"{}\" width=\"720\" alt=\"{caption}\">\
@@ -121,9 +121,9 @@ fn page(part: &Impeller, files: &[Shown]) -> String {
 /// normal, 2 from the outlet, 3 from both.
 fn reach_mesh(part: &Impeller, channel: &Channel, setup: &Setup, map: &ReachMap) -> Mesh {
     let blank = Blank::of(part, 0.0);
-    let source = FloorSource { part, channel, blank: &blank, stock: &setup.stock, cutters: &[] };
+    let source = FloorSource { part, channel, blank: &blank, stock: &setup.allowances, cutters: &[] };
     let mut grid = FloorGrid::new(&source, FLOOR_CELLS);
-    let class = |sides: Sides| match (sides.inlet, sides.outlet) {
+    let class = |sides: ReachSides| match (sides.inlet, sides.outlet) {
         (true, true) => 3.0,
         (false, true) => 2.0,
         (true, false) => 1.0,
@@ -142,7 +142,7 @@ fn reach_mesh(part: &Impeller, channel: &Channel, setup: &Setup, map: &ReachMap)
     let values: Vec<f32> = (0..grid.points.len()).map(value).collect();
     // The values are not heights, so no cell may count as uncut.
     grid.blank_heights.fill(f32::INFINITY);
-    floor_mesh(&grid, &values, FINE).unwrap_or_default()
+    floor_mesh(&grid, &values, MAX_LINES).unwrap_or_default()
 }
 
 /// The walls of the active channel: each with the other side of its blade and the opposite wall.
@@ -162,7 +162,7 @@ fn walls<'a>(part: &'a Impeller, next: &'a Blade) -> Vec<[&'a BladeSide; 3]> {
 /// Mesh of the walls with the distances to the opposite walls, and a range from minimum to 95th percentile,
 /// mm.
 fn width_mesh(part: &Impeller) -> (Mesh, f32, f32) {
-    let (u, v) = (even(WALL_LINES.0), even(WALL_LINES.1));
+    let (u, v) = (even_steps(WALL_LINES.0), even_steps(WALL_LINES.1));
     let next = part.main.rotated(part.pitch());
     let mut mesh = Mesh::default();
     let mut all = Vec::new();
@@ -183,7 +183,7 @@ fn envelope_mesh(part: &Impeller, assessment: &Assessment) -> (Mesh, f32) {
     let mut most = 0.0f64;
     let mut add = |wall: &BladeSide, back: &BladeSide, envelope: &crate::part::WallEnvelope| {
         mesh.append(&wall_mesh(wall, back, &envelope.u, &envelope.v, &envelope.gaps).unwrap_or_default());
-        most = most.max(envelope.greatest_gap());
+        most = most.max(envelope.max_gap());
     };
     if let Some(blade) = assessment.blades.first() {
         add(&part.main.suction, &part.main.pressure, &blade.envelopes[0]);
@@ -196,7 +196,7 @@ fn envelope_mesh(part: &Impeller, assessment: &Assessment) -> (Mesh, f32) {
     (mesh, most as f32)
 }
 
-fn passage_chart(assessment: &Assessment) -> Chart {
+fn passage_chart(assessment: &Assessment) -> LineChart {
     let mut series = vec![Series {
         name: "depth".to_owned(),
         points: assessment.depths.clone(),
@@ -205,10 +205,10 @@ fn passage_chart(assessment: &Assessment) -> Chart {
         mark: None,
     }];
     for (k, passage) in assessment.passages.iter().enumerate() {
-        let place = match passage.place {
-            Place::Full => "main to main",
-            Place::BesideSuction => "beside splitter, suction side",
-            Place::BesidePressure => "beside splitter, pressure side",
+        let place = match passage.kind {
+            PassageKind::Full => "main to main",
+            PassageKind::BesideSuction => "beside splitter, suction side",
+            PassageKind::BesidePressure => "beside splitter, pressure side",
         };
         let curve = |name: &str, dash: usize, points: Vec<(f64, f64)>| Series {
             name: format!("{name}, {place}"),
@@ -220,7 +220,7 @@ fn passage_chart(assessment: &Assessment) -> Chart {
         series.push(curve("width", 0, narrowest(passage)));
         series.push(curve("cutter", 1, passage.cutters.iter().map(|c| (c.s, c.diameter)).collect()));
     }
-    Chart {
+    LineChart {
         title: "Depth, width, largest cutter".to_owned(),
         x_label: "s, leading edge to rim".to_owned(),
         y_label: "mm".to_owned(),
@@ -234,7 +234,7 @@ fn narrowest(passage: &PassageMeasure) -> Vec<(f64, f64)> {
     passage.widths.iter().filter_map(|w| Some((w.s, least(w.width)?))).collect()
 }
 
-fn twist_chart(part: &Impeller, assessment: &Assessment) -> Chart {
+fn twist_chart(part: &Impeller, assessment: &Assessment) -> LineChart {
     let blades = std::iter::once(&part.main).chain(part.splitters.first());
     let mut series = Vec::new();
     for (k, ((blade, measure), name)) in blades.zip(&assessment.blades).zip(BLADE_NAMES).enumerate() {
@@ -248,7 +248,7 @@ fn twist_chart(part: &Impeller, assessment: &Assessment) -> Chart {
             series.push(Series { name: format!("{name}, {place}"), points, colour: k, dash, mark });
         }
     }
-    Chart {
+    LineChart {
         title: "Twist of the camber lines".to_owned(),
         x_label: "fraction of the length, leading to trailing edge".to_owned(),
         y_label: "angle from the rotation axis, °".to_owned(),

@@ -6,17 +6,17 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::args::BenchArgs;
-use super::{Failure, bench_flank, bench_growth, say};
+use super::{Failure, bench_flank, bench_growth, print_stdout};
 use crate::formats::gltf::GltfScene;
 use crate::formats::part_file::read_part_bytes;
 use crate::gpu::{Gpu, ResidualKernel};
-use crate::job::{Listener, PlanJob, PlanOutcome, PlanRequest, Stage, run as run_job};
+use crate::job::{Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage, run as run_job};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Blank, Channel, Impeller, PartDescription, Setup, Tool};
 use crate::plunge::Planner;
 use crate::plunge::slotting::DepthSurface;
-use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
+use crate::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 
 /// Runs per measurement, of which the median is reported.
 const RUNS: usize = 5;
@@ -40,7 +40,7 @@ fn three_tools() -> Vec<Tool> {
 }
 
 /// Plans the measured part by the policy `minimal`.
-fn minimal(outcome: &PlanOutcome) {
+fn plan_minimal(outcome: &PlanOutcome) {
     let channel = Channel::of(&outcome.part);
     let planner = Planner::new(&outcome.part, &channel, &outcome.setup);
     let plan = planner.plan(AxisPolicy::Minimal, &Monitor::default());
@@ -49,7 +49,7 @@ fn minimal(outcome: &PlanOutcome) {
 
 /// Measures how long the window waits for a minimal plan and its fields after one slider moved, which depends
 /// on what becomes stale, and for the preview shown meanwhile.
-fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
+fn bench_sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
     let job = PlanJob::default();
     let mut request = PlanRequest {
         part: outcome.part.clone(),
@@ -65,31 +65,31 @@ fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
             turn += 1.0;
             slider(&mut request.setup, turn);
             let started = Instant::now();
-            let listen = |stage: Stage| {
-                if let Stage::Carried(_) = stage {
+            let listen = |stage: PlanStage| {
+                if let PlanStage::Preview(_) = stage {
                     firsts
                         .lock()
                         .unwrap_or_else(PoisonError::into_inner)
                         .push(started.elapsed().as_secs_f64());
                 }
             };
-            let _ = job.run_telling(&request, &Monitor::default(), Listener::new(&listen));
+            let _ = job.run_with_listener(&request, &Monitor::default(), Listener::new(&listen));
         });
-        line(&format!("  replanned, {what} changed"), seconds)?;
+        print_row(&format!("  replanned, {what} changed"), seconds)?;
         let mut firsts = firsts.into_inner().unwrap_or_else(PoisonError::into_inner);
         firsts.sort_by(f64::total_cmp);
         match firsts.get(firsts.len() / 2) {
-            Some(&first) => line("    preview from the last axes (warm start)", first),
+            Some(&first) => print_row("    preview from the last axes (warm start)", first),
             None => Ok(()),
         }
     };
-    moved("safety distance", &|setup, turn| setup.stock.safety_distance = 2.0 + 0.1 * turn)?;
+    moved("safety distance", &|setup, turn| setup.allowances.safety_distance = 2.0 + 0.1 * turn)?;
     moved("inlet end of the last section", &|setup, turn| {
         if let Some(section) = setup.plunge.sections.iter_mut().rfind(|section| !section.rest) {
             section.to = section.to.max(1e-3) + 1e-3 * turn;
         }
     })?;
-    moved("hub allowance", &|setup, turn| setup.stock.hub_allowance = 0.5 + 0.01 * turn)
+    moved("hub allowance", &|setup, turn| setup.allowances.hub_allowance = 0.5 + 0.01 * turn)
 }
 
 /// Measures on the largest sample part and prints the medians.
@@ -98,7 +98,7 @@ fn sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
 /// [`Failure::Input`] when `--positions` is out of range, [`Failure::Work`] when planning or the device
 /// fails.
 pub fn run(args: &BenchArgs) -> Result<(), Failure> {
-    bench_growth::check(args.positions)?;
+    bench_growth::check_positions(args.positions)?;
     let wheel = describe("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
     let part = build(&wheel)?;
     let channel = Channel::of(&part);
@@ -109,23 +109,23 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
         compare: false,
         field_cells: 512,
     };
-    say(&format!("{:<62} {:>10}\n", "what", "median"))?;
+    print_stdout(&format!("{:<62} {:>10}\n", "what", "median"))?;
     let plan_seconds = median(|| {
         let _ = run_job(&request, &Monitor::default());
     });
-    line("plan of one channel: two policies, contact, both fields 512²", plan_seconds)?;
+    print_row("plan of one channel: two policies, contact, both fields 512²", plan_seconds)?;
     let outcome = run_job(&request, &Monitor::default()).map_err(|e| Failure::Work(e.to_string()))?;
 
-    line("minimal plan of one channel", median(|| minimal(&outcome)))?;
-    sliders(&outcome)?;
+    print_row("minimal plan of one channel", median(|| plan_minimal(&outcome)))?;
+    bench_sliders(&outcome)?;
     bench_growth::run(&part, &outcome.setup, args.positions)?;
 
-    bench_flank::lines()?;
-    mesh(&part)?;
+    bench_flank::run()?;
+    bench_mesh_import(&part)?;
 
     let plan = &outcome.after.plan;
     let hub = DepthSurface::new(part.hub.curve(), 0.5);
-    line(
+    print_row(
         "10,000 drop-cutter depths",
         median(|| {
             (0..10_000usize).into_par_iter().for_each(|k| {
@@ -140,19 +140,19 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
         part: &part,
         channel: &channel,
         blank: &blank,
-        stock: &outcome.setup.stock,
-        cutters: &stretches_of(plan),
+        stock: &outcome.setup.allowances,
+        cutters: &stretches_of_plan(plan),
     };
     let grid = FloorGrid::new(&source, 1024);
-    let cutters: Vec<_> = cutters_of(plan).into_iter().cycle().take(1000).collect();
-    line(
+    let cutters: Vec<_> = field_cutters(plan).into_iter().cycle().take(1000).collect();
+    print_row(
         "residual field 1024² × 1000 positions, CPU",
         median(|| {
             std::hint::black_box(residual_field(&grid, &cutters));
         }),
     )?;
     match Gpu::headless() {
-        Err(error) => say(&format!("GPU: {error}\n"))?,
+        Err(error) => print_stdout(&format!("GPU: {error}\n"))?,
         Ok(gpu) => {
             let kernel = ResidualKernel::new(&gpu)?;
             let mut failed = None;
@@ -164,7 +164,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
             if let Some(error) = failed {
                 return Err(error.into());
             }
-            line(&format!("residual field 1024² × 1000 positions, {}", gpu.info.name), seconds)?;
+            print_row(&format!("residual field 1024² × 1000 positions, {}", gpu.info.name), seconds)?;
             super::bench_frames::run(&gpu, &outcome)?;
         }
     }
@@ -175,7 +175,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
 ///
 /// # Errors
 /// [`Failure`] when the sample is not a valid part, which is a bug.
-pub(super) fn sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Failure> {
+pub(super) fn build_sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Failure> {
     build(&describe(name, text)?)
 }
 
@@ -193,11 +193,11 @@ pub(super) fn build(description: &PartDescription) -> Result<Arc<Impeller>, Fail
 }
 
 /// Measures opening a mesh of about a million triangles as a part.
-fn mesh(part: &Impeller) -> Result<(), Failure> {
+fn bench_mesh_import(part: &Impeller) -> Result<(), Failure> {
     let shape = Tessellation::new(part, &Fineness { chord_error: 0.007, ..Fineness::default() });
-    let triangles = shape.triangles() + (part.blade_count - 1) * shape.main.triangles();
+    let triangles = shape.triangle_count() + (part.blade_count - 1) * shape.main.triangle_count();
     let bytes = GltfScene::of_part(part, &shape).glb();
-    line(
+    print_row(
         &format!("a mesh of {triangles} triangles opened"),
         median(|| {
             let read = read_part_bytes("wheel.glb", &bytes, "glb");
@@ -224,6 +224,6 @@ pub(super) fn median(mut work: impl FnMut()) -> f64 {
 ///
 /// # Errors
 /// [`Failure::Work`] when standard output cannot be written.
-pub(super) fn line(what: &str, seconds: f64) -> Result<(), Failure> {
-    say(&format!("{what:<62} {:>7.1} ms\n", 1e3 * seconds))
+pub(super) fn print_row(what: &str, seconds: f64) -> Result<(), Failure> {
+    print_stdout(&format!("{what:<62} {:>7.1} ms\n", 1e3 * seconds))
 }

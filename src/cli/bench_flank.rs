@@ -1,8 +1,8 @@
 //! Benchmarks of the flank planner.
 
-use super::bench::{line, median, sample};
-use super::{Failure, say};
-use crate::flank::CurveSource;
+use super::bench::{build_sample, median, print_row};
+use super::{Failure, print_stdout};
+use crate::flank::LayoutInputs;
 use crate::flank::choice::choose_tool;
 use crate::formats::tool_library::flank_cutters;
 use crate::job::flank::{FlankJob, FlankRequest};
@@ -16,8 +16,8 @@ const DEPTHS: [f64; 4] = [6.0, 3.0, 1.5, 0.75];
 ///
 /// # Errors
 /// [`Failure::Work`] when planning fails.
-pub fn lines() -> Result<(), Failure> {
-    let part = sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
+pub fn run() -> Result<(), Failure> {
+    let part = build_sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
     let channel = Channel::of(&part);
     let mut setup = Setup::default();
     let tool = choose_tool(&part, &channel, &setup, flank_cutters())
@@ -25,10 +25,10 @@ pub fn lines() -> Result<(), Failure> {
         .tool;
     let monitor = Monitor::default();
     let schemes = |setup: &Setup| {
-        let source = CurveSource { part: &part, channel: &channel, setup, tool: &tool };
+        let source = LayoutInputs { part: &part, channel: &channel, setup, tool: &tool };
         source.plan(&monitor).map_err(|error| Failure::Work(error.to_string()))
     };
-    line(
+    print_row(
         "flank passes of one channel with splitters: all 4 strategies",
         median(|| {
             let _ = schemes(&setup);
@@ -38,16 +38,20 @@ pub fn lines() -> Result<(), Failure> {
     for depth in DEPTHS {
         setup.flank.layer_depth = depth;
         let count: usize =
-            schemes(&setup)?.layers.iter().flat_map(|l| &l.curves).map(|c| c.points.len()).sum();
+            schemes(&setup)?.layers.iter().flat_map(|l| &l.pass_curves).map(|c| c.points.len()).sum();
         let seconds = median(|| {
             let _ = schemes(&setup);
         });
-        line(&format!("  the same, {count} pass points"), seconds)?;
+        print_row(&format!("  the same, {count} pass points"), seconds)?;
         points.push(((count as f64).ln(), seconds.ln()));
     }
-    say(&format!("{:<62} {:>10.2}\n", "  time grows with pass points to the power of", slope(&points)))?;
+    print_stdout(&format!(
+        "{:<62} {:>10.2}\n",
+        "  time grows with pass points to the power of",
+        slope(&points)
+    ))?;
     let request = FlankRequest { part: part.clone(), setup: Setup::default() };
-    line(
+    print_row(
         "flank plan of one channel with splitters, with program",
         median(|| {
             let _ = FlankJob::default().run(&request, &monitor);

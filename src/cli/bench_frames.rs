@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use glam::UVec2;
 
 use super::Failure;
-use super::bench::{line, median};
+use super::bench::{median, print_row};
 use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::{Camera, Gpu, Renderer, Scene, SceneOptions, View, draft_size};
 use crate::job::PlanOutcome;
@@ -31,7 +31,7 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
             let options = SceneOptions { draft, range_mm: (0.0, 4.0), ..SceneOptions::default() };
             let seconds = median(|| {
                 for _ in 0..PICTURES {
-                    camera.yaw += TAU / 180.0;
+                    camera.yaw_rad += TAU / 180.0;
                     renderer.render(gpu, &scene, &camera, &options, size, if draft { 1 } else { 4 });
                     // Wait for each picture, as on the screen.
                     let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
@@ -40,7 +40,7 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
             let of = if view == View::Iso { "wheel" } else { "channel" };
             let positions = plan.positions.len();
             let rate = 1.0 / seconds;
-            line(
+            print_row(
                 &format!("view {what}, {of}, {positions} cutters, 1280 × 800: {rate:.0} per second"),
                 seconds,
             )?;

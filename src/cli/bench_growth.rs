@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use super::bench::build;
 use super::bench_flank::slope;
-use super::bench_wheel::spread;
-use super::{Failure, say};
+use super::bench_wheel::scaled_wheel;
+use super::{Failure, print_stdout};
 use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use crate::formats::plan_file::write_plan;
 use crate::job::Summary;
@@ -15,13 +15,13 @@ use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, PartDescription, Setup};
 use crate::plunge::Planner;
 use crate::plunge::sections::MAX_POSITIONS;
-use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
+use crate::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 use crate::verify::verify;
 
 /// Minimum number of positions for a meaningful comparison with the original wheel.
-const LEAST: usize = 2000;
+const MIN_POSITIONS: usize = 2000;
 /// Largest ratio of position counts between consecutive wheels.
-const RATIO: f64 = 4.0;
+const MAX_POSITION_RATIO: f64 = 4.0;
 /// Number of cells of the residual field along s and along λ.
 const FIELD_CELLS: usize = 512;
 
@@ -29,48 +29,51 @@ const FIELD_CELLS: usize = 512;
 ///
 /// # Errors
 /// [`Failure::Input`] when `positions` is out of range.
-pub fn check(positions: usize) -> Result<(), Failure> {
-    if (LEAST..=MAX_POSITIONS).contains(&positions) {
+pub fn check_positions(positions: usize) -> Result<(), Failure> {
+    if (MIN_POSITIONS..=MAX_POSITIONS).contains(&positions) {
         return Ok(());
     }
-    Err(Failure::Input(format!("--positions {positions} is out of range; give {LEAST} to {MAX_POSITIONS}")))
+    Err(Failure::Input(format!(
+        "--positions {positions} is out of range; give {MIN_POSITIONS} to {MAX_POSITIONS}"
+    )))
 }
 
 /// Measured steps of a plan.
-const WHAT: [&str; 4] = ["planned", "evaluated", "written", "verified"];
+const MEASURED_STEPS: [&str; 4] = ["planned", "evaluated", "written", "verified"];
 
 /// Plans wheels like `part` of growing hub area with the sections of `setup`, until a plan has about `most`
 /// positions. Prints the times, and the exponents with which they grow with the number of positions.
 ///
 /// # Errors
 /// [`Failure::Work`] when planning or verification fails.
-pub fn run(part: &Impeller, setup: &Setup, most: usize) -> Result<(), Failure> {
-    say("minimal plan of one channel of wheels of growing hub area, seconds:\n")?;
-    let mut all = vec![measure(&spread(part, 1.0), setup)?];
-    let steps = ((most as f64 / all[0].0 as f64).ln() / RATIO.ln()).ceil().max(2.0) as u32;
+pub fn run(part: &Impeller, setup: &Setup, max_positions: usize) -> Result<(), Failure> {
+    print_stdout("minimal plan of one channel of wheels of growing hub area, seconds:\n")?;
+    let mut all = vec![measure(&scaled_wheel(part, 1.0), setup)?];
+    let steps =
+        ((max_positions as f64 / all[0].0 as f64).ln() / MAX_POSITION_RATIO.ln()).ceil().max(2.0) as u32;
     // The number of positions grows about with the square of the size; the exponent is re-estimated from the
     // last two.
     let (mut size, mut power) = (1.0, 2.0);
     for left in (1..=steps).rev() {
         let before = all[all.len() - 1].0 as f64;
-        let wider = (most as f64 / before).powf(1.0 / power / f64::from(left));
+        let wider = (max_positions as f64 / before).powf(1.0 / power / f64::from(left));
         size *= wider;
-        let next = measure(&spread(part, size), setup)?;
+        let next = measure(&scaled_wheel(part, size), setup)?;
         power = ((next.0 as f64 / before).ln() / wider.ln()).clamp(1.0, 3.0);
         all.push(next);
     }
-    say("  time grows with positions to the power of")?;
-    for (i, what) in WHAT.iter().enumerate() {
+    print_stdout("  time grows with positions to the power of")?;
+    for (i, what) in MEASURED_STEPS.iter().enumerate() {
         let points: Vec<(f64, f64)> =
             all.iter().map(|(positions, seconds)| ((*positions as f64).ln(), seconds[i].ln())).collect();
         let last = slope(&points[points.len() - 2..]);
         let before = if i == 0 { ":" } else { "," };
-        say(&format!("{before} {what} {:.2} (between the last two {last:.2})", slope(&points)))?;
+        print_stdout(&format!("{before} {what} {:.2} (between the last two {last:.2})", slope(&points)))?;
     }
-    say("\n")
+    print_stdout("\n")
 }
 
-/// Number of positions of a plan, and the time of each step of [`WHAT`], s.
+/// Number of positions of a plan, and the time of each step of [`MEASURED_STEPS`], s.
 fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), Failure> {
     let failed = |what: &dyn std::fmt::Display| Failure::Work(format!("the growing wheel: {what}"));
     let part = build(wheel)?;
@@ -84,11 +87,11 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
     let planner = Planner::new(&part, &channel, setup);
     let plan = planner.plan(AxisPolicy::Minimal, &Monitor::default()).map_err(|error| failed(&error))?;
     lap(0);
-    let (blank, stock) = (planner.blank(), &setup.stock);
-    let cutters = stretches_of(&plan);
+    let (blank, stock) = (planner.blank(), &setup.allowances);
+    let cutters = stretches_of_plan(&plan);
     let source = FloorSource { part: &part, channel: &channel, blank, stock, cutters: &cutters };
     let grid = FloorGrid::new(&source, FIELD_CELLS);
-    let summary = Summary::of(&plan, &grid, &residual_field(&grid, &cutters_of(&plan)));
+    let summary = Summary::of(&plan, &grid, &residual_field(&grid, &field_cutters(&plan)));
     lap(1);
     let json = write_plan(wheel, setup, &plan, 1);
     let apt = write_apt(&ClProgram::of_plan(&part.name, &plan));
@@ -96,10 +99,10 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
     drop(json);
     lap(2);
     let program = read_apt_bytes("plunge.apt", apt.as_bytes())?;
-    let verdict = verify(&part, &channel, setup, &program).map_err(|fault| failed(&fault.what))?;
+    let verdict = verify(&part, &channel, setup, &program).map_err(|fault| failed(&fault.message))?;
     lap(3);
     let [planned, judged, written, verified] = seconds;
-    say(&format!(
+    print_stdout(&format!(
         "  D {:<6.0} {:>7} positions   planned {planned:>7.2}   evaluated {judged:>6.2}   \
          written {written:>5.2}   verified {verified:>6.2}   {:>4} of 1000 uncut, {} faults{}\n",
         2.0 * part.rim_radius(),

@@ -10,7 +10,7 @@ const SECTIONS: usize = 5;
 
 /// A wheel like `part` whose hub is `factor` times as long and as wide, with channels of the same depth and
 /// blades of the same thickness and lean, so that the cutters for `part` suit it.
-pub fn spread(part: &Impeller, factor: f64) -> PartDescription {
+pub fn scaled_wheel(part: &Impeller, factor: f64) -> PartDescription {
     let (hub, shroud) = (part.hub.s_range(), part.shroud.s_range());
     let (from, to) = (hub.0.max(shroud.0), hub.1.min(shroud.1));
     let s = |i: usize| from + (to - from) * i as f64 / (CURVE_POINTS - 1) as f64;
@@ -75,7 +75,7 @@ mod tests {
     fn a_spread_wheel_is_larger_and_its_channels_are_as_deep() {
         let part = wheel();
         for factor in [1.0, 2.5, 8.0] {
-            let grown = Impeller::build(&spread(&part, factor)).expect("an impeller");
+            let grown = Impeller::build(&scaled_wheel(&part, factor)).expect("an impeller");
             assert!(
                 (grown.rim_radius() / part.rim_radius() / factor - 1.0).abs() < 0.02,
                 "{}",

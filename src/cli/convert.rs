@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 
 use super::args::{ConvertArgs, MeshArgs};
 use super::plan::FIELD_CELLS;
-use super::{Failure, open, say};
+use super::{Failure, open, print_stdout};
 use crate::formats::flank_file::{StoredFlank, is_flank, read_flank_bytes};
 use crate::formats::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::formats::native::write_native;
 use crate::formats::plan_file::{StoredPlan, read_plan_bytes};
 use crate::formats::source::{name_of, read_bytes};
-use crate::formats::write::{write_together, write_whole};
+use crate::formats::write::{write_all_atomically, write_atomically};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::{Blank, Channel, Impeller, PartDescription};
 use crate::residual::surface::fitting_range;
-use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
+use crate::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 
 /// Output format, by extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -26,7 +26,7 @@ enum Format {
 }
 
 /// Content of the input file.
-enum Content {
+enum InputContent {
     Part(Box<(PartDescription, Impeller)>),
     Plan(Box<StoredPlan>),
     Flank(Box<StoredFlank>),
@@ -49,24 +49,24 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         return Err(Failure::at(&name_of(&args.output), 0, "is the input file; name another file to write"));
     }
     let (description, part) = match &content {
-        Content::Part(part) => (&part.0, &part.1),
-        Content::Plan(plan) => (&plan.description, &plan.part),
-        Content::Flank(plan) => (&plan.description, &plan.part),
+        InputContent::Part(part) => (&part.0, &part.1),
+        InputContent::Plan(plan) => (&plan.description, &plan.part),
+        InputContent::Flank(plan) => (&plan.description, &plan.part),
     };
     if format == Format::Native {
-        write_whole(&args.output, write_native(description).as_bytes())?;
-        return say(&format!("wrote {}: {}\n", args.output.display(), part.name));
+        write_atomically(&args.output, write_native(description).as_bytes())?;
+        return print_stdout(&format!("wrote {}: {}\n", args.output.display(), part.name));
     }
     let asked = Fineness { chord_error: args.chord_error, ..Fineness::default() };
     let shape = Tessellation::new(part, &asked);
     let cutters = if args.plain { CutterNodes::Plain } else { CutterNodes::Instanced };
     let scene = match &content {
-        Content::Part(_) => GltfScene::of_part(part, &shape),
-        Content::Flank(plan) => GltfScene::of_flank(plan, &shape),
-        Content::Plan(plan) => plan_scene(plan, &shape, cutters),
+        InputContent::Part(_) => GltfScene::of_part(part, &shape),
+        InputContent::Flank(plan) => GltfScene::of_flank(plan, &shape),
+        InputContent::Plan(plan) => plan_scene(plan, &shape, cutters),
     };
     write_scene(&scene, &args.output, format)?;
-    say(&told(args, part, &shape, &asked))
+    print_stdout(&summary_text(args, part, &shape, &asked))
 }
 
 fn format_of(path: &Path) -> Result<Format, Failure> {
@@ -86,15 +86,15 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
     }
 }
 
-fn read(path: &Path, mesh: &MeshArgs) -> Result<Content, Failure> {
+fn read(path: &Path, mesh: &MeshArgs) -> Result<InputContent, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
-        return Ok(Content::Part(Box::new(open::part(path, mesh)?)));
+        return Ok(InputContent::Part(Box::new(open::part(path, mesh)?)));
     }
     let (name, bytes) = (name_of(path), read_bytes(path)?);
     if is_flank(&bytes) {
-        return Ok(Content::Flank(Box::new(read_flank_bytes(&name, &bytes)?)));
+        return Ok(InputContent::Flank(Box::new(read_flank_bytes(&name, &bytes)?)));
     }
-    Ok(Content::Plan(Box::new(read_plan_bytes(&name, &bytes)?)))
+    Ok(InputContent::Plan(Box::new(read_plan_bytes(&name, &bytes)?)))
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {
@@ -108,16 +108,16 @@ fn same_file(a: &Path, b: &Path) -> bool {
 fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -> GltfScene {
     let StoredPlan { part, setup, plan, .. } = stored;
     let channel = Channel::of(part);
-    let blank = Blank::of(part, setup.stock.inlet_extension);
+    let blank = Blank::of(part, setup.allowances.inlet_extension);
     let source = FloorSource {
         part,
         channel: &channel,
         blank: &blank,
-        stock: &setup.stock,
-        cutters: &stretches_of(plan),
+        stock: &setup.allowances,
+        cutters: &stretches_of_plan(plan),
     };
     let grid = FloorGrid::new(&source, FIELD_CELLS);
-    let field = residual_field(&grid, &cutters_of(plan));
+    let field = residual_field(&grid, &field_cutters(plan));
     GltfScene::of_plan(&PlanScene {
         part,
         shape,
@@ -133,7 +133,7 @@ fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -
 
 fn write_scene(scene: &GltfScene, path: &Path, format: Format) -> Result<(), Failure> {
     if format == Format::Glb {
-        return Ok(write_whole(path, &scene.glb())?);
+        return Ok(write_atomically(path, &scene.glb())?);
     }
     let binary = path.with_extension("bin");
     // Beside an existing .gltf file the buffer is from an earlier run; otherwise it may belong to another
@@ -147,7 +147,7 @@ fn write_scene(scene: &GltfScene, path: &Path, format: Format) -> Result<(), Fai
     }
     let (text, bytes) = scene.gltf(&uri_of(&binary));
     let files: [(PathBuf, &[u8]); 2] = [(binary, &bytes), (path.to_owned(), text.as_bytes())];
-    Ok(write_together(&files)?)
+    Ok(write_all_atomically(&files)?)
 }
 
 /// The file name of `path` as a relative URI, percent-encoded.
@@ -157,20 +157,19 @@ fn uri_of(path: &Path) -> String {
     name.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
 }
 
-fn told(args: &ConvertArgs, part: &Impeller, shape: &Tessellation, asked: &Fineness) -> String {
+fn summary_text(args: &ConvertArgs, part: &Impeller, shape: &Tessellation, asked: &Fineness) -> String {
     let copies = part.blade_count
-        * (shape.main.triangles() + shape.splitters.iter().map(|s| s.triangles()).sum::<usize>());
-    let all = shape.hub.triangles() + shape.shroud.triangles() + copies;
+        * (shape.main.triangle_count() + shape.splitters.iter().map(|s| s.triangle_count()).sum::<usize>());
+    let all = shape.hub.triangle_count() + shape.shroud.triangle_count() + copies;
     let mut text = format!(
         "wrote {}: {}, {} triangles, {all} with all blades, within {:.4} mm\n",
         args.output.display(),
         part.name,
-        shape.triangles(),
+        shape.triangle_count(),
         shape.chord_error
     );
     if shape.chord_error > asked.chord_error {
-        text +=
-            &format!("{} mm would take more than {} triangles\n", asked.chord_error, asked.most_triangles);
+        text += &format!("{} mm would take more than {} triangles\n", asked.chord_error, asked.max_triangles);
     }
     text
 }

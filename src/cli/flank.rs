@@ -5,19 +5,19 @@ use std::sync::Arc;
 use serde_json::{Map, Value, json};
 
 use super::args::FlankArgs;
-use super::plan::{check_folder, make_folder};
+use super::plan::{check_directory, create_directory};
 use super::report::{fault_list, head, number};
-use super::watch::watched;
-use super::{Failure, open, say};
+use super::watch::run_with_progress;
+use super::{Failure, open, print_stdout};
 use crate::flank::FlankPlan;
 use crate::formats::apt::{ClProgram, write_apt};
 use crate::formats::flank_file::write_flank;
-use crate::formats::setup_file::flank_scheme;
-use crate::formats::write::write_together;
+use crate::formats::setup_file::parse_flank_strategy;
+use crate::formats::write::write_all_atomically;
 use crate::job::JobError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
-use crate::part::{FlankScheme, Impeller};
-use crate::verify::counted;
+use crate::part::{FlankStrategy, Impeller};
+use crate::verify::count_by_kind;
 
 /// Plans, writes the files and prints the figures.
 ///
@@ -28,19 +28,20 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
     let mut setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
     if let Some(name) = &args.scheme {
-        setup.setup.flank.scheme =
-            flank_scheme(name).map_err(|(what, cure)| Failure::Input(format!("--scheme: {what}; {cure}")))?;
+        setup.setup.flank.strategy = parse_flank_strategy(name)
+            .map_err(|(what, cure)| Failure::Input(format!("--scheme: {what}; {cure}")))?;
     }
-    check_folder(&args.output)?;
+    check_directory(&args.output)?;
     let request = FlankRequest { part: Arc::new(part), setup: setup.setup.clone() };
-    let outcome =
-        watched(|monitor| FlankJob::default().run(&request, monitor)).map_err(|error| match error {
+    let outcome = run_with_progress(|monitor| FlankJob::default().run(&request, monitor)).map_err(
+        |error| match error {
             JobError::Cancelled => Failure::Work("cancelled".to_owned()),
             JobError::Setup(fault) => setup.failure(&fault),
-        })?;
+        },
+    )?;
     let plan = &outcome.plan;
     if plan.moves.is_empty() {
-        let most = plan.left_out.iter().max_by(|a, b| a.length.total_cmp(&b.length));
+        let most = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length));
         let why = most.map_or("the cutter fits nowhere", |left| left.why);
         return Err(Failure::Work(format!(
             "{}: nothing could be cut: {why}; give a thinner or a longer cutter, or smaller allowances",
@@ -48,10 +49,10 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         )));
     }
     let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves);
-    make_folder(&args.output)?;
+    create_directory(&args.output)?;
     let written = write_apt(&program);
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
-    write_together(&[
+    write_all_atomically(&[
         (json.clone(), write_flank(&description, &outcome.setup, plan).as_bytes()),
         (apt.clone(), written.as_bytes()),
     ])?;
@@ -60,12 +61,12 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     if args.json {
         let mut map = object(&outcome);
         map.insert("faults".into(), fault_list(faults));
-        say(&format!("{}\n", Value::Object(map)))?;
+        print_stdout(&format!("{}\n", Value::Object(map)))?;
     } else {
-        say(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))?;
+        print_stdout(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))?;
     }
     let Some(first) = faults.first() else { return Ok(()) };
-    let (line, what, counts) = (first.line, &first.what, counted(faults));
+    let (line, what, counts) = (first.line, &first.message, count_by_kind(faults));
     Err(Failure::Work(format!(
         "{name}:{line}: {what}; in all {counts}: use a thinner cutter, or one with more overhang"
     )))
@@ -77,20 +78,20 @@ fn region_count(part: &Impeller) -> usize {
 }
 
 /// Stepover on the lowest layer, mm.
-fn interval(plan: &FlankPlan) -> f64 {
-    plan.curves.layers.first().map_or(f64::NAN, |layer| layer.interval)
+fn stepover(plan: &FlankPlan) -> f64 {
+    plan.layout.layers.first().map_or(f64::NAN, |layer| layer.stepover)
 }
 
 /// Length of passes that were left out, mm.
-fn left_out(plan: &FlankPlan) -> f64 {
-    plan.left_out.iter().map(|stretch| stretch.length).sum()
+fn left_out_length(plan: &FlankPlan) -> f64 {
+    plan.uncut.iter().map(|stretch| stretch.length).sum()
 }
 
 fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     let (part, plan) = (&outcome.part, &outcome.plan);
-    let curves = &plan.curves;
-    let scheme = curves.scheme;
-    let of = |scheme: FlankScheme| &curves.totals[scheme as usize];
+    let curves = &plan.layout;
+    let scheme = curves.strategy;
+    let of = |scheme: FlankStrategy| &curves.totals[scheme as usize];
     let mut map = head(part, Some(1));
     let mut put = |key: &str, value: Value| {
         map.insert(key.to_owned(), value);
@@ -100,10 +101,10 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("reason", json!(plan.reason));
     put("layers", json!(curves.layers.len()));
     put("regions", json!(region_count(part)));
-    put("curves", json!(of(scheme).curves));
-    put("interval", number(interval(plan)));
+    put("curves", json!(of(scheme).passes));
+    put("interval", number(stepover(plan)));
     put("length", number(of(scheme).length));
-    for other in FlankScheme::ALL {
+    for other in FlankStrategy::ALL {
         put(&format!("length_{}", other.name()), number(of(other).length));
     }
     put("floor_length", number(curves.floor_length));
@@ -125,11 +126,11 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
         })
     });
     put("fixed_axes", Value::Array(axes.collect()));
-    put("left_out_length", number(left_out(plan)));
+    put("left_out_length", number(left_out_length(plan)));
     put(
         "left_out",
         Value::Array(
-            plan.left_out
+            plan.uncut
                 .iter()
                 .map(|l| {
                     json!({
@@ -139,10 +140,10 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
                 .collect(),
         ),
     );
-    put("feed", number(plan.feeds.step));
-    put("slot_feed", number(plan.feeds.slot));
-    put("wall_feed", number(plan.feeds.wall));
-    put("ramp_feed", number(plan.feeds.ramp));
+    put("feed", number(plan.feeds.step_mm_per_min));
+    put("slot_feed", number(plan.feeds.slot_mm_per_min));
+    put("wall_feed", number(plan.feeds.wall_mm_per_min));
+    put("ramp_feed", number(plan.feeds.ramp_mm_per_min));
     put("cut_length", number(plan.times.cut_length));
     put("link_length", number(plan.times.link_length));
     put("rapid_length", number(plan.times.rapid_length));
@@ -151,8 +152,8 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("rapid_time", number(plan.times.rapid_time));
     put("time_estimate", number(plan.times.total()));
     // Gaps of the isoparametric strategy are measured only if it is the chosen one.
-    let measured = |s: FlankScheme| s != FlankScheme::Isoparametric || s == scheme;
-    let by_scheme: Map<String, Value> = FlankScheme::ALL
+    let measured = |s: FlankStrategy| s != FlankStrategy::Isoparametric || s == scheme;
+    let by_scheme: Map<String, Value> = FlankStrategy::ALL
         .iter()
         .map(|&s| {
             let figures = of(s);
@@ -161,7 +162,7 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
             (
                 s.name().to_owned(),
                 json!({
-                    "curves": figures.curves,
+                    "curves": figures.passes,
                     "length": figures.length,
                     "largest_gap_over_interval": number(gap),
                     "wide_area_share": number(wide),
@@ -181,8 +182,8 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
                     json!({
                         "layer": number + 1,
                         "height": layer.layer.height,
-                        "interval": layer.interval,
-                        "curves": layer.curves.len(),
+                        "interval": layer.stepover,
+                        "curves": layer.pass_curves.len(),
                         "length": layer.figures[scheme as usize].length,
                     })
                 })
@@ -195,25 +196,25 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
 
 fn text(outcome: &FlankOutcome) -> String {
     let (part, plan) = (&outcome.part, &outcome.plan);
-    let curves = &plan.curves;
+    let curves = &plan.layout;
     let mut text = format!(
         "{}: {} layers, {} region{}, {} passes; cutter D {} R {}, stepover {:.3} mm at the hub\n",
         part.name,
         curves.layers.len(),
         region_count(part),
         if region_count(part) == 1 { "" } else { "s" },
-        curves.totals[curves.scheme as usize].curves,
+        curves.totals[curves.strategy as usize].passes,
         plan.tool.diameter,
         plan.tool.corner_radius,
-        interval(plan),
+        stepover(plan),
     );
     if let Some(reason) = &plan.reason {
         text += &format!("cutter: {reason}\n");
     }
     text += "strategy       passes     length mm   of isoparametric   widest gap   wide area %\n";
-    for scheme in FlankScheme::ALL {
+    for scheme in FlankStrategy::ALL {
         let figures = &curves.totals[scheme as usize];
-        let measured = scheme != FlankScheme::Isoparametric || scheme == curves.scheme;
+        let measured = scheme != FlankStrategy::Isoparametric || scheme == curves.strategy;
         let (gap, wide) = if measured {
             (
                 format!("{:.3}", figures.coverage.largest_gap),
@@ -225,18 +226,18 @@ fn text(outcome: &FlankOutcome) -> String {
         text += &format!(
             "{:13}{:8}{:14.1}{:18.3}{gap:>13}{wide:>14}{}\n",
             scheme.name(),
-            figures.curves,
+            figures.passes,
             figures.length,
             figures.length / curves.totals[0].length,
-            if scheme == curves.scheme { "  < written" } else { "" },
+            if scheme == curves.strategy { "  < written" } else { "" },
         );
     }
     text += &format!(
         "floor {:.1} mm, seams {:.1} mm: {} is {:.3} times floor plus half the seams\n",
         curves.floor_length,
         curves.seam_length,
-        curves.scheme.name(),
-        curves.totals[curves.scheme as usize].length / (curves.floor_length + 0.5 * curves.seam_length),
+        curves.strategy.name(),
+        curves.totals[curves.strategy as usize].length / (curves.floor_length + 0.5 * curves.seam_length),
     );
     text += &format!(
         "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept; \
@@ -267,12 +268,12 @@ fn text(outcome: &FlankOutcome) -> String {
     text += &format!(
         "feed rates, mm/min: {:.0} beside earlier passes, {:.0} in full stock, {:.0} along walls, \
          {:.0} ramping down\n",
-        feeds.step, feeds.slot, feeds.wall, feeds.ramp,
+        feeds.step_mm_per_min, feeds.slot_mm_per_min, feeds.wall_mm_per_min, feeds.ramp_mm_per_min,
     );
     for height in &curves.empty {
         text += &format!("nothing is planned {height} mm above the hub: the cutter fits nowhere there\n");
     }
-    for left in &plan.left_out {
+    for left in &plan.uncut {
         text +=
             &format!("left out: {:.1} mm of passes of layer {}, {}\n", left.length, left.layer + 1, left.why);
     }

@@ -55,7 +55,7 @@ impl From<InputError> for Failure {
 ///
 /// # Errors
 /// [`Failure::Work`] when standard output cannot be written for another reason.
-pub(crate) fn say(text: &str) -> Result<(), Failure> {
+pub(crate) fn print_stdout(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -66,14 +66,14 @@ pub(crate) fn say(text: &str) -> Result<(), Failure> {
 }
 
 /// Prints one line to stderr, with control characters in `what` replaced by spaces.
-fn complain(what: &str) {
+fn print_error(what: &str) {
     let line: String = what.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     // A closed stderr is ignored.
     let _ = writeln!(std::io::stderr(), "vanecut: {line}");
 }
 
 /// An error of clap as one line: the fault, then its tip.
-fn usage_fault(error: &clap::Error) -> String {
+fn usage_error(error: &clap::Error) -> String {
     let text = error.to_string();
     let said: Vec<&str> = text
         .lines()
@@ -95,23 +95,23 @@ pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) if error.use_stderr() => {
-            complain(&usage_fault(&error));
+            print_error(&usage_error(&error));
             return ExitCode::from(2);
         }
-        Err(help) => return end(say(&help.to_string())),
+        Err(help) => return exit_code(print_stdout(&help.to_string())),
     };
-    end(run(arguments))
+    exit_code(run(arguments))
 }
 
-fn end(result: Result<(), Failure>) -> ExitCode {
+fn exit_code(result: Result<(), Failure>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Work(what)) => {
-            complain(&what);
+            print_error(&what);
             ExitCode::from(1)
         }
         Err(Failure::Input(what)) => {
-            complain(&what);
+            print_error(&what);
             ExitCode::from(2)
         }
     }

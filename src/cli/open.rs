@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Failure;
 use super::args::MeshArgs;
 use crate::formats::part_file::read_part_with;
-use crate::formats::setup_file::{line_of, read_setup_over};
+use crate::formats::setup_file::{line_of_place, read_setup_with_defaults};
 use crate::formats::source::{MAX_BYTES, name_of, read_bytes};
 use crate::part::{Impeller, PartDescription, Setup};
 use crate::plunge::sections::SetupFault;
@@ -40,7 +40,7 @@ pub struct OpenSetup {
 impl OpenSetup {
     /// The failure for a setup fault found while planning, with the line of the setup file.
     pub fn failure(&self, fault: &SetupFault) -> Failure {
-        Failure::at(&self.name, line_of(&self.bytes, &fault.place), &fault.to_string())
+        Failure::at(&self.name, line_of_place(&self.bytes, &fault.place), &fault.to_string())
     }
 }
 
@@ -55,7 +55,7 @@ pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<O
         return Ok(OpenSetup { setup: defaults, name: part_path.display().to_string(), bytes: Vec::new() });
     };
     let (name, bytes) = named_bytes(path)?;
-    let setup = read_setup_over(&name, &bytes, &defaults)?;
+    let setup = read_setup_with_defaults(&name, &bytes, &defaults)?;
     Ok(OpenSetup { setup, name, bytes })
 }
 

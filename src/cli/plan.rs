@@ -7,18 +7,18 @@ use serde_json::{Value, json};
 
 use super::args::PlanArgs;
 use super::open::OpenSetup;
-use super::report::Figures;
-use super::watch::watched;
-use super::{Failure, open, render, report, say};
+use super::report::PlanFigures;
+use super::watch::run_with_progress;
+use super::{Failure, open, print_stdout, render, report};
 use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
 use crate::formats::plan_file::write_plan;
-use crate::formats::setup_file::axis_policy;
-use crate::formats::write::write_together;
+use crate::formats::setup_file::parse_axis_policy;
+use crate::formats::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Blank, Channel, Impeller};
 use crate::plunge::whole::plan_channels;
-use crate::verify::{PlungeReport, counted, report_plunges};
+use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
 /// Cells of the residual field along s and λ.
 pub const FIELD_CELLS: usize = 512;
@@ -33,19 +33,21 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
     let policy = match &args.axis {
         None => setup.setup.plunge.axis,
-        Some(name) => {
-            axis_policy(name).map_err(|(what, cure)| Failure::Input(format!("--axis: {what}; {cure}")))?
-        }
+        Some(name) => parse_axis_policy(name)
+            .map_err(|(what, cure)| Failure::Input(format!("--axis: {what}; {cure}")))?,
     };
     let channels = channel_count(&args.channels, &part)?;
-    check_folder(&args.output)?;
-    let outcome = outcome(part, &setup, policy, true)?;
+    check_directory(&args.output)?;
+    let outcome = plan_with_progress(part, &setup, policy, true)?;
     let after = &outcome.after;
     let text = write_plan(&description, &outcome.setup, &after.plan, channels);
     let program = write_apt(&program_of(&outcome, channels)?);
-    make_folder(&args.output)?;
+    create_directory(&args.output)?;
     let apt = args.output.join("plunge.apt");
-    write_together(&[(args.output.join("plan.json"), text.as_bytes()), (apt.clone(), program.as_bytes())])?;
+    write_all_atomically(&[
+        (args.output.join("plan.json"), text.as_bytes()),
+        (apt.clone(), program.as_bytes()),
+    ])?;
     if args.report {
         render::write_report(&args.output, &outcome)?;
     }
@@ -54,18 +56,18 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let written = read_apt_bytes(&name, program.as_bytes())?;
     let channel = Channel::of(&outcome.part);
     let report = report_plunges(&outcome.part, &channel, &outcome.setup, &written, FIELD_CELLS)
-        .map_err(|fault| Failure::at(&name, fault.line, &fault.what))?;
+        .map_err(|fault| Failure::at(&name, fault.line, &fault.message))?;
     if args.json {
-        say(&format!("{}\n", Value::Object(object(&outcome, &report, channels))))?;
+        print_stdout(&format!("{}\n", Value::Object(plan_json(&outcome, &report, channels))))?;
     } else {
-        say(&tables(&outcome, &report, channels, args))?;
+        print_stdout(&plan_text(&outcome, &report, channels, args))?;
     }
-    judge(&outcome, &report, &name)
+    check_result(&outcome, &report, &name)
 }
 
 /// The program of the first `channels` channels of a plan.
 fn program_of(outcome: &PlanOutcome, channels: usize) -> Result<ClProgram, Failure> {
-    let (part, stock) = (&outcome.part, &outcome.setup.stock);
+    let (part, stock) = (&outcome.part, &outcome.setup.allowances);
     let blank = Blank::of(part, stock.inlet_extension);
     let monitor = Monitor::default();
     let plan = plan_channels(&outcome.after.plan, part, &blank, stock.safety_distance, channels, &monitor)
@@ -77,7 +79,7 @@ fn program_of(outcome: &PlanOutcome, channels: usize) -> Result<ClProgram, Failu
 ///
 /// # Errors
 /// [`Failure::Work`] when cancelled, [`Failure::Input`] when part and setup are incompatible.
-pub fn outcome(
+pub fn plan_with_progress(
     part: Impeller,
     setup: &OpenSetup,
     policy: AxisPolicy,
@@ -90,7 +92,7 @@ pub fn outcome(
         compare,
         field_cells: FIELD_CELLS,
     };
-    watched(|monitor| job::run(&request, monitor)).map_err(|error| match error {
+    run_with_progress(|monitor| job::run(&request, monitor)).map_err(|error| match error {
         JobError::Cancelled => Failure::Work("cancelled".to_owned()),
         JobError::Setup(fault) => setup.failure(&fault),
     })
@@ -106,11 +108,11 @@ fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
     }
 }
 
-/// Checks the output directory before planning, so that [`make_folder`] does not fail only after it.
+/// Checks the output directory before planning, so that [`create_directory`] does not fail only after it.
 ///
 /// # Errors
 /// [`Failure::Input`] when `folder` exists and is not a directory.
-pub fn check_folder(folder: &Path) -> Result<(), Failure> {
+pub fn check_directory(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         let what = "is not a directory; give one that can be written";
         return Err(Failure::at(&folder.display().to_string(), 0, what));
@@ -122,7 +124,7 @@ pub fn check_folder(folder: &Path) -> Result<(), Failure> {
 ///
 /// # Errors
 /// [`Failure::Input`] when it cannot be created.
-pub fn make_folder(folder: &Path) -> Result<(), Failure> {
+pub fn create_directory(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| {
         Failure::Input(format!(
             "{}: the directory cannot be created ({e}); give one that can be written",
@@ -131,13 +133,17 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     })
 }
 
-fn object(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> serde_json::Map<String, Value> {
+fn plan_json(
+    outcome: &PlanOutcome,
+    report: &PlungeReport,
+    channels: usize,
+) -> serde_json::Map<String, Value> {
     let (part, grid, reasons) = (&outcome.part, &outcome.grid, &outcome.reasons);
-    let mut map = report::plan_object(part, channels, &written(outcome, report, channels), reasons);
-    let compared = |result| report::compared(&Figures::of_result(result, grid), reasons);
+    let mut map = report::plan_object(part, channels, &written_figures(outcome, report, channels), reasons);
+    let compared = |result| report::comparison_object(&PlanFigures::of_result(result, grid), reasons);
     map.insert("policy".into(), json!(outcome.after.plan.policy));
     if channels > 1 {
-        let one = Figures::of_result(&outcome.after, grid);
+        let one = PlanFigures::of_result(&outcome.after, grid);
         map.insert("one_channel".into(), Value::Object(report::plan_object(part, 1, &one, reasons)));
     }
     map.insert("before".into(), compared(&outcome.before));
@@ -150,12 +156,12 @@ fn object(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> serd
 }
 
 /// Figures of the plan, taken from its written program where possible.
-fn written<'a>(outcome: &'a PlanOutcome, report: &PlungeReport, channels: usize) -> Figures<'a> {
-    let one = Figures::of_result(&outcome.after, &outcome.grid);
+fn written_figures<'a>(outcome: &'a PlanOutcome, report: &PlungeReport, channels: usize) -> PlanFigures<'a> {
+    let one = PlanFigures::of_result(&outcome.after, &outcome.grid);
     // A program does not contain blocked positions; their number is the same in every channel.
     let with_blocked = |s: &Summary, one: &Summary| Summary { blocked: one.blocked * channels, ..s.clone() };
     let sections = report.sections.iter().zip(&one.sections);
-    Figures {
+    PlanFigures {
         summary: with_blocked(&report.summary, &one.summary),
         sections: sections.map(|(s, one)| with_blocked(s, one)).collect(),
         rows: report.verdict.plan.sections.iter().map(|section| section.rows).sum(),
@@ -163,7 +169,7 @@ fn written<'a>(outcome: &'a PlanOutcome, report: &PlungeReport, channels: usize)
     }
 }
 
-fn tables(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args: &PlanArgs) -> String {
+fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args: &PlanArgs) -> String {
     let part = &outcome.part;
     let plan = &outcome.after.plan;
     let mut text = format!(
@@ -179,21 +185,22 @@ fn tables(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args: &
     }
     let policies = outcome.policies().into_iter();
     text += &report::table(
-        policies.map(|result| (result.plan.policy.name(), Figures::of_result(result, &outcome.grid))),
+        policies.map(|result| (result.plan.policy.name(), PlanFigures::of_result(result, &outcome.grid))),
     );
     if channels > 1 {
         text += &format!("{} as written, {}:\n", plan.policy.name(), report::channels_text(channels));
-        text += &report::table([(plan.policy.name(), written(outcome, report, channels))].into_iter());
+        text +=
+            &report::table([(plan.policy.name(), written_figures(outcome, report, channels))].into_iter());
     } else {
         text += &format!("{} as written:\n", plan.policy.name());
     }
-    text += &report::reasons(plan, &outcome.reasons);
-    text += &report::added(plan);
-    text += &report::clearances(&report.summary, channels);
-    text += &report::rounds(plan);
-    text += &report::held(plan);
-    text += &report::blocked(plan);
-    text += &report::notes(&report.notes);
+    text += &report::reasons_text(plan, &outcome.reasons);
+    text += &report::added_text(plan);
+    text += &report::clearances_text(&report.summary, channels);
+    text += &report::convergence_text(plan);
+    text += &report::limited_text(plan);
+    text += &report::blocked_text(plan);
+    text += &report::notes_text(&report.notes);
     text += &format!(
         "wrote {} and {}\n",
         args.output.join("plan.json").display(),
@@ -203,7 +210,7 @@ fn tables(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args: &
 }
 
 /// Fails when the plan was stopped, its program has faults, or the planning loop did not converge.
-fn judge(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Result<(), Failure> {
+fn check_result(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Result<(), Failure> {
     let plan = &outcome.after.plan;
     if plan.is_unfinished() {
         let what = "stopped: the plan is unfinished, and so marked in the files; plan again to complete it";
@@ -214,11 +221,11 @@ fn judge(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Result<(),
         return Err(Failure::Work(format!(
             "{name}:{}: {}; in all {}: plan with --axis minimal, or use smaller cutters or steps",
             first.line,
-            first.what,
-            counted(faults)
+            first.message,
+            count_by_kind(faults)
         )));
     }
-    if !plan.settled {
+    if !plan.converged {
         let what = "the planning loop did not converge; use smaller cutters or steps";
         return Err(Failure::Work(what.to_owned()));
     }

@@ -17,7 +17,7 @@ pub struct Series {
 
 /// A chart.
 #[derive(Clone, Debug)]
-pub struct Chart {
+pub struct LineChart {
     /// Heading.
     pub title: String,
     /// Label of the x axis.
@@ -35,7 +35,7 @@ const SIZE: (f64, f64) = (900.0, 460.0);
 /// Left, top, right, bottom of the plotted field.
 const FIELD: (f64, f64, f64, f64) = (70.0, 40.0, 600.0, 405.0);
 
-impl Chart {
+impl LineChart {
     /// The chart as a complete SVG file. x runs from 0 to 1, y from 0 to just above the highest value.
     pub fn svg(&self) -> String {
         let (left, top, right, bottom) = FIELD;
@@ -143,7 +143,7 @@ mod tests {
             dash: 1,
             mark: Some((0.5, 5.0)),
         };
-        let chart = Chart {
+        let chart = LineChart {
             title: "t".to_owned(),
             x_label: "s".to_owned(),
             y_label: "mm".to_owned(),

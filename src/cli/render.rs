@@ -11,7 +11,7 @@ use super::{Failure, open, plan, render_flank, report};
 use crate::formats::flank_file::{is_flank, read_flank_bytes};
 use crate::formats::plan_file::read_plan_bytes;
 use crate::formats::source::{name_of, read_bytes};
-use crate::formats::write::write_whole;
+use crate::formats::write::write_atomically;
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View, encode_png,
@@ -20,7 +20,9 @@ use crate::job::PlanOutcome;
 use crate::part::{Blank, Channel, Impeller};
 use crate::plunge::PlungePlan;
 use crate::residual::surface::fitting_range;
-use crate::residual::{FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of};
+use crate::residual::{
+    FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_plan,
+};
 
 /// Largest side of a picture, pixels.
 const MAX_SIDE: u32 = 8192;
@@ -43,7 +45,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let plan_bytes = if is_plan { Some(read_bytes(&args.source)?) } else { None };
     if let Some(bytes) = plan_bytes.as_deref().filter(|bytes| is_flank(bytes)) {
         let plan = read_flank_bytes(&name_of(&args.source), bytes)?;
-        write_whole(&args.output, &render_flank::picture(args, &plan, view, size)?)?;
+        write_atomically(&args.output, &render_flank::picture(args, &plan, view, size)?)?;
         return Ok(());
     }
     let colours: FloorColours = match &args.show {
@@ -51,8 +53,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         None if is_plan => FloorColours::Residual,
         None => FloorColours::Plain,
     };
-    let mut options = SceneOptions::showing(colours);
-    options.at = args.at;
+    let mut options = SceneOptions::for_colours(colours);
+    options.up_to = args.at;
     options.show_shroud = args.shroud;
     options.transparent = args.transparent;
     options.theme = if args.dark { Theme::Dark } else { Theme::Light };
@@ -79,7 +81,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             (part, None)
         } else {
             let setup = open::setup(None, &args.source, &part)?;
-            let outcome = plan::outcome(part, &setup, setup.setup.plunge.axis, false)?;
+            let outcome = plan::plan_with_progress(part, &setup, setup.setup.plunge.axis, false)?;
             let part = Impeller::clone(&outcome.part);
             (part, Some((outcome.setup, outcome.after.plan)))
         }
@@ -89,20 +91,20 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         Some((setup, plan)) => {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
             let channel = Channel::of(&part);
-            let blank = Blank::of(&part, setup.stock.inlet_extension);
+            let blank = Blank::of(&part, setup.allowances.inlet_extension);
             let source = FloorSource {
                 part: &part,
                 channel: &channel,
                 blank: &blank,
-                stock: &setup.stock,
-                cutters: &stretches_of(plan),
+                stock: &setup.allowances,
+                cutters: &stretches_of_plan(plan),
             };
             let grid = FloorGrid::new(&source, FIELD_CELLS);
-            let field = residual_field(&grid, &cutters_of(plan)[..shown]);
+            let field = residual_field(&grid, &field_cutters(plan)[..shown]);
             picture(&part, Some((plan, &grid, &field)), range, view, options, size, args.legend)?
         }
     };
-    write_whole(&args.output, &png)?;
+    write_atomically(&args.output, &png)?;
     Ok(())
 }
 
@@ -184,10 +186,10 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
         for (show, colours) in
             [("residual", FloorColours::Residual), ("interference", FloorColours::Interference)]
         {
-            let options = SceneOptions { range_mm: range, ..SceneOptions::showing(colours) };
+            let options = SceneOptions { range_mm: range, ..SceneOptions::for_colours(colours) };
             let png = draw(&gpu, &mut renderer, &scene, View::Channel, &options, size, false)?;
             let file = format!("{name}_{show}.png");
-            write_whole(&folder.join(&file), &png)?;
+            write_atomically(&folder.join(&file), &png)?;
             figures += &format!(
                 "<figure><img src=\"{file}\" width=\"450\" alt=\"{name}, {show}\">\
                  <figcaption>{name}: {show}</figcaption></figure>\n"
@@ -195,7 +197,7 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
         }
     }
     let policies = outcome.policies().into_iter();
-    let rows = policies.map(|r| (r.plan.policy.name(), report::Figures::of_result(r, &outcome.grid)));
+    let rows = policies.map(|r| (r.plan.policy.name(), report::PlanFigures::of_result(r, &outcome.grid)));
     let table = report::table(rows);
     let html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: plunge plan</title>\n\
@@ -205,11 +207,11 @@ pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure>
          <p>Stock on the hub: {low:.2} mm (dark) to {high:.2} mm (bright).</p>\n{figures}</html>\n",
         name = escaped(&outcome.part.name),
         table = escaped(&table),
-        clear = escaped(&report::clearances(&outcome.after.summary, 1)),
-        blocked = escaped(&report::blocked(&outcome.after.plan)),
+        clear = escaped(&report::clearances_text(&outcome.after.summary, 1)),
+        blocked = escaped(&report::blocked_text(&outcome.after.plan)),
         low = range.0,
         high = range.1,
     );
-    write_whole(&folder.join("report.html"), html.as_bytes())?;
+    write_atomically(&folder.join("report.html"), html.as_bytes())?;
     Ok(())
 }

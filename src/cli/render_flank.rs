@@ -6,7 +6,7 @@ use super::Failure;
 use super::args::RenderArgs;
 use super::render::draw;
 use crate::formats::flank_file::StoredFlank;
-use crate::gpu::flank::{FlankColours, lines, wall_deviations};
+use crate::gpu::flank::{FlankColours, toolpath_lines, wall_deviations};
 use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
 
 /// PNG file of a flank plan: passes coloured by layer or region, moves by feed rate (`--show feed`), or walls
@@ -32,7 +32,7 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
         show_shroud: args.shroud,
         transparent: args.transparent,
         theme: if args.dark { Theme::Dark } else { Theme::Light },
-        ..SceneOptions::showing(shown_on)
+        ..SceneOptions::for_colours(shown_on)
     };
     let shown = args.at.unwrap_or(plan.moves.len()).min(plan.moves.len());
     let gpu = Gpu::headless()?;
@@ -41,6 +41,6 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     if let Some((mesh, _)) = walls {
         scene.set_values(&gpu, mesh);
     }
-    scene.set_paths(&gpu, &lines(&plan.curves, &plan.moves[..shown], plan.layers, colours));
+    scene.set_paths(&gpu, &toolpath_lines(&plan.passes, &plan.moves[..shown], plan.layers, colours));
     draw(&gpu, &mut renderer, &scene, view, &options, size, false)
 }

@@ -3,8 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
-use crate::part::{Feed, Impeller};
-use crate::plunge::{Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped};
+use crate::part::{CutDirection, Impeller};
+use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::residual::FloorGrid;
 use crate::verify::{Fault, PlungeReport};
 
@@ -14,15 +14,15 @@ pub fn number(x: f64) -> Value {
 }
 
 /// The keys of contact and residual stock.
-fn decisive(s: &Summary) -> Map<String, Value> {
+fn residual_keys(s: &Summary) -> Map<String, Value> {
     let mut map = Map::new();
-    map.insert("interferential".into(), json!(s.interferential));
+    map.insert("interferential".into(), json!(s.interfering));
     map.insert("max_contact_depth".into(), number(s.max_contact_depth));
     map.insert("residual_mean".into(), number(s.residual_mean));
     map.insert("residual_p95".into(), number(s.residual_p95));
     map.insert("residual_max".into(), number(s.residual_max));
     map.insert("uncut_share".into(), number(s.uncut_share));
-    map.insert("unreachable_share".into(), number(s.unreachable_share));
+    map.insert("unreachable_share".into(), number(s.inaccessible_share));
     map
 }
 
@@ -40,7 +40,7 @@ pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
 
 /// A plan with its figures and those of its sections.
 #[derive(Clone, Debug)]
-pub struct Figures<'a> {
+pub struct PlanFigures<'a> {
     /// The plan.
     pub plan: &'a PlungePlan,
     /// Figures of the whole plan.
@@ -53,7 +53,7 @@ pub struct Figures<'a> {
     pub planned: bool,
 }
 
-impl<'a> Figures<'a> {
+impl<'a> PlanFigures<'a> {
     /// Figures of a plan of one channel.
     pub fn of_result(result: &'a PolicyResult, grid: &FloorGrid) -> Self {
         let section = |index| Summary::of_section(&result.plan, grid, &result.field, index);
@@ -80,7 +80,7 @@ impl<'a> Figures<'a> {
     }
 
     /// A value that only a planned result has; null for a program.
-    fn planners(&self, value: impl FnOnce() -> Value) -> Value {
+    fn if_planned(&self, value: impl FnOnce() -> Value) -> Value {
         if self.planned { value() } else { Value::Null }
     }
 }
@@ -93,7 +93,7 @@ fn rows_of(plan: &PlungePlan) -> usize {
 pub fn plan_object(
     part: &Impeller,
     channels: usize,
-    figures: &Figures,
+    figures: &PlanFigures,
     reasons: &[Option<String>],
 ) -> Map<String, Value> {
     let (plan, s) = (figures.plan, &figures.summary);
@@ -101,34 +101,34 @@ pub fn plan_object(
     map.insert("positions".into(), json!(s.positions));
     map.insert("rows".into(), json!(figures.rows));
     map.insert("sections".into(), json!(figures.cut().count()));
-    map.append(&mut decisive(s));
+    map.append(&mut residual_keys(s));
     map.insert("min_hub_clearance".into(), number(s.min_hub_clearance));
     map.insert("min_blade_clearance".into(), number(s.min_blade_clearance));
     map.insert("min_retract_clearance".into(), number(s.min_retract_clearance));
-    map.insert("max_axis_change".into(), number(s.max_axis_change.to_degrees()));
+    map.insert("max_axis_change".into(), number(s.max_axis_change_rad.to_degrees()));
     map.insert("cut_length".into(), number(s.cut_length));
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
-    map.insert("blocked".into(), figures.planners(|| json!(s.blocked)));
-    map.insert("held".into(), figures.planners(|| held_object(&held_back(plan, None))));
-    map.insert("settled".into(), figures.planners(|| json!(plan.settled)));
-    let stopped = || json!(plan.is_unfinished().then(|| Stopped::Cancelled.name()));
-    map.insert("stopped".into(), figures.planners(stopped));
-    map.insert("rounds".into(), figures.planners(|| json!(plan.rounds)));
+    map.insert("blocked".into(), figures.if_planned(|| json!(s.blocked)));
+    map.insert("held".into(), figures.if_planned(|| limited_object(&limited_counts(plan, None))));
+    map.insert("settled".into(), figures.if_planned(|| json!(plan.converged)));
+    let stopped = || json!(plan.is_unfinished().then(|| StopReason::Cancelled.name()));
+    map.insert("stopped".into(), figures.if_planned(stopped));
+    map.insert("rounds".into(), figures.if_planned(|| json!(plan.iterations)));
     map.insert("by_section".into(), by_section(figures, reasons));
     map
 }
 
 /// Contact and residual keys of a plan with its sections, for the keys `before` and `policies`.
-pub fn compared(figures: &Figures, reasons: &[Option<String>]) -> Value {
-    let mut map = decisive(&figures.summary);
+pub fn comparison_object(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
+    let mut map = residual_keys(&figures.summary);
     map.insert("positions".into(), json!(figures.summary.positions));
     map.insert("blocked".into(), json!(figures.summary.blocked));
     map.insert("by_section".into(), by_section(figures, reasons));
     Value::Object(map)
 }
 
-fn by_section(figures: &Figures, reasons: &[Option<String>]) -> Value {
+fn by_section(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
     let object = |(index, section, s): (usize, &SectionPlan, &Summary)| {
         let mut map = Map::new();
         map.insert("tool".into(), json!(section.tool.number));
@@ -138,9 +138,12 @@ fn by_section(figures: &Figures, reasons: &[Option<String>]) -> Value {
         map.insert("feed".into(), json!(feed_word(section.feed)));
         map.insert("rest".into(), json!(section.rest));
         map.insert("positions".into(), json!(s.positions));
-        map.append(&mut decisive(s));
-        map.insert("blocked".into(), figures.planners(|| json!(s.blocked)));
-        map.insert("held".into(), figures.planners(|| held_object(&held_back(figures.plan, Some(index)))));
+        map.append(&mut residual_keys(s));
+        map.insert("blocked".into(), figures.if_planned(|| json!(s.blocked)));
+        map.insert(
+            "held".into(),
+            figures.if_planned(|| limited_object(&limited_counts(figures.plan, Some(index)))),
+        );
         map.insert("added".into(), json!(section.added.map(|(count, _)| count)));
         map.insert("stopped".into(), json!(section.added.map(|(_, stopped)| stopped.name())));
         map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
@@ -153,7 +156,7 @@ fn by_section(figures: &Figures, reasons: &[Option<String>]) -> Value {
 pub fn fault_list(faults: &[Fault]) -> Value {
     let one = |f: &Fault| {
         let value = f.value.map_or(Value::Null, number);
-        json!({"line": f.line, "kind": f.kind, "value": value, "message": f.what, "what": f.what})
+        json!({"line": f.line, "kind": f.kind, "value": value, "message": f.message, "what": f.message})
     };
     Value::Array(faults.iter().map(one).collect())
 }
@@ -163,15 +166,15 @@ pub fn channels_text(count: usize) -> String {
     if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }
 }
 
-fn feed_word(feed: Feed) -> &'static str {
+fn feed_word(feed: CutDirection) -> &'static str {
     match feed {
-        Feed::Inward => "inward",
-        Feed::Outward => "outward",
+        CutDirection::Inward => "inward",
+        CutDirection::Outward => "outward",
     }
 }
 
 /// Table of plans under their names, section by section.
-pub fn table<'a>(rows: impl Iterator<Item = (&'a str, Figures<'a>)>) -> String {
+pub fn table<'a>(rows: impl Iterator<Item = (&'a str, PlanFigures<'a>)>) -> String {
     let mut text = String::from(
         "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  \
          uncut %  inaccessible %  blocked\n",
@@ -187,27 +190,27 @@ pub fn table<'a>(rows: impl Iterator<Item = (&'a str, Figures<'a>)>) -> String {
                 "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  \
                  {:>7.1}  {:>14.1}  {blocked:>7}\n",
                 s.positions,
-                s.interferential,
+                s.interfering,
                 s.max_contact_depth,
                 s.residual_mean,
                 s.residual_p95,
                 100.0 * s.uncut_share,
-                100.0 * s.unreachable_share,
+                100.0 * s.inaccessible_share,
             );
         }
     }
     text
 }
 
-/// Number of positions of a plan (or of one section) whose axis is limited, per cause; see [`Held`].
-fn held_back(plan: &PlungePlan, section: Option<usize>) -> [(Held, usize); 3] {
-    Held::ALL.map(|held| {
-        let ours = |p: &&Position| p.held == Some(held) && section.is_none_or(|s| p.section == s);
+/// Number of positions of a plan (or of one section) whose axis is limited, per cause; see [`LimitedBy`].
+fn limited_counts(plan: &PlungePlan, section: Option<usize>) -> [(LimitedBy, usize); 3] {
+    LimitedBy::ALL.map(|held| {
+        let ours = |p: &&Position| p.limited_by == Some(held) && section.is_none_or(|s| p.section == s);
         (held, plan.positions.iter().filter(ours).count())
     })
 }
 
-fn held_object(counts: &[(Held, usize)]) -> Value {
+fn limited_object(counts: &[(LimitedBy, usize)]) -> Value {
     Value::Object(
         counts
             .iter()
@@ -218,8 +221,8 @@ fn held_object(counts: &[(Held, usize)]) -> Value {
 
 /// Text on the positions with a limited axis and on those lifted to keep the core free; empty if there are
 /// none.
-pub fn held(plan: &PlungePlan) -> String {
-    let counts = held_back(plan, None);
+pub fn limited_text(plan: &PlungePlan) -> String {
+    let counts = limited_counts(plan, None);
     let lifted = plan.positions.iter().filter(|p| p.lift > 0.02).count();
     let mut text = String::new();
     if counts.iter().any(|(_, count)| *count > 0) {
@@ -235,7 +238,7 @@ pub fn held(plan: &PlungePlan) -> String {
 }
 
 /// Text on why each section was chosen, for sections not given by the setup.
-pub fn reasons(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
+pub fn reasons_text(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
     let mut text = String::new();
     for (section, reason) in plan.sections.iter().zip(reasons).filter(|(section, _)| section.is_cut()) {
         let Some(reason) = reason else { continue };
@@ -249,14 +252,14 @@ pub fn reasons(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
 }
 
 /// What was added to the rows of each section, and why no more.
-pub fn added(plan: &PlungePlan) -> String {
+pub fn added_text(plan: &PlungePlan) -> String {
     let mut text = String::new();
     for section in &plan.sections {
         if let Some((count, stopped)) = section.added {
             let (from, to) = (section.from, section.to);
             let why = stopped.words();
             let what = match (section.rest, count) {
-                _ if stopped == Stopped::Cancelled => format!("{count} plunges added; {why}"),
+                _ if stopped == StopReason::Cancelled => format!("{count} plunges added; {why}"),
                 (false, _) => format!("{count} plunges added to the rows; {why}"),
                 (true, 0) => "nothing left that is thick enough for another cutter".to_owned(),
                 (true, _) => format!("{count} plunges for the rest; {why}"),
@@ -268,14 +271,14 @@ pub fn added(plan: &PlungePlan) -> String {
 }
 
 /// Text on clearances, axis change, lengths and time of a program of `channels` channels.
-pub fn clearances(s: &Summary, channels: usize) -> String {
+pub fn clearances_text(s: &Summary, channels: usize) -> String {
     format!(
         "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; axis change up to {:.1}° within a row\n\
          {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {} (tool changes and accelerations left out)\n",
         s.min_hub_clearance,
         s.min_blade_clearance,
         s.min_retract_clearance,
-        s.max_axis_change.to_degrees(),
+        s.max_axis_change_rad.to_degrees(),
         s.cut_length,
         s.rapid_length,
         s.time_estimate / 60.0,
@@ -284,17 +287,21 @@ pub fn clearances(s: &Summary, channels: usize) -> String {
 }
 
 /// Notes, one per line.
-pub fn notes(notes: &[String]) -> String {
+pub fn notes_text(notes: &[String]) -> String {
     notes.iter().map(|note| format!("{note}\n")).collect()
 }
 
 /// Text on the convergence of the planning loop.
-pub fn rounds(plan: &PlungePlan) -> String {
-    format!("{} iterations, {}\n", plan.rounds, if plan.settled { "converged" } else { "NOT converged" })
+pub fn convergence_text(plan: &PlungePlan) -> String {
+    format!(
+        "{} iterations, {}\n",
+        plan.iterations,
+        if plan.converged { "converged" } else { "NOT converged" }
+    )
 }
 
 /// Text that lists the blocked positions of each section and counts those left out.
-pub fn blocked(plan: &PlungePlan) -> String {
+pub fn blocked_text(plan: &PlungePlan) -> String {
     let mut text = String::new();
     for (index, section) in plan.sections.iter().enumerate() {
         let ours = plan.positions.iter().enumerate().filter(|(_, p)| p.section == index);
@@ -311,7 +318,7 @@ pub fn blocked(plan: &PlungePlan) -> String {
         if !names.is_empty() {
             text += &format!("blocked with tool {}: position {}\n", section.tool.number, names.join(", "));
         }
-        for why in NoPlace::ALL {
+        for why in DropReason::ALL {
             let left_out = plan.dropped.iter().filter(|d| (d.section, d.why) == (index, why)).count();
             if left_out > 0 {
                 text += &format!(

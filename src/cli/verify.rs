@@ -8,8 +8,8 @@ use serde_json::{Map, Value, json};
 
 use super::args::VerifyArgs;
 use super::plan::FIELD_CELLS;
-use super::report::Figures;
-use super::{Failure, open, report, say};
+use super::report::PlanFigures;
+use super::{Failure, open, print_stdout, report};
 use crate::formats::apt::{ClWarning, read_apt_bytes};
 use crate::part::{Channel, Impeller};
 use crate::plunge::sections::check_part;
@@ -36,7 +36,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let (name, bytes) = open::named_bytes(&args.program)?;
     let program = read_apt_bytes(&name, &bytes)?;
     let channel = Channel::of(&part);
-    let unjudged = |fault: Fault| Failure::at(&name, fault.line, &fault.what);
+    let unjudged = |fault: Fault| Failure::at(&name, fault.line, &fault.message);
     let (mut map, mut text, faults) = if is_flank(&program) {
         let verdict = verify_flank(&part, &channel, setup, &program).map_err(unjudged)?;
         (flank::object(&part, &verdict), flank::text(&verdict), verdict.faults)
@@ -47,20 +47,20 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     if args.json {
         map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
         map.insert("faults".into(), report::fault_list(&faults));
-        let warning = |w: &ClWarning| json!({"line": w.line, "message": w.what});
+        let warning = |w: &ClWarning| json!({"line": w.line, "message": w.message});
         map.insert("warnings".into(), program.warnings.iter().map(warning).collect());
-        say(&format!("{}\n", Value::Object(map)))?;
+        print_stdout(&format!("{}\n", Value::Object(map)))?;
     } else {
         for warning in &program.warnings {
-            text += &format!("{name}:{}: {}\n", warning.line, warning.what);
+            text += &format!("{name}:{}: {}\n", warning.line, warning.message);
         }
         for fault in faults.iter().take(MAX_SHOWN) {
-            text += &format!("{name}:{}: {}\n", fault.line, fault.what);
+            text += &format!("{name}:{}: {}\n", fault.line, fault.message);
         }
         if faults.len() > MAX_SHOWN {
             text += &format!("… and {} more faults\n", faults.len() - MAX_SHOWN);
         }
-        say(&text)?;
+        print_stdout(&text)?;
     }
     match faults.len() {
         0 => Ok(()),
@@ -71,7 +71,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
 
 /// The JSON object of a plunge program.
 fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
-    let mut map = report::plan_object(part, report.verdict.channels, &Figures::of_program(report), &[]);
+    let mut map = report::plan_object(part, report.verdict.channels, &PlanFigures::of_program(report), &[]);
     map.insert("kind".into(), json!("plunge"));
     map.insert("cut_share".into(), report::number(1.0 - report.summary.uncut_share));
     map.insert("deepest_cut".into(), report::number(report.verdict.deepest_plunge));
@@ -90,13 +90,13 @@ fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
 
 /// The text report of a plunge program.
 fn plunge_text(report: &PlungeReport) -> String {
-    let mut text = report::table([("program", Figures::of_program(report))].into_iter());
-    text += &report::clearances(&report.summary, report.verdict.channels);
+    let mut text = report::table([("program", PlanFigures::of_program(report))].into_iter());
+    text += &report::clearances_text(&report.summary, report.verdict.channels);
     text += &format!(
         "cuts {:.1} % of the reachable floor; deepest plunge {:.1} mm through the blank\n",
         100.0 * (1.0 - report.summary.uncut_share),
         report.verdict.deepest_plunge
     );
-    text += &report::notes(&report.notes);
+    text += &report::notes_text(&report.notes);
     text
 }

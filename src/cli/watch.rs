@@ -12,7 +12,7 @@ const INTERRUPTED: i32 = 130;
 
 /// Runs a job, with its progress on a terminal. The first Ctrl+C stops the job, which keeps the best result
 /// found so far; a second one ends the program at once.
-pub fn watched<T>(job: impl FnOnce(&Monitor) -> T) -> T {
+pub fn run_with_progress<T>(job: impl FnOnce(&Monitor) -> T) -> T {
     let monitor = Arc::new(Monitor::default());
     let asked = Arc::clone(&monitor);
     // If no handler can be set, Ctrl+C ends the program as by default.

@@ -3,13 +3,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::layer::{Layer, LayerPoint};
+use super::layer::{LayerPoint, LayerSurface};
 use crate::geometry::wrap_angle;
 use crate::part::{BladeSide, Channel, Impeller};
 
 /// A wall as a line on the layer.
 #[derive(Clone, Debug)]
-pub struct Border {
+pub struct LayerWall {
     /// The wall within the channel, extended beyond both ends, in the order of the rays.
     pub points: Vec<LayerPoint>,
     /// Start point and heading (rad) of each ray: at right angles to the wall, into the passage. At a nose
@@ -22,11 +22,11 @@ pub struct Border {
 
 /// The walls of a channel on a layer.
 #[derive(Clone, Debug)]
-pub struct Borders {
+pub struct LayerWalls {
     /// At λ = 0.
-    pub low: Border,
+    pub low: LayerWall,
     /// At λ = 1.
-    pub high: Border,
+    pub high: LayerWall,
     /// The outline of the splitter, from its trailing edge along the side that faces `low`, round the nose
     /// and back.
     pub splitter: Option<Splitter>,
@@ -36,7 +36,7 @@ pub struct Borders {
 #[derive(Clone, Debug)]
 pub struct Splitter {
     /// The whole outline.
-    pub border: Border,
+    pub border: LayerWall,
     /// x of the foremost point of its nose, mm.
     pub nose: LayerPoint,
     /// The sides that face `low` and `high`, x growing.
@@ -53,21 +53,21 @@ const RAY_TURN: f64 = 0.12;
 const NOSE_LINES: usize = 24;
 /// Largest angle to the meridian of an extension ahead of a leading edge where a geodesic would turn back,
 /// rad.
-const MOST_LEAN: f64 = 60.0 * PI / 180.0;
+const MAX_ANGLE_TO_MERIDIAN: f64 = 60.0 * PI / 180.0;
 /// Spacing of the points of an extension, mm.
 const EXTENSION_STEP: f64 = 2.0;
 
-impl Border {
+impl LayerWall {
     /// A wall through `points`. Rays leave to the left of the line for a `side` of 1, to the right for −1.
-    fn new(layer: &Layer, points: Vec<LayerPoint>, side: f64) -> Self {
-        Self { nose: f64::NEG_INFINITY, rays: rays_of(layer, &points, side), points }
+    fn new(layer: &LayerSurface, points: Vec<LayerPoint>, side: f64) -> Self {
+        Self { nose: f64::NEG_INFINITY, rays: perpendicular_rays(layer, &points, side), points }
     }
 
     /// A main blade's wall, extended to `points` with growing x. Rays leave `wall` only, from the foremost
     /// point of its nose on. At that point they fan out up to straight upstream: ahead of the leading edge no
     /// wall bounds the channel, so its offsets are arcs round the nose.
-    fn with_nose(layer: &Layer, points: Vec<LayerPoint>, wall: &[LayerPoint], side: f64) -> Self {
-        let mut rays = rays_of(layer, wall, side);
+    fn with_nose(layer: &LayerSurface, points: Vec<LayerPoint>, wall: &[LayerPoint], side: f64) -> Self {
+        let mut rays = perpendicular_rays(layer, wall, side);
         if let Some(&(nose, heading)) = rays.first() {
             let turn = PI - side * heading;
             let count = (turn / RAY_TURN).ceil().max(0.0) as usize;
@@ -79,12 +79,12 @@ impl Border {
     }
 
     /// End points of all rays after `length` mm: the offset of the wall.
-    pub fn offset(&self, layer: &Layer, length: f64) -> Vec<LayerPoint> {
+    pub fn offset(&self, layer: &LayerSurface, length: f64) -> Vec<LayerPoint> {
         self.rays.iter().map(|&(p, heading)| layer.geodesic(p, heading, length).0).collect()
     }
 
     /// End points of all rays for each of the ascending `lengths` (mm), one row per length.
-    pub fn fan(&self, layer: &Layer, lengths: &[f64]) -> Vec<Vec<LayerPoint>> {
+    pub fn fan(&self, layer: &LayerSurface, lengths: &[f64]) -> Vec<Vec<LayerPoint>> {
         let mut rows = vec![Vec::with_capacity(self.rays.len()); lengths.len()];
         for &(start, heading) in &self.rays {
             let (mut p, mut psi, mut gone) = (start, heading, 0.0);
@@ -105,7 +105,7 @@ impl Border {
 
 /// Rays at right angles to the line through `points`, to the left of it for a `side` of 1, to the right for
 /// −1.
-fn rays_of(layer: &Layer, points: &[LayerPoint], side: f64) -> Vec<(LayerPoint, f64)> {
+fn perpendicular_rays(layer: &LayerSurface, points: &[LayerPoint], side: f64) -> Vec<(LayerPoint, f64)> {
     let headings: Vec<f64> = points.windows(2).map(|p| layer.heading(p[0], p[1])).collect();
     let mut rays = Vec::with_capacity(points.len() + 32);
     for (i, &p) in points.iter().enumerate() {
@@ -123,8 +123,8 @@ fn rays_of(layer: &Layer, points: &[LayerPoint], side: f64) -> Vec<(LayerPoint, 
         }
         // The slope of the parabola through three points.
         let (a, b) = (
-            if i > 0 { layer.step(points[i - 1], p) } else { 1.0 },
-            points.get(i + 1).map_or(1.0, |&q| layer.step(p, q)),
+            if i > 0 { layer.segment_length(points[i - 1], p) } else { 1.0 },
+            points.get(i + 1).map_or(1.0, |&q| layer.segment_length(p, q)),
         );
         let heading = before + turn * a / (a + b);
         rays.push((p, heading + side * FRAC_PI_2));
@@ -145,15 +145,21 @@ pub fn y_at(line: &[LayerPoint], x: f64) -> f64 {
     a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x).max(1e-12)
 }
 
-impl Borders {
+impl LayerWalls {
     /// The walls of `channel` on `layer`, each extended as a geodesic by `beyond` mm past the ends of the
     /// layer, and further where its rays need that to cover the whole channel. They are traced `raised` mm
     /// above the layer: at the height of the centre of a ball end, whose distance from the wall is what
     /// counts. `None` where a wall does not cross the layer.
-    pub fn of(part: &Impeller, channel: &Channel, layer: &Layer, beyond: f64, raised: f64) -> Option<Self> {
+    pub fn of(
+        part: &Impeller,
+        channel: &Channel,
+        layer: &LayerSurface,
+        beyond: f64,
+        raised: f64,
+    ) -> Option<Self> {
         let [a, b] = &channel.full.walls;
-        let low = flank(layer, a.side(), raised)?;
-        let high = flank(layer, b.side(), raised)?;
+        let low = trace_flank(layer, a.side(), raised)?;
+        let high = trace_flank(layer, b.side(), raised)?;
         // The wall at λ = 1 is within one pitch after the other.
         let middle = 0.5 * (layer.from + layer.to);
         let gap = y_at(&high, middle) - y_at(&low, middle);
@@ -164,8 +170,9 @@ impl Borders {
             return None;
         }
         let splitter = channel.beside_splitter.len() == 2 && !part.splitters.is_empty();
-        let nosed =
-            splitter.then(|| outline(layer, &part.splitters[0], (&low, &high), beyond, raised)).flatten();
+        let nosed = splitter
+            .then(|| trace_splitter(layer, &part.splitters[0], (&low, &high), beyond, raised))
+            .flatten();
         let reach = |line: &[LayerPoint], end: usize, x: f64| {
             let next = if end == 0 { 1 } else { end - 1 };
             let slope = layer.heading(line[end.min(next)], line[end.max(next)]).tan().abs().min(3.0);
@@ -174,16 +181,16 @@ impl Borders {
         };
         let ends = |line: &[LayerPoint]| [reach(line, 0, layer.from), reach(line, line.len() - 1, layer.to)];
         let turning = [&low, &high].into_iter().any(|line| turns_back(layer, line, ends(line)[0]));
-        let most_lean = if turning { MOST_LEAN } else { FRAC_PI_2 };
+        let most_lean = if turning { MAX_ANGLE_TO_MERIDIAN } else { FRAC_PI_2 };
         let wall = |line: &[LayerPoint], blade: &BladeSide, flank: &BladeSide, side: f64| {
             let points = extended(layer, line, ends(line), most_lean);
             if !turning {
-                return Border::new(layer, points, side);
+                return LayerWall::new(layer, points, side);
             }
             let own = points.iter().position(|p| p == &line[0]).unwrap_or(0);
-            let mut all = nose(layer, blade, flank, line[0], raised);
+            let mut all = trace_nose(layer, blade, flank, line[0], raised);
             all.extend_from_slice(&points[own..]);
-            Border::with_nose(layer, points, &all, side)
+            LayerWall::with_nose(layer, points, &all, side)
         };
         Some(Self {
             low: wall(&low, &part.main.suction, a.side(), 1.0),
@@ -193,7 +200,7 @@ impl Borders {
     }
 }
 
-impl Borders {
+impl LayerWalls {
     /// Whether the main blades have rays round their noses.
     pub fn have_noses(&self) -> bool {
         self.low.points.first().is_some_and(|p| p.x < self.low.nose)
@@ -201,7 +208,7 @@ impl Borders {
 }
 
 /// The line of a flank within the layer's ends, x growing.
-fn flank(layer: &Layer, side: &BladeSide, raised: f64) -> Option<Vec<LayerPoint>> {
+fn trace_flank(layer: &LayerSurface, side: &BladeSide, raised: f64) -> Option<Vec<LayerPoint>> {
     let (first, last) = side.u_range();
     let traced = |from: f64, to: f64| {
         let lines = (0..=FLANK_LINES).map(|i| from + (to - from) * i as f64 / FLANK_LINES as f64);
@@ -236,8 +243,8 @@ fn growing(points: Vec<LayerPoint>) -> Vec<LayerPoint> {
 
 /// The nose of a `blade` ahead of the first point of its `flank` on the layer, from its foremost point on,
 /// with growing x.
-fn nose(
-    layer: &Layer,
+fn trace_nose(
+    layer: &LayerSurface,
     blade: &BladeSide,
     flank: &BladeSide,
     first: LayerPoint,
@@ -255,14 +262,14 @@ fn nose(
 
 /// Length (mm) and initial heading (rad) of the extension ahead of a line that ends `reach` mm beyond the end
 /// of the layer.
-fn ahead_of(layer: &Layer, line: &[LayerPoint], reach: f64) -> (f64, f64) {
+fn ahead_of(layer: &LayerSurface, line: &[LayerPoint], reach: f64) -> (f64, f64) {
     let back = end_heading(layer, [line[0], line[1], line[2]]);
     ((line[0].x - layer.from).max(0.0) / (-back.cos()).max(0.3) + reach, back)
 }
 
 /// Whether a geodesic ahead of a line turns back within `reach` mm of the end of the layer. Ahead of strongly
 /// wrapped walls, on a layer that narrows, it does and would run through the channel.
-fn turns_back(layer: &Layer, line: &[LayerPoint], reach: f64) -> bool {
+fn turns_back(layer: &LayerSurface, line: &[LayerPoint], reach: f64) -> bool {
     let (length, mut heading) = ahead_of(layer, line, reach);
     let steps = (length / EXTENSION_STEP).ceil().max(1.0);
     let mut at = line[0];
@@ -274,7 +281,7 @@ fn turns_back(layer: &Layer, line: &[LayerPoint], reach: f64) -> bool {
 
 /// The line, extended by geodesics until `reach` mm beyond both ends of the layer. Ahead of the leading edge
 /// the heading is kept within `most_lean` (rad) of the meridian.
-fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2], most_lean: f64) -> Vec<LayerPoint> {
+fn extended(layer: &LayerSurface, line: &[LayerPoint], reach: [f64; 2], most_lean: f64) -> Vec<LayerPoint> {
     let n = line.len();
     let (behind, back) = ahead_of(layer, line, reach[0]);
     let run = |from: LayerPoint, heading: f64, length: f64| {
@@ -305,15 +312,15 @@ fn extended(layer: &Layer, line: &[LayerPoint], reach: [f64; 2], most_lean: f64)
 
 /// Heading (rad) at which a line continues beyond its end, the first of three points: the slope of the
 /// parabola through them.
-fn end_heading(layer: &Layer, [end, next, third]: [LayerPoint; 3]) -> f64 {
+fn end_heading(layer: &LayerSurface, [end, next, third]: [LayerPoint; 3]) -> f64 {
     let (outer, inner) = (layer.heading(next, end), layer.heading(third, next));
-    let (a, b) = (layer.step(end, next), layer.step(next, third));
+    let (a, b) = (layer.segment_length(end, next), layer.segment_length(next, third));
     outer + wrap_angle(outer - inner) * a / (a + b).max(1e-12)
 }
 
 /// The outline of the splitter on the layer; `None` where the layer ends before its nose.
-fn outline(
-    layer: &Layer,
+fn trace_splitter(
+    layer: &LayerSurface,
     blade: &crate::part::Blade,
     (low, high): (&[LayerPoint], &[LayerPoint]),
     beyond: f64,
@@ -351,9 +358,9 @@ fn outline(
     };
     let (facing_low, facing_high) = (ahead(&facing_low), ahead(&facing_high));
     let mut points: Vec<LayerPoint> = facing_low.iter().rev().copied().collect();
-    points.extend(facing_high.iter().skip_while(|p| layer.step(**p, facing_low[0]) < 1e-9));
+    points.extend(facing_high.iter().skip_while(|p| layer.segment_length(**p, facing_low[0]) < 1e-9));
     Some(Splitter {
-        border: Border::new(layer, points, 1.0),
+        border: LayerWall::new(layer, points, 1.0),
         nose,
         sides: [growing(facing_low), growing(facing_high)],
     })

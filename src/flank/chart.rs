@@ -4,8 +4,8 @@
 //! is interpolated linearly over two triangles. A node keeps the minimum over all triangles that hold it, so
 //! the field is right behind focal points as well, where rays cross.
 
-use super::border::{Border, Borders, y_at};
-use super::layer::{Layer, LayerPoint};
+use super::border::{LayerWall, LayerWalls, y_at};
+use super::layer::{LayerPoint, LayerSurface};
 
 /// A wall of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -42,14 +42,14 @@ pub enum Region {
 
 /// A grid over a layer with a distance field per wall.
 #[derive(Debug)]
-pub struct Chart<'a> {
+pub struct LayerChart<'a> {
     /// The layer.
-    pub layer: &'a Layer,
+    pub layer: &'a LayerSurface,
     /// Its walls.
-    pub borders: &'a Borders,
+    pub borders: &'a LayerWalls,
     /// Least distance of the tool axis from a wall, mm.
-    pub clear: f64,
-    rows: Vec<Row>,
+    pub min_wall_distance: f64,
+    rows: Vec<ChartRow>,
     columns: usize,
     step: f64,
     /// Distance fields by wall, row by row, mm; infinite where no ray arrives.
@@ -58,18 +58,18 @@ pub struct Chart<'a> {
     /// mm.
     offsets: [Vec<Vec<LayerPoint>>; 3],
     /// Stepover: distance between neighbouring offsets, mm.
-    pub interval: f64,
+    pub stepover: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct ChartRow {
     x: f64,
     radius: f64,
     low: f64,
     high: f64,
 }
 
-impl Row {
+impl ChartRow {
     fn y(&self, column: f64, columns: usize) -> f64 {
         self.low + (self.high - self.low) * column / (columns - 1) as f64
     }
@@ -81,7 +81,7 @@ impl Row {
 
 /// A node of a chart.
 #[derive(Clone, Copy, Debug)]
-pub struct Node {
+pub struct ChartNode {
     /// Its position.
     pub point: LayerPoint,
     /// Area that it represents, mm²: reduced at the limit of the tool axis, 0 beyond.
@@ -93,13 +93,13 @@ pub struct Node {
 /// Maximum number of nodes along and across; finer charts gain nothing.
 const MAX_NODES: usize = 1200;
 
-impl<'a> Chart<'a> {
+impl<'a> LayerChart<'a> {
     /// A chart with nodes about `spacing` mm apart over the layer and `beyond` mm past its ends. `clear` is
     /// the least distance of the tool axis from a wall. The first offset of a wall is `clear` from it, the
     /// others follow at steps of `interval` (all mm).
     pub fn new(
-        layer: &'a Layer,
-        borders: &'a Borders,
+        layer: &'a LayerSurface,
+        borders: &'a LayerWalls,
         clear: f64,
         interval: f64,
         spacing: f64,
@@ -109,12 +109,12 @@ impl<'a> Chart<'a> {
         let inside = ((length / spacing).ceil() as usize).clamp(2, MAX_NODES);
         let step = length / inside as f64;
         let outside = (beyond / step).ceil() as usize + 1;
-        let rows: Vec<Row> = (0..inside + 2 * outside)
+        let rows: Vec<ChartRow> = (0..inside + 2 * outside)
             .map(|i| {
                 let x = layer.from + (i as f64 + 0.5 - outside as f64) * step;
                 let radius = layer.radius(x).0.max(1e-6);
                 let (low, high) = (borders.low.y_at(x), borders.high.y_at(x));
-                Row { x, radius, low, high: high.max(low + 1e-9) }
+                ChartRow { x, radius, low, high: high.max(low + 1e-9) }
             })
             .collect();
         let widest = rows.iter().map(|r| r.radius * (r.high - r.low)).fold(0.0, f64::max);
@@ -122,13 +122,13 @@ impl<'a> Chart<'a> {
         let mut chart = Self {
             layer,
             borders,
-            clear,
+            min_wall_distance: clear,
             columns,
             step,
             distances: std::array::from_fn(|_| vec![f64::INFINITY; rows.len() * columns]),
             rows,
             offsets: Default::default(),
-            interval,
+            stepover: interval,
         };
         let lengths: Vec<f64> = std::iter::once(0.0)
             .chain((0..).map(|k| clear + interval * f64::from(k)).take_while(|l| *l < widest + interval))
@@ -172,18 +172,18 @@ impl<'a> Chart<'a> {
     }
 
     /// Computes the distance field and the offsets of one wall.
-    fn spread(&mut self, index: usize, wall: &Border, lengths: &[f64]) {
+    fn spread(&mut self, index: usize, wall: &LayerWall, lengths: &[f64]) {
         let fan = wall.fan(self.layer, lengths);
         let places: Vec<Vec<(f64, f64)>> =
-            fan.iter().map(|row| row.iter().map(|p| self.place(*p)).collect()).collect();
+            fan.iter().map(|row| row.iter().map(|p| self.locate(*p)).collect()).collect();
         let mut field = std::mem::take(&mut self.distances[index]);
         for k in 1..places.len() {
             let (near, far) = (&places[k - 1], &places[k]);
             for j in 1..near.len() {
                 let [a, b, c, d] = [near[j - 1], near[j], far[j - 1], far[j]];
                 let (l, m) = (lengths[k - 1], lengths[k]);
-                self.fill(&mut field, [(a, l), (b, l), (c, m)]);
-                self.fill(&mut field, [(b, l), (d, m), (c, m)]);
+                self.fill_triangle(&mut field, [(a, l), (b, l), (c, m)]);
+                self.fill_triangle(&mut field, [(b, l), (d, m), (c, m)]);
             }
         }
         self.distances[index] = field;
@@ -196,7 +196,7 @@ impl<'a> Chart<'a> {
     }
 
     /// Fractional row and column of a point.
-    fn place(&self, p: LayerPoint) -> (f64, f64) {
+    fn locate(&self, p: LayerPoint) -> (f64, f64) {
         let at = (p.x - self.rows[0].x) / self.step;
         let last = self.rows.len() - 1;
         let i = (at.floor().max(0.0) as usize).min(last - 1);
@@ -204,14 +204,14 @@ impl<'a> Chart<'a> {
         let (a, b) = (&self.rows[i], &self.rows[i + 1]);
         if !(0.0..=last as f64).contains(&at) {
             let (low, high) = (self.borders.low.y_at(p.x), self.borders.high.y_at(p.x));
-            return (at, Row { low, high, ..*a }.column(p.y, self.columns));
+            return (at, ChartRow { low, high, ..*a }.column(p.y, self.columns));
         }
         let row =
-            Row { low: a.low + share * (b.low - a.low), high: a.high + share * (b.high - a.high), ..*a };
+            ChartRow { low: a.low + share * (b.low - a.low), high: a.high + share * (b.high - a.high), ..*a };
         (at, row.column(p.y, self.columns))
     }
 
-    fn fill(&self, field: &mut [f64], corners: [((f64, f64), f64); 3]) {
+    fn fill_triangle(&self, field: &mut [f64], corners: [((f64, f64), f64); 3]) {
         let [((ax, ay), la), ((bx, by), lb), ((cx, cy), lc)] = corners;
         let (rows, columns) = (self.rows.len() as f64, self.columns as f64);
         let low_row = ax.min(bx).min(cx).max(0.0).ceil();
@@ -241,7 +241,7 @@ impl<'a> Chart<'a> {
 
     /// Distance of a point from a wall, mm; infinite where no ray of it arrives or the wall does not exist.
     pub fn distance(&self, wall: WallName, p: LayerPoint) -> f64 {
-        let (row, column) = self.place(p);
+        let (row, column) = self.locate(p);
         let field = &self.distances[wall.index()];
         let (last_row, last_column) = (self.rows.len() - 2, self.columns - 2);
         let i = (row.max(0.0) as usize).min(last_row);
@@ -279,24 +279,25 @@ impl<'a> Chart<'a> {
 
     /// Whether a point is between the walls of the channel or their extensions.
     pub fn is_between(&self, p: LayerPoint) -> bool {
-        let (_, column) = self.place(p);
+        let (_, column) = self.locate(p);
         (0.0..=(self.columns - 1) as f64).contains(&column)
     }
 
     /// Distance of a point from the nearest wall beyond the least allowed one, mm. Negative where the tool
     /// axis would be too near to a wall, inside the splitter and beyond the walls.
-    pub fn freedom(&self, p: LayerPoint) -> f64 {
+    pub fn wall_margin(&self, p: LayerPoint) -> f64 {
         if self.region(p).is_none() {
-            return -self.clear;
+            return -self.min_wall_distance;
         }
         if !self.is_between(p) {
-            return -self.clear;
+            return -self.min_wall_distance;
         }
-        WallName::ALL.iter().map(|&w| self.distance(w, p)).fold(f64::INFINITY, f64::min) - self.clear
+        WallName::ALL.iter().map(|&w| self.distance(w, p)).fold(f64::INFINITY, f64::min)
+            - self.min_wall_distance
     }
 
     /// All nodes within the layer that the tool axis may reach.
-    pub fn free_nodes(&self) -> Vec<Node> {
+    pub fn free_nodes(&self) -> Vec<ChartNode> {
         let mut nodes = Vec::new();
         for (i, row) in self.rows.iter().enumerate() {
             if row.x < self.layer.from || row.x > self.layer.to {
@@ -306,7 +307,7 @@ impl<'a> Chart<'a> {
             for j in 0..self.columns {
                 let index = i * self.columns + j;
                 let least = self.distances.iter().map(|d| d[index]).fold(f64::INFINITY, f64::min);
-                let free = least - self.clear;
+                let free = least - self.min_wall_distance;
                 let blur = 0.5 * (self.step + across);
                 let share = (free / blur + 0.5).clamp(0.0, 1.0);
                 if share <= 0.0 || !least.is_finite() {
@@ -314,7 +315,7 @@ impl<'a> Chart<'a> {
                 }
                 let point = LayerPoint { x: row.x, y: row.y(j as f64, self.columns) };
                 if self.region(point).is_some() {
-                    nodes.push(Node { point, free_area: share * self.step * across, index });
+                    nodes.push(ChartNode { point, free_area: share * self.step * across, index });
                 }
             }
         }
@@ -386,13 +387,13 @@ impl<'a> Chart<'a> {
                 let share = if (before - after).abs() > 1e-12 { before / (before - after) } else { 0.5 };
                 let column = (j - 1) as f64 + share.clamp(0.0, 1.0);
                 let point = LayerPoint { x: row.x, y: row.y(column, self.columns) };
-                if self.freedom(point) > 0.0 {
+                if self.wall_margin(point) > 0.0 {
                     here.push((a, b, point));
                 }
             }
             for (a, b, p) in &here {
                 let before = last.iter().filter(|(c, d, _)| c == a && d == b).map(|(_, _, q)| *q);
-                let step = before.map(|q| self.layer.step(q, *p)).fold(f64::INFINITY, f64::min);
+                let step = before.map(|q| self.layer.segment_length(q, *p)).fold(f64::INFINITY, f64::min);
                 // A seam that begins in this row has run half a row already.
                 length += if step.is_finite() { step } else { 0.5 * self.step };
             }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::layer::LayerPoint;
-use super::passes::{LeftOut, is_open};
+use super::passes::{UncutLength, is_open};
 use super::path::{FlankMove, LayerPasses, MoveKind, Pass, PathMaker, Program};
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
@@ -19,53 +19,53 @@ pub struct MoveFault {
 }
 
 /// Checks the moves of a tool and returns the rejected ones, or [`Cancelled`].
-pub type Check<'a> = dyn FnMut(&Tool, &[FlankMove], &Monitor) -> Result<Vec<MoveFault>, Cancelled> + 'a;
+pub type MoveCheck<'a> = dyn FnMut(&Tool, &[FlankMove], &Monitor) -> Result<Vec<MoveFault>, Cancelled> + 'a;
 
 /// A program after the check.
-pub(super) struct Checked {
+pub(super) struct CheckedProgram {
     pub(super) moves: Vec<FlankMove>,
-    pub(super) left_out: Vec<LeftOut>,
+    pub(super) left_out: Vec<UncutLength>,
     /// Faults that remain after the last iteration.
     pub(super) faults: Vec<MoveFault>,
 }
 
 /// Iterations that remove pieces of passes; later ones remove whole passes.
-const ROUNDS_OF_PIECES: usize = 6;
+const PIECE_ITERATIONS: usize = 6;
 /// Iterations after which a layer with a rejected link loses all its links.
-const ROUNDS_OF_LINKS: usize = 2;
+const LINK_ITERATIONS: usize = 2;
 /// Maximum number of iterations.
-const ROUNDS: usize = 24;
+const MAX_ITERATIONS: usize = 24;
 
 /// The program of `layers`, given in cutting order, without what `check` rejects: iterates removal and check.
 /// `extension` is the length of lead-in and lead-out, mm.
 ///
 /// # Errors
 /// When the monitor is cancelled.
-pub(super) fn checked(
+pub(super) fn remove_faults(
     path: &PathMaker,
     layers: &mut [LayerPasses],
     extension: f64,
-    check: &mut Check,
+    check: &mut MoveCheck,
     monitor: &Monitor,
-) -> Result<Checked, Cancelled> {
+) -> Result<CheckedProgram, Cancelled> {
     let mut left_out = Vec::new();
     let mut round = 0;
     loop {
         let program = path.program(layers, monitor)?;
         let faults = check(path.tool, &program.moves, monitor)?;
-        if faults.is_empty() || round == ROUNDS {
-            return Ok(Checked { moves: program.moves, left_out, faults });
+        if faults.is_empty() || round == MAX_ITERATIONS {
+            return Ok(CheckedProgram { moves: program.moves, left_out, faults });
         }
-        leave_out(layers, &program, &faults, round, extension, &mut left_out);
+        remove_faulty_moves(layers, &program, &faults, round, extension, &mut left_out);
         round += 1;
     }
 }
 
 /// What to remove from a pass.
 #[derive(Default)]
-struct Cuts {
+struct PassRemovals {
     /// Moves to remove, each by the index of the position it begins at, with the reason.
-    ways: BTreeMap<usize, &'static str>,
+    moves: BTreeMap<usize, &'static str>,
     /// The reason for removing the whole pass.
     whole: Option<&'static str>,
     unlinked: bool,
@@ -73,15 +73,15 @@ struct Cuts {
 
 /// Removes the moves with `faults` from the passes that they come from, or, after some iterations, these
 /// passes.
-fn leave_out(
+fn remove_faulty_moves(
     layers: &mut [LayerPasses],
     program: &Program,
     faults: &[MoveFault],
     round: usize,
     extension: f64,
-    left_out: &mut Vec<LeftOut>,
+    left_out: &mut Vec<UncutLength>,
 ) {
-    let mut cuts: BTreeMap<(usize, usize), Cuts> = BTreeMap::new();
+    let mut cuts: BTreeMap<(usize, usize), PassRemovals> = BTreeMap::new();
     for MoveFault { index, why } in faults {
         let (Some(step), Some(origin)) = (program.moves.get(*index), program.origins.get(*index)) else {
             continue;
@@ -91,18 +91,18 @@ fn leave_out(
         let nearest = origin.to.min(count.saturating_sub(2));
         match step.kind {
             MoveKind::Link => cut.unlinked = true,
-            _ if round >= ROUNDS_OF_PIECES => cut.whole = Some(why),
+            _ if round >= PIECE_ITERATIONS => cut.whole = Some(why),
             MoveKind::Rapid => cut.whole = Some(why),
             MoveKind::Cut => {
                 let from = origin.from.map_or(nearest, |from| from.min(origin.to));
-                cut.ways.insert(from, why);
+                cut.moves.insert(from, why);
             }
             MoveKind::Approach => {
-                cut.ways.insert(nearest, why);
+                cut.moves.insert(nearest, why);
             }
         }
     }
-    if round >= ROUNDS_OF_LINKS {
+    if round >= LINK_ITERATIONS {
         let unlinked: BTreeSet<usize> =
             cuts.iter().filter(|(_, cut)| cut.unlinked).map(|(at, _)| at.0).collect();
         for layer in unlinked {
@@ -114,7 +114,7 @@ fn leave_out(
         let layer = &mut layers[index];
         for (number, pass) in std::mem::take(&mut layer.passes).into_iter().enumerate() {
             match cuts.get(&(index, number)) {
-                Some(cut) => pieces_without(layer, pass, cut, extension, left_out),
+                Some(cut) => split_pass(layer, pass, cut, extension, left_out),
                 None => layer.passes.push(pass),
             }
         }
@@ -122,25 +122,25 @@ fn leave_out(
 }
 
 /// Puts the remaining pieces of a pass back onto its layer.
-fn pieces_without(
+fn split_pass(
     layer: &mut LayerPasses,
     pass: Pass,
-    cut: &Cuts,
+    cut: &PassRemovals,
     extension: f64,
-    left_out: &mut Vec<LeftOut>,
+    left_out: &mut Vec<UncutLength>,
 ) {
     let mut note = |length: f64, why: &'static str| {
-        let known = |l: &&mut LeftOut| l.layer == layer.number && l.region == pass.region && l.why == why;
+        let known = |l: &&mut UncutLength| l.layer == layer.number && l.region == pass.region && l.why == why;
         match left_out.iter_mut().find(known) {
             Some(known) => known.length += length,
-            None => left_out.push(LeftOut { layer: layer.number, region: pass.region, length, why }),
+            None => left_out.push(UncutLength { layer: layer.number, region: pass.region, length, why }),
         }
     };
     if let Some(why) = cut.whole {
         note(length(&pass.positions), why);
         return;
     }
-    if cut.ways.is_empty() {
+    if cut.moves.is_empty() {
         layer.passes.push(Pass { linked: pass.linked && !cut.unlinked, ..pass });
         return;
     }
@@ -151,14 +151,14 @@ fn pieces_without(
     let mut pieces = Vec::new();
     for k in 0..count {
         let ends = k + 1 == count;
-        let why = cut.ways.get(&k).copied();
+        let why = cut.moves.get(&k).copied();
         if !ends && why.is_none() {
             continue;
         }
         let piece = &pass.positions[first..=k];
         let why = why.unwrap_or(last_why);
         // A piece shorter than the stepover is not worth an approach.
-        if piece.len() < 2 || length(piece) < layer.interval {
+        if piece.len() < 2 || length(piece) < layer.stepover {
             note(length(piece), why);
         } else {
             pieces.push((first, k));
@@ -186,7 +186,7 @@ fn pieces_without(
 fn places(layer: &LayerPasses, pass: &Pass) -> Vec<LayerPoint> {
     let mut y = pass.ends[0].y;
     let place = |(tip, axis): &(Point, Vector)| {
-        let (place, _) = layer.layer.place(&(tip + axis * layer.corner_radius), y, None);
+        let (place, _) = layer.layer.project(&(tip + axis * layer.corner_radius), y, None);
         y = place.y;
         place
     };

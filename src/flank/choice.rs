@@ -6,12 +6,12 @@ use crate::plunge::sections::{SetupFault, SetupPlace, tool_of};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
 /// walls at once.
-const THICKEST: f64 = 0.5;
+const MAX_DIAMETER_SHARE: f64 = 0.5;
 /// The same where no tool within it is long enough to reach the hub with its holder outside.
-const THICKEST_FOR_LENGTH: f64 = 0.7;
+const MAX_DIAMETER_SHARE_FOR_LENGTH: f64 = 0.7;
 /// If the allowances leave less than this share of the thinnest tool or of the narrowest width, the message
 /// suggests a smaller allowance.
-const LEAST_ROOM: f64 = 0.1;
+const MIN_ROOM_SHARE: f64 = 0.1;
 /// The overhang exceeds the channel's depth by this factor, as axes are inclined.
 const OVERHANG_MARGIN: f64 = 1.15;
 /// Stations along a passage at which its width is measured.
@@ -46,18 +46,18 @@ pub fn choose_tool(
     let tools = if setup.tools.is_empty() { library } else { &setup.tools };
     let [width, widest] = widths(part, channel);
     let depth = deepest(part);
-    let room = |t: &Tool| width - 2.0 * (t.radius() + setup.stock.blade_allowance);
-    let easy = |t: &Tool| t.diameter <= THICKEST * width && room(t) >= 0.0;
+    let room = |t: &Tool| width - 2.0 * (t.radius() + setup.allowances.blade_allowance);
+    let easy = |t: &Tool| t.diameter <= MAX_DIAMETER_SHARE * width && room(t) >= 0.0;
     let thickest =
         |fits: &dyn Fn(&&Tool) -> bool| tools.iter().filter(fits).map(|t| t.diameter).max_by(f64::total_cmp);
     let least = tools.iter().map(|t| t.diameter).fold(f64::INFINITY, f64::min);
     // Where not even the thinnest tool passes the narrowest width it still cuts the wider part.
-    let reaches = widest > least + 2.0 * setup.stock.blade_allowance;
+    let reaches = widest > least + 2.0 * setup.allowances.blade_allowance;
     let diameter = thickest(&|t| easy(t))
         .or_else(|| thickest(&|t| room(t) >= 0.0))
         .or(Some(least).filter(|_| reaches && least.is_finite()));
     let Some(diameter) = diameter else {
-        return Err(no_room([width, widest], least, setup.stock.blade_allowance));
+        return Err(no_room([width, widest], least, setup.allowances.blade_allowance));
     };
     // Of several lengths the shortest that reaches the hub with the holder outside, otherwise the longest.
     let wanted = OVERHANG_MARGIN * depth;
@@ -66,7 +66,9 @@ pub fn choose_tool(
     // Where that is too short: the thinnest of the thicker tools that reach further.
     let longer = tools
         .iter()
-        .filter(|t| t.diameter > diameter && t.diameter <= THICKEST_FOR_LENGTH * width && room(t) >= 0.0)
+        .filter(|t| {
+            t.diameter > diameter && t.diameter <= MAX_DIAMETER_SHARE_FOR_LENGTH * width && room(t) >= 0.0
+        })
         .filter(|t| t.overhang.min(wanted) > reach)
         .max_by(|a, b| {
             let by_reach = a.overhang.min(wanted).total_cmp(&b.overhang.min(wanted));
@@ -94,7 +96,7 @@ pub fn choose_tool(
 /// The error that no tool fits into a channel of this narrowest and widest width, mm.
 fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> SetupFault {
     let left = widest - 2.0 * allowance;
-    let cure = if left > thinnest.min(narrowest) * LEAST_ROOM {
+    let cure = if left > thinnest.min(narrowest) * MIN_ROOM_SHARE {
         format!("give a cutter below D {left:.2} or a smaller blade allowance")
     } else {
         // The allowances alone fill the channel.
@@ -115,7 +117,7 @@ fn widths(part: &Impeller, channel: &Channel) -> [f64; 2] {
     let along = |passage: &Passage, from: f64, to: f64| {
         let width = PassageWidth::new(part, passage);
         (0..=STATIONS)
-            .map(|i| width.narrowest(from + (to - from) * i as f64 / STATIONS as f64))
+            .map(|i| width.min_width(from + (to - from) * i as f64 / STATIONS as f64))
             .filter(|width| width.is_finite())
             .fold([f64::INFINITY, 0.0], |[least, most], width| [least.min(width), f64::max(most, width)])
     };

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::border::Borders;
-use super::chart::Chart;
-use super::interval::interval;
-use super::layer::{Layer, LayerPoint};
-use super::schemes::{self, Curve, Role};
+use super::border::LayerWalls;
+use super::chart::LayerChart;
+use super::interval::stepover;
+use super::layer::{LayerPoint, LayerSurface};
+use super::schemes::{self, PassCurve, PassRole};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Channel, FlankScheme, Impeller, Setup, Tool};
+use crate::part::{Channel, FlankStrategy, Impeller, Setup, Tool};
 use crate::plunge::sections::{SetupFault, SetupPlace};
 
 /// Maximum number of layers of a channel.
@@ -49,9 +49,9 @@ pub struct Coverage {
 
 /// Figures of one strategy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CurveFigures {
+pub struct StrategyFigures {
     /// Number of passes.
-    pub curves: usize,
+    pub passes: usize,
     /// Their length within the channel, mm.
     pub length: f64,
     /// How they cover the layer.
@@ -60,18 +60,18 @@ pub struct CurveFigures {
 
 /// A layer with the passes of one strategy.
 #[derive(Clone, Debug)]
-pub struct LayerCurves {
+pub struct LayerLayout {
     /// The surface.
-    pub layer: Layer,
+    pub layer: LayerSurface,
     /// Its walls.
-    pub borders: Borders,
+    pub borders: LayerWalls,
     /// Stepover: largest allowed distance between neighbouring passes, mm.
-    pub interval: f64,
+    pub stepover: f64,
     /// The passes of the requested strategy.
-    pub curves: Vec<Curve>,
-    /// By strategy, in the order of [`FlankScheme::ALL`]. Those of the isoparametric strategy are set only
+    pub pass_curves: Vec<PassCurve>,
+    /// By strategy, in the order of [`FlankStrategy::ALL`]. Those of the isoparametric strategy are set only
     /// where it was requested, and then no others are.
-    pub figures: [CurveFigures; 4],
+    pub figures: [StrategyFigures; 4],
     /// Area that the tool axis may reach, mm².
     pub area: f64,
     /// Lower bound on the length of passes: the area over the stepover, and half the length of the passes
@@ -83,13 +83,13 @@ pub struct LayerCurves {
 
 /// All layers of a channel.
 #[derive(Clone, Debug)]
-pub struct FlankCurves {
+pub struct FlankLayout {
     /// Strategy of the passes.
-    pub scheme: FlankScheme,
+    pub strategy: FlankStrategy,
     /// The layers of that strategy, hub first.
-    pub layers: Vec<LayerCurves>,
-    /// Figures by strategy over all layers, in the order of [`FlankScheme::ALL`].
-    pub totals: [CurveFigures; 4],
+    pub layers: Vec<LayerLayout>,
+    /// Figures by strategy over all layers, in the order of [`FlankStrategy::ALL`].
+    pub totals: [StrategyFigures; 4],
     /// Area that the tool axis may reach on the layers of constant depth, mm².
     pub area: f64,
     /// Lower bound on the length of passes there, mm.
@@ -100,11 +100,11 @@ pub struct FlankCurves {
     pub empty: Vec<f64>,
 }
 
-impl FlankCurves {
+impl FlankLayout {
     /// Share of the area of a strategy in gaps wider than 1.02 times the stepover.
-    pub fn wide_share(&self, scheme: FlankScheme) -> f64 {
+    pub fn wide_share(&self, scheme: FlankStrategy) -> f64 {
         let area = match scheme {
-            FlankScheme::Isoparametric => self.layers.iter().map(|l| l.area).sum(),
+            FlankStrategy::Isoparametric => self.layers.iter().map(|l| l.area).sum(),
             _ => self.area,
         };
         self.totals[scheme as usize].coverage.wide_area / f64::max(area, 1e-9)
@@ -113,7 +113,7 @@ impl FlankCurves {
 
 /// Inputs of the planning of passes.
 #[derive(Clone, Copy, Debug)]
-pub struct CurveSource<'a> {
+pub struct LayoutInputs<'a> {
     /// The part.
     pub part: &'a Impeller,
     /// Its channel.
@@ -124,10 +124,10 @@ pub struct CurveSource<'a> {
     pub tool: &'a Tool,
 }
 
-impl CurveSource<'_> {
+impl LayoutInputs<'_> {
     /// Least distance of the tool axis from a wall, mm.
     fn clear(&self) -> f64 {
-        self.tool.radius() + self.setup.stock.blade_allowance
+        self.tool.radius() + self.setup.allowances.blade_allowance
     }
 
     /// Depth of the channel where it is deepest: at the leading edge along it, elsewhere above the hub, mm.
@@ -171,37 +171,39 @@ impl CurveSource<'_> {
     /// # Errors
     /// [`FlankError::Cancelled`] after a cancellation; [`FlankError::Setup`] where the layer depth or the
     /// scallop height is unusable or the tool fits nowhere.
-    pub fn plan(&self, monitor: &Monitor) -> Result<FlankCurves, FlankError> {
-        let scheme = self.setup.flank.scheme;
+    pub fn plan(&self, monitor: &Monitor) -> Result<FlankLayout, FlankError> {
+        let scheme = self.setup.flank.strategy;
         let count = self.layer_count()?;
         let depth = self.setup.flank.layer_depth;
         // The lowest layer keeps the allowance of the hub.
-        let heights = (0..count).map(|j| (j as f64 * depth).max(self.setup.stock.hub_allowance));
+        let heights = (0..count).map(|j| (j as f64 * depth).max(self.setup.allowances.hub_allowance));
         let deep: Vec<f64> = heights.collect();
-        let baseline = |j: usize| -> Result<Option<LayerCurves>, FlankError> {
+        let baseline = |j: usize| -> Result<Option<LayerLayout>, FlankError> {
             monitor.check()?;
             let eta = j as f64 / count as f64;
-            let Some(layer) = Layer::isoparametric(self.part, eta, self.setup.stock.hub_allowance) else {
+            let Some(layer) =
+                LayerSurface::isoparametric(self.part, eta, self.setup.allowances.hub_allowance)
+            else {
                 return Ok(None);
             };
-            self.isoparametric_layer(layer, scheme == FlankScheme::Isoparametric)
+            self.isoparametric_layer(layer, scheme == FlankStrategy::Isoparametric)
         };
-        let ours = |j: usize| -> Result<Option<LayerCurves>, FlankError> {
+        let ours = |j: usize| -> Result<Option<LayerLayout>, FlankError> {
             monitor.check()?;
-            let Some(layer) = Layer::at_height(self.part, deep[j]) else { return Ok(None) };
+            let Some(layer) = LayerSurface::at_height(self.part, deep[j]) else { return Ok(None) };
             self.layer(layer, scheme)
         };
         // One parallel list for both kinds of layers, so that no core idles. The layers next to the hub take
         // longest and come first.
-        let done: Vec<Option<LayerCurves>> = (0..2 * count)
+        let done: Vec<Option<LayerLayout>> = (0..2 * count)
             .into_par_iter()
             .with_max_len(1)
             .map(|k| if k % 2 == 0 { ours(k / 2) } else { baseline(k / 2) })
             .collect::<Result<_, _>>()?;
-        let mut result = FlankCurves {
-            scheme,
+        let mut result = FlankLayout {
+            strategy: scheme,
             layers: Vec::with_capacity(count),
-            totals: [CurveFigures::default(); 4],
+            totals: [StrategyFigures::default(); 4],
             area: 0.0,
             floor_length: 0.0,
             seam_length: 0.0,
@@ -221,12 +223,12 @@ impl CurveSource<'_> {
                 result.seam_length += layer.seam_length;
             }
             for (total, here) in result.totals.iter_mut().zip(&layer.figures) {
-                total.curves += here.curves;
+                total.passes += here.passes;
                 total.length += here.length;
                 total.coverage.largest_gap = total.coverage.largest_gap.max(here.coverage.largest_gap);
                 total.coverage.wide_area += here.coverage.wide_area;
             }
-            if ours != (scheme == FlankScheme::Isoparametric) {
+            if ours != (scheme == FlankStrategy::Isoparametric) {
                 result.layers.push(layer);
             }
         }
@@ -242,29 +244,29 @@ impl CurveSource<'_> {
     }
 
     /// The walls on `layer`, traced `raised` mm above it.
-    fn borders(&self, layer: &Layer, raised: f64) -> Option<Borders> {
-        Borders::of(self.part, self.channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised)
+    fn borders(&self, layer: &LayerSurface, raised: f64) -> Option<LayerWalls> {
+        LayerWalls::of(self.part, self.channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised)
     }
 
     fn beyond(&self) -> f64 {
-        self.setup.flank.extension_of(self.tool)
+        self.setup.flank.lead_in_out_for(self.tool)
     }
 
     /// The stepover on `layer`, mm: the minimum over stations along the walls, by the curvature across them.
     ///
     /// # Errors
     /// When it is 0, or so small that there would be more than [`MAX_ACROSS`] passes side by side.
-    fn interval(&self, layer: &Layer, borders: &Borders) -> Result<f64, SetupFault> {
+    fn layer_stepover(&self, layer: &LayerSurface, borders: &LayerWalls) -> Result<f64, SetupFault> {
         const STATIONS: usize = 20;
-        let error = self.setup.flank.allowed_error;
+        let error = self.setup.flank.scallop_height;
         let mut least = f64::INFINITY;
         for k in 0..=STATIONS {
             let x = layer.from + (layer.to - layer.from) * k as f64 / STATIONS as f64;
             for wall in [&borders.low, &borders.high] {
                 let ahead = x + 1e-3 * (layer.to - layer.from);
                 let [a, b] = [x, ahead].map(|x| LayerPoint { x, y: wall.y_at(x) });
-                let bulge = layer.bulge_across(x, layer.heading(a, b));
-                least = least.min(interval(self.tool, error, bulge));
+                let bulge = layer.curvature_across(x, layer.heading(a, b));
+                least = least.min(stepover(self.tool, error, bulge));
             }
         }
         let pitch = layer.radius(layer.to).0 * (borders.high.y_at(layer.to) - borders.low.y_at(layer.to));
@@ -281,86 +283,108 @@ impl CurveSource<'_> {
         Ok(least)
     }
 
-    fn chart<'c>(&self, layer: &'c Layer, borders: &'c Borders, interval: f64) -> Chart<'c> {
+    fn chart<'c>(&self, layer: &'c LayerSurface, borders: &'c LayerWalls, interval: f64) -> LayerChart<'c> {
         let spacing = (interval / NODES_PER_INTERVAL).clamp(NODE_SPACING[0], NODE_SPACING[1]);
-        Chart::new(layer, borders, self.clear(), interval, spacing, self.beyond())
+        LayerChart::new(layer, borders, self.clear(), interval, spacing, self.beyond())
     }
 
     /// A layer of constant depth with the passes of `scheme`.
-    fn layer(&self, layer: Layer, scheme: FlankScheme) -> Result<Option<LayerCurves>, FlankError> {
+    fn layer(&self, layer: LayerSurface, scheme: FlankStrategy) -> Result<Option<LayerLayout>, FlankError> {
         let Some(borders) = self.borders(&layer, self.tool.corner_radius) else { return Ok(None) };
-        let interval = self.interval(&layer, &borders)?;
+        let interval = self.layer_stepover(&layer, &borders)?;
         let (clear, beyond) = (self.clear(), self.beyond());
         let chart = self.chart(&layer, &borders, interval);
-        let nodes = Nodes::of(&chart);
+        let nodes = FreeNodes::of(&chart);
         let mut by_scheme = [
             Vec::new(),
             schemes::isoparametric_by_region(&layer, &borders, clear, interval, beyond),
             schemes::regions(&chart, beyond),
             schemes::balanced(&chart, beyond),
         ];
-        let walls: f64 = by_scheme[FlankScheme::Balanced as usize]
+        let walls: f64 = by_scheme[FlankStrategy::Balanced as usize]
             .iter()
-            .filter(|curve| matches!(curve.role, Role::Wall(_)))
+            .filter(|curve| matches!(curve.role, PassRole::Wall(_)))
             .map(|curve| curve.length(&layer))
             .sum();
-        let mut figures = [CurveFigures::default(); 4];
+        let mut figures = [StrategyFigures::default(); 4];
         for (figures, curves) in figures.iter_mut().zip(&by_scheme).skip(1) {
             *figures = nodes.measure(&chart, curves);
         }
         let seam_length = chart.seam_length();
         let (area, floor_length) = (nodes.area, nodes.area / interval + 0.5 * walls);
         let curves = std::mem::take(&mut by_scheme[scheme as usize]);
-        Ok(Some(LayerCurves { layer, borders, interval, curves, figures, area, floor_length, seam_length }))
+        Ok(Some(LayerLayout {
+            layer,
+            borders,
+            stepover: interval,
+            pass_curves: curves,
+            figures,
+            area,
+            floor_length,
+            seam_length,
+        }))
     }
 
     /// A layer of the isoparametric baseline; its coverage only where `wanted`.
-    fn isoparametric_layer(&self, layer: Layer, wanted: bool) -> Result<Option<LayerCurves>, FlankError> {
+    fn isoparametric_layer(
+        &self,
+        layer: LayerSurface,
+        wanted: bool,
+    ) -> Result<Option<LayerLayout>, FlankError> {
         // As published: offsets start from the walls where they cross the layer itself.
         let Some(borders) = self.borders(&layer, 0.0) else { return Ok(None) };
-        let interval = self.interval(&layer, &borders)?;
+        let interval = self.layer_stepover(&layer, &borders)?;
         let curves = schemes::isoparametric(&layer, &borders, self.clear(), interval, self.beyond());
-        let mut figures = [CurveFigures::default(); 4];
+        let mut figures = [StrategyFigures::default(); 4];
         let mut area = 0.0;
         figures[0] = if wanted {
             let chart = self.chart(&layer, &borders, interval);
-            let nodes = Nodes::of(&chart);
+            let nodes = FreeNodes::of(&chart);
             area = nodes.area;
             nodes.measure(&chart, &curves)
         } else {
             let length = curves.iter().map(|c| c.length(&layer)).sum();
-            CurveFigures { curves: curves.len(), length, coverage: Coverage::default() }
+            StrategyFigures { passes: curves.len(), length, coverage: Coverage::default() }
         };
         let (floor_length, seam_length) = (0.0, 0.0);
-        Ok(Some(LayerCurves { layer, borders, interval, curves, figures, area, floor_length, seam_length }))
+        Ok(Some(LayerLayout {
+            layer,
+            borders,
+            stepover: interval,
+            pass_curves: curves,
+            figures,
+            area,
+            floor_length,
+            seam_length,
+        }))
     }
 }
 
 /// The nodes of a layer that passes have to cover.
-struct Nodes {
-    nodes: Vec<super::chart::Node>,
+struct FreeNodes {
+    nodes: Vec<super::chart::ChartNode>,
     area: f64,
 }
 
-impl Nodes {
-    fn of(chart: &Chart) -> Self {
+impl FreeNodes {
+    fn of(chart: &LayerChart) -> Self {
         let nodes = chart.free_nodes();
         let area = nodes.iter().map(|n| n.free_area).sum();
         Self { nodes, area }
     }
 
-    fn measure(&self, chart: &Chart, curves: &[Curve]) -> CurveFigures {
-        let reach = 0.5 * WIDEST_GAP * chart.interval;
+    fn measure(&self, chart: &LayerChart, curves: &[PassCurve]) -> StrategyFigures {
+        let reach = 0.5 * WIDEST_GAP * chart.stepover;
         let nearest = chart.nearest_curve(curves.iter().map(|c| c.points.as_slice()), reach);
         let mut coverage = Coverage::default();
         for node in &self.nodes {
-            let gap = 2.0 * nearest[node.index].min(reach) / chart.interval;
+            let gap = 2.0 * nearest[node.index].min(reach) / chart.stepover;
             coverage.largest_gap = coverage.largest_gap.max(gap);
             if gap > WIDE {
                 coverage.wide_area += node.free_area;
             }
         }
         let length = curves.iter().map(|c| c.length(chart.layer)).sum();
-        CurveFigures { curves: curves.len(), length, coverage }
+        StrategyFigures { passes: curves.len(), length, coverage }
     }
 }

@@ -9,10 +9,10 @@ pub(super) struct CutPasses {
     corner_radius: f64,
     /// Distance below which a pass counts as beside another, mm.
     beside: f64,
-    ways: Vec<Way>,
+    paths: Vec<CornerPath>,
 }
 
-struct Way {
+struct CornerPath {
     points: Vec<Point>,
     /// Centre of a bounding ball.
     middle: Point,
@@ -27,35 +27,35 @@ const SAMPLES: usize = 12;
 
 impl CutPasses {
     pub(super) fn new(tool: &Tool, interval: f64) -> Self {
-        Self { corner_radius: tool.corner_radius, beside: BESIDE * interval, ways: Vec::new() }
+        Self { corner_radius: tool.corner_radius, beside: BESIDE * interval, paths: Vec::new() }
     }
 
-    fn way<'a>(&self, positions: &'a [(Point, Vector)]) -> impl Iterator<Item = Point> + 'a {
+    fn corner_path<'a>(&self, positions: &'a [(Point, Vector)]) -> impl Iterator<Item = Point> + 'a {
         let up = self.corner_radius;
         positions.iter().map(move |(tip, axis)| tip + axis * up)
     }
 
     /// Adds a pass to those already cut.
     pub(super) fn add(&mut self, positions: &[(Point, Vector)]) {
-        let points: Vec<Point> = self.way(positions).collect();
+        let points: Vec<Point> = self.corner_path(positions).collect();
         let Some(&middle) = points.get(points.len() / 2) else { return };
         let radius = points.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
-        self.ways.push(Way { points, middle, radius });
+        self.paths.push(CornerPath { points, middle, radius });
     }
 
     /// Whether most of a pass runs beside no pass that is cut.
     pub(super) fn are_far_from(&self, positions: &[(Point, Vector)]) -> bool {
         let stride = (positions.len() / SAMPLES).max(1);
         let (mut far, mut all) = (0, 0);
-        for centre in self.way(positions).step_by(stride) {
+        for centre in self.corner_path(positions).step_by(stride) {
             all += 1;
-            far += usize::from(!self.ways.iter().any(|way| way.is_within(&centre, self.beside)));
+            far += usize::from(!self.paths.iter().any(|way| way.is_within(&centre, self.beside)));
         }
         2 * far > all
     }
 }
 
-impl Way {
+impl CornerPath {
     fn is_within(&self, centre: &Point, reach: f64) -> bool {
         if (centre - self.middle).norm() > self.radius + reach {
             return false;

@@ -5,7 +5,7 @@
 //! contacts of a station are searched on a grid of directions. Greedy extension: a run continues while one of
 //! its axes suits the next station as well, which minimises the number of runs for that grid. Where the grid
 //! ends a run, directions between its nodes are tried. The search uses the fast approximate distances of
-//! [`scene`]; the axis of each run is then checked against the true surfaces.
+//! `scene`; the axis of each run is then checked against the true surfaces.
 
 mod scene;
 mod search;
@@ -14,7 +14,7 @@ use crate::geometry::{Circle, Point, Vector};
 use crate::part::{Blank, Channel, Tool};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
-use scene::{BladePoints, Cone, DistanceTable, Least, Near, Shape};
+use scene::{BladePoints, Cone, DistanceTable, MinDistances, NearPoints, ToolShape};
 use search::Greedy;
 
 /// Contact of a tool with a layer.
@@ -35,9 +35,9 @@ pub struct FixedAxisLimits {
     pub blade_allowance: f64,
     /// Height above a contact up to which stock may remain beside it, mm: the depth of the current layer. The
     /// layers above are cut before.
-    pub standing: f64,
+    pub stock_height: f64,
     /// Maximum angle between an axis and the normal of the layer, rad.
-    pub max_tilt: f64,
+    pub max_tilt_rad: f64,
 }
 
 /// Stations `from` to `to` with one axis.
@@ -55,7 +55,7 @@ pub struct FixedRun {
 
 /// Why an axis cannot be used at a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Obstacle {
+pub enum AxisObstacle {
     /// A blade is too near to the cutter.
     Blade,
     /// The hub is too near to the cutter.
@@ -75,10 +75,10 @@ pub enum Obstacle {
 pub struct Unreachable {
     /// The station.
     pub station: usize,
-    /// Indices of the contacts; all of them for [`Obstacle::NoCommonAxis`].
+    /// Indices of the contacts; all of them for [`AxisObstacle::NoCommonAxis`].
     pub contacts: Vec<usize>,
     /// The obstacle of the axis that comes nearest to being free.
-    pub why: Obstacle,
+    pub why: AxisObstacle,
 }
 
 /// Fixed axes of a region.
@@ -99,26 +99,26 @@ pub struct FixedAxisSearch<'a> {
     blades: BladePoints,
     hub: DistanceTable,
     blank: DistanceTable,
-    shape: Shape,
+    shape: ToolShape,
 }
 
 /// A contact with the points that axes of a cone may collide with there.
 #[derive(Debug)]
-struct Place {
+struct PreparedContact {
     contact: Contact,
     /// Centre of the corner that touches the layer.
     centre: Point,
     /// Height above the hub up to which stock may remain, mm.
     top: f64,
     cone: Cone,
-    near: Near,
+    near: NearPoints,
 }
 
 /// Clearance of an axis at a contact beyond what it needs, mm, and the nearest obstacle.
 #[derive(Clone, Copy, Debug)]
-struct Spare {
+struct SpareClearance {
     amount: f64,
-    by: Obstacle,
+    by: AxisObstacle,
 }
 
 /// Maximum angle between a fixed axis and the normal of the layer, rad.
@@ -150,7 +150,7 @@ impl<'a> FixedAxisSearch<'a> {
             blades: BladePoints::new(&channel.sides, reach.max(1e-3)),
             hub: DistanceTable::of_hub(finished.part, margin),
             blank: DistanceTable::of_blank(finished.part, blank, margin),
-            shape: Shape::of(tool),
+            shape: ToolShape::of(tool),
         }
     }
 
@@ -162,8 +162,8 @@ impl<'a> FixedAxisSearch<'a> {
     }
 
     /// The obstacle of every axis at `contact`; `None` where an axis is free. See [`Self::runs`] for `layer`.
-    pub fn blocked(&self, contact: &Contact, layer: &DepthSurface) -> Option<Obstacle> {
-        Greedy::new(self, layer, Vec::new()).blocked(&self.place(contact, None))
+    pub fn blocked(&self, contact: &Contact, layer: &DepthSurface) -> Option<AxisObstacle> {
+        Greedy::new(self, layer, Vec::new()).blocked(&self.prepare_contact(contact, None))
     }
 
     /// Tip of the tool with `axis` at `contact`: in contact, and lifted along the axis where the bottom would
@@ -180,26 +180,26 @@ impl<'a> FixedAxisSearch<'a> {
     }
 
     /// Prepares a contact for axes of `cone`; `None` for all axes it may have.
-    fn place(&self, contact: &Contact, cone: Option<Cone>) -> Place {
-        let cone = cone.unwrap_or(Cone { axis: contact.normal, angle: self.limits.max_tilt });
+    fn prepare_contact(&self, contact: &Contact, cone: Option<Cone>) -> PreparedContact {
+        let cone = cone.unwrap_or(Cone { axis: contact.normal, angle: self.limits.max_tilt_rad });
         let centre = contact.point + contact.normal * self.tool.corner_radius;
         let margin = self.limits.blade_allowance + self.blades.slack + search::SEED_SPARE;
         let near = self.blades.near(&centre, &cone, &self.shape, margin);
-        Place { contact: *contact, centre, top: self.top(&centre), cone, near }
+        PreparedContact { contact: *contact, centre, top: self.top(&centre), cone, near }
     }
 
     /// Spare clearance of `axis` at `place` by the fast distances, mm. Stops early below `enough`: the result
     /// is then only an upper bound.
-    fn spare(&self, place: &Place, axis: &Vector, enough: f64) -> Spare {
+    fn spare(&self, place: &PreparedContact, axis: &Vector, enough: f64) -> SpareClearance {
         let along = place.contact.normal.dot(axis);
         let tilt = along.clamp(-1.0, 1.0).acos();
-        if tilt > self.limits.max_tilt || axis.angle(&place.cone.axis) > place.cone.angle + 1e-9 {
-            return Spare { amount: f64::NEG_INFINITY, by: Obstacle::Tilt };
+        if tilt > self.limits.max_tilt_rad || axis.angle(&place.cone.axis) > place.cone.angle + 1e-9 {
+            return SpareClearance { amount: f64::NEG_INFINITY, by: AxisObstacle::Tilt };
         }
-        let mut spare = Spare { amount: f64::INFINITY, by: Obstacle::Tilt };
-        let mut bound = |amount: f64, by: Obstacle| {
+        let mut spare = SpareClearance { amount: f64::INFINITY, by: AxisObstacle::Tilt };
+        let mut bound = |amount: f64, by: AxisObstacle| {
             if amount < spare.amount {
-                spare = Spare { amount, by };
+                spare = SpareClearance { amount, by };
             }
             spare.amount < enough
         };
@@ -207,10 +207,10 @@ impl<'a> FixedAxisSearch<'a> {
         let across = (place.contact.normal - axis * along).try_normalize(1e-9).unwrap_or_else(Vector::zeros);
         let offset = across * rim;
         let allowance = self.limits.blade_allowance + self.blades.slack;
-        let limits = Least { cutter: enough + allowance, holder: enough + allowance };
-        let least = place.near.least(&self.shape, axis, &offset, limits);
-        if bound(least.cutter - allowance, Obstacle::Blade)
-            | bound(least.holder - allowance, Obstacle::Holder)
+        let limits = MinDistances { cutter: enough + allowance, holder: enough + allowance };
+        let least = place.near.min_distances(&self.shape, axis, &offset, limits);
+        if bound(least.cutter - allowance, AxisObstacle::Blade)
+            | bound(least.holder - allowance, AxisObstacle::Holder)
         {
             return spare;
         }
@@ -220,17 +220,17 @@ impl<'a> FixedAxisSearch<'a> {
         let allowance = self.tool.radius() + self.limits.hub_allowance + HUB_SLACK;
         for k in 0..=HUB_HEIGHTS {
             let up = from + (to - from).max(0.0) * k as f64 / HUB_HEIGHTS as f64;
-            if bound(self.hub.at(&(bottom + axis * up)) - allowance, Obstacle::Hub) {
+            if bound(self.hub.at(&(bottom + axis * up)) - allowance, AxisObstacle::Hub) {
                 return spare;
             }
         }
         let holder = 0.5 * self.tool.holder_diameter();
         for up in [0.0, 2.0 * holder] {
             let middle = bottom + axis * (to - self.tool.corner_radius + up);
-            bound(self.hub.at(&middle) - holder - HUB_SLACK, Obstacle::Holder);
+            bound(self.hub.at(&middle) - holder - HUB_SLACK, AxisObstacle::Holder);
         }
         let end = bottom + axis * (to - self.tool.corner_radius);
-        bound(self.above_stock(&end, axis, place.top) - HUB_SLACK, Obstacle::Stock);
+        bound(self.above_stock(&end, axis, place.top) - HUB_SLACK, AxisObstacle::Stock);
         spare
     }
 
@@ -247,39 +247,41 @@ impl<'a> FixedAxisSearch<'a> {
             return middle - radius;
         }
         let rim = Circle::new(end, axis, radius);
-        let place = |k: usize| rim.at((std::f64::consts::TAU * k as f64 / RIM_POINTS as f64).sin_cos()).0;
+        let place = |k: usize| {
+            rim.point_and_derivative((std::f64::consts::TAU * k as f64 / RIM_POINTS as f64).sin_cos()).0
+        };
         (0..RIM_POINTS).map(|k| height(&place(k))).fold(middle, f64::min)
     }
 
     /// What the holder meets for a tool with `axis` and its tip at `tip`: a blade with its allowance, or the
     /// current layer. The layers above are cut before.
-    pub fn holder_meets(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
+    pub fn holder_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
         let holder = self.tool.holder(tip, axis);
         if !self.finished.clears(&holder, self.limits.blade_allowance) {
-            return Some(Obstacle::Holder);
+            return Some(AxisObstacle::Holder);
         }
         let top = self.top(&(tip + axis * self.tool.corner_radius));
-        (self.above_stock(&holder.tip, &axis, top) < HUB_SLACK).then_some(Obstacle::Stock)
+        (self.above_stock(&holder.tip, &axis, top) < HUB_SLACK).then_some(AxisObstacle::Stock)
     }
 
-    /// What the tool collides with at `tip`: a blade too near to the cutter, or what [`Self::beside_blades`]
+    /// What the tool collides with at `tip`: a blade too near to the cutter, or what [`Self::obstacle_except_blades`]
     /// finds.
-    pub fn meets(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
+    pub fn find_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
         if !self.finished.clears(&self.tool.placed(tip, axis), self.limits.blade_allowance) {
-            return Some(Obstacle::Blade);
+            return Some(AxisObstacle::Blade);
         }
-        self.beside_blades(tip, axis)
+        self.obstacle_except_blades(tip, axis)
     }
 
     /// What a tool whose cutter is clear of the blades collides with at `tip`: the hub, or what its holder
     /// meets.
-    pub fn beside_blades(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
+    pub fn obstacle_except_blades(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
         let limit = self.limits.hub_allowance - HUB_TOLERANCE;
         let near_hub = |near: bool| near && self.finished.hub_clearance(&self.tool.placed(tip, axis)) < limit;
         if near_hub(self.is_near_hub(tip, axis)) {
-            return Some(Obstacle::Hub);
+            return Some(AxisObstacle::Hub);
         }
-        self.holder_meets(tip, axis)
+        self.holder_obstacle(tip, axis)
     }
 
     /// Whether the hub may be nearer to the cutter than its allowance, by the fast distances along its axis.
@@ -297,7 +299,7 @@ impl<'a> FixedAxisSearch<'a> {
     /// Height above the hub up to which stock may remain beside a tool whose corner is centred at `centre`,
     /// mm.
     fn top(&self, centre: &Point) -> f64 {
-        self.hub.at(centre) - self.tool.corner_radius + self.limits.standing
+        self.hub.at(centre) - self.tool.corner_radius + self.limits.stock_height
     }
 
     /// Checks the tool with `axis` at `contact` against the true surfaces; returns the minimum distance from
@@ -305,22 +307,22 @@ impl<'a> FixedAxisSearch<'a> {
     ///
     /// # Errors
     /// The obstacle, if the tool is not free.
-    fn measured(
+    fn check_exactly(
         &self,
         contact: &Contact,
         axis: &Vector,
         layer: &DepthSurface,
         least: f64,
-    ) -> Result<f64, Obstacle> {
+    ) -> Result<f64, AxisObstacle> {
         let tip = self.tip(contact, axis, layer);
         let cutter = self.tool.placed(tip, *axis);
         let nearest = self.finished.blade_clearance_below(&cutter, least);
         if nearest < self.limits.blade_allowance {
-            return Err(Obstacle::Blade);
+            return Err(AxisObstacle::Blade);
         }
         if self.finished.hub_clearance(&cutter) < self.limits.hub_allowance - HUB_TOLERANCE {
-            return Err(Obstacle::Hub);
+            return Err(AxisObstacle::Hub);
         }
-        self.holder_meets(tip, *axis).map_or(Ok(nearest), Err)
+        self.holder_obstacle(tip, *axis).map_or(Ok(nearest), Err)
     }
 }

@@ -14,7 +14,7 @@ const FLAT_RADIUS: f64 = 1e9;
 /// Across the passes the surface is taken as a circle of radius 1/`bulge`. Half way between two positions, at
 /// arc length a from each, the point `allowed_error` above the surface is on the cutter: on a ball, on the
 /// rounded corner of a bull end, or on the flat bottom. Solved for a by bisection.
-pub fn interval(tool: &Tool, allowed_error: f64, bulge: f64) -> f64 {
+pub fn stepover(tool: &Tool, allowed_error: f64, bulge: f64) -> f64 {
     let (flat, corner) = (tool.radius() - tool.corner_radius, tool.corner_radius);
     // Height of the cutter's profile at x from its axis.
     let profile = |x: f64| {
@@ -72,7 +72,7 @@ mod tests {
     fn a_ball_on_flat_ground_follows_the_scallop_formula() {
         let (r, e) = (5.0f64, 0.25f64);
         let flat = 2.0 * (2.0 * r * e - e * e).sqrt();
-        assert!((interval(&tool(10.0, r), e, 0.0) - flat).abs() < 1e-6, "{flat}");
+        assert!((stepover(&tool(10.0, r), e, 0.0) - flat).abs() < 1e-6, "{flat}");
     }
 
     #[test]
@@ -81,7 +81,7 @@ mod tests {
         for (rho, convex) in [(40.0, true), (77.0, true), (30.0, false)] {
             let bulge = if convex { 1.0 / rho } else { -1.0 / rho };
             let (r, e) = (5.0, 0.25);
-            let i = interval(&tool(10.0, r), e, bulge);
+            let i = stepover(&tool(10.0, r), e, bulge);
             let turn: f64 = 0.5 * i / rho;
             let centre: f64 = if convex { rho + r } else { rho - r };
             // Distance from the circle's centre to where the balls meet, on the side of the surface.
@@ -95,14 +95,14 @@ mod tests {
     #[test]
     fn a_flat_end_covers_its_width_where_the_surface_is_flat_and_less_on_a_bulge() {
         let flat = tool(10.0, 0.0);
-        assert!((interval(&flat, 0.25, 0.0) - 10.0).abs() < 1e-6);
-        let on_bulge = interval(&flat, 0.25, 1.0 / 20.0);
+        assert!((stepover(&flat, 0.25, 0.0) - 10.0).abs() < 1e-6);
+        let on_bulge = stepover(&flat, 0.25, 1.0 / 20.0);
         // cos φ = ρ / (ρ + e).
         let expected = 2.0 * 20.0 * (20.0f64 / 20.25).acos();
         assert!((on_bulge - expected).abs() < 1e-6, "{on_bulge} {expected}");
-        let bull = interval(&tool(10.0, 1.0), 0.25, 0.0);
+        let bull = stepover(&tool(10.0, 1.0), 0.25, 0.0);
         let corner = 4.0 + (2.0f64 * 0.25 - 0.0625).sqrt();
         assert!((bull - 2.0 * corner).abs() < 1e-6, "{bull}");
-        assert!(interval(&tool(10.0, 5.0), 0.0, 0.01) < 1e-12, "zero scallop height");
+        assert!(stepover(&tool(10.0, 5.0), 0.0, 0.01) < 1e-12, "zero scallop height");
     }
 }

@@ -24,7 +24,7 @@ impl LayerPoint {
 
 /// A surface of revolution on which passes are planned.
 #[derive(Clone, Debug)]
-pub struct Layer {
+pub struct LayerSurface {
     curve: MeridionalCurve,
     /// Arc length at which the channel begins (leading edge), mm.
     pub from: f64,
@@ -41,11 +41,11 @@ const CURVE_POINTS: usize = 120;
 /// Maximum length of the layer upstream of the leading edge, as a share of its length.
 const UPSTREAM: f64 = 0.2;
 /// Least length of the offset per length of the hub: where the hub bends more, the layer ends.
-const LEAST_STRETCH: f64 = 0.05;
+const MIN_STRETCH: f64 = 0.05;
 /// Least length of a layer, mm.
-const LEAST_LENGTH: f64 = 1e-3;
+const MIN_LENGTH: f64 = 1e-3;
 
-impl Layer {
+impl LayerSurface {
     /// The layer `height` mm above the hub; `None` where the channel is nowhere that deep.
     pub fn at_height(part: &Impeller, height: f64) -> Option<Self> {
         let hub = part.hub.curve();
@@ -71,7 +71,7 @@ impl Layer {
         };
         let sound = |t: f64| {
             let stretch = 1.0 - height * hub.at(t).curvature;
-            stretch > LEAST_STRETCH
+            stretch > MIN_STRETCH
         };
         let mut last = from;
         let mut inside = false;
@@ -91,7 +91,7 @@ impl Layer {
             }
             last = t;
         }
-        if !inside || last - from < LEAST_LENGTH {
+        if !inside || last - from < MIN_LENGTH {
             return None;
         }
         // Upstream of the leading edge the layer follows the hub as far as that extends.
@@ -139,10 +139,10 @@ impl Layer {
         if points.windows(2).any(|p| p[0].distance(p[1]) <= 1e-9 || p[0].r.is_nan() || p[0].r <= 0.0) {
             return None;
         }
-        let curve = MeridionalCurve::through(points).facing(outer);
+        let curve = MeridionalCurve::through(points).with_outer_side_towards(outer);
         let to = curve.length();
         let from = if ahead == 0 { 0.0 } else { curve.project(points[ahead]).0 };
-        (to - from > LEAST_LENGTH).then(|| Self { curve, from, to, height, turn: part.pitch().signum() })
+        (to - from > MIN_LENGTH).then(|| Self { curve, from, to, height, turn: part.pitch().signum() })
     }
 
     /// Distance from the rotation axis at `x`, mm, and its derivative in x.
@@ -166,7 +166,7 @@ impl Layer {
 
     /// Projection of `point` onto the layer, with y next to `near`, and its height above the layer, mm.
     /// Beyond its ends the layer is extended straight. `guess` is an x near the result.
-    pub fn place(&self, point: &Point, near: f64, guess: Option<f64>) -> (LayerPoint, f64) {
+    pub fn project(&self, point: &Point, near: f64, guess: Option<f64>) -> (LayerPoint, f64) {
         let m = Meridional::of(point);
         let length = self.curve.length();
         let (x, d) = match guess {
@@ -186,33 +186,33 @@ impl Layer {
 
     /// Length of a short segment from `a` to `b`, mm: of the chord with the radius at its middle.
     #[inline]
-    pub fn step(&self, a: LayerPoint, b: LayerPoint) -> f64 {
+    pub fn segment_length(&self, a: LayerPoint, b: LayerPoint) -> f64 {
         let (r, _) = self.radius(0.5 * (a.x + b.x));
         norm2(b.x - a.x, r * (b.y - a.y))
     }
 
     /// Length of a polyline of short segments, mm.
     pub fn length(&self, points: &[LayerPoint]) -> f64 {
-        points.windows(2).map(|p| self.step(p[0], p[1])).sum()
+        points.windows(2).map(|p| self.segment_length(p[0], p[1])).sum()
     }
 
     /// Normal curvature of the layer across a direction at angle β = `slope` (rad) to the meridian, 1/mm,
     /// positive where the layer is convex towards the channel: cos²β·n_r/r + sin²β·κ of the meridian (Euler).
-    pub fn bulge_across(&self, x: f64, slope: f64) -> f64 {
+    pub fn curvature_across(&self, x: f64, slope: f64) -> f64 {
         let here = self.curve.at(x);
         let (sin, cos) = slope.sin_cos();
         cos * cos * here.normal.r / here.point.r.max(1e-9) - sin * sin * here.curvature
     }
 
     /// Largest absolute normal curvature of the layer at `x` in any direction, 1/mm.
-    pub fn sharpest_bend(&self, x: f64) -> f64 {
+    pub fn max_curvature(&self, x: f64) -> f64 {
         let here = self.curve.at(x);
         (here.normal.r / here.point.r.max(1e-9)).abs().max(here.curvature.abs())
     }
 
     /// The meridional curve of the layer, extended straight by `beyond` mm at both ends, through points about
     /// `step` mm apart.
-    pub fn run_on(&self, beyond: f64, step: f64) -> MeridionalCurve {
+    pub fn extended_meridian(&self, beyond: f64, step: f64) -> MeridionalCurve {
         let (from, to) = (self.from - beyond, self.to + beyond);
         let count = ((to - from) / step).ceil().clamp(64.0, 600.0) as usize;
         let at = |k: usize| self.curve.point(from + (to - from) * k as f64 / count as f64);
@@ -224,7 +224,7 @@ impl Layer {
             r: middle.point.r + 0.01 * self.to * middle.normal.r,
             z: middle.point.z + 0.01 * self.to * middle.normal.z,
         };
-        MeridionalCurve::through(&points).facing(outer)
+        MeridionalCurve::through(&points).with_outer_side_towards(outer)
     }
 
     /// End point and heading of the geodesic from `start` with `heading` (rad from the meridian towards
@@ -272,7 +272,7 @@ impl Layer {
         let mut y = near;
         let mut points = Vec::new();
         for u in u {
-            let Some((v, p)) = self.beside(side, u, guess, raised) else { continue };
+            let Some((v, p)) = self.trace_line(side, u, guess, raised) else { continue };
             guess = Some((v, p.x));
             y += wrap_angle(p.y - y);
             points.push(LayerPoint { x: p.x, y });
@@ -282,7 +282,7 @@ impl Layer {
 
     /// The crossing of line u `raised` mm above the layer; where the side ends below that height, its tip, or
     /// the crossing with the layer itself.
-    fn beside(
+    fn trace_line(
         &self,
         side: &BladeSide,
         u: f64,
@@ -297,7 +297,7 @@ impl Layer {
         if v >= 1.0 {
             return Some((v, on_layer));
         }
-        Some((1.0, self.place(&side.point(u, 1.0), 0.0, Some(on_layer.x)).0))
+        Some((1.0, self.project(&side.point(u, 1.0), 0.0, Some(on_layer.x)).0))
     }
 
     fn crossing(
@@ -310,7 +310,7 @@ impl Layer {
         let (mut v, mut near) = guess.map_or((0.5, None), |(v, x)| (v, Some(x)));
         for _ in 0..30 {
             let (p, _, pv) = side.derivatives(u, v);
-            let (place, height) = self.place(&p, 0.0, near);
+            let (place, height) = self.project(&p, 0.0, near);
             near = Some(place.x);
             let off = height - raised;
             if off.abs() < 1e-9 {

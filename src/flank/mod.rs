@@ -33,7 +33,7 @@ pub mod plan;
 pub mod schemes;
 pub mod wall;
 
-pub use curves::{CurveSource, FlankCurves, FlankError};
-pub use passes::LeftOut;
+pub use curves::{FlankError, FlankLayout, LayoutInputs};
+pub use passes::UncutLength;
 pub use path::{FlankMove, MoveKind};
 pub use plan::{FlankPlan, FlankStages, MilledWall, plan};

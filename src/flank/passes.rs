@@ -12,19 +12,19 @@ mod inner;
 mod nose;
 mod stretches;
 
-use super::chart::{Chart, Region};
-use super::curves::LayerCurves;
-use super::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT, Obstacle};
-use super::layer::{Layer, LayerPoint};
+use super::chart::{LayerChart, Region};
+use super::curves::LayerLayout;
+use super::fixed_axis::{AxisObstacle, Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
+use super::layer::{LayerPoint, LayerSurface};
 use super::path::Pass;
 use super::plan::{MilledWall, RegionAxis};
-use super::schemes::Role;
+use super::schemes::PassRole;
 use crate::geometry::{Point, Vector};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
-use along_wall::{Milled, Placed};
-use stretches::{Stretch, stretches};
+use along_wall::{LayerPose, WallPositions};
+use stretches::{CurvePiece, split_by_region};
 
 /// Positions are raised by this above the layer, mm, so that the straight moves between them do not cut into
 /// it.
@@ -32,13 +32,13 @@ const CHORD: f64 = 0.005;
 /// Maximum turn of the axis from one position to the next, rad: a little less than 5°.
 const MAX_STEP_TURN: f64 = 4.8 * std::f64::consts::PI / 180.0;
 /// Turn of the axis from one position to the next at which a pass ends, rad.
-const JUMP: f64 = 15.0 * std::f64::consts::PI / 180.0;
+const MAX_PASS_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Minimum and maximum step along inner passes, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
 
 /// A length of passes that is not cut, and why.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LeftOut {
+pub struct UncutLength {
     /// Layer, 0 at the hub.
     pub layer: usize,
     /// Region.
@@ -50,13 +50,13 @@ pub struct LeftOut {
 }
 
 /// The passes of a layer.
-pub struct LayerAxes {
+pub struct PlannedLayer {
     /// One per curve, or more where the axis jumps along it.
     pub passes: Vec<Pass>,
     /// Fixed axes of the inner passes.
     pub axes: Vec<RegionAxis>,
     /// Lengths that are not cut.
-    pub left_out: Vec<LeftOut>,
+    pub uncut: Vec<UncutLength>,
 }
 
 /// Inputs to make the passes of one plan.
@@ -82,10 +82,10 @@ impl<'a> PassMaker<'a> {
         walls: &'a [MilledWall],
     ) -> Self {
         let limits = FixedAxisLimits {
-            hub_allowance: setup.stock.hub_allowance,
-            blade_allowance: setup.stock.blade_allowance,
-            standing: setup.flank.layer_depth + setup.flank.allowed_error,
-            max_tilt: MAX_TILT,
+            hub_allowance: setup.allowances.hub_allowance,
+            blade_allowance: setup.allowances.blade_allowance,
+            stock_height: setup.flank.layer_depth + setup.flank.scallop_height,
+            max_tilt_rad: MAX_TILT,
         };
         Self {
             part: finished.part,
@@ -98,34 +98,34 @@ impl<'a> PassMaker<'a> {
     }
 
     /// What the cutter or the holder collides with at a position; `None` if it is free.
-    pub fn in_the_way(&self, tip: Point, axis: Vector) -> Option<Obstacle> {
-        self.search.meets(tip, axis)
+    pub fn find_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
+        self.search.find_obstacle(tip, axis)
     }
 
     /// Passes of one layer. `surface` is the layer offset by the corner radius, on which the tool rests.
     pub fn layer(
         &self,
         number: usize,
-        found: &LayerCurves,
-        chart: &Chart,
+        found: &LayerLayout,
+        chart: &LayerChart,
         surface: &DepthSurface,
-    ) -> LayerAxes {
+    ) -> PlannedLayer {
         let layer = &found.layer;
-        let milled = self.walls.iter().map(|wall| Milled::on(self, (number, layer), wall)).collect();
-        let on = OnLayer { maker: self, layer, found, number, chart, surface, milled };
-        let mut made = LayerAxes { passes: Vec::new(), axes: Vec::new(), left_out: Vec::new() };
+        let milled = self.walls.iter().map(|wall| WallPositions::on(self, (number, layer), wall)).collect();
+        let on = LayerPassMaker { maker: self, layer, found, number, chart, surface, milled };
+        let mut made = PlannedLayer { passes: Vec::new(), axes: Vec::new(), uncut: Vec::new() };
         let mut inner: Vec<(Region, Vec<LayerPoint>)> = Vec::new();
-        for curve in &found.curves {
-            for Stretch { role, region, points } in stretches(chart, curve) {
+        for curve in &found.pass_curves {
+            for CurvePiece { role, region, points } in split_by_region(chart, curve) {
                 match role {
-                    Role::Inner => inner.push((region, points)),
-                    Role::Wall(wall) => on.along_wall(wall, region, &points, &mut made),
+                    PassRole::Inner => inner.push((region, points)),
+                    PassRole::Wall(wall) => on.along_wall(wall, region, &points, &mut made),
                 }
             }
         }
         for region in [Region::Inlet, Region::LowSide, Region::HighSide] {
             let lines = inner.iter().filter(|(r, _)| *r == region).map(|(_, points)| points.clone());
-            on.inner(region, lines.collect(), &mut made);
+            on.make_inner_passes(region, lines.collect(), &mut made);
         }
         made
     }
@@ -133,25 +133,25 @@ impl<'a> PassMaker<'a> {
 
 /// Whether a layer point is beyond `layer`, at the inlet, the rim, or above the shroud, by at least half of
 /// `extension` (mm).
-pub(super) fn is_open(layer: &Layer, p: LayerPoint, extension: f64) -> bool {
+pub(super) fn is_open(layer: &LayerSurface, p: LayerPoint, extension: f64) -> bool {
     p.x <= layer.from - 0.5 * extension || p.x >= layer.to + 0.5 * extension
 }
 
 /// Inputs to make the passes of one layer.
-struct OnLayer<'a> {
+struct LayerPassMaker<'a> {
     maker: &'a PassMaker<'a>,
-    layer: &'a Layer,
-    found: &'a LayerCurves,
+    layer: &'a LayerSurface,
+    found: &'a LayerLayout,
     number: usize,
-    chart: &'a Chart<'a>,
+    chart: &'a LayerChart<'a>,
     surface: &'a DepthSurface<'a>,
-    milled: Vec<Milled>,
+    milled: Vec<WallPositions>,
 }
 
-impl OnLayer<'_> {
+impl LayerPassMaker<'_> {
     /// Whether a layer point is beyond the part, at the inlet, the rim, or above the shroud.
     fn is_open(&self, p: LayerPoint) -> bool {
-        is_open(self.layer, p, self.maker.setup.flank.extension_of(self.maker.tool))
+        is_open(self.layer, p, self.maker.setup.flank.lead_in_out_for(self.maker.tool))
     }
 
     fn contact(&self, p: LayerPoint) -> Contact {
@@ -160,13 +160,13 @@ impl OnLayer<'_> {
     }
 
     /// Records a length of passes (mm) as not cut.
-    fn leave_out(&self, made: &mut LayerAxes, region: Region, length: f64, why: &'static str) {
+    fn record_uncut(&self, made: &mut PlannedLayer, region: Region, length: f64, why: &'static str) {
         if length <= 0.0 {
             return;
         }
-        match made.left_out.iter_mut().find(|l| l.region == region && l.why == why) {
+        match made.uncut.iter_mut().find(|l| l.region == region && l.why == why) {
             Some(known) => known.length += length,
-            None => made.left_out.push(LeftOut { layer: self.number, region, length, why }),
+            None => made.uncut.push(UncutLength { layer: self.number, region, length, why }),
         }
     }
 
@@ -174,12 +174,12 @@ impl OnLayer<'_> {
     /// the axis turns far from one to the next.
     fn push_passes(
         &self,
-        (role, region, group): (Role, Region, usize),
-        placed: &[Placed],
-        made: &mut LayerAxes,
+        (role, region, group): (PassRole, Region, usize),
+        placed: &[LayerPose],
+        made: &mut PlannedLayer,
     ) {
         let corner = self.maker.tool.corner_radius;
-        for run in placed.chunk_by(|a, b| a.axis.angle(&b.axis) <= JUMP) {
+        for run in placed.chunk_by(|a, b| a.axis.angle(&b.axis) <= MAX_PASS_TURN) {
             let [first, .., last] = run else { continue };
             let mut positions = vec![(first.tip, first.axis)];
             for pair in run.windows(2) {
@@ -195,13 +195,13 @@ impl OnLayer<'_> {
     }
 
     /// The line with points added so that the straight moves between them stay within [`CHORD`] of the layer.
-    fn dense(&self, line: &[LayerPoint]) -> Vec<LayerPoint> {
+    fn densify(&self, line: &[LayerPoint]) -> Vec<LayerPoint> {
         let mut points = vec![line[0]];
         for w in line.windows(2) {
             let middle = w[0].lerp(w[1], 0.5);
-            let bend = self.layer.sharpest_bend(middle.x);
+            let bend = self.layer.max_curvature(middle.x);
             let step = (8.0 * CHORD / bend.max(1e-9)).sqrt().clamp(STEPS[0], STEPS[1]);
-            let count = (self.layer.step(w[0], w[1]) / step).ceil().max(1.0) as usize;
+            let count = (self.layer.segment_length(w[0], w[1]) / step).ceil().max(1.0) as usize;
             points.extend((1..=count).map(|k| w[0].lerp(w[1], k as f64 / count as f64)));
         }
         points

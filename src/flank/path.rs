@@ -9,14 +9,14 @@
 
 use super::chart::Region;
 use super::engagement::CutPasses;
-use super::layer::{Layer, LayerPoint};
-use super::schemes::Role;
+use super::layer::{LayerPoint, LayerSurface};
+use super::schemes::PassRole;
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Blank, FlankFeeds, Tool};
-use crate::plunge::choice::estimate::RAPID_FEED;
-use crate::plunge::flight::Flight;
-use crate::plunge::retract::{NearBottom, RetractSurface, bottom_clearance, pulled_clear};
+use crate::part::{Blank, FlankFeedRates, Tool};
+use crate::plunge::choice::estimate::RAPID_MM_PER_MIN;
+use crate::plunge::flight::LinkMove;
+use crate::plunge::retract::{NearBottom, RetractSurface, bottom_clearance, retract_clear};
 
 /// Kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -42,20 +42,20 @@ pub struct FlankMove {
     /// Unit axis, tip → holder.
     pub axis: Vector,
     /// Feed rate, mm/min; for a rapid the speed that the time estimate assumes.
-    pub feed: f64,
+    pub feed_mm_per_min: f64,
     /// Its layer, 0 at the hub.
     pub layer: usize,
     /// Its region.
     pub region: Region,
     /// Whether it belongs to a pass along a wall.
-    pub wall: bool,
+    pub along_wall: bool,
 }
 
 /// One continuous cut: a whole pass curve, or a piece of it with one fixed axis.
 #[derive(Clone, Debug)]
 pub struct Pass {
     /// Purpose of the pass.
-    pub role: Role,
+    pub role: PassRole,
     /// Its region.
     pub region: Region,
     /// Index of the fixed axis within the region; passes along walls come last.
@@ -72,7 +72,7 @@ pub struct Pass {
 
 /// The pass that a move of a program belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Origin {
+pub struct MoveOrigin {
     /// Index of the layer in cutting order.
     pub layer: usize,
     /// Index of the pass on that layer: the one that the move follows or leads to, or that a retract leaves.
@@ -89,7 +89,7 @@ pub struct Program {
     /// The moves.
     pub moves: Vec<FlankMove>,
     /// One origin per move.
-    pub origins: Vec<Origin>,
+    pub origins: Vec<MoveOrigin>,
 }
 
 /// Ramp angle along a pass, rad.
@@ -97,24 +97,24 @@ const RAMP: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Maximum length of the piece of a pass over which a ramp goes to and fro, mm.
 const RAMP_LENGTH: f64 = 25.0;
 /// Maximum turn of the axis on a link, rad.
-const MOST_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
+const MAX_LINK_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Spacing of positions along a link, mm.
 const LINK_STEP: f64 = 0.5;
 /// Maximum turn of the axis between them, rad: the far end of a long tool then swings by half a millimetre.
 const LINK_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// Maximum number of iterations that raise the ends of a rapid until it is clear.
-const MAX_ROUNDS: usize = 30;
+const MAX_RAISE_ITERATIONS: usize = 30;
 
 /// Added to the safety distance of rapids, mm: where the tool bottom is near the blank at two points, the
 /// nearer one may swap between two samples.
-const FLIGHT_MARGIN: f64 = 0.05;
+const RAPID_MARGIN: f64 = 0.05;
 
 /// Inputs of the program.
 pub struct PathMaker<'a> {
     /// The tool.
     pub tool: &'a Tool,
     /// Feed rates by engagement.
-    pub feeds: FlankFeeds,
+    pub feeds: FlankFeedRates,
     /// The blank, which rapids clear.
     pub blank: &'a Blank,
     /// Clearance of the tool above the blank before a rapid, mm.
@@ -124,22 +124,22 @@ pub struct PathMaker<'a> {
 }
 
 /// Whether cutter and holder are free of collision, for a layer point and the tip and axis of a tool there.
-pub type Fits<'a> = dyn Fn(LayerPoint, Point, Vector) -> bool + Sync + 'a;
+pub type CollisionCheck<'a> = dyn Fn(LayerPoint, Point, Vector) -> bool + Sync + 'a;
 
 /// The passes of a layer, and the layer.
 pub struct LayerPasses<'a> {
     /// Number of the layer, 0 at the hub.
     pub number: usize,
     /// The surface.
-    pub layer: &'a Layer,
+    pub layer: &'a LayerSurface,
     /// Stepover, mm.
-    pub interval: f64,
+    pub stepover: f64,
     /// Corner radius of the tool, mm.
     pub corner_radius: f64,
     /// The passes, in any order.
     pub passes: Vec<Pass>,
     /// Collision check for links.
-    pub fits: Box<Fits<'a>>,
+    pub fits: Box<CollisionCheck<'a>>,
 }
 
 impl PathMaker<'_> {
@@ -149,31 +149,31 @@ impl PathMaker<'_> {
     /// When the monitor is cancelled.
     pub fn program(&self, layers: &[LayerPasses], monitor: &Monitor) -> Result<Program, Cancelled> {
         let top = RetractSurface::new(self.blank, self.safety_distance + self.tool.corner_radius);
-        let mut writer = Writer {
+        let mut writer = ProgramWriter {
             maker: self,
             top,
             moves: Vec::new(),
             origins: Vec::new(),
             at: None,
-            flights: Vec::new(),
+            rapids: Vec::new(),
         };
         for (index, layer) in layers.iter().enumerate() {
             let mut rest: Vec<(usize, &Pass)> = layer.passes.iter().enumerate().collect();
             // Regions from the inlet on; in each the inner passes by axis, then the walls, side by side.
             rest.sort_by(|(_, a), (_, b)| {
-                let key = |p: &Pass| (p.region as usize, matches!(p.role, Role::Wall(_)), p.group);
+                let key = |p: &Pass| (p.region as usize, matches!(p.role, PassRole::Wall(_)), p.group);
                 let side = |p: &Pass| p.ends[0].y + p.ends[1].y;
                 key(a).cmp(&key(b)).then(side(a).total_cmp(&side(b)))
             });
-            let mut cut = CutPasses::new(self.tool, layer.interval);
+            let mut cut = CutPasses::new(self.tool, layer.stepover);
             for (number, pass) in rest {
                 monitor.check()?;
-                writer.cut(layer, pass, (index, number), self.feed_of(pass, &cut));
+                writer.write_pass(layer, pass, (index, number), self.feed_of(pass, &cut));
                 cut.add(&pass.positions);
             }
         }
-        writer.leave();
-        writer.raise_flights(monitor)?;
+        writer.retract();
+        writer.raise_rapids(monitor)?;
         Ok(Program { moves: writer.moves, origins: writer.origins })
     }
 
@@ -182,34 +182,34 @@ impl PathMaker<'_> {
         let feeds = &self.feeds;
         let slots = cut.are_far_from(&pass.positions);
         match pass.role {
-            Role::Wall(_) if slots => feeds.wall.min(feeds.slot),
-            Role::Wall(_) => feeds.wall,
-            Role::Inner if slots => feeds.slot,
-            Role::Inner => feeds.step,
+            PassRole::Wall(_) if slots => feeds.wall_mm_per_min.min(feeds.slot_mm_per_min),
+            PassRole::Wall(_) => feeds.wall_mm_per_min,
+            PassRole::Inner if slots => feeds.slot_mm_per_min,
+            PassRole::Inner => feeds.step_mm_per_min,
         }
     }
 }
 
-struct Writer<'a> {
+struct ProgramWriter<'a> {
     maker: &'a PathMaker<'a>,
     top: RetractSurface<'a>,
     moves: Vec<FlankMove>,
     /// One per move.
-    origins: Vec<Origin>,
+    origins: Vec<MoveOrigin>,
     /// Layer number and layer point of the tool after a pass.
     at: Option<(usize, LayerPoint)>,
     /// Indices of the rapids from above the end of a pass to above the start of the next.
-    flights: Vec<usize>,
+    rapids: Vec<usize>,
 }
 
-impl Writer<'_> {
-    fn push(&mut self, step: FlankMove, origin: Origin) {
+impl ProgramWriter<'_> {
+    fn push(&mut self, step: FlankMove, origin: MoveOrigin) {
         self.moves.push(step);
         self.origins.push(origin);
     }
 
     /// Writes `pass`, given the indices of its layer and of itself.
-    fn cut(&mut self, layer: &LayerPasses, pass: &Pass, (index, number): (usize, usize), feed: f64) {
+    fn write_pass(&mut self, layer: &LayerPasses, pass: &Pass, (index, number): (usize, usize), feed: f64) {
         // Start where the tool is, otherwise at an end beyond the part.
         let open_end = usize::from(!pass.open[0] && pass.open[1]);
         let link = if pass.linked { self.link(layer, pass, open_end, feed) } else { None };
@@ -222,38 +222,41 @@ impl Writer<'_> {
             kind,
             tip,
             axis,
-            feed: if kind == MoveKind::Rapid { RAPID_FEED } else { feed },
+            feed_mm_per_min: if kind == MoveKind::Rapid { RAPID_MM_PER_MIN } else { feed },
             layer: layer.number,
             region: pass.region,
-            wall: matches!(pass.role, Role::Wall(_)),
+            along_wall: matches!(pass.role, PassRole::Wall(_)),
         };
         let in_pass = |k: usize| if reversed { count - 1 - k } else { k };
-        let origin = |k: usize| Origin { layer: index, pass: number, to: in_pass(k), from: None };
+        let origin = |k: usize| MoveOrigin { layer: index, pass: number, to: in_pass(k), from: None };
         match link {
             Some((way, _)) => {
                 way.into_iter().for_each(|p| self.push(about(MoveKind::Link, p), origin(0)));
             }
             None => {
-                self.leave();
+                self.retract();
                 let (tip, axis) = positions[0];
                 let open = pass.open[first];
                 let ramp = if open { Vec::new() } else { self.ramp(&positions) };
                 let lowest = ramp.first().map_or((tip, axis), |(p, _)| *p);
                 let above = about(MoveKind::Rapid, (self.above(lowest), axis));
                 if !self.moves.is_empty() {
-                    self.flights.push(self.moves.len());
+                    self.rapids.push(self.moves.len());
                     self.push(above, origin(0));
                 }
                 self.push(above, origin(0));
-                let ramp_feed = self.maker.feeds.ramp;
+                let ramp_feed = self.maker.feeds.ramp_mm_per_min;
                 for (p, k) in ramp {
-                    self.push(FlankMove { feed: ramp_feed, ..about(MoveKind::Approach, p) }, origin(k));
+                    self.push(
+                        FlankMove { feed_mm_per_min: ramp_feed, ..about(MoveKind::Approach, p) },
+                        origin(k),
+                    );
                 }
                 self.push(about(MoveKind::Approach, positions[0]), origin(0));
             }
         }
         for (k, &p) in positions.iter().enumerate().skip(1) {
-            self.push(about(MoveKind::Cut, p), Origin { from: Some(in_pass(k - 1)), ..origin(k) });
+            self.push(about(MoveKind::Cut, p), MoveOrigin { from: Some(in_pass(k - 1)), ..origin(k) });
         }
         self.at = Some((layer.number, pass.ends[last]));
     }
@@ -276,20 +279,21 @@ impl Writer<'_> {
             0 => pass.positions[0],
             _ => pass.positions[pass.positions.len() - 1],
         };
-        let flight = self.flight_time((from.tip, from.axis), position(flown_to), pass.open[flown_to], feed);
-        let mut ends = [0, 1].map(|end| (layer.layer.step(at, pass.ends[end]), end));
+        let flight =
+            self.estimate_rapid_time((from.tip, from.axis), position(flown_to), pass.open[flown_to], feed);
+        let mut ends = [0, 1].map(|end| (layer.layer.segment_length(at, pass.ends[end]), end));
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.into_iter().find_map(|(long, end)| {
             let target = position(end);
-            if long / feed > flight || from.axis.angle(&target.1) > MOST_TURN {
+            if long / feed > flight || from.axis.angle(&target.1) > MAX_LINK_TURN {
                 return None;
             }
-            Some((self.way(layer, (at, from), (pass.ends[end], target), long)?, end))
+            Some((self.link_positions(layer, (at, from), (pass.ends[end], target), long)?, end))
         })
     }
 
     /// Positions of a link from one layer point to another; `None` if it is not free.
-    fn way(
+    fn link_positions(
         &self,
         layer: &LayerPasses,
         (at, from): (LayerPoint, &FlankMove),
@@ -317,11 +321,12 @@ impl Writer<'_> {
     }
 
     /// Estimated time to retract, move in rapid and approach a position, min.
-    fn flight_time(&self, from: (Point, Vector), to: (Point, Vector), open: bool, feed: f64) -> f64 {
+    fn estimate_rapid_time(&self, from: (Point, Vector), to: (Point, Vector), open: bool, feed: f64) -> f64 {
         let (up, down) = (self.above(from), self.above(to));
         let flown = (up - from.0).norm() + (down - up).norm();
-        let ramp = if open { 0.0 } else { self.maker.layer_depth / RAMP.tan() / self.maker.feeds.ramp };
-        flown / RAPID_FEED + (down - to.0).norm() / feed + ramp
+        let ramp =
+            if open { 0.0 } else { self.maker.layer_depth / RAMP.tan() / self.maker.feeds.ramp_mm_per_min };
+        flown / RAPID_MM_PER_MIN + (down - to.0).norm() / feed + ramp
     }
 
     /// Ramp down to and fro along the first piece of a pass, from the height of the layer above: positions,
@@ -361,12 +366,15 @@ impl Writer<'_> {
     }
 
     /// Retracts along the axis until the bottom of the tool is clear of the blank.
-    fn leave(&mut self) {
+    fn retract(&mut self) {
         let Some(&last) = self.moves.last() else { return };
         if last.kind != MoveKind::Rapid {
             let tip = self.above((last.tip, last.axis));
             if let Some(&origin) = self.origins.last() {
-                self.push(FlankMove { kind: MoveKind::Rapid, tip, feed: RAPID_FEED, ..last }, origin);
+                self.push(
+                    FlankMove { kind: MoveKind::Rapid, tip, feed_mm_per_min: RAPID_MM_PER_MIN, ..last },
+                    origin,
+                );
             }
         }
         self.at = None;
@@ -376,20 +384,20 @@ impl Writer<'_> {
         let tool = self.maker.tool;
         let above = tip + axis * (self.top.height(&tip, &axis, tool.radius() - tool.corner_radius) + 1e-6);
         let (cutter, blank) = (tool.placed(above, axis), self.maker.blank);
-        pulled_clear(&cutter, bottom_clearance(&cutter, blank), blank, self.maker.safety_distance).0
+        retract_clear(&cutter, bottom_clearance(&cutter, blank), blank, self.maker.safety_distance).0
     }
 
     /// Raises both ends of every rapid until the bottom of the tool stays clear of the blank all along.
     ///
     /// # Errors
     /// When the monitor is cancelled.
-    fn raise_flights(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
-        let flights = std::mem::take(&mut self.flights);
-        for round in 0..MAX_ROUNDS {
+    fn raise_rapids(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
+        let flights = std::mem::take(&mut self.rapids);
+        for round in 0..MAX_RAISE_ITERATIONS {
             let mut clear = true;
             for &k in &flights {
                 monitor.check()?;
-                let short = self.lacking(k);
+                let short = self.missing_clearance(k);
                 if short > 0.0 {
                     clear = false;
                     let lift = (1.0 + 0.3 * round as f64) * short + 0.25 * self.maker.safety_distance + 1e-3;
@@ -416,12 +424,12 @@ impl Writer<'_> {
 
     /// Missing clearance of the tool bottom above the blank on the rapid to move `k`, mm; not positive where
     /// it is clear.
-    fn lacking(&self, k: usize) -> f64 {
+    fn missing_clearance(&self, k: usize) -> f64 {
         let PathMaker { tool, blank, .. } = *self.maker;
         let [from, to] = [k - 1, k].map(|k| (self.moves[k].tip, self.moves[k].axis));
         let [start, end] = [from, to].map(|(tip, axis)| NearBottom::of(&tool.placed(tip, axis), blank));
-        let wanted = self.maker.safety_distance + FLIGHT_MARGIN;
-        let between = Flight { tool, blank, from, to }.clearance([&start, &end], wanted);
+        let wanted = self.maker.safety_distance + RAPID_MARGIN;
+        let between = LinkMove { tool, blank, from, to }.clearance([&start, &end], wanted);
         wanted - between.min(start.clearance).min(end.clearance)
     }
 }
@@ -455,7 +463,7 @@ impl Times {
                 MoveKind::Rapid => (&mut times.rapid_length, &mut times.rapid_time),
             };
             *lengths += length;
-            *time += 60.0 * length / pair[1].feed;
+            *time += 60.0 * length / pair[1].feed_mm_per_min;
         }
         times
     }

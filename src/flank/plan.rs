@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::chart::{Chart, Region};
-use super::checked::{Check, Checked, MoveFault, checked};
+use super::chart::{LayerChart, Region};
+use super::checked::{CheckedProgram, MoveCheck, MoveFault, remove_faults};
 use super::choice::ChosenTool;
-use super::curves::{CurveSource, FlankCurves, FlankError};
-use super::passes::{LayerAxes, LeftOut, PassMaker};
+use super::curves::{FlankError, FlankLayout, LayoutInputs};
+use super::passes::{PassMaker, PlannedLayer, UncutLength};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::wall::{SweptWall, WallAxes, WallFit, WallMilling};
 use crate::geometry::{MeridionalCurve, Vector};
 use crate::monitor::Monitor;
-use crate::part::{Blank, Channel, FlankFeeds, FlankScheme, Impeller, Setup, Tool};
+use crate::part::{Blank, Channel, FlankFeedRates, FlankStrategy, Impeller, Setup, Tool};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
 
@@ -23,7 +23,7 @@ use super::chart::WallName;
 /// the smallest.
 const WALL_TOLERANCES: [f64; 3] = [5e-4, 0.0025, 0.0045];
 /// Undercut that counts as small, mm.
-const MOST_UNDERCUT: f64 = 0.005;
+const MAX_SMALL_UNDERCUT: f64 = 0.005;
 /// Maximum distance between positions along a wall, mm, and maximum chord error of the straight moves between
 /// them, mm.
 const WALL_STEP: f64 = 4.0;
@@ -65,19 +65,19 @@ pub struct FlankPlan {
     /// Why it was chosen; `None` where the setup names it.
     pub reason: Option<String>,
     /// The layers with their curves, and the comparison of strategies.
-    pub curves: Arc<FlankCurves>,
+    pub layout: Arc<FlankLayout>,
     /// The walls with their fitted axes.
     pub walls: Arc<Vec<MilledWall>>,
     /// Fixed axes by layer and region.
     pub axes: Vec<RegionAxis>,
     /// Lengths of passes that no axis reaches.
-    pub left_out: Vec<LeftOut>,
+    pub uncut: Vec<UncutLength>,
     /// The program.
     pub moves: Vec<FlankMove>,
     /// Faults that remain in the program.
     pub faults: Vec<MoveFault>,
     /// Feed rates by engagement.
-    pub feeds: FlankFeeds,
+    pub feeds: FlankFeedRates,
     /// Lengths and times.
     pub times: Times,
 }
@@ -107,31 +107,36 @@ impl FlankPlan {
 /// Stages of the last plan with their inputs, reused while these have not changed.
 #[derive(Debug, Default)]
 pub struct FlankStages {
-    curves: Option<(Setup, Tool, Arc<FlankCurves>)>,
+    curves: Option<(Setup, Tool, Arc<FlankLayout>)>,
     walls: Option<(WallInputs, Tool, Arc<Vec<MilledWall>>)>,
 }
 
 /// The setup reduced to what the curves depend on; changes of the rest do not make them stale.
 fn curve_inputs(setup: &Setup) -> Setup {
     let mut flank = setup.flank.clone();
-    (flank.feed, flank.slot_feed, flank.wall_feed, flank.ramp_feed) = (None, None, None, None);
+    (
+        flank.feed_mm_per_min,
+        flank.slot_feed_mm_per_min,
+        flank.wall_feed_mm_per_min,
+        flank.ramp_feed_mm_per_min,
+    ) = (None, None, None, None);
     flank.tool = None;
-    let mut stock = setup.stock.clone();
+    let mut stock = setup.allowances.clone();
     stock.safety_distance = 0.0;
-    Setup { stock, flank, ..Setup::default() }
+    Setup { allowances: stock, flank, ..Setup::default() }
 }
 
 /// Cache key of the axes along the walls: reduced setup and heights of the layers, mm.
 type WallInputs = (Setup, Vec<f64>);
 
 /// The setup reduced to what the axes along the walls depend on, and the heights of the layers, mm.
-fn wall_inputs(setup: &Setup, curves: &FlankCurves) -> WallInputs {
+fn wall_inputs(setup: &Setup, curves: &FlankLayout) -> WallInputs {
     let mut inputs = curve_inputs(setup);
-    let (extension, scheme) = (inputs.flank.extension, inputs.flank.scheme);
+    let (extension, scheme) = (inputs.flank.lead_in_out, inputs.flank.strategy);
     inputs.flank = Setup::default().flank;
-    inputs.flank.extension = extension;
-    if scheme == FlankScheme::Isoparametric {
-        inputs.flank.scheme = scheme;
+    inputs.flank.lead_in_out = extension;
+    if scheme == FlankStrategy::Isoparametric {
+        inputs.flank.strategy = scheme;
     }
     (inputs, curves.layers.iter().map(|l| l.layer.height).collect())
 }
@@ -148,11 +153,11 @@ pub fn plan(
     setup: &Setup,
     chosen: &ChosenTool,
     stages: &mut FlankStages,
-    check: &mut Check,
+    check: &mut MoveCheck,
     monitor: &Monitor,
 ) -> Result<FlankPlan, FlankError> {
     let tool = &chosen.tool;
-    let source = CurveSource { part, channel, setup, tool };
+    let source = LayoutInputs { part, channel, setup, tool };
     let known_curves = stages.curves.take().filter(|(s, t, _)| *s == curve_inputs(setup) && t == tool);
     let curves = match known_curves {
         Some((_, _, curves)) => curves,
@@ -161,7 +166,8 @@ pub fn plan(
     stages.curves = Some((curve_inputs(setup), tool.clone(), curves.clone()));
     monitor.report(0.2);
     let finished = FinishedPart::new(part, &channel.sides);
-    let grounds = curves.layers.par_iter().map(|l| l.layer.run_on(ground_beyond(setup, tool), GROUND_STEP));
+    let grounds =
+        curves.layers.par_iter().map(|l| l.layer.extended_meridian(ground_beyond(setup, tool), GROUND_STEP));
     let grounds: Vec<MeridionalCurve> = grounds.collect();
     let surfaces: Vec<DepthSurface> =
         grounds.par_iter().map(|ground| DepthSurface::new(ground, tool.corner_radius)).collect();
@@ -169,61 +175,62 @@ pub fn plan(
     let known_walls = stages.walls.take().filter(|(known, t, _)| *known == inputs && t == tool);
     let walls = match known_walls {
         Some((_, _, walls)) => walls,
-        None => Arc::new(milled_walls(&finished, channel, setup, tool, &surfaces, monitor)),
+        None => Arc::new(fit_walls(&finished, channel, setup, tool, &surfaces, monitor)),
     };
     monitor.check()?;
     stages.walls = Some((inputs, tool.clone(), walls.clone()));
     monitor.report(0.3);
 
-    let blank = Blank::of(part, setup.stock.inlet_extension);
+    let blank = Blank::of(part, setup.allowances.inlet_extension);
     let maker = PassMaker::new(&finished, channel, &blank, setup, tool, &walls);
-    let clear = tool.radius() + setup.stock.blade_allowance;
-    let beyond = setup.flank.extension_of(tool) + LINK_SPACING;
-    let made: Vec<(Chart, LayerAxes)> = curves
+    let clear = tool.radius() + setup.allowances.blade_allowance;
+    let beyond = setup.flank.lead_in_out_for(tool) + LINK_SPACING;
+    let made: Vec<(LayerChart, PlannedLayer)> = curves
         .layers
         .par_iter()
         .enumerate()
         .with_max_len(1)
         .map(|(number, l)| {
             monitor.check()?;
-            let chart = Chart::new(&l.layer, &l.borders, clear, l.interval, LINK_SPACING, beyond);
+            let chart = LayerChart::new(&l.layer, &l.borders, clear, l.stepover, LINK_SPACING, beyond);
             let made = maker.layer(number, l, &chart, &surfaces[number]);
             Ok((chart, made))
         })
         .collect::<Result<_, FlankError>>()?;
     monitor.report(0.8);
-    let (charts, made): (Vec<Chart>, Vec<LayerAxes>) = made.into_iter().unzip();
+    let (charts, made): (Vec<LayerChart>, Vec<PlannedLayer>) = made.into_iter().unzip();
 
     let mut axes = Vec::new();
     let mut left_out = Vec::new();
     let mut layers: Vec<LayerPasses> = Vec::with_capacity(made.len());
     for (made, (found, chart)) in made.into_iter().zip(curves.layers.iter().zip(&charts)) {
         axes.extend(made.axes);
-        left_out.extend(made.left_out);
+        left_out.extend(made.uncut);
         layers.push(LayerPasses {
             number: layers.len(),
             layer: &found.layer,
-            interval: found.interval,
+            stepover: found.stepover,
             corner_radius: tool.corner_radius,
             passes: made.passes,
             fits: Box::new(|p, tip, axis| {
-                chart.freedom(p) >= -LINK_SLACK && maker.in_the_way(tip, axis).is_none()
+                chart.wall_margin(p) >= -LINK_SLACK && maker.find_obstacle(tip, axis).is_none()
             }),
         });
     }
     // Cutting order is from the top down.
     layers.reverse();
-    let feeds = setup.flank.feeds_of(tool);
+    let feeds = setup.flank.feed_rates_for(tool);
     let path = PathMaker {
         tool,
         feeds,
         blank: &blank,
-        safety_distance: setup.stock.safety_distance,
+        safety_distance: setup.allowances.safety_distance,
         layer_depth: setup.flank.layer_depth,
     };
     monitor.report(0.85);
-    let extension = setup.flank.extension_of(tool);
-    let Checked { moves, left_out: more, faults } = checked(&path, &mut layers, extension, check, monitor)?;
+    let extension = setup.flank.lead_in_out_for(tool);
+    let CheckedProgram { moves, left_out: more, faults } =
+        remove_faults(&path, &mut layers, extension, check, monitor)?;
     left_out.extend(more);
     left_out.sort_by_key(|left| left.layer);
     monitor.report(1.0);
@@ -233,10 +240,10 @@ pub fn plan(
     Ok(FlankPlan {
         tool: tool.clone(),
         reason: chosen.reason.clone(),
-        curves,
+        layout: curves,
         walls,
         axes,
-        left_out,
+        uncut: left_out,
         moves,
         faults,
         feeds,
@@ -254,11 +261,11 @@ const GROUND_STEP: f64 = 0.5;
 
 /// Length by which the surface that the tool rests on extends beyond a layer, mm.
 fn ground_beyond(setup: &Setup, tool: &Tool) -> f64 {
-    setup.flank.extension_of(tool) + 4.0 * tool.radius()
+    setup.flank.lead_in_out_for(tool) + 4.0 * tool.radius()
 }
 
 /// All walls of the channel with axes fitted to them.
-fn milled_walls(
+fn fit_walls(
     finished: &FinishedPart,
     channel: &Channel,
     setup: &Setup,
@@ -268,9 +275,9 @@ fn milled_walls(
 ) -> Vec<MilledWall> {
     let milling = WallMilling {
         tool,
-        blade_allowance: setup.stock.blade_allowance,
-        hub_allowance: setup.stock.hub_allowance,
-        extension: setup.flank.extension_of(tool).max(1e-3),
+        blade_allowance: setup.allowances.blade_allowance,
+        hub_allowance: setup.allowances.hub_allowance,
+        extension: setup.flank.lead_in_out_for(tool).max(1e-3),
         step: WALL_STEP,
         chord_error: WALL_CHORD,
     };
@@ -287,11 +294,11 @@ fn milled_walls(
         .filter(|_| !monitor.is_cancelled())
         .filter_map(|(wall, region, passage, number)| {
             let fit = WallFit::new(finished, passage, number, &milling, layers)?;
-            let least = fit.swept(WALL_TOLERANCES[0]);
-            let is_small = |swept: &SweptWall| swept.map.max_undercut() <= MOST_UNDERCUT;
+            let least = fit.sweep(WALL_TOLERANCES[0]);
+            let is_small = |swept: &SweptWall| swept.map.max_undercut() <= MAX_SMALL_UNDERCUT;
             let others = || {
                 let mut more = WALL_TOLERANCES[1..].iter().take_while(|_| !monitor.is_cancelled());
-                more.find_map(|&tolerance| Some(fit.swept(tolerance)).filter(is_small))
+                more.find_map(|&tolerance| Some(fit.sweep(tolerance)).filter(is_small))
             };
             let swept = if is_small(&least) { least } else { others().unwrap_or(least) };
             Some(MilledWall { wall, region, axes: fit.axes(swept) })

@@ -16,11 +16,11 @@ use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::part::{Passage, SideProbe, Tool};
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::slotting::DepthSurface;
-use fit::{Face, Fitted, Line};
-use places::{evenly, station_places};
-use strip::Strip;
+use fit::{AxisLine, FittedAxis, OffsetSide};
+use places::{evenly, station_parameters};
+use strip::WallStrip;
 pub use swept::DeviationMap;
-use swept::{Column, deviations, push_off};
+use swept::{MapColumn, deviations, push_off};
 
 /// Parameters of the milling of a wall. All lengths in mm.
 #[derive(Clone, Debug)]
@@ -42,8 +42,8 @@ pub struct WallMilling<'a> {
 
 /// The blade side that a position is too near to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Obstacle {
-    /// Index of the blade side in [`Channel::sides`].
+pub struct BladeObstacle {
+    /// Index of the blade side in [`crate::part::Channel::sides`].
     pub side: usize,
     /// u of the nearest point on it, LE 0 to TE 1.
     pub u: f64,
@@ -70,7 +70,7 @@ pub struct WallStation {
     /// layer forms, not cutting the wall above by more. Twist and bow force it.
     pub forced: f64,
     /// What the cutter is too near to: another wall, or a nose.
-    pub blocked: Option<Obstacle>,
+    pub blocked: Option<BladeObstacle>,
 }
 
 /// The tool positions along a wall, from before its leading edge to beyond its end, and the deviation they
@@ -91,40 +91,40 @@ pub struct WallAxes {
 }
 
 /// Share of the height of a wall above which no strip begins: it would be too narrow to define a direction.
-const MOST_UNFORMED: f64 = 0.9;
+const MAX_UNFORMED: f64 = 0.9;
 /// Rows of a map per strip, where a wall is highest.
 const ROWS_PER_STRIP: usize = 4;
 /// Maximum angle of an axis along the feed to the plain offset, rad.
-const MOST_TILT: f64 = 10.0 * std::f64::consts::PI / 180.0;
+const MAX_LEAD_ANGLE: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Turn between neighbouring axes that the wall cannot cause, rad: a jump between two local optima.
-const JUMP: f64 = 2.0 * MOST_TURN;
+const JUMP: f64 = 2.0 * MAX_STATION_TURN;
 /// Maximum number of iterations that move positions off the wall where the swept cutter cuts too deep.
 const CORRECTIONS: usize = 8;
 /// Tolerance of distances, mm.
-const SETTLED: f64 = 1e-5;
+const DISTANCE_TOLERANCE: f64 = 1e-5;
 /// Distance kept from the limit, mm.
-const MARGIN: f64 = 3.0 * SETTLED;
+const MARGIN: f64 = 3.0 * DISTANCE_TOLERANCE;
 /// Maximum turn of the axis between stations, rad.
-const MOST_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
+const MAX_STATION_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
 /// A wall with positions fitted to it, before the allowed overcut is chosen.
 pub struct WallFit<'a> {
     finished: &'a FinishedPart<'a>,
     milling: &'a WallMilling<'a>,
-    face: Face<'a>,
+    face: OffsetSide<'a>,
     /// u of the positions.
     places: Vec<f64>,
     /// Surfaces that the tool rests on, hub first.
     layers: &'a [DepthSurface<'a>],
     /// One strip per layer, or one that all layers share.
-    strips: Vec<Strip>,
+    strips: Vec<WallStrip>,
 }
 
 /// Positions along a wall that cut at most a tolerance below the allowance, and the deviation they leave.
 pub struct SweptWall {
     tolerance: f64,
     /// Axes by strips.
-    lines: Vec<Vec<Line>>,
+    lines: Vec<Vec<AxisLine>>,
     /// Swept deviation over the flank.
     pub map: DeviationMap,
 }
@@ -145,18 +145,18 @@ impl<'a> WallFit<'a> {
         let inward = finished.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 };
         let into_passage = Vector::new(-p.y, p.x, 0.0) * inward;
         let sign = if pu.cross(&pv).dot(&into_passage) < 0.0 { -1.0 } else { 1.0 };
-        let face = Face { side, sign, reach: milling.tool.radius() + milling.blade_allowance };
-        let places = station_places(&face, milling)?;
-        let jumps = |pair: &[Fitted]| pair[0].line().axis().angle(&pair[1].line().axis()) > JUMP;
-        let mut whole = Strip::whole(&face, &places, milling);
-        let settled = |fitted: &Vec<Fitted>| !fitted.windows(2).any(jumps);
-        let tilted = Some(whole.fitted_to(&face, &places, None, MOST_TILT)).filter(settled);
+        let face = OffsetSide { side, sign, reach: milling.tool.radius() + milling.blade_allowance };
+        let places = station_parameters(&face, milling)?;
+        let jumps = |pair: &[FittedAxis]| pair[0].line().axis().angle(&pair[1].line().axis()) > JUMP;
+        let mut whole = WallStrip::whole(&face, &places, milling);
+        let settled = |fitted: &Vec<FittedAxis>| !fitted.windows(2).any(jumps);
+        let tilted = Some(whole.fit_axes(&face, &places, None, MAX_LEAD_ANGLE)).filter(settled);
         let strips = match tilted {
             Some(tilted) => {
                 whole.fitted = tilted;
                 let mut strips = whole.by_layer(&face, &places, milling, layers);
                 for strip in &mut strips {
-                    let own = strip.fitted_to(&face, &places, Some(&whole.fitted), MOST_TILT);
+                    let own = strip.fit_axes(&face, &places, Some(&whole.fitted), MAX_LEAD_ANGLE);
                     strip.fitted = if settled(&own) {
                         own
                     } else {
@@ -168,7 +168,7 @@ impl<'a> WallFit<'a> {
             // A strongly bowed wall has several locally best tilts, between which neighbours jump, and the
             // best for its strips turn far from layer to layer: use plain axes, shared by all layers.
             None => {
-                whole.fitted = whole.fitted_to(&face, &places, None, 0.0);
+                whole.fitted = whole.fit_axes(&face, &places, None, 0.0);
                 vec![whole]
             }
         };
@@ -179,8 +179,8 @@ impl<'a> WallFit<'a> {
     /// straight edge from its strip, not cutting the wall above by more.
     pub fn forced(&self) -> f64 {
         let (from, to) = self.flank_range();
-        let on_wall = |(u, _): &(&f64, &Fitted)| (from..=to).contains(*u);
-        let levels = |strip: &Strip| {
+        let on_wall = |(u, _): &(&f64, &FittedAxis)| (from..=to).contains(*u);
+        let levels = |strip: &WallStrip| {
             let here = self.places.iter().zip(&strip.fitted).filter(on_wall);
             here.map(|(_, fitted)| fitted.level).fold(0.0, f64::max)
         };
@@ -194,20 +194,20 @@ impl<'a> WallFit<'a> {
 
     /// The positions moved along the wall's normals, so that the swept cutter cuts at most `tolerance` mm
     /// below the allowance. With a tolerance of 0 the whole forced deviation is left as stock.
-    pub fn swept(&self, tolerance: f64) -> SweptWall {
+    pub fn sweep(&self, tolerance: f64) -> SweptWall {
         let (face, places) = (&self.face, &self.places);
         let columns = self.columns();
         let rows = self.rows();
-        let swept = |strip: &Strip| {
+        let swept = |strip: &WallStrip| {
             let mut lines = strip.moved_off(face, places, tolerance);
-            let judged = |column: &Column, row: usize| strip.is_judged(column, row, &rows);
+            let judged = |column: &MapColumn, row: usize| strip.is_evaluated(column, row, &rows);
             let mut found = deviations(face, &lines, &columns, &rows, judged);
             for _ in 0..CORRECTIONS {
                 let mut spares = vec![0.0; lines.len() - 1];
                 for &(deviation, segment) in found.iter().flatten() {
                     spares[segment] = f64::min(spares[segment], deviation + tolerance - MARGIN);
                 }
-                if spares.iter().all(|&spare| spare > -SETTLED) {
+                if spares.iter().all(|&spare| spare > -DISTANCE_TOLERANCE) {
                     break;
                 }
                 push_off(face, places, &mut lines, &spares);
@@ -231,37 +231,37 @@ impl<'a> WallFit<'a> {
     }
 
     /// Columns of the map: at the stations on the wall, and half way between them.
-    fn columns(&self) -> Vec<Column> {
+    fn columns(&self) -> Vec<MapColumn> {
         let (from, to) = self.flank_range();
-        let on_wall = |column: &Column| (from..=to).contains(&column.u);
+        let on_wall = |column: &MapColumn| (from..=to).contains(&column.u);
         let halves = 0..2 * self.places.len() - 2;
-        halves.map(|k| Column::half(&self.places, k)).filter(on_wall).collect()
+        halves.map(|k| MapColumn::half(&self.places, k)).filter(on_wall).collect()
     }
 
     /// Rows of the map (v): from the lowest that any strip forms up to the tip.
     fn rows(&self) -> Vec<f64> {
         let at_stations = self.columns().into_iter().filter(|column| column.share == 0.0);
         let lows = at_stations.flat_map(|c| self.strips.iter().map(move |strip| strip.low[c.station]));
-        let lowest = lows.fold(MOST_UNFORMED, f64::min);
-        let least = self.strips.iter().map(Strip::judged).max().unwrap_or(2);
+        let lowest = lows.fold(MAX_UNFORMED, f64::min);
+        let least = self.strips.iter().map(WallStrip::evaluated_heights).max().unwrap_or(2);
         evenly(lowest, 1.0, (ROWS_PER_STRIP * self.strips.len() + 1).max(least))
     }
 
     /// The positions with their obstacles.
     pub fn axes(&self, swept: SweptWall) -> WallAxes {
         let by_layer: Vec<_> = (0..self.layers.len()).map(|k| self.stations(k, &swept)).collect();
-        let [max_overcut, max_undercut] = self.extremes(&swept.map, &by_layer);
+        let [max_overcut, max_undercut] = self.max_deviations(&swept.map, &by_layer);
         WallAxes { by_layer, forced: self.forced(), max_overcut, max_undercut, map: swept.map }
     }
 
     /// Maximum overcut and undercut of a map, mm, over the points that some layer cuts: one whose strip holds
     /// the point and whose positions there are free.
-    fn extremes(&self, map: &DeviationMap, by_layer: &[Vec<WallStation>]) -> [f64; 2] {
+    fn max_deviations(&self, map: &DeviationMap, by_layer: &[Vec<WallStation>]) -> [f64; 2] {
         let free = |layer: usize, station: usize| {
             let station = by_layer[layer].get(station);
             station.is_none_or(|s| s.tip.is_some() && s.blocked.is_none())
         };
-        let comes = |column: &Column, v: f64| {
+        let comes = |column: &MapColumn, v: f64| {
             (0..by_layer.len()).any(|layer| {
                 let strip = &self.strips[layer.min(self.strips.len() - 1)];
                 strip.holds(column, v)
@@ -285,7 +285,7 @@ impl<'a> WallFit<'a> {
         let tool = self.milling.tool;
         let strip = layer.min(self.strips.len() - 1);
         let wanted = self.milling.blade_allowance - swept.tolerance;
-        let station = |(k, line): (usize, &Line)| {
+        let station = |(k, line): (usize, &AxisLine)| {
             let axis = line.axis();
             let tip = self.layers[layer].tip(tool, &line.low, &axis);
             let s = self.finished.part.hub.s_at(hub.project(Meridional::of(&line.low)).0);
@@ -306,10 +306,11 @@ impl WallAxes {
 }
 
 /// The nearest of the sides to which `cutter` is nearer than `wanted` (mm).
-fn obstacle(probes: &[SideProbe], cutter: &CutterSolid, wanted: f64) -> Option<Obstacle> {
+fn obstacle(probes: &[SideProbe], cutter: &CutterSolid, wanted: f64) -> Option<BladeObstacle> {
     let near = |(side, probe): (usize, &SideProbe)| {
         let near = probe.nearest_below(cutter, wanted)?;
-        Some(Obstacle { side, u: near.u, v: near.v, distance: near.distance }).filter(|n| n.distance < wanted)
+        Some(BladeObstacle { side, u: near.u, v: near.v, distance: near.distance })
+            .filter(|n| n.distance < wanted)
     };
     probes.iter().enumerate().filter_map(near).min_by(|a, b| a.distance.total_cmp(&b.distance))
 }

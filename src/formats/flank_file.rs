@@ -5,23 +5,23 @@ use serde::{Deserialize, Serialize};
 use super::InputError;
 use super::native::write_native;
 use super::setup_file::write_setup;
-use super::stored::{self, Origin, are_sane, damaged};
+use super::stored::{self, StoredInputs, are_coordinates, damaged};
 use crate::flank::chart::{Region, WallName};
-use crate::flank::schemes::Role;
+use crate::flank::schemes::PassRole;
 use crate::flank::wall::DeviationMap;
 use crate::flank::{FlankMove, FlankPlan, MilledWall, MoveKind};
 use crate::geometry::Point;
-use crate::part::{FlankScheme, Impeller, PartDescription, Setup};
-use crate::plunge::choice::estimate::RAPID_FEED;
+use crate::part::{FlankStrategy, Impeller, PartDescription, Setup};
+use crate::plunge::choice::estimate::RAPID_MM_PER_MIN;
 
 /// Version of the file format; newer files are rejected.
 const VERSION: u32 = 1;
 /// Steps per mm to which positions and points are rounded.
-const DECIMALS: f64 = 1e6;
+const STEPS_PER_MM: f64 = 1e6;
 /// Steps per unit to which axis components are rounded.
-const AXIS_DECIMALS: f64 = 1e9;
+const AXIS_STEPS: f64 = 1e9;
 /// Steps per mm/min to which feed rates are rounded.
-const FEED_DECIMALS: f64 = 1e3;
+const FEED_STEPS: f64 = 1e3;
 
 #[derive(Serialize, Deserialize)]
 struct FlankFile {
@@ -30,7 +30,7 @@ struct FlankFile {
     part: String,
     /// The setup in its file format, with the chosen tool filled in.
     setup: String,
-    scheme: FlankScheme,
+    scheme: FlankStrategy,
     /// Feed rate along passes beside one that is already cut, mm/min.
     feed: f64,
     layers: Vec<LayerFile>,
@@ -85,7 +85,7 @@ type MoveFile = (MoveKind, usize, Region, bool, [f64; 3], [f64; 3]);
 
 /// A pass as it is displayed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ShownCurve {
+pub struct ShownPass {
     /// Layer index, 0 at the hub.
     pub layer: usize,
     /// Region of its middle.
@@ -106,13 +106,13 @@ pub struct StoredFlank {
     /// The setup the plan was made with.
     pub setup: Setup,
     /// Strategy of the passes.
-    pub scheme: FlankScheme,
+    pub scheme: FlankStrategy,
     /// Feed rate along passes beside one that is already cut, mm/min.
-    pub feed: f64,
+    pub feed_mm_per_min: f64,
     /// Number of layers.
     pub layers: usize,
     /// The passes of all layers.
-    pub curves: Vec<ShownCurve>,
+    pub passes: Vec<ShownPass>,
     /// Deviation of the milled walls.
     pub walls: Vec<ShownWall>,
     /// All moves in cutting order.
@@ -120,14 +120,17 @@ pub struct StoredFlank {
 }
 
 /// The passes of a plan as they are displayed.
-pub fn shown_curves(plan: &FlankPlan) -> Vec<ShownCurve> {
-    let layers = plan.curves.layers.iter().enumerate();
+pub fn shown_passes(plan: &FlankPlan) -> Vec<ShownPass> {
+    let layers = plan.layout.layers.iter().enumerate();
     layers
         .flat_map(|(number, layer)| {
-            layer.curves.iter().map(move |curve| ShownCurve {
+            layer.pass_curves.iter().map(move |curve| ShownPass {
                 layer: number,
                 region: curve.region,
-                wall: matches!(curve.role, Role::Wall(WallName::Low | WallName::High | WallName::Splitter)),
+                wall: matches!(
+                    curve.role,
+                    PassRole::Wall(WallName::Low | WallName::High | WallName::Splitter)
+                ),
                 points: curve.points.iter().map(|p| layer.layer.point(*p)).collect(),
             })
         })
@@ -146,17 +149,17 @@ fn rounded(coordinates: [f64; 3], decimals: f64) -> [f64; 3] {
 
 /// Writes a flank plan file (JSON); lengths in mm, feed rates in mm/min, part frame.
 pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPlan) -> String {
-    let curves = shown_curves(plan);
-    let layers = plan.curves.layers.iter().enumerate().map(|(number, layer)| LayerFile {
+    let curves = shown_passes(plan);
+    let layers = plan.layout.layers.iter().enumerate().map(|(number, layer)| LayerFile {
         height: layer.layer.height,
-        interval: layer.interval,
+        interval: layer.stepover,
         curves: curves
             .iter()
             .filter(|curve| curve.layer == number)
             .map(|curve| CurveFile {
                 wall: curve.wall,
                 region: curve.region,
-                points: curve.points.iter().map(|p| rounded(p.coords.into(), DECIMALS)).collect(),
+                points: curve.points.iter().map(|p| rounded(p.coords.into(), STEPS_PER_MM)).collect(),
             })
             .collect(),
     });
@@ -164,14 +167,14 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
         vanecut_flank: VERSION,
         part: write_native(description),
         setup: write_setup(setup),
-        scheme: plan.curves.scheme,
-        feed: plan.feeds.step,
+        scheme: plan.layout.strategy,
+        feed: plan.feeds.step_mm_per_min,
         layers: layers.collect(),
         walls: plan
             .walls
             .iter()
             .map(|w| {
-                let round = |x: &f64| (x * DECIMALS).round() / DECIMALS;
+                let round = |x: &f64| (x * STEPS_PER_MM).round() / STEPS_PER_MM;
                 let map = &w.axes.map;
                 let (u, v) = (map.u.iter().map(round).collect(), map.v.iter().map(round).collect());
                 WallFile {
@@ -188,11 +191,11 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
             .iter()
             .map(|m| {
                 let (tip, axis) =
-                    (rounded(m.tip.coords.into(), DECIMALS), rounded(m.axis.into(), AXIS_DECIMALS));
-                (m.kind, m.layer, m.region, m.wall, tip, axis)
+                    (rounded(m.tip.coords.into(), STEPS_PER_MM), rounded(m.axis.into(), AXIS_STEPS));
+                (m.kind, m.layer, m.region, m.along_wall, tip, axis)
             })
             .collect(),
-        feeds: plan.moves.iter().map(|m| (m.feed * FEED_DECIMALS).round() / FEED_DECIMALS).collect(),
+        feeds: plan.moves.iter().map(|m| (m.feed_mm_per_min * FEED_STEPS).round() / FEED_STEPS).collect(),
     };
     let mut text = serde_json::to_string(&file).unwrap_or_default();
     text.push('\n');
@@ -219,34 +222,42 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
         )
     })?;
     stored::check_version(name, "flank plan file", file.vanecut_flank, VERSION)?;
-    let Origin { description, part, setup } = stored::origin(name, &file.part, &file.setup)?;
+    let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup)?;
     let layers = file.layers.len();
     let mut curves = Vec::new();
     for (layer, found) in file.layers.into_iter().enumerate() {
         for curve in found.curves {
-            if !are_sane(curve.points.iter().flatten()) {
+            if !are_coordinates(curve.points.iter().flatten()) {
                 return Err(damaged(name, format!("a curve of layer {} is damaged", layer + 1)));
             }
             let points = curve.points.into_iter().map(stored::point).collect();
-            curves.push(ShownCurve { layer, region: curve.region, wall: curve.wall, points });
+            curves.push(ShownPass { layer, region: curve.region, wall: curve.wall, points });
         }
     }
     let mut moves = Vec::with_capacity(file.moves.len());
     for (number, (kind, layer, region, wall, tip, axis)) in file.moves.into_iter().enumerate() {
-        let axis = stored::unit_axis(axis).filter(|_| are_sane(&tip) && layer < layers.max(1));
+        let axis = stored::unit_axis(axis).filter(|_| are_coordinates(&tip) && layer < layers.max(1));
         let feed = file.feeds.get(number).copied().unwrap_or(match kind {
-            MoveKind::Rapid => RAPID_FEED,
+            MoveKind::Rapid => RAPID_MM_PER_MIN,
             _ => file.feed,
         });
         let Some(axis) = axis.filter(|_| feed > 0.0 && feed.is_finite()) else {
             return Err(damaged(name, format!("move {} is damaged", number + 1)));
         };
-        moves.push(FlankMove { kind, tip: stored::point(tip), axis, feed, layer, region, wall });
+        moves.push(FlankMove {
+            kind,
+            tip: stored::point(tip),
+            axis,
+            feed_mm_per_min: feed,
+            layer,
+            region,
+            along_wall: wall,
+        });
     }
     let mut walls = Vec::new();
     for wall in file.walls {
         let numbers = wall.u.iter().chain(&wall.v).chain(&wall.deviation);
-        if wall.deviation.len() != wall.u.len() * wall.v.len() || !are_sane(numbers) {
+        if wall.deviation.len() != wall.u.len() * wall.v.len() || !are_coordinates(numbers) {
             return Err(damaged(name, "the deviation of a wall is damaged"));
         }
         let map = DeviationMap { u: wall.u, v: wall.v, deviation: wall.deviation };
@@ -258,9 +269,9 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
         part,
         setup,
         scheme: file.scheme,
-        feed: file.feed,
+        feed_mm_per_min: file.feed,
         layers,
-        curves,
+        passes: curves,
         moves,
     })
 }

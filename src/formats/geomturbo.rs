@@ -37,7 +37,7 @@
 use std::collections::HashMap;
 
 use super::InputError;
-use super::source::{self, JOINT, MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, shown, stem_of};
+use super::source::{self, JOINT, MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, quote_for_message, stem_of};
 use crate::geometry::Point;
 use crate::part::{BladeDescription, CurveDescription, Meridional, PartDescription};
 
@@ -45,21 +45,21 @@ use crate::part::{BladeDescription, CurveDescription, Meridional, PartDescriptio
 pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputError> {
     let source = Source { file };
     let text = source::text(source, bytes)?;
-    let mut lines = Lines { source, rest: text.lines(), line: 0, points: 0 };
-    let mut found = Found::default();
+    let mut lines = StatementReader { source, rest: text.lines(), line: 0, points: 0 };
+    let mut found = GeomTurboContents::default();
     found.file(&mut lines)?;
     found.part(source)
 }
 
 /// The statements of a file.
-struct Lines<'a> {
+struct StatementReader<'a> {
     source: Source<'a>,
     rest: std::str::Lines<'a>,
     line: usize,
     points: usize,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> StatementReader<'a> {
     /// The next line that is neither empty nor a comment.
     fn next(&mut self) -> Option<&'a str> {
         loop {
@@ -86,7 +86,7 @@ impl<'a> Lines<'a> {
         match token.trim_start_matches('+').parse::<usize>() {
             Ok(count) if count <= MAX_POINTS => Ok(count),
             _ => Err(self.fault(
-                format!("{} is not a valid number of {what}", shown(token)),
+                format!("{} is not a valid number of {what}", quote_for_message(token)),
                 format!("give a whole number from 0 to {MAX_POINTS}"),
             )),
         }
@@ -145,7 +145,7 @@ struct Chain {
 }
 
 /// A blade in the file's unit; `blades` is the number of blades and its line.
-struct RawBlade {
+struct GeomTurboBlade {
     line: usize,
     unit: f64,
     blades: Option<(usize, usize)>,
@@ -155,18 +155,18 @@ struct RawBlade {
 
 /// What has been read so far, in the file's unit.
 #[derive(Default)]
-struct Found {
+struct GeomTurboContents {
     unit: Option<f64>,
     factor: Option<f64>,
     curves: HashMap<String, Vec<Meridional>>,
     chains: HashMap<String, Chain>,
     row_seen: bool,
     periodicity: Option<(usize, usize)>,
-    blades: Vec<RawBlade>,
+    blades: Vec<GeomTurboBlade>,
 }
 
-impl Found {
-    fn file(&mut self, lines: &mut Lines<'_>) -> Result<(), InputError> {
+impl GeomTurboContents {
+    fn file(&mut self, lines: &mut StatementReader<'_>) -> Result<(), InputError> {
         let mut blocks: Vec<(String, usize)> = Vec::new();
         let mut curve_name = String::new();
         while let Some(text) = lines.next() {
@@ -224,7 +224,7 @@ impl Found {
         }
         match blocks.last() {
             Some((kind, line)) => {
-                let what = format!("ends inside the block {} of line {line}", shown(kind));
+                let what = format!("ends inside the block {} of line {line}", quote_for_message(kind));
                 Err(lines.fault(what, TRUNCATED))
             }
             None => Ok(()),
@@ -236,7 +236,7 @@ impl Found {
     }
 
     /// Reads a vertex `CURVE_P name 0|1` of a channel curve.
-    fn vertex(&mut self, lines: &Lines<'_>, chain: &str, rest: &str) -> Result<(), InputError> {
+    fn vertex(&mut self, lines: &StatementReader<'_>, chain: &str, rest: &str) -> Result<(), InputError> {
         let (kind, rest) = split(rest);
         let Some(chain) = self.chains.get_mut(chain).filter(|_| kind == "curve_p") else { return Ok(()) };
         let (name, end) = rest.rsplit_once(char::is_whitespace).unwrap_or((rest, ""));
@@ -244,7 +244,7 @@ impl Found {
             Ok(0.0) => false,
             Ok(1.0) => true,
             _ => {
-                let what = format!("{} is not an end of a curve", shown(end));
+                let what = format!("{} is not an end of a curve", quote_for_message(end));
                 return Err(lines.fault(what, "give 0 (start) or 1 (end)"));
             }
         };
@@ -253,9 +253,14 @@ impl Found {
     }
 
     /// Reads the inside of a `nibladegeometry` block, to its end.
-    fn blade(&mut self, lines: &mut Lines<'_>) -> Result<(), InputError> {
-        let mut blade =
-            RawBlade { line: lines.line, unit: 1.0, blades: None, suction: Vec::new(), pressure: Vec::new() };
+    fn blade(&mut self, lines: &mut StatementReader<'_>) -> Result<(), InputError> {
+        let mut blade = GeomTurboBlade {
+            line: lines.line,
+            unit: 1.0,
+            blades: None,
+            suction: Vec::new(),
+            pressure: Vec::new(),
+        };
         loop {
             let text = lines.need(&format!("the end of the blade of line {}", blade.line))?;
             let (word, rest) = split(text);
@@ -343,7 +348,8 @@ impl Found {
         while let Some((curve, start, line)) = vertices.next() {
             // A basic_curve without points is valid and adds nothing.
             let basic = self.curves.get(curve).ok_or_else(|| {
-                let what = format!("the {name} names the curve {}, which does not exist", shown(curve));
+                let what =
+                    format!("the {name} names the curve {}, which does not exist", quote_for_message(curve));
                 source.fault(*line, what, "name a basic_curve of the CHANNEL block")
             })?;
             let end = vertices.next_if(|(next, _, _)| next == curve).map(|(_, end, _)| *end);
@@ -365,7 +371,7 @@ impl Found {
     }
 }
 
-impl RawBlade {
+impl GeomTurboBlade {
     fn scaled(self, source: Source<'_>, mm: f64) -> Result<BladeDescription, InputError> {
         let scale = mm * self.unit;
         let scaled = |side: Vec<Vec<Point>>| -> Result<Vec<Vec<Point>>, InputError> {
@@ -386,10 +392,10 @@ impl RawBlade {
 }
 
 /// Reads one side of a blade: `SECTIONAL`, the number of sections, the sections.
-fn side(lines: &mut Lines<'_>) -> Result<Vec<Vec<Point>>, InputError> {
+fn side(lines: &mut StatementReader<'_>) -> Result<Vec<Vec<Point>>, InputError> {
     let kind = lines.need("the blade's sections")?;
     if !kind.eq_ignore_ascii_case("SECTIONAL") {
-        let what = format!("{} instead of SECTIONAL", shown(kind));
+        let what = format!("{} instead of SECTIONAL", quote_for_message(kind));
         return Err(lines.fault(what, "export the blade as sections"));
     }
     let count = lines.count("sections")?;
@@ -400,7 +406,7 @@ fn side(lines: &mut Lines<'_>) -> Result<Vec<Vec<Point>>, InputError> {
             "XYZ" => false,
             "ZRTH" => true,
             _ => {
-                let what = format!("{} instead of XYZ or ZRTH", shown(kind));
+                let what = format!("{} instead of XYZ or ZRTH", quote_for_message(kind));
                 return Err(lines.fault(what, "export the sections as XYZ or ZRTH"));
             }
         };
@@ -419,25 +425,28 @@ fn side(lines: &mut Lines<'_>) -> Result<Vec<Vec<Point>>, InputError> {
 }
 
 /// Reads a unit factor greater than 0.
-fn scale(lines: &Lines<'_>, text: &str) -> Result<f64, InputError> {
+fn scale(lines: &StatementReader<'_>, text: &str) -> Result<f64, InputError> {
     match source::number(text) {
         Ok(x) if x > 0.0 => Ok(x),
-        _ => Err(lines.fault(format!("{} is not a valid unit", shown(text)), "give a number greater than 0")),
+        _ => Err(lines.fault(
+            format!("{} is not a valid unit", quote_for_message(text)),
+            "give a number greater than 0",
+        )),
     }
 }
 
 /// Length in metres of the named unit.
-fn unit_in_metres(lines: &Lines<'_>, text: &str) -> Result<f64, InputError> {
+fn unit_in_metres(lines: &StatementReader<'_>, text: &str) -> Result<f64, InputError> {
     match text.to_ascii_lowercase().as_str() {
         "m" | "meter" | "meters" | "metre" | "metres" => Ok(1.0),
         "cm" | "centimeter" | "centimeters" | "centimetre" | "centimetres" => Ok(0.01),
         "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => Ok(0.001),
         "in" | "inch" | "inches" => Ok(0.0254),
         "ft" | "foot" | "feet" => Ok(0.3048),
-        _ => {
-            Err(lines
-                .fault(format!("{} is not a known unit", shown(text)), "give Meters, Millimeters or Inches"))
-        }
+        _ => Err(lines.fault(
+            format!("{} is not a known unit", quote_for_message(text)),
+            "give Meters, Millimeters or Inches",
+        )),
     }
 }
 

@@ -168,21 +168,21 @@ fn faults_name_their_line() {
         let line = 1 + SAMPLE[..at].matches('\n').count() as isize + below;
         assert_eq!(error.line as isize, line, "{from} → {to}: {error}");
     }
-    assert!(fault("0.02 0.03", "0.02 -0.03").what.contains("r = -30"));
+    assert!(fault("0.02 0.03", "0.02 -0.03").message.contains("r = -30"));
 }
 
 #[test]
 fn missing_pieces_are_named() {
-    assert!(fault("channel_curve shroud", "channel_curve nozzle").what.contains("shroud is missing"));
-    assert!(fault(" PERIODICITY 7\n", "").what.contains("number of blades is missing"));
+    assert!(fault("channel_curve shroud", "channel_curve nozzle").message.contains("shroud is missing"));
+    assert!(fault(" PERIODICITY 7\n", "").message.contains("number of blades is missing"));
     assert!(fault("nibladegeometry", "something").to_string().contains("holds no blade"));
-    assert!(fault("SUCTION", "NOTHING").what.contains("0 suction and 2 pressure"));
+    assert!(fault("SUCTION", "NOTHING").message.contains("0 suction and 2 pressure"));
     let one = SAMPLE
         .replace("   2\n   # section 1", "   1\n")
         .replace("SECTIONAL\n   2\n   XYZ", "SECTIONAL\n   1\n   XYZ");
     let error = read("b.geomTurbo", one.as_bytes()).unwrap_err();
-    assert!(error.what.contains("1 span section"), "{error}");
+    assert!(error.message.contains("1 span section"), "{error}");
     let cut = SAMPLE.find("NI_END nirow").map(|at| &SAMPLE[..at]).unwrap();
     let error = read("b.geomTurbo", cut.as_bytes()).unwrap_err();
-    assert!(error.cure.contains("cut off"), "{error}");
+    assert!(error.help.contains("cut off"), "{error}");
 }

@@ -25,8 +25,11 @@ pub use apt::{ClProgram, ClTool, ClWarning, Motion, Move, read_apt, read_apt_byt
 pub use gltf::GltfScene;
 pub use native::write_native;
 pub use part_file::{read_part, read_part_bytes, read_part_with};
-pub use setup_file::{axis_policy, flank_scheme, read_setup, read_setup_bytes, read_setup_over, write_setup};
-pub use write::write_whole;
+pub use setup_file::{
+    parse_axis_policy, parse_flank_strategy, read_setup, read_setup_bytes, read_setup_with_defaults,
+    write_setup,
+};
+pub use write::write_atomically;
 
 /// An error in user input. Displayed as `FILE:LINE: what; cure`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -36,24 +39,24 @@ pub struct InputError {
     /// 1-based line number; 0 when there is none.
     pub line: usize,
     /// What is wrong.
-    pub what: String,
+    pub message: String,
     /// What to do about it.
-    pub cure: String,
+    pub help: String,
 }
 
 impl InputError {
     /// An error at `line` of `file` (0: no line).
-    pub fn new(file: &str, line: usize, what: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self { file: file.to_owned(), line, what: what.into(), cure: cure.into() }
+    pub fn new(file: &str, line: usize, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { file: file.to_owned(), line, message: message.into(), help: help.into() }
     }
 }
 
 impl std::fmt::Display for InputError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (self.file.is_empty(), self.line) {
-            (true, _) => write!(f, "{}; {}", self.what, self.cure),
-            (false, 0) => write!(f, "{}: {}; {}", self.file, self.what, self.cure),
-            (false, line) => write!(f, "{}:{line}: {}; {}", self.file, self.what, self.cure),
+            (true, _) => write!(f, "{}; {}", self.message, self.help),
+            (false, 0) => write!(f, "{}: {}; {}", self.file, self.message, self.help),
+            (false, line) => write!(f, "{}:{line}: {}; {}", self.file, self.message, self.help),
         }
     }
 }

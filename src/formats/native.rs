@@ -23,13 +23,13 @@ use std::fmt::Write;
 
 use super::InputError;
 use super::source::{MAX_BLADES, MAX_COORDINATE, MAX_POINTS, Source, stem_of};
-use super::table::{At, Document, Range, Rows, Section, degrees_text, quoted};
+use super::table::{Located, NumberRange, NumberRows, TomlDocument, TomlTable, degrees_text, quoted};
 use crate::geometry::Point;
 use crate::part::{BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription};
 
 /// Reads a native part. `file` is the file name used in messages; its stem names a part without `name`.
 pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputError> {
-    let document = Document::new(file, bytes)?;
+    let document = TomlDocument::new(file, bytes)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["name", "blades", "hub", "shroud", "main", "splitter"])?;
@@ -59,7 +59,7 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputErr
 }
 
 /// The `[[splitter]]` tables, or the single splitter written as `[splitter]` or `[[splitter.span]]`.
-fn splitters<'t>(root: &Section<'t>) -> Result<Vec<Section<'t>>, InputError> {
+fn splitters<'t>(root: &TomlTable<'t>) -> Result<Vec<TomlTable<'t>>, InputError> {
     if let Ok(Some(one)) = root.table("splitter") {
         return Ok(vec![one]);
     }
@@ -67,7 +67,7 @@ fn splitters<'t>(root: &Section<'t>) -> Result<Vec<Section<'t>>, InputError> {
 }
 
 fn flowpath(
-    root: &Section<'_>,
+    root: &TomlTable<'_>,
     source: Source<'_>,
     name: &str,
 ) -> Result<(CurveDescription, usize), InputError> {
@@ -75,7 +75,7 @@ fn flowpath(
         root.fault(format!("the {name} is missing"), format!("add [{name}] with points = [[r, z], …]"))
     })?;
     table.check_keys(&["points", "control", "degree", "knots"])?;
-    let meridional = |rows: At<Rows<2>>| -> Result<Vec<Meridional>, InputError> {
+    let meridional = |rows: Located<NumberRows<2>>| -> Result<Vec<Meridional>, InputError> {
         rows.value
             .into_iter()
             .map(|row| {
@@ -111,7 +111,11 @@ fn flowpath(
     }
 }
 
-fn spline(table: &Section<'_>, name: &str, control: Vec<Meridional>) -> Result<CurveDescription, InputError> {
+fn spline(
+    table: &TomlTable<'_>,
+    name: &str,
+    control: Vec<Meridional>,
+) -> Result<CurveDescription, InputError> {
     if control.len() < 2 {
         let what = format!("the {name} has {} control point(s)", control.len());
         return Err(table.fault(what, "give two or more"));
@@ -136,7 +140,7 @@ fn spline(table: &Section<'_>, name: &str, control: Vec<Meridional>) -> Result<C
     Ok(CurveDescription::BSpline { control, degree, knots: knots.map_or_else(Vec::new, |k| k.value) })
 }
 
-fn blade(table: &Section<'_>, points: &mut usize) -> Result<BladeDescription, InputError> {
+fn blade(table: &TomlTable<'_>, points: &mut usize) -> Result<BladeDescription, InputError> {
     table.check_keys(&["span", "section"])?;
     let (spans, sections) = (table.tables("span")?, table.tables("section")?);
     let blade = match (spans.first(), sections.first()) {
@@ -172,7 +176,7 @@ fn blade(table: &Section<'_>, points: &mut usize) -> Result<BladeDescription, In
     Ok(blade)
 }
 
-fn count(section: &Section<'_>, points: &mut usize, more: usize) -> Result<(), InputError> {
+fn count(section: &TomlTable<'_>, points: &mut usize, more: usize) -> Result<(), InputError> {
     *points += more;
     if *points > MAX_POINTS {
         return Err(section.fault("the blades hold more than 1,000,000 points", "give fewer points"));
@@ -180,7 +184,7 @@ fn count(section: &Section<'_>, points: &mut usize, more: usize) -> Result<(), I
     Ok(())
 }
 
-fn side(section: &Section<'_>, key: &str, points: &mut usize) -> Result<Vec<Point>, InputError> {
+fn side(section: &TomlTable<'_>, key: &str, points: &mut usize) -> Result<Vec<Point>, InputError> {
     let rows = section.rows::<3>(key)?.ok_or_else(|| {
         section.fault(
             format!("{} has no `{key}` side", section.shown()),
@@ -195,26 +199,26 @@ fn side(section: &Section<'_>, key: &str, points: &mut usize) -> Result<Vec<Poin
     Ok(rows.value.iter().map(|row| Point::from(row.value)).collect())
 }
 
-fn camber(tables: &[Section<'_>], points: &mut usize) -> Result<Vec<CamberSpan>, InputError> {
+fn camber(tables: &[TomlTable<'_>], points: &mut usize) -> Result<Vec<CamberSpan>, InputError> {
     let mut spans: Vec<CamberSpan> = Vec::with_capacity(tables.len());
     for table in tables {
         table.check_keys(&["span", "leading_edge", "theta_leading_edge", "angle", "thickness"])?;
-        let span = table.number("span", Range::Between(0.0, 1.0))?.ok_or_else(|| {
+        let span = table.number("span", NumberRange::Between(0.0, 1.0))?.ok_or_else(|| {
             table.fault(format!("{} has no `span`", table.shown()), "add span = 0.0 (hub) … 1.0 (shroud)")
         })?;
         if let Some(below) = spans.last().filter(|below| below.span >= span.value) {
             let what = format!("span {} comes after span {}", span.value, below.span);
             return Err(table.fault_at(span.at, what, "order the spans from hub to shroud"));
         }
-        let angle = stations(table, "angle", Range::Within(-90.0, 90.0), points)?;
+        let angle = stations(table, "angle", NumberRange::Within(-90.0, 90.0), points)?;
         spans.push(CamberSpan {
             span: span.value,
-            leading_edge: table.number_or("leading_edge", Range::Between(0.0, 0.99), 0.0)?,
+            leading_edge: table.number_or("leading_edge", NumberRange::Between(0.0, 0.99), 0.0)?,
             theta_leading_edge: table
-                .number_or("theta_leading_edge", Range::Between(-3600.0, 3600.0), 0.0)?
+                .number_or("theta_leading_edge", NumberRange::Between(-3600.0, 3600.0), 0.0)?
                 .to_radians(),
             angle: angle.into_iter().map(|(u, degrees)| (u, degrees.to_radians())).collect(),
-            thickness: stations(table, "thickness", Range::Between(0.0, MAX_COORDINATE), points)?,
+            thickness: stations(table, "thickness", NumberRange::Between(0.0, MAX_COORDINATE), points)?,
         });
     }
     Ok(spans)
@@ -222,9 +226,9 @@ fn camber(tables: &[Section<'_>], points: &mut usize) -> Result<Vec<CamberSpan>,
 
 /// Reads (fraction, value) rows from LE to TE; fractions increase within 0…1.
 fn stations(
-    table: &Section<'_>,
+    table: &TomlTable<'_>,
     key: &str,
-    range: Range,
+    range: NumberRange,
     points: &mut usize,
 ) -> Result<Vec<(f64, f64)>, InputError> {
     let rows = table.rows::<2>(key)?.ok_or_else(|| {
@@ -443,6 +447,6 @@ pressure = [[40.0, 1.0, 5.0], [50.0, 18.0, 35.0]]
         let (a, b) = one.expect("both are in the sample");
         let text = format!("{}{}", &SAMPLE[..a], &SAMPLE[b..]);
         let error = read("s.toml", text.as_bytes()).unwrap_err();
-        assert!(error.what.contains("only one span section"), "{error}");
+        assert!(error.message.contains("only one span section"), "{error}");
     }
 }

@@ -72,13 +72,13 @@ mod tests {
             let error = read_part(Path::new(name)).unwrap_err();
             assert!(error.to_string().contains(".geomTurbo"), "{error}");
         }
-        assert!(read_part_bytes("a.inf", b"x", "INF").unwrap_err().cure.contains("folder"));
+        assert!(read_part_bytes("a.inf", b"x", "INF").unwrap_err().help.contains("folder"));
     }
 
     #[test]
     fn a_missing_file_says_so() {
         let error = read_part(Path::new("no/such/part.TOML")).unwrap_err();
         assert!(error.to_string().starts_with("no/such/part.TOML: cannot be read: "), "{error}");
-        assert_eq!(error.cure, "check the path");
+        assert_eq!(error.help, "check the path");
     }
 }

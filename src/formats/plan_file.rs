@@ -5,11 +5,11 @@ use serde::{Deserialize, Serialize};
 use super::InputError;
 use super::native::write_native;
 use super::setup_file::write_setup;
-use super::stored::{self, Origin, are_sane, damaged};
+use super::stored::{self, StoredInputs, are_coordinates, damaged};
 use crate::part::{AxisPolicy, Impeller, PartDescription, Setup};
 use crate::plunge::sections::tool_of;
 use crate::plunge::{
-    Blocked, CoreContact, Dropped, Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped,
+    Blocked, CoreContact, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason,
 };
 
 /// Version of the file format; newer files are rejected.
@@ -29,12 +29,12 @@ struct PlanFile {
     rows: Vec<usize>,
     /// Plunges added to each section and why adding stopped. Absent in files of earlier versions.
     #[serde(default)]
-    added: Vec<Option<(usize, Stopped)>>,
+    added: Vec<Option<(usize, StopReason)>>,
     positions: Vec<PositionFile>,
     dropped: Vec<(usize, usize, f64)>,
     /// Why each entry of `dropped` was left out. Absent in files of earlier versions.
     #[serde(default)]
-    dropped_why: Vec<NoPlace>,
+    dropped_why: Vec<DropReason>,
 }
 
 /// One plunge; lengths in mm, angles in degrees, part frame.
@@ -56,7 +56,7 @@ struct PositionFile {
     lift: f64,
     blocked: Option<Blocked>,
     #[serde(default)]
-    held: Option<Held>,
+    held: Option<LimitedBy>,
     hub_clearance: f64,
     blade_clearance: f64,
     retract_clearance: f64,
@@ -89,8 +89,8 @@ pub fn write_plan(
         setup: write_setup(setup),
         policy: plan.policy,
         channels,
-        rounds: plan.rounds,
-        settled: plan.settled,
+        rounds: plan.iterations,
+        settled: plan.converged,
         rows: plan.sections.iter().map(|s| s.rows).collect(),
         added: plan.sections.iter().map(|s| s.added).collect(),
         positions: plan
@@ -105,12 +105,12 @@ pub fn write_plan(
                 axis: p.axis.into(),
                 retract: p.retract.coords.into(),
                 contact_point: p.contact_point.coords.into(),
-                alpha: p.alpha.to_degrees(),
+                alpha: p.alpha_rad.to_degrees(),
                 contact_depth: p.contact.depth,
                 contact_area: p.contact.area_share,
                 lift: p.lift,
                 blocked: p.blocked,
-                held: p.held,
+                held: p.limited_by,
                 hub_clearance: p.hub_clearance,
                 blade_clearance: p.blade_clearance,
                 retract_clearance: p.retract_clearance,
@@ -138,14 +138,14 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
         )
     })?;
     stored::check_version(name, "plan file", file.vanecut_plan, VERSION)?;
-    let Origin { description, part, setup } = stored::origin(name, &file.part, &file.setup)?;
+    let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup)?;
     let mut sections = Vec::new();
     for (index, section) in setup.plunge.sections.iter().enumerate() {
         sections.push(SectionPlan {
             tool: tool_of(&setup, section.tool).map_err(|e| damaged(name, e.what))?.clone(),
             from: section.from,
             to: section.to,
-            feed: section.feed.unwrap_or(crate::part::Feed::Inward),
+            feed: section.cut_direction.unwrap_or(crate::part::CutDirection::Inward),
             rows: file.rows.get(index).copied().unwrap_or(0),
             rest: section.rest,
             added: file.added.get(index).copied().flatten(),
@@ -153,7 +153,7 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
     }
     let mut positions = Vec::with_capacity(file.positions.len());
     for (index, p) in file.positions.into_iter().enumerate() {
-        let sane = are_sane(p.tip.iter().chain(&p.retract)) && p.section < sections.len();
+        let sane = are_coordinates(p.tip.iter().chain(&p.retract)) && p.section < sections.len();
         let Some(axis) = stored::unit_axis(p.axis).filter(|_| sane) else {
             return Err(damaged(name, format!("position {} is damaged", index + 1)));
         };
@@ -165,26 +165,26 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
             row: p.row,
             s: p.s,
             lambda: p.lambda,
-            alpha: p.alpha.to_radians(),
+            alpha_rad: p.alpha.to_radians(),
             contact_point: stored::point(p.contact_point),
             contact: CoreContact { depth: p.contact_depth, area_share: p.contact_area },
             lift: p.lift,
             blocked: p.blocked,
-            held: p.held,
+            limited_by: p.held,
             hub_clearance: p.hub_clearance,
             blade_clearance: p.blade_clearance,
             retract_clearance: p.retract_clearance,
         });
     }
-    let why = file.dropped_why.into_iter().chain(std::iter::repeat(NoPlace::Blades));
+    let why = file.dropped_why.into_iter().chain(std::iter::repeat(DropReason::Blades));
     let dropped = file.dropped.into_iter().zip(why);
     let plan = PlungePlan {
         policy: file.policy,
         sections,
         positions,
         dropped: dropped.map(|((section, row, s), why)| Dropped { section, row, s, why }).collect(),
-        rounds: file.rounds,
-        settled: file.settled,
+        iterations: file.rounds,
+        converged: file.settled,
     };
     Ok(StoredPlan { description, part, setup, plan })
 }

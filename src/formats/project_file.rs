@@ -26,7 +26,7 @@ const MAX_SETS: usize = 1000;
 /// Where the part of a project comes from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum PartPlace {
+pub enum PartLocation {
     /// A file.
     File(PathBuf),
     /// A mesh file, with the user's options for it.
@@ -40,9 +40,9 @@ pub enum PartPlace {
     Sample(String),
 }
 
-impl PartPlace {
+impl PartLocation {
     /// The same with its file path replaced by `to(path)`.
-    fn moved(&self, to: impl FnOnce(&Path) -> PathBuf) -> Self {
+    fn with_path(&self, to: impl FnOnce(&Path) -> PathBuf) -> Self {
         match self {
             Self::File(file) => Self::File(to(file)),
             Self::Mesh { file, choices } => Self::Mesh { file: to(file), choices: choices.clone() },
@@ -69,7 +69,7 @@ pub struct Viewpoint {
 /// What of the plan was selected and displayed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Chosen {
+pub struct PlanSelection {
     /// Whether the conventional plan was shown.
     #[serde(default)]
     pub before: bool,
@@ -83,7 +83,7 @@ pub struct Chosen {
 
 /// Results of planning a setup, by which sets are compared. Lengths mm, time s, share 0…1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Figures {
+pub struct SetFigures {
     /// Number of plunges.
     pub positions: usize,
     /// Number of interfering plunges: their core meets stock.
@@ -106,14 +106,14 @@ pub struct StoredSet {
     /// The setup.
     pub setup: Setup,
     /// Its results, if it was planned.
-    pub figures: Option<Figures>,
+    pub figures: Option<SetFigures>,
 }
 
 /// A project.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
     /// Where the part comes from. When read, relative paths are resolved against the project's folder.
-    pub part: PartPlace,
+    pub part: PartLocation,
     /// [`part_hash`] of its description.
     pub part_hash: u64,
     /// The current setup.
@@ -123,7 +123,7 @@ pub struct Project {
     /// The camera of the view.
     pub viewpoint: Option<Viewpoint>,
     /// What of the plan was selected and displayed.
-    pub chosen: Chosen,
+    pub chosen: PlanSelection,
     /// In recovery copies that were saved automatically, the project file they belong to.
     pub original: Option<PathBuf>,
 }
@@ -132,7 +132,7 @@ pub struct Project {
 #[serde(deny_unknown_fields)]
 struct ProjectFile {
     vanecut_project: u32,
-    part: PartPlace,
+    part: PartLocation,
     part_hash: String,
     setup: String,
     #[serde(default)]
@@ -140,7 +140,7 @@ struct ProjectFile {
     #[serde(default)]
     viewpoint: Option<Viewpoint>,
     #[serde(default)]
-    chosen: Chosen,
+    chosen: PlanSelection,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     original: Option<PathBuf>,
 }
@@ -151,7 +151,7 @@ struct SetFile {
     name: String,
     setup: String,
     #[serde(default)]
-    figures: Option<Figures>,
+    figures: Option<SetFigures>,
 }
 
 /// Hash of a part description; equal for all files that describe the same part.
@@ -166,7 +166,7 @@ pub fn part_hash(part: &PartDescription) -> u64 {
 /// Writes a project file (JSON) to be saved at `path`: the part's path is relative to it if the part is
 /// in the same folder or below.
 pub fn write_project(project: &Project, path: &Path) -> String {
-    let part = project.part.moved(|part| relative(part, path));
+    let part = project.part.with_path(|part| relative(part, path));
     let file = ProjectFile {
         vanecut_project: VERSION,
         part,
@@ -239,7 +239,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         let first = part.components().next();
         first.is_some_and(|c| matches!(c, Component::Normal(_) | Component::ParentDir | Component::CurDir))
     };
-    let part = file.part.moved(|part| match is_relative(part) {
+    let part = file.part.with_path(|part| match is_relative(part) {
         true => path.parent().unwrap_or(Path::new("")).join(part),
         false => part.to_owned(),
     });
@@ -265,20 +265,20 @@ impl Viewpoint {
 mod tests {
     use super::*;
     use crate::mesh::axis::Axis;
-    use crate::mesh::{Role, Unit};
+    use crate::mesh::{LengthUnit, Role};
     use crate::part::Rotation;
 
     fn project() -> Project {
         let mut setup = Setup::default();
         setup.plunge.step = Some(7.5);
         Project {
-            part: PartPlace::File("/parts/wheel.toml".into()),
+            part: PartLocation::File("/parts/wheel.toml".into()),
             part_hash: 0x1234_5678_9abc_def0,
             setup: setup.clone(),
             sets: vec![StoredSet {
                 name: "Set 1".to_owned(),
                 setup,
-                figures: Some(Figures {
+                figures: Some(SetFigures {
                     positions: 120,
                     interferential: 0,
                     residual_mean: 0.83,
@@ -294,7 +294,7 @@ mod tests {
                 distance: 400.0,
                 parallel: true,
             }),
-            chosen: Chosen { before: true, position: Some(16), cut: None },
+            chosen: PlanSelection { before: true, position: Some(16), cut: None },
             original: None,
         }
     }
@@ -303,16 +303,16 @@ mod tests {
     fn a_project_comes_back_as_it_was_written() {
         let choices = MeshOptions {
             roles: vec![("Body 3".to_owned(), Role::Hub), ("#7".to_owned(), Role::Ignored)],
-            unit: Some(Unit::Inch),
+            unit: Some(LengthUnit::Inch),
             axis: Some(Axis::Y),
             blades: Some(9),
             rotation: Some(Rotation::Clockwise),
         };
         for place in [
-            PartPlace::File("/parts/wheel.toml".into()),
-            PartPlace::Sample("pump6".to_owned()),
-            PartPlace::Mesh { file: "/parts/tuning/wheel.glb".into(), choices },
-            PartPlace::Mesh { file: "/parts/wheel.glb".into(), choices: MeshOptions::default() },
+            PartLocation::File("/parts/wheel.toml".into()),
+            PartLocation::Sample("pump6".to_owned()),
+            PartLocation::Mesh { file: "/parts/tuning/wheel.glb".into(), choices },
+            PartLocation::Mesh { file: "/parts/wheel.glb".into(), choices: MeshOptions::default() },
         ] {
             let project = Project { part: place, ..project() };
             let path = Path::new("/parts/tuning/wheel.vanecut");
@@ -328,7 +328,7 @@ mod tests {
         let from = text.find(",\n  \"chosen\"").expect("it is written last");
         let first = format!("{}\n}}\n", &text[..from]).replace("project\": 2", "project\": 1");
         let read = read_project_bytes(path, first.as_bytes()).expect("reads");
-        assert_eq!(read, Project { chosen: Chosen::default(), ..project() });
+        assert_eq!(read, Project { chosen: PlanSelection::default(), ..project() });
     }
 
     #[test]
@@ -337,7 +337,7 @@ mod tests {
         assert!(text.contains("\"wheel.toml\""), "{text}");
         let moved =
             read_project_bytes(Path::new("/elsewhere/wheel.vanecut"), text.as_bytes()).expect("reads");
-        assert_eq!(moved.part, PartPlace::File("/elsewhere/wheel.toml".into()));
+        assert_eq!(moved.part, PartLocation::File("/elsewhere/wheel.toml".into()));
     }
 
     #[test]

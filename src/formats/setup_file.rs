@@ -29,20 +29,20 @@ use std::path::Path;
 
 use super::InputError;
 use super::source::{name_of, read_bytes};
-use super::table::{Document, Range, Section, degrees_text, nearest, quoted};
+use super::table::{NumberRange, TomlDocument, TomlTable, degrees_text, nearest, quoted};
 use crate::part::setup::{
-    AxisPolicy, Feed, FlankScheme, FlankSetup, PlungeSetup, SectionSetup, Setup, Stock,
+    AllowanceSetup, AxisPolicy, CutDirection, FlankSetup, FlankStrategy, PlungeSetup, SectionSetup, Setup,
 };
 use crate::part::tool::Tool;
 use crate::plunge::sections::SetupPlace;
 
 /// Maximum length in a setup, mm.
-const LONGEST: f64 = 10_000.0;
-const LENGTH: Range = Range::Above(0.0, LONGEST);
-const ALLOWANCE: Range = Range::Between(0.0, LONGEST);
-const ANGLE: Range = Range::Above(0.0, 90.0);
-const HALF_TURN: Range = Range::Above(0.0, 180.0);
-const RATE: Range = Range::Above(0.0, 1e6);
+const MAX_LENGTH: f64 = 10_000.0;
+const LENGTH: NumberRange = NumberRange::Above(0.0, MAX_LENGTH);
+const ALLOWANCE: NumberRange = NumberRange::Between(0.0, MAX_LENGTH);
+const ANGLE: NumberRange = NumberRange::Above(0.0, 90.0);
+const HALF_TURN: NumberRange = NumberRange::Above(0.0, 180.0);
+const RATE: NumberRange = NumberRange::Above(0.0, 1e6);
 
 /// Maximum tool number.
 const MAX_NUMBER: u32 = 1_000_000;
@@ -56,15 +56,15 @@ const MAX_SECTIONS: usize = 100;
 /// # Errors
 /// When the file cannot be read or is not a valid setup.
 pub fn read_setup(path: &Path, defaults: &Setup) -> Result<Setup, InputError> {
-    read_setup_over(&name_of(path), &read_bytes(path)?, defaults)
+    read_setup_with_defaults(&name_of(path), &read_bytes(path)?, defaults)
 }
 
-/// Reads a setup from bytes over [`Setup::default`]; see [`read_setup_over`].
+/// Reads a setup from bytes over [`Setup::default`]; see [`read_setup_with_defaults`].
 ///
 /// # Errors
 /// When the bytes are not a valid setup.
 pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
-    read_setup_over(name, bytes, &Setup::default())
+    read_setup_with_defaults(name, bytes, &Setup::default())
 }
 
 /// Reads a setup from bytes; `name` is the file name used in messages. Absent keys keep the values of
@@ -72,18 +72,18 @@ pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {
 ///
 /// # Errors
 /// When the bytes are not TOML, a key is unknown, or a value is outside its range.
-pub fn read_setup_over(name: &str, bytes: &[u8], defaults: &Setup) -> Result<Setup, InputError> {
+pub fn read_setup_with_defaults(name: &str, bytes: &[u8], defaults: &Setup) -> Result<Setup, InputError> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Ok(defaults.clone());
     }
-    let document = Document::new(name, bytes)?;
+    let document = TomlDocument::new(name, bytes)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["part", "stock", "tool", "plunge", "flank", "machine"])?;
     let mut setup =
         Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..defaults.clone() };
     if let Some(table) = root.table("stock")? {
-        stock(&table, &mut setup.stock)?;
+        stock(&table, &mut setup.allowances)?;
     }
     setup.tools = tools(&root)?;
     if let Some(table) = root.table("plunge")? {
@@ -95,7 +95,7 @@ pub fn read_setup_over(name: &str, bytes: &[u8], defaults: &Setup) -> Result<Set
     if let Some(table) = root.table("machine")? {
         table.check_keys(&["max_axis_tilt"])?;
         if let Some(angle) = table.number("max_axis_tilt", HALF_TURN)? {
-            setup.machine.max_axis_tilt = angle.value.to_radians();
+            setup.machine.max_axis_tilt_rad = angle.value.to_radians();
         }
     }
     Ok(setup)
@@ -104,9 +104,9 @@ pub fn read_setup_over(name: &str, bytes: &[u8], defaults: &Setup) -> Result<Set
 /// Reads a tool library: a file with only `[[tool]]` tables, in the format of a setup.
 ///
 /// # Errors
-/// As [`read_setup_over`].
+/// As [`read_setup_with_defaults`].
 pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputError> {
-    let document = Document::new(name, bytes)?;
+    let document = TomlDocument::new(name, bytes)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["tool"])?;
@@ -114,9 +114,9 @@ pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputErro
 }
 
 /// Line of the setup file that a planning error at `place` refers to; 0 if there is none.
-pub fn line_of(bytes: &[u8], place: &SetupPlace) -> usize {
+pub fn line_of_place(bytes: &[u8], place: &SetupPlace) -> usize {
     let found = || -> Result<Option<usize>, InputError> {
-        let document = Document::new("", bytes)?;
+        let document = TomlDocument::new("", bytes)?;
         let tree = document.parse()?;
         let root = document.root(&tree);
         let tool_line = |number: u32| -> Result<Option<usize>, InputError> {
@@ -147,7 +147,7 @@ pub fn line_of(bytes: &[u8], place: &SetupPlace) -> usize {
     found().ok().flatten().unwrap_or(0)
 }
 
-fn stock(table: &Section<'_>, stock: &mut Stock) -> Result<(), InputError> {
+fn stock(table: &TomlTable<'_>, stock: &mut AllowanceSetup) -> Result<(), InputError> {
     table.check_keys(&["hub_allowance", "blade_allowance", "safety_distance", "inlet_extension"])?;
     stock.hub_allowance = table.number_or("hub_allowance", ALLOWANCE, stock.hub_allowance)?;
     stock.blade_allowance = table.number_or("blade_allowance", ALLOWANCE, stock.blade_allowance)?;
@@ -160,7 +160,7 @@ const TOOL_KEYS: [&str; 7] =
     ["number", "diameter", "corner_radius", "insert_width", "overhang", "plunge_feed", "spindle"];
 
 /// The `[[tool]]` tables, in file order.
-fn tools(root: &Section<'_>) -> Result<Vec<Tool>, InputError> {
+fn tools(root: &TomlTable<'_>) -> Result<Vec<Tool>, InputError> {
     let tables = root.tables("tool")?;
     check_count(&tables, MAX_TOOLS, "tools")?;
     let mut tools = Vec::with_capacity(tables.len());
@@ -171,7 +171,7 @@ fn tools(root: &Section<'_>) -> Result<Vec<Tool>, InputError> {
     Ok(tools)
 }
 
-fn tool(table: &Section<'_>, before: &[Tool]) -> Result<Tool, InputError> {
+fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
     table.check_keys(&TOOL_KEYS)?;
     let given = table.whole("number", 1, MAX_NUMBER)?;
     let number = given.map_or(before.len() as u32 + 1, |n| n.value);
@@ -188,7 +188,7 @@ fn tool(table: &Section<'_>, before: &[Tool]) -> Result<Tool, InputError> {
         .ok_or_else(|| table.fault(format!("tool {number} has no `diameter`"), "add diameter = … in mm"))?
         .value;
     let radius = diameter / 2.0;
-    let within_radius = |key: &str, range: Range, default: f64| {
+    let within_radius = |key: &str, range: NumberRange, default: f64| {
         let value = table.number(key, range)?;
         match value.filter(|v| v.value > radius) {
             Some(v) => {
@@ -203,13 +203,13 @@ fn tool(table: &Section<'_>, before: &[Tool]) -> Result<Tool, InputError> {
         diameter,
         corner_radius: within_radius("corner_radius", ALLOWANCE, 0.0)?,
         insert_width: within_radius("insert_width", LENGTH, 0.9 * radius)?,
-        overhang: table.number_or("overhang", Range::Above(0.0, 10.0 * LONGEST), 4.0 * diameter)?,
+        overhang: table.number_or("overhang", NumberRange::Above(0.0, 10.0 * MAX_LENGTH), 4.0 * diameter)?,
         plunge_feed: table.number_or("plunge_feed", RATE, 300.0)?,
         spindle: table.number_or("spindle", RATE, 1200.0)?,
     })
 }
 
-fn plunge(table: &Section<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Result<(), InputError> {
+fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Result<(), InputError> {
     table.check_keys(&[
         "axis",
         "step",
@@ -221,16 +221,17 @@ fn plunge(table: &Section<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Resu
         "section",
     ])?;
     if let Some(axis) = table.string("axis")? {
-        plunge.axis = axis_policy(axis.value).map_err(|(what, cure)| table.fault_at(axis.at, what, cure))?;
+        plunge.axis =
+            parse_axis_policy(axis.value).map_err(|(what, cure)| table.fault_at(axis.at, what, cure))?;
     }
     plunge.step = table.number("step", LENGTH)?.map(|step| step.value);
-    plunge.row_spacing = table.number("row_spacing", LENGTH)?.map(|spacing| spacing.value);
+    plunge.stepover = table.number("row_spacing", LENGTH)?.map(|spacing| spacing.value);
     plunge.wall_scallop = table.number_or("wall_scallop", LENGTH, plunge.wall_scallop)?;
     if let Some(angle) = table.number("max_axis_change", ANGLE)? {
-        plunge.max_axis_change = angle.value.to_radians();
+        plunge.max_axis_change_rad = angle.value.to_radians();
     }
     if let Some(angle) = table.number("max_tilt", ANGLE)? {
-        plunge.max_tilt = angle.value.to_radians();
+        plunge.max_tilt_rad = angle.value.to_radians();
     }
     if let Some(rest) = table.boolean("rest")? {
         plunge.rest = rest.value;
@@ -248,9 +249,11 @@ fn plunge(table: &Section<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Resu
 }
 
 /// Returns an error at the first table beyond `most`.
-fn check_count(tables: &[Section<'_>], most: usize, what: &str) -> Result<(), InputError> {
-    match tables.get(most) {
-        Some(table) => Err(table.fault(format!("more than {most} {what}"), format!("give at most {most}"))),
+fn check_count(tables: &[TomlTable<'_>], max_count: usize, what: &str) -> Result<(), InputError> {
+    match tables.get(max_count) {
+        Some(table) => {
+            Err(table.fault(format!("more than {max_count} {what}"), format!("give at most {max_count}")))
+        }
         None => Ok(()),
     }
 }
@@ -259,14 +262,14 @@ fn check_count(tables: &[Section<'_>], most: usize, what: &str) -> Result<(), In
 ///
 /// # Errors
 /// When no policy has this name: what is wrong, and what to do.
-pub fn axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
+pub fn parse_axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
     match AxisPolicy::ALL.into_iter().find(|policy| policy.name() == name) {
         Some(policy) => Ok(policy),
         None => {
             let other = name;
             let near = nearest(other, &AxisPolicy::ALL.map(AxisPolicy::name));
             Err((
-                format!("{} is not an axis policy", super::source::shown(other)),
+                format!("{} is not an axis policy", super::source::quote_for_message(other)),
                 format!(
                     "use \"conventional\", \"monotone\", \"minimal\" or \"staircase\" \
                      (the nearest name is `{}`)",
@@ -277,7 +280,7 @@ pub fn axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
     }
 }
 
-fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputError> {
+fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputError> {
     table.check_keys(&["tool", "from", "to", "feed", "rest"])?;
     let needed = |key: &str| {
         table.fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
@@ -291,7 +294,7 @@ fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputErr
         };
         return Err(table.fault_at(tool.at, format!("there is no tool {}", tool.value), cure));
     }
-    let s = Range::Between(0.0, 1.0);
+    let s = NumberRange::Between(0.0, 1.0);
     let from = table.number("from", s)?.ok_or_else(|| needed("from"))?;
     let to = table.number("to", s)?.ok_or_else(|| needed("to"))?;
     if from.value <= to.value {
@@ -302,19 +305,19 @@ fn section(table: &Section<'_>, tools: &[Tool]) -> Result<SectionSetup, InputErr
     let feed = match table.string("feed")? {
         None => None,
         Some(feed) => Some(match feed.value {
-            "inward" => Feed::Inward,
-            "outward" => Feed::Outward,
+            "inward" => CutDirection::Inward,
+            "outward" => CutDirection::Outward,
             other => {
-                let what = format!("{} is not a cutting direction", super::source::shown(other));
+                let what = format!("{} is not a cutting direction", super::source::quote_for_message(other));
                 return Err(table.fault_at(feed.at, what, "use \"inward\" or \"outward\""));
             }
         }),
     };
     let rest = table.boolean("rest")?.is_some_and(|rest| rest.value);
-    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, feed, rest })
+    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, cut_direction: feed, rest })
 }
 
-fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
+fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
     table.check_keys(&[
         "tool",
         "scheme",
@@ -327,18 +330,18 @@ fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> 
         "ramp_feed",
     ])?;
     if let Some(scheme) = table.string("scheme")? {
-        flank.scheme =
-            flank_scheme(scheme.value).map_err(|(what, cure)| table.fault_at(scheme.at, what, cure))?;
+        flank.strategy = parse_flank_strategy(scheme.value)
+            .map_err(|(what, cure)| table.fault_at(scheme.at, what, cure))?;
     }
     // The tool number is not checked against the tools: a setup for plunging may not list the flank tool yet.
     flank.tool = table.whole("tool", 1, MAX_NUMBER)?.map(|tool| tool.value);
     flank.layer_depth = table.number_or("layer_depth", LENGTH, flank.layer_depth)?;
-    flank.allowed_error = table.number_or("allowed_error", LENGTH, flank.allowed_error)?;
-    flank.extension = table.number("extension", ALLOWANCE)?.map(|x| x.value);
-    flank.feed = table.number("feed", RATE)?.map(|x| x.value);
-    flank.slot_feed = table.number("slot_feed", RATE)?.map(|x| x.value);
-    flank.wall_feed = table.number("wall_feed", RATE)?.map(|x| x.value);
-    flank.ramp_feed = table.number("ramp_feed", RATE)?.map(|x| x.value);
+    flank.scallop_height = table.number_or("allowed_error", LENGTH, flank.scallop_height)?;
+    flank.lead_in_out = table.number("extension", ALLOWANCE)?.map(|x| x.value);
+    flank.feed_mm_per_min = table.number("feed", RATE)?.map(|x| x.value);
+    flank.slot_feed_mm_per_min = table.number("slot_feed", RATE)?.map(|x| x.value);
+    flank.wall_feed_mm_per_min = table.number("wall_feed", RATE)?.map(|x| x.value);
+    flank.ramp_feed_mm_per_min = table.number("ramp_feed", RATE)?.map(|x| x.value);
     Ok(())
 }
 
@@ -346,11 +349,11 @@ fn flank(table: &Section<'_>, flank: &mut FlankSetup) -> Result<(), InputError> 
 ///
 /// # Errors
 /// When no strategy has this name: what is wrong, and what to do.
-pub fn flank_scheme(name: &str) -> Result<FlankScheme, (String, String)> {
-    FlankScheme::ALL.into_iter().find(|scheme| scheme.name() == name).ok_or_else(|| {
-        let near = nearest(name, &FlankScheme::ALL.map(FlankScheme::name)).unwrap_or("");
+pub fn parse_flank_strategy(name: &str) -> Result<FlankStrategy, (String, String)> {
+    FlankStrategy::ALL.into_iter().find(|scheme| scheme.name() == name).ok_or_else(|| {
+        let near = nearest(name, &FlankStrategy::ALL.map(FlankStrategy::name)).unwrap_or("");
         (
-            format!("{} is not a flank strategy", super::source::shown(name)),
+            format!("{} is not a flank strategy", super::source::quote_for_message(name)),
             format!(
                 "use \"isoparametric\", \"layers\", \"regions\" or \"balanced\" \
                  (the nearest name is `{near}`)"
@@ -372,7 +375,7 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     if let Some(part) = &setup.part {
         writeln!(out, "part = {}\n", quoted(part))?;
     }
-    let stock = &setup.stock;
+    let stock = &setup.allowances;
     writeln!(out, "[stock]")?;
     writeln!(out, "hub_allowance = {:?}", stock.hub_allowance)?;
     writeln!(out, "blade_allowance = {:?}", stock.blade_allowance)?;
@@ -394,21 +397,21 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     if let Some(step) = plunge.step {
         writeln!(out, "step = {step:?}")?;
     }
-    if let Some(spacing) = plunge.row_spacing {
+    if let Some(spacing) = plunge.stepover {
         writeln!(out, "row_spacing = {spacing:?}")?;
     }
     writeln!(out, "wall_scallop = {:?}", plunge.wall_scallop)?;
-    writeln!(out, "max_axis_change = {}", degrees_text(plunge.max_axis_change))?;
-    writeln!(out, "max_tilt = {}", degrees_text(plunge.max_tilt))?;
+    writeln!(out, "max_axis_change = {}", degrees_text(plunge.max_axis_change_rad))?;
+    writeln!(out, "max_tilt = {}", degrees_text(plunge.max_tilt_rad))?;
     if !plunge.rest {
         writeln!(out, "rest = false")?;
     }
     for section in &plunge.sections {
         writeln!(out, "\n[[plunge.section]]\ntool = {}", section.tool)?;
         writeln!(out, "from = {:?}\nto = {:?}", section.from, section.to)?;
-        match section.feed {
-            Some(Feed::Inward) => writeln!(out, "feed = \"inward\"")?,
-            Some(Feed::Outward) => writeln!(out, "feed = \"outward\"")?,
+        match section.cut_direction {
+            Some(CutDirection::Inward) => writeln!(out, "feed = \"inward\"")?,
+            Some(CutDirection::Outward) => writeln!(out, "feed = \"outward\"")?,
             None => {}
         }
         if section.rest {
@@ -419,25 +422,25 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     if let Some(tool) = setup.flank.tool {
         writeln!(out, "tool = {tool}")?;
     }
-    writeln!(out, "scheme = \"{}\"", setup.flank.scheme.name())?;
+    writeln!(out, "scheme = \"{}\"", setup.flank.strategy.name())?;
     writeln!(out, "layer_depth = {:?}", setup.flank.layer_depth)?;
-    writeln!(out, "allowed_error = {:?}", setup.flank.allowed_error)?;
-    if let Some(extension) = setup.flank.extension {
+    writeln!(out, "allowed_error = {:?}", setup.flank.scallop_height)?;
+    if let Some(extension) = setup.flank.lead_in_out {
         writeln!(out, "extension = {extension:?}")?;
     }
     let flank = &setup.flank;
     for (key, feed) in [
-        ("feed", flank.feed),
-        ("slot_feed", flank.slot_feed),
-        ("wall_feed", flank.wall_feed),
-        ("ramp_feed", flank.ramp_feed),
+        ("feed", flank.feed_mm_per_min),
+        ("slot_feed", flank.slot_feed_mm_per_min),
+        ("wall_feed", flank.wall_feed_mm_per_min),
+        ("ramp_feed", flank.ramp_feed_mm_per_min),
     ] {
         if let Some(feed) = feed {
             writeln!(out, "{key} = {feed:?}")?;
         }
     }
     if setup.machine != Setup::default().machine {
-        writeln!(out, "\n[machine]\nmax_axis_tilt = {}", degrees_text(setup.machine.max_axis_tilt))?;
+        writeln!(out, "\n[machine]\nmax_axis_tilt = {}", degrees_text(setup.machine.max_axis_tilt_rad))?;
     }
     Ok(())
 }
@@ -493,7 +496,7 @@ tool = 4
     fn reads_every_key_and_fills_in_the_rest() {
         let setup = read(SAMPLE).unwrap();
         assert_eq!(setup.part.as_deref(), Some("D 532"));
-        assert_eq!((setup.stock.hub_allowance, setup.stock.blade_allowance), (0.25, 0.5));
+        assert_eq!((setup.allowances.hub_allowance, setup.allowances.blade_allowance), (0.25, 0.5));
         assert_eq!((setup.tools[0].number, setup.tools[0].core_radius()), (7, 5.0));
         let second = Tool {
             number: 2,
@@ -506,9 +509,9 @@ tool = 4
         };
         assert_eq!(setup.tools[1], second);
         assert_eq!(setup.plunge.axis, AxisPolicy::Conventional);
-        assert_eq!((setup.plunge.step, setup.plunge.row_spacing), (Some(8.0), None));
-        assert_eq!(setup.plunge.max_tilt, 30f64.to_radians());
-        assert_eq!(setup.plunge.sections[0].feed, Some(Feed::Outward));
+        assert_eq!((setup.plunge.step, setup.plunge.stepover), (Some(8.0), None));
+        assert_eq!(setup.plunge.max_tilt_rad, 30f64.to_radians());
+        assert_eq!(setup.plunge.sections[0].cut_direction, Some(CutDirection::Outward));
         assert_eq!((setup.plunge.rest, setup.plunge.sections[0].rest), (false, false));
         assert!(setup.plunge.sections[1].rest);
         assert_eq!((setup.flank.tool, setup.flank.layer_depth), (Some(4), 3.0));

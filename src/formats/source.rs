@@ -52,7 +52,7 @@ impl Source<'_> {
         if mm.abs() > MAX_COORDINATE {
             return Err(self.fault(
                 line,
-                format!("{} is more than 1,000,000 mm", shown(token)),
+                format!("{} is more than 1,000,000 mm", quote_for_message(token)),
                 "check the number and the units of the file",
             ));
         }
@@ -68,7 +68,7 @@ impl Source<'_> {
             Ok(n) if n.fract() == 0.0 && (1.0..=MAX_BLADES as f64).contains(&n) => Ok(n as usize),
             _ => Err(self.fault(
                 line,
-                format!("{} is not a valid number of blades", shown(token)),
+                format!("{} is not a valid number of blades", quote_for_message(token)),
                 format!("give a whole number from 1 to {MAX_BLADES}"),
             )),
         }
@@ -102,15 +102,17 @@ impl Source<'_> {
 /// When `token` is not such a number: what is wrong with it.
 pub fn number(token: &str) -> Result<f64, String> {
     match token.parse::<f64>() {
-        Err(_) => Err(format!("{} is not a number", shown(token))),
-        Ok(x) if !x.is_finite() => Err(format!("{} is not a finite number", shown(token))),
-        Ok(x) if x.abs() > MAX_COORDINATE => Err(format!("{} is larger than 1,000,000", shown(token))),
+        Err(_) => Err(format!("{} is not a number", quote_for_message(token))),
+        Ok(x) if !x.is_finite() => Err(format!("{} is not a finite number", quote_for_message(token))),
+        Ok(x) if x.abs() > MAX_COORDINATE => {
+            Err(format!("{} is larger than 1,000,000", quote_for_message(token)))
+        }
         Ok(x) => Ok(x),
     }
 }
 
 /// Quotes file contents for a message: one line, at most 40 characters, in backquotes.
-pub fn shown(token: &str) -> String {
+pub fn quote_for_message(token: &str) -> String {
     let mut text: String = token.chars().take(40).flat_map(char::escape_debug).collect();
     if token.chars().nth(40).is_some() {
         text.push('…');
@@ -227,8 +229,8 @@ mod tests {
 
     #[test]
     fn messages_stay_one_short_line() {
-        assert_eq!(shown("a\nb"), "`a\\nb`");
-        assert!(shown(&"y".repeat(1000)).len() < 60);
+        assert_eq!(quote_for_message("a\nb"), "`a\\nb`");
+        assert!(quote_for_message(&"y".repeat(1000)).len() < 60);
     }
 
     #[test]

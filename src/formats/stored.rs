@@ -8,12 +8,12 @@ use crate::geometry::{Point, Vector};
 use crate::part::{Impeller, PartDescription, Setup};
 
 /// Maximum absolute coordinate, mm.
-const FURTHEST: f64 = 1e6;
+const MAX_COORDINATE: f64 = 1e6;
 /// Tolerance on the length of a unit axis.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
 /// The part and setup that a plan was made from.
-pub(super) struct Origin {
+pub(super) struct StoredInputs {
     pub(super) description: PartDescription,
     pub(super) part: Impeller,
     pub(super) setup: Setup,
@@ -30,11 +30,12 @@ pub(super) fn check_version(name: &str, kind: &str, version: u32, known: u32) ->
 }
 
 /// Reads the part and setup of a plan file from the texts under its keys `part` and `setup`.
-pub(super) fn origin(name: &str, part: &str, setup: &str) -> Result<Origin, InputError> {
+pub(super) fn read_inputs(name: &str, part: &str, setup: &str) -> Result<StoredInputs, InputError> {
     let place = inside(name, "part");
     let description = read_part_bytes(&place, part.as_bytes(), "toml")?;
-    let part = Impeller::build(&description).map_err(|e| InputError::new(&place, e.line, e.what, e.cure))?;
-    Ok(Origin { description, part, setup: setup_within(name, "setup", setup)? })
+    let part =
+        Impeller::build(&description).map_err(|e| InputError::new(&place, e.line, e.message, e.help))?;
+    Ok(StoredInputs { description, part, setup: setup_within(name, "setup", setup)? })
 }
 
 /// Reads the setup that is embedded in the file `name` under `what`.
@@ -53,8 +54,8 @@ pub(super) fn damaged(name: &str, what: impl Into<String>) -> InputError {
 }
 
 /// Whether all `numbers` are finite and within the coordinate limit, mm.
-pub(super) fn are_sane<'n>(numbers: impl IntoIterator<Item = &'n f64>) -> bool {
-    numbers.into_iter().all(|x| x.abs() < FURTHEST)
+pub(super) fn are_coordinates<'n>(numbers: impl IntoIterator<Item = &'n f64>) -> bool {
+    numbers.into_iter().all(|x| x.abs() < MAX_COORDINATE)
 }
 
 /// A point from its coordinates in a file, mm.

@@ -5,7 +5,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::InputError;
-use super::source::{self, Source, shown};
+use super::source::{self, Source, quote_for_message};
 
 /// Maximum number of list items in a document: 1,000,000 points of three numbers have 4,000,000.
 const MAX_ITEMS: usize = 5_000_000;
@@ -56,13 +56,13 @@ fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
 }
 
 /// Text of a document and the offsets of its line ends.
-pub struct Document<'a> {
+pub struct TomlDocument<'a> {
     source: Source<'a>,
     text: &'a str,
     newlines: Vec<usize>,
 }
 
-impl<'a> Document<'a> {
+impl<'a> TomlDocument<'a> {
     /// Checks the bytes and finds the line ends.
     ///
     /// # Errors
@@ -88,8 +88,8 @@ impl<'a> Document<'a> {
     }
 
     /// The root table.
-    pub fn root<'t>(&'t self, table: &'t Spanned<DeTable<'a>>) -> Section<'t> {
-        Section { doc: self, name: String::new(), table: table.get_ref(), at: 0 }
+    pub fn root<'t>(&'t self, table: &'t Spanned<DeTable<'a>>) -> TomlTable<'t> {
+        TomlTable { doc: self, name: String::new(), table: table.get_ref(), at: 0 }
     }
 
     /// Line of a byte offset.
@@ -105,7 +105,7 @@ impl<'a> Document<'a> {
 
 /// Allowed values of a number.
 #[derive(Clone, Copy)]
-pub enum Range {
+pub enum NumberRange {
     /// Both ends allowed.
     Between(f64, f64),
     /// Lower end not allowed, upper end allowed.
@@ -114,7 +114,7 @@ pub enum Range {
     Within(f64, f64),
 }
 
-impl Range {
+impl NumberRange {
     fn holds(self, x: f64) -> bool {
         match self {
             Self::Between(a, b) => a <= x && x <= b,
@@ -142,25 +142,25 @@ impl Range {
 
 /// A value and its byte offset.
 #[derive(Clone, Copy)]
-pub struct At<T> {
+pub struct Located<T> {
     /// The value.
     pub value: T,
-    /// Byte offset, for [`Document::fault`].
+    /// Byte offset, for [`TomlDocument::fault`].
     pub at: usize,
 }
 
 /// Rows of `N` numbers, each with its byte offset.
-pub type Rows<const N: usize> = Vec<At<[f64; N]>>;
+pub type NumberRows<const N: usize> = Vec<Located<[f64; N]>>;
 
 /// One table of a document.
-pub struct Section<'t> {
-    doc: &'t Document<'t>,
+pub struct TomlTable<'t> {
+    doc: &'t TomlDocument<'t>,
     name: String,
     table: &'t DeTable<'t>,
     at: usize,
 }
 
-impl<'t> Section<'t> {
+impl<'t> TomlTable<'t> {
     /// Line of the table's header.
     pub fn line(&self) -> usize {
         self.doc.line(self.at)
@@ -198,7 +198,7 @@ impl<'t> Section<'t> {
         let near = nearest(name, known).unwrap_or_default();
         Err(self.doc.fault(
             key.span().start,
-            format!("unknown key {} in {}", shown(name), self.shown()),
+            format!("unknown key {} in {}", quote_for_message(name), self.shown()),
             format!("use `{near}`, the nearest known key, or remove it"),
         ))
     }
@@ -207,19 +207,19 @@ impl<'t> Section<'t> {
     ///
     /// # Errors
     /// When the value is not a number or is outside `range`.
-    pub fn number(&self, key: &str, range: Range) -> Result<Option<At<f64>>, InputError> {
+    pub fn number(&self, key: &str, range: NumberRange) -> Result<Option<Located<f64>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let x = self.number_of(key, value)?;
         let at = value.span().start;
         range.check(x).map_err(|cure| self.doc.fault(at, format!("`{key}` is {x}"), cure))?;
-        Ok(Some(At { value: x, at }))
+        Ok(Some(Located { value: x, at }))
     }
 
     /// A number within `range`, or `default` when the key is absent.
     ///
     /// # Errors
     /// As [`Self::number`].
-    pub fn number_or(&self, key: &str, range: Range, default: f64) -> Result<f64, InputError> {
+    pub fn number_or(&self, key: &str, range: NumberRange, default: f64) -> Result<f64, InputError> {
         Ok(self.number(key, range)?.map_or(default, |x| x.value))
     }
 
@@ -241,7 +241,7 @@ impl<'t> Section<'t> {
     ///
     /// # Errors
     /// When the value is not such a number.
-    pub fn whole(&self, key: &str, low: u32, high: u32) -> Result<Option<At<u32>>, InputError> {
+    pub fn whole(&self, key: &str, low: u32, high: u32) -> Result<Option<Located<u32>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let at = value.span().start;
         let whole = match value.get_ref() {
@@ -249,7 +249,7 @@ impl<'t> Section<'t> {
             _ => None,
         };
         match whole {
-            Some(n) if (low..=high).contains(&n) => Ok(Some(At { value: n, at })),
+            Some(n) if (low..=high).contains(&n) => Ok(Some(Located { value: n, at })),
             _ => Err(self.doc.fault(
                 at,
                 format!("`{key}` is not a whole number from {low} to {high}"),
@@ -262,11 +262,11 @@ impl<'t> Section<'t> {
     ///
     /// # Errors
     /// When the value is not a string.
-    pub fn string(&self, key: &str) -> Result<Option<At<&'t str>>, InputError> {
+    pub fn string(&self, key: &str) -> Result<Option<Located<&'t str>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let at = value.span().start;
         match value.get_ref() {
-            DeValue::String(text) => Ok(Some(At { value: text.as_ref(), at })),
+            DeValue::String(text) => Ok(Some(Located { value: text.as_ref(), at })),
             other => {
                 let what = format!("`{key}` holds a {}, not a text", other.type_str());
                 Err(self.doc.fault(at, what, "put it in quotes"))
@@ -278,11 +278,11 @@ impl<'t> Section<'t> {
     ///
     /// # Errors
     /// When the value is not a boolean.
-    pub fn boolean(&self, key: &str) -> Result<Option<At<bool>>, InputError> {
+    pub fn boolean(&self, key: &str) -> Result<Option<Located<bool>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let at = value.span().start;
         match value.get_ref() {
-            DeValue::Boolean(value) => Ok(Some(At { value: *value, at })),
+            DeValue::Boolean(value) => Ok(Some(Located { value: *value, at })),
             other => {
                 let what = format!("`{key}` holds a {}, not true or false", other.type_str());
                 Err(self.doc.fault(at, what, "write true or false, without quotes"))
@@ -290,10 +290,10 @@ impl<'t> Section<'t> {
         }
     }
 
-    fn child(&self, key: &str, value: &'t Spanned<DeValue<'t>>) -> Result<Section<'t>, InputError> {
+    fn child(&self, key: &str, value: &'t Spanned<DeValue<'t>>) -> Result<TomlTable<'t>, InputError> {
         let name = if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) };
         match value.get_ref() {
-            DeValue::Table(table) => Ok(Section { doc: self.doc, name, table, at: value.span().start }),
+            DeValue::Table(table) => Ok(TomlTable { doc: self.doc, name, table, at: value.span().start }),
             _ => Err(self.doc.fault(
                 value.span().start,
                 format!("`{key}` is not a table"),
@@ -306,7 +306,7 @@ impl<'t> Section<'t> {
     ///
     /// # Errors
     /// When the value is not a table.
-    pub fn table(&self, key: &str) -> Result<Option<Section<'t>>, InputError> {
+    pub fn table(&self, key: &str) -> Result<Option<TomlTable<'t>>, InputError> {
         self.get(key).map(|value| self.child(key, value)).transpose()
     }
 
@@ -314,7 +314,7 @@ impl<'t> Section<'t> {
     ///
     /// # Errors
     /// When the value is not a list of tables.
-    pub fn tables(&self, key: &str) -> Result<Vec<Section<'t>>, InputError> {
+    pub fn tables(&self, key: &str) -> Result<Vec<TomlTable<'t>>, InputError> {
         let Some(value) = self.get(key) else { return Ok(Vec::new()) };
         match value.get_ref() {
             DeValue::Array(list) => list.iter().map(|item| self.child(key, item)).collect(),
@@ -330,17 +330,17 @@ impl<'t> Section<'t> {
     ///
     /// # Errors
     /// When the value is not a list of finite numbers.
-    pub fn numbers(&self, key: &str) -> Result<Option<At<Vec<f64>>>, InputError> {
+    pub fn numbers(&self, key: &str) -> Result<Option<Located<Vec<f64>>>, InputError> {
         let Some((list, at)) = self.list(key)? else { return Ok(None) };
         let numbers = list.iter().map(|item| self.number_of(key, item)).collect::<Result<_, _>>()?;
-        Ok(Some(At { value: numbers, at }))
+        Ok(Some(Located { value: numbers, at }))
     }
 
     /// A list of rows of `N` numbers, if the key is present; each row with its byte offset.
     ///
     /// # Errors
     /// When the value is not a list of such rows.
-    pub fn rows<const N: usize>(&self, key: &str) -> Result<Option<At<Rows<N>>>, InputError> {
+    pub fn rows<const N: usize>(&self, key: &str) -> Result<Option<Located<NumberRows<N>>>, InputError> {
         let Some((list, at)) = self.list(key)? else { return Ok(None) };
         let mut rows = Vec::with_capacity(list.len());
         for item in list {
@@ -356,9 +356,9 @@ impl<'t> Section<'t> {
             for (number, value) in numbers.iter_mut().zip(row.iter()) {
                 *number = self.number_of(key, value)?;
             }
-            rows.push(At { value: numbers, at: place });
+            rows.push(Located { value: numbers, at: place });
         }
-        Ok(Some(At { value: rows, at }))
+        Ok(Some(Located { value: rows, at }))
     }
 
     fn list(&self, key: &str) -> Result<Option<(&'t toml::de::DeArray<'t>, usize)>, InputError> {
@@ -463,7 +463,7 @@ mod tests {
     #[test]
     fn lines_and_nesting() {
         let text = "a = 1\n\n[b]\nc = [[1, 2],\n [3, nan]]\n[[d.e]]\nf = 1";
-        let doc = Document::new("f", text.as_bytes()).unwrap();
+        let doc = TomlDocument::new("f", text.as_bytes()).unwrap();
         let tree = doc.parse().unwrap();
         let root = doc.root(&tree);
         let b = root.table("b").unwrap().unwrap();
@@ -472,15 +472,15 @@ mod tests {
         assert_eq!(root.table("d").unwrap().unwrap().tables("e").unwrap()[0].line(), 6);
         assert_eq!(root.check_keys(&["a", "b"]).unwrap_err().line, 6);
         let deep = "[".repeat(200_000);
-        assert!(Document::new("f", format!("a = {deep}").as_bytes()).unwrap().parse().is_err());
+        assert!(TomlDocument::new("f", format!("a = {deep}").as_bytes()).unwrap().parse().is_err());
     }
 
     #[test]
     fn trees_too_large_to_build_are_refused() {
         for (piece, times) in [("[1],", 3_000_000), ("a.b.c=1\n", 70_000), ("# \n", 6_000_000)] {
             let text = piece.repeat(times);
-            let error = Document::new("f", text.as_bytes()).err().expect(piece);
-            assert!(error.what.contains("more than"), "{error}");
+            let error = TomlDocument::new("f", text.as_bytes()).err().expect(piece);
+            assert!(error.message.contains("more than"), "{error}");
         }
     }
 }

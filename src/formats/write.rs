@@ -12,16 +12,16 @@ use super::source::name_of;
 ///
 /// # Errors
 /// When `path` is not a regular file, or the file cannot be written or renamed.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
-    write_together(&[(path.to_owned(), bytes)])
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
+    write_all_atomically(&[(path.to_owned(), bytes)])
 }
 
-/// Writes several files as [`write_whole`] does; none is renamed before all are on the disk.
+/// Writes several files as [`write_atomically`] does; none is renamed before all are on the disk.
 ///
 /// # Errors
-/// As [`write_whole`].
-pub fn write_together(files: &[(PathBuf, &[u8])]) -> Result<(), InputError> {
-    let mut waiting = Waiting(Vec::new());
+/// As [`write_atomically`].
+pub fn write_all_atomically(files: &[(PathBuf, &[u8])]) -> Result<(), InputError> {
+    let mut waiting = TemporaryFiles(Vec::new());
     for (path, bytes) in files {
         waiting.0.push(write_beside(path, bytes)?);
     }
@@ -32,9 +32,9 @@ pub fn write_together(files: &[(PathBuf, &[u8])]) -> Result<(), InputError> {
 }
 
 /// Temporary files that are not renamed yet; on drop, the remaining ones are removed.
-struct Waiting(Vec<PathBuf>);
+struct TemporaryFiles(Vec<PathBuf>);
 
-impl Drop for Waiting {
+impl Drop for TemporaryFiles {
     fn drop(&mut self) {
         for temporary in &self.0 {
             // Renamed files no longer exist under this name, so the error is ignored.
@@ -116,8 +116,8 @@ mod tests {
     fn writes_and_replaces() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
-        write_whole(&path, b"old and longer").unwrap();
-        write_whole(&path, b"new").unwrap();
+        write_atomically(&path, b"old and longer").unwrap();
+        write_atomically(&path, b"new").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"new");
         assert_eq!(names(folder.path()), ["a.json"]);
     }
@@ -125,12 +125,12 @@ mod tests {
     #[test]
     fn failures_leave_nothing_behind() {
         let folder = tempfile::tempdir().unwrap();
-        let error = write_whole(&folder.path().join("no/such/a.json"), b"x").unwrap_err();
+        let error = write_atomically(&folder.path().join("no/such/a.json"), b"x").unwrap_err();
         assert!(error.to_string().contains("make the folder first"), "{error}");
-        let error = write_whole(folder.path(), b"x").unwrap_err();
+        let error = write_atomically(folder.path(), b"x").unwrap_err();
         assert!(error.to_string().contains("is a folder"), "{error}");
-        assert!(write_whole(&folder.path().join(".."), b"x").is_err());
-        assert!(write_whole(Path::new(""), b"x").is_err());
+        assert!(write_atomically(&folder.path().join(".."), b"x").is_err());
+        assert!(write_atomically(Path::new(""), b"x").is_err());
         assert!(names(folder.path()).is_empty());
     }
 }

@@ -6,14 +6,14 @@ use super::Point;
 
 /// Points in a uniform grid, numbered in insertion order.
 #[derive(Clone, Debug)]
-pub struct Cells {
+pub struct ProximityGrid {
     /// Edge of a cell = radius of a query, mm.
     edge: f64,
     cells: HashMap<[i64; 3], Vec<(usize, Point)>>,
     count: usize,
 }
 
-impl Cells {
+impl ProximityGrid {
     /// An empty grid for queries of radius `reach` mm.
     pub fn new(reach: f64) -> Self {
         Self { edge: reach.max(1e-6), cells: HashMap::new(), count: 0 }
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn points_within_reach_are_found_from_a_number_on() {
         let at = |i: usize| Point::new((i * 37 % 101) as f64, (i * 53 % 89) as f64, (i % 7) as f64 - 3.0);
-        let mut cells = Cells::new(6.0);
+        let mut cells = ProximityGrid::new(6.0);
         (0..400).for_each(|i| cells.push(at(i)));
         assert_eq!(cells.len(), 400);
         let mut found = 0;

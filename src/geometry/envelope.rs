@@ -14,7 +14,7 @@ pub struct EnvelopeLine {
 
 impl EnvelopeLine {
     /// y of the line at `x`.
-    pub fn at(&self, x: f64) -> f64 {
+    pub fn y_at(&self, x: f64) -> f64 {
         self.offset + self.slope * x
     }
 }
@@ -112,7 +112,7 @@ mod tests {
                 .enumerate().map(|(i, (&y, &x))| [x + 0.1 * i as f64, y]).collect();
             let line = envelope_above(&points).expect("points differ in x");
             for p in &points {
-                let over = line.at(p[0]) - p[1];
+                let over = line.y_at(p[0]) - p[1];
                 prop_assert!(over > -1e-9 && over < line.gap + 1e-9, "{over} of {line:?} at {p:?}");
             }
             for i in -4000..=4000 {

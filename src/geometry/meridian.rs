@@ -10,7 +10,7 @@ pub struct MeridionalCurve {
     /// Power-basis coefficients of equally long segments.
     segments: Vec<[[f64; 2]; 4]>,
     /// Points at equal arc lengths, from which a projection starts.
-    looks: Vec<[f64; 2]>,
+    samples: Vec<[f64; 2]>,
     step: f64,
     per_step: f64,
     length: f64,
@@ -35,11 +35,11 @@ pub struct CurvePoint {
 /// is of second order in the step, that in the distance of fourth order.
 const PROJECTION_STEP: f64 = 1e-4;
 /// The same where steps are limited near a centre of curvature, as convergence is only linear there.
-const HELD_BACK_STEP: f64 = 1e-6;
+const LIMITED_PROJECTION_STEP: f64 = 1e-6;
 /// Minimum divisor of a Newton step, as a share of the squared speed.
-const LEAST_BEND: f64 = 0.25;
+const MIN_BEND: f64 = 0.25;
 /// Number of intervals between the start points of a projection.
-const LOOKS: usize = 48;
+const PROJECTION_SAMPLES: usize = 48;
 
 impl MeridionalCurve {
     /// Converts a curve of any parametrisation. `segments` of equal arc length are interpolated through exact
@@ -93,14 +93,14 @@ impl MeridionalCurve {
             })
             .collect();
         let step = length / count as f64;
-        let mut curve = Self { segments, looks: Vec::new(), step, per_step: 1.0 / step, length, side: 1.0 };
-        let looks = LOOKS.min(count);
-        curve.looks = (0..=looks).map(|i| curve.raw(length * i as f64 / looks as f64).0).collect();
+        let mut curve = Self { segments, samples: Vec::new(), step, per_step: 1.0 / step, length, side: 1.0 };
+        let looks = PROJECTION_SAMPLES.min(count);
+        curve.samples = (0..=looks).map(|i| curve.raw(length * i as f64 / looks as f64).0).collect();
         curve
     }
 
     /// The same curve with its outer side towards the point `outside`.
-    pub fn facing(mut self, outside: Meridional) -> Self {
+    pub fn with_outer_side_towards(mut self, outside: Meridional) -> Self {
         let (t, _) = self.project(outside);
         let here = self.at(t);
         let towards = (outside.r - here.point.r) * here.normal.r + (outside.z - here.point.z) * here.normal.z;
@@ -181,22 +181,22 @@ impl MeridionalCurve {
             dr * dr + dz * dz
         };
         let mut best = (f64::INFINITY, 0);
-        for (i, p) in self.looks.iter().enumerate() {
+        for (i, p) in self.samples.iter().enumerate() {
             let d = squared(p);
             if d < best.0 {
                 best = (d, i);
             }
         }
-        let apart = self.length / (self.looks.len() - 1) as f64;
+        let apart = self.length / (self.samples.len() - 1) as f64;
         let mut found = self.project_near(to, apart * best.1 as f64, apart);
         // Other local minima among the samples may be nearer between two samples.
         let worth = found.1.abs() + 0.5 * apart;
-        let last = self.looks.len() - 1;
+        let last = self.samples.len() - 1;
         for i in (0..=last).filter(|i| i.abs_diff(best.1) > 1) {
-            let here = squared(&self.looks[i]);
+            let here = squared(&self.samples[i]);
             if here < worth * worth
-                && (i == 0 || here <= squared(&self.looks[i - 1]))
-                && (i == last || here <= squared(&self.looks[i + 1]))
+                && (i == 0 || here <= squared(&self.samples[i - 1]))
+                && (i == last || here <= squared(&self.samples[i + 1]))
             {
                 let other = self.project_near(to, apart * i as f64, apart);
                 if other.1.abs() < found.1.abs() {
@@ -217,11 +217,11 @@ impl MeridionalCurve {
             let squared_speed = d1[0] * d1[0] + d1[1] * d1[1];
             let along = dr * d1[0] + dz * d1[1];
             let bend = squared_speed - (dr * d2[0] + dz * d2[1]);
-            let least_bend = LEAST_BEND * squared_speed;
-            let next = (t + along / bend.max(least_bend)).clamp(low, high);
+            let min_bend = MIN_BEND * squared_speed;
+            let next = (t + along / bend.max(min_bend)).clamp(low, high);
             let moved = next - t;
             t = next;
-            if moved.abs() < if bend < least_bend { HELD_BACK_STEP } else { PROJECTION_STEP } {
+            if moved.abs() < if bend < min_bend { LIMITED_PROJECTION_STEP } else { PROJECTION_STEP } {
                 // At this distance, the second-order expansion of the curve is accurate enough.
                 let rest = |k: usize, d: f64| d - moved * (d1[k] + 0.5 * moved * d2[k]);
                 let (dr, dz) = (rest(0, dr), rest(1, dz));
@@ -301,7 +301,7 @@ mod tests {
                 Meridional { r: 100.0 - 50.0 * a.cos(), z: 50.0 * a.sin() }
             })
             .collect();
-        MeridionalCurve::through(&points).facing(Meridional { r: 100.0, z: 0.0 })
+        MeridionalCurve::through(&points).with_outer_side_towards(Meridional { r: 100.0, z: 0.0 })
     }
 
     #[test]

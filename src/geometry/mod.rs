@@ -7,7 +7,7 @@ pub mod envelope;
 pub mod meridian;
 pub mod search;
 
-pub use cells::Cells;
+pub use cells::ProximityGrid;
 pub use cubic::Cubic;
 pub use cutter::CutterSolid;
 pub use meridian::MeridionalCurve;
@@ -100,7 +100,7 @@ impl Circle {
 
     /// Point at an angle given as (sin, cos), and its derivative with respect to the angle.
     #[inline]
-    pub fn at(&self, (sin, cos): (f64, f64)) -> (Point, Vector) {
+    pub fn point_and_derivative(&self, (sin, cos): (f64, f64)) -> (Point, Vector) {
         let (e1, e2) = self.radii;
         (self.centre + e1 * cos + e2 * sin, e2 * cos - e1 * sin)
     }
@@ -108,7 +108,7 @@ impl Circle {
 
 /// Derivative of the distance of `point` from the circle about the rotation axis through `foot`, as the
 /// point moves along `direction`; mm per unit of `direction`.
-pub fn receding(point: &Point, direction: &Vector, foot: Meridional) -> f64 {
+pub fn distance_rate(point: &Point, direction: &Vector, foot: Meridional) -> f64 {
     let from = Meridional::of(point);
     let (dr, dz) = (from.r - foot.r, from.z - foot.z);
     let radial = (point.x * direction.x + point.y * direction.y) / from.r.max(1e-12);

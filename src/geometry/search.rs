@@ -66,7 +66,7 @@ pub fn root_from(
 
 /// Minimum over a full turn of `f`, which maps an angle (rad) to (value, slope), from `SAMPLES` samples. A
 /// minimum between two samples is searched where one of them is at most `margin` above the lowest sample.
-pub fn least_around<const SAMPLES: usize>(mut f: impl FnMut(f64) -> (f64, f64), margin: f64) -> f64 {
+pub fn min_over_turn<const SAMPLES: usize>(mut f: impl FnMut(f64) -> (f64, f64), margin: f64) -> f64 {
     let step = std::f64::consts::TAU / SAMPLES as f64;
     let samples: [(f64, f64); SAMPLES] = std::array::from_fn(|i| f(step * i as f64));
     let lowest = samples.iter().map(|s| s.0).fold(f64::INFINITY, f64::min);
@@ -77,14 +77,14 @@ pub fn least_around<const SAMPLES: usize>(mut f: impl FnMut(f64) -> (f64, f64), 
             continue;
         }
         let from = step * i as f64;
-        least = least.min(least_in_dip(&mut f, (from, a.1), (from + step, b.1), 1e-5));
+        least = least.min(min_between_slopes(&mut f, (from, a.1), (from + step, b.1), 1e-5));
     }
     least
 }
 
 /// Minimum of `f`, which maps an argument to (value, slope), between the (argument, slope) pairs `from`,
 /// where it falls, and `to`, where it rises; by root search on the slope, to `tolerance` in the argument.
-pub fn least_in_dip(
+pub fn min_between_slopes(
     mut f: impl FnMut(f64) -> (f64, f64),
     from: (f64, f64),
     to: (f64, f64),
@@ -195,7 +195,7 @@ mod tests {
         }
         let wave = |x: f64| ((2.0 * x).cos() + 0.1 * x.sin(), 0.1 * x.cos() - 2.0 * (2.0 * x).sin());
         let least = (0..100_000).map(|i| wave(1e-4 * f64::from(i)).0).fold(f64::INFINITY, f64::min);
-        assert!((least_around::<9>(wave, 0.1) - least).abs() < 1e-7, "two waves");
+        assert!((min_over_turn::<9>(wave, 0.1) - least).abs() < 1e-7, "two waves");
         let jump =
             root_from(|x| if x < 0.7 { -1.0 - x } else { 2.0 + x }, (0.0, -1.0), (1.0, 3.0), 0.5, 1e-6);
         assert!((jump - 0.7).abs() < 1e-6, "a jump: {jump}");

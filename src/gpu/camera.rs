@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-use super::view::{Frame, Framing, View};
+use super::view::{View, ViewTarget, ViewTargets};
 
 /// Projection of the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,13 +23,13 @@ pub struct Camera {
     /// Point in the middle of the picture, mm.
     pub target: Vec3,
     /// Angle of the eye about Z, rad.
-    pub yaw: f32,
+    pub yaw_rad: f32,
     /// Elevation of the eye above the target, −π/2 … π/2 rad.
-    pub pitch: f32,
+    pub pitch_rad: f32,
     /// Distance of the eye from the target, mm.
     pub distance: f32,
     /// Vertical angle of view, rad.
-    pub fov: f32,
+    pub fov_rad: f32,
     /// Projection.
     pub projection: Projection,
     /// +1: Z points up in the picture; −1: down.
@@ -40,7 +40,7 @@ pub struct Camera {
 
 /// A ray from the eye into the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
+pub struct ViewRay {
     /// Origin, mm.
     pub origin: Vec3,
     /// Unit direction.
@@ -50,13 +50,13 @@ pub struct Ray {
 impl Camera {
     /// A camera for a standard view in a picture of `aspect` = width / height. A section number beyond the
     /// plan gives the view of the channel.
-    pub fn standard(view: View, framing: &Framing, aspect: f32) -> Self {
+    pub fn standard(view: View, framing: &ViewTargets, aspect: f32) -> Self {
         let mut camera = Self {
             target: framing.wheel.center,
-            yaw: 0.0,
-            pitch: 0.0,
+            yaw_rad: 0.0,
+            pitch_rad: 0.0,
             distance: 1.0,
-            fov: 28f32.to_radians(),
+            fov_rad: 28f32.to_radians(),
             projection: Projection::Perspective,
             up_sign: framing.up_sign,
             bounds: (framing.wheel.center, framing.wheel.radius),
@@ -64,14 +64,14 @@ impl Camera {
         let iso = framing.wheel.from;
         let frame = match view {
             View::Iso => framing.wheel,
-            View::Front => Frame { from: Vec3::new(iso.x, iso.y, 0.0), ..framing.wheel },
-            View::Top => Frame { from: Vec3::new(0.0, 0.0, framing.up_sign), ..framing.wheel },
+            View::Front => ViewTarget { from: Vec3::new(iso.x, iso.y, 0.0), ..framing.wheel },
+            View::Top => ViewTarget { from: Vec3::new(0.0, 0.0, framing.up_sign), ..framing.wheel },
             View::Channel => framing.channel,
             View::Section(k) => *framing.sections.get(k.wrapping_sub(1)).unwrap_or(&framing.channel),
         };
         camera.look_from(frame.from);
         if view == View::Top {
-            camera.yaw = iso.y.atan2(iso.x);
+            camera.yaw_rad = iso.y.atan2(iso.x);
         }
         camera.fit(frame.center, frame.radius, aspect);
         match view {
@@ -85,15 +85,15 @@ impl Camera {
     /// Rotates the camera so that it looks at its target from `direction`.
     pub fn look_from(&mut self, direction: Vec3) {
         let d = direction.normalize_or(Vec3::X);
-        self.pitch = (d.z * self.up_sign).clamp(-1.0, 1.0).asin();
+        self.pitch_rad = (d.z * self.up_sign).clamp(-1.0, 1.0).asin();
         if d.x.hypot(d.y) > 1e-6 {
-            self.yaw = d.y.atan2(d.x);
+            self.yaw_rad = d.y.atan2(d.x);
         }
     }
 
     /// Targets a sphere and sets the distance so that it fills the picture.
     pub fn fit(&mut self, center: Vec3, radius: f32, aspect: f32) {
-        let half_vertical = self.fov / 2.0;
+        let half_vertical = self.fov_rad / 2.0;
         let half_horizontal = (half_vertical.tan() * aspect).atan();
         let half = half_vertical.min(half_horizontal);
         self.target = center;
@@ -110,7 +110,7 @@ impl Camera {
         // Fixed-point iteration, because the scale depends on each point's depth; it converges fast.
         for _ in 0..12 {
             let (right, up, back) = self.basis();
-            let tan = (self.fov / 2.0).tan();
+            let tan = (self.fov_rad / 2.0).tan();
             let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
             for &point in points {
                 let d = point - self.target;
@@ -134,8 +134,8 @@ impl Camera {
 
     /// Unit vectors right, up and back (towards the viewer), in the world frame.
     pub fn basis(&self) -> (Vec3, Vec3, Vec3) {
-        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
-        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
+        let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch_rad.sin_cos();
         let back = Vec3::new(cos_pitch * cos_yaw, cos_pitch * sin_yaw, self.up_sign * sin_pitch);
         let right = Vec3::new(-sin_yaw, cos_yaw, 0.0) * self.up_sign;
         (right, back.cross(right), back)
@@ -157,10 +157,10 @@ impl Camera {
         let near = (ahead - self.bounds.1).max(far * 2e-3);
         let projection = match self.projection {
             Projection::Perspective => {
-                glam::camera::rh::proj::directx::perspective(self.fov, aspect, near, far)
+                glam::camera::rh::proj::directx::perspective(self.fov_rad, aspect, near, far)
             }
             Projection::Orthographic => {
-                let h = self.distance * (self.fov / 2.0).tan();
+                let h = self.distance * (self.fov_rad / 2.0).tan();
                 let w = h * aspect;
                 // A near plane behind the eye, or zooming in would clip the wheel.
                 let near = ahead - self.bounds.1;
@@ -171,20 +171,20 @@ impl Camera {
     }
 
     /// Ray through a pixel of a picture of `size`.
-    pub fn ray(&self, pixel: Vec2, size: Vec2) -> Ray {
+    pub fn ray(&self, pixel: Vec2, size: Vec2) -> ViewRay {
         let (right, up, back) = self.basis();
-        let h = (self.fov / 2.0).tan();
+        let h = (self.fov_rad / 2.0).tan();
         let x = (2.0 * pixel.x / size.x - 1.0) * h * size.x / size.y;
         let y = (1.0 - 2.0 * pixel.y / size.y) * h;
         match self.projection {
             Projection::Perspective => {
-                Ray { origin: self.eye(), direction: (right * x + up * y - back).normalize() }
+                ViewRay { origin: self.eye(), direction: (right * x + up * y - back).normalize() }
             }
             Projection::Orthographic => {
                 // Start in front of the whole scene, as the eye may be inside the part.
                 let out = self.distance.max((self.bounds.0 - self.target).length() + self.bounds.1 * 1.5);
                 let on_plane = self.target + (right * x + up * y) * self.distance;
-                Ray { origin: on_plane + back * out, direction: -back }
+                ViewRay { origin: on_plane + back * out, direction: -back }
             }
         }
     }
@@ -204,8 +204,8 @@ impl Camera {
         let before = self.basis();
         let offset = self.target - pivot;
         let held = (offset.dot(before.0), offset.dot(before.1), offset.dot(before.2));
-        self.yaw -= pixels.x * RADIANS_PER_PIXEL * self.up_sign;
-        self.pitch = (self.pitch + pixels.y * RADIANS_PER_PIXEL).clamp(-FRAC_PI_2, FRAC_PI_2);
+        self.yaw_rad -= pixels.x * RADIANS_PER_PIXEL * self.up_sign;
+        self.pitch_rad = (self.pitch_rad + pixels.y * RADIANS_PER_PIXEL).clamp(-FRAC_PI_2, FRAC_PI_2);
         let after = self.basis();
         self.target = pivot + after.0 * held.0 + after.1 * held.1 + after.2 * held.2;
     }
@@ -217,7 +217,7 @@ impl Camera {
             Projection::Perspective => (self.eye() - grabbed).dot(back).max(self.distance * 1e-2),
             Projection::Orthographic => self.distance,
         };
-        let mm_per_pixel = 2.0 * depth * (self.fov / 2.0).tan() / size.y;
+        let mm_per_pixel = 2.0 * depth * (self.fov_rad / 2.0).tan() / size.y;
         self.target += (up * pixels.y - right * pixels.x) * mm_per_pixel;
     }
 
@@ -231,19 +231,19 @@ impl Camera {
     }
 
     /// Interpolates to the camera `to` by `share` (0…1); projection and bounds are those of `to`.
-    pub fn towards(&self, to: &Self, share: f32) -> Self {
+    pub fn interpolate_to(&self, to: &Self, share: f32) -> Self {
         if share >= 1.0 {
             return *to;
         }
         let between = |a: f32, b: f32| a + (b - a) * share;
-        let turn = (to.yaw - self.yaw + PI).rem_euclid(TAU) - PI;
+        let turn = (to.yaw_rad - self.yaw_rad + PI).rem_euclid(TAU) - PI;
         Self {
             target: self.target.lerp(to.target, share),
-            yaw: self.yaw + turn * share,
-            pitch: between(self.pitch, to.pitch),
+            yaw_rad: self.yaw_rad + turn * share,
+            pitch_rad: between(self.pitch_rad, to.pitch_rad),
             // Geometric interpolation, so that the zoom appears uniform.
             distance: self.distance * (to.distance / self.distance.max(1e-6)).powf(share),
-            fov: between(self.fov, to.fov),
+            fov_rad: between(self.fov_rad, to.fov_rad),
             ..*to
         }
     }
@@ -260,8 +260,8 @@ mod tests {
 
     const SIZE: Vec2 = Vec2::new(900.0, 700.0);
 
-    fn framing(up_sign: f32) -> Framing {
-        let wheel = Frame {
+    fn framing(up_sign: f32) -> ViewTargets {
+        let wheel = ViewTarget {
             center: Vec3::new(3.0, -2.0, 10.0),
             radius: 120.0,
             from: Vec3::new(0.4, -0.7, 0.6 * up_sign).normalize(),
@@ -272,9 +272,9 @@ mod tests {
                 Vec3::new(3.0 + r * cos, r * sin - 2.0, z)
             })
         };
-        Framing {
+        ViewTargets {
             wheel,
-            channel: Frame { radius: 40.0, ..wheel },
+            channel: ViewTarget { radius: 40.0, ..wheel },
             sections: vec![],
             wheel_outline: ring(110.0, -20.0).chain(ring(40.0, 50.0)).collect(),
             channel_outline: ring(30.0, 10.0).collect(),

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::camera::Ray;
+use super::camera::ViewRay;
 use super::mesh::{LineColour, Segment, polyline};
 use crate::plunge::plan::{Condition, PlungePlan};
 
@@ -17,11 +17,11 @@ pub enum CutterState {
     /// The axis that the policy requires is not possible there.
     Blocked = 1,
     /// The core meets stock.
-    Interferential = 2,
+    Interfering = 2,
     /// Selected by the user.
     Selected = 3,
     /// Contact of the core is not evaluated yet.
-    Unjudged = 4,
+    Unevaluated = 4,
 }
 
 /// Which cutters are drawn.
@@ -60,7 +60,7 @@ pub struct CutterInstance {
 
 /// A position of a plan, ready to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cutter {
+pub struct DrawnCutter {
     /// Instance at full length, up to the retract point; its state ignores the selection.
     pub instance: CutterInstance,
     /// Retract point, mm.
@@ -79,7 +79,7 @@ pub struct CutterChoice {
     /// Which ones.
     pub filter: CutterFilter,
     /// Draws only positions before this one, the last of them at full length.
-    pub at: Option<usize>,
+    pub up_to: Option<usize>,
     /// Selected position; always drawn at full length.
     pub selected: Option<usize>,
     /// Drawn length of the other sound cutters, in diameters; faulty ones are longer.
@@ -87,7 +87,7 @@ pub struct CutterChoice {
 }
 
 /// Cutters of a plan, in cutting order. Positions whose section does not exist are skipped.
-pub fn cutters(plan: &PlungePlan) -> Vec<Cutter> {
+pub fn drawn_cutters(plan: &PlungePlan) -> Vec<DrawnCutter> {
     let to = |p: [f64; 3]| p.map(|x| x as f32);
     let mut all = Vec::with_capacity(plan.positions.len());
     for (id, position) in plan.positions.iter().enumerate() {
@@ -96,11 +96,11 @@ pub fn cutters(plan: &PlungePlan) -> Vec<Cutter> {
         let state = match position.condition() {
             Condition::Sound => CutterState::Sound,
             Condition::Blocked => CutterState::Blocked,
-            Condition::Interferential => CutterState::Interferential,
+            Condition::Interferential => CutterState::Interfering,
         };
         let tip = to(position.tip.into());
         let retract = Vec3::from_array(to(position.retract.into()));
-        all.push(Cutter {
+        all.push(DrawnCutter {
             instance: CutterInstance {
                 tip,
                 radius: tool.radius() as f32,
@@ -122,14 +122,14 @@ pub fn cutters(plan: &PlungePlan) -> Vec<Cutter> {
 
 impl CutterChoice {
     /// The instance to draw for a cutter, or `None` when it is not shown.
-    pub fn instance(&self, cutter: &Cutter) -> Option<CutterInstance> {
+    pub fn instance(&self, cutter: &DrawnCutter) -> Option<CutterInstance> {
         let mut instance = cutter.instance;
         let id = instance.id as usize;
         if self.selected == Some(id) {
             instance.state = CutterState::Selected as u32;
             return Some(instance);
         }
-        let in_work = match self.at {
+        let is_last = match self.up_to {
             Some(at) if id >= at => return None,
             Some(at) => id + 1 == at,
             None => false,
@@ -142,7 +142,7 @@ impl CutterChoice {
         if !shown {
             return None;
         }
-        if !in_work {
+        if !is_last {
             // Faulty cutters also differ in length, for users who cannot tell the colours apart.
             let stretch = match instance.state {
                 0 | 4 => 1.0,
@@ -160,23 +160,23 @@ fn rim_colour(state: u32) -> LineColour {
     match state {
         0 => LineColour::Sound,
         1 => LineColour::Blocked,
-        2 => LineColour::Interferential,
+        2 => LineColour::Interfering,
         3 => LineColour::Selected,
-        _ => LineColour::Unjudged,
+        _ => LineColour::Unevaluated,
     }
 }
 
 /// Unit vectors across an axis.
-fn across(axis: Vec3) -> (Vec3, Vec3) {
+fn perpendiculars(axis: Vec3) -> (Vec3, Vec3) {
     axis.any_orthonormal_pair()
 }
 
 /// Appends the rims of a drawn cutter: the bottom edge, the core's upper edge, and the upper end if it is
 /// drawn at full length (`whole`).
-pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec<Segment>) {
+pub fn append_rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec<Segment>) {
     let tip = Vec3::from_array(instance.tip);
     let axis = Vec3::from_array(instance.axis);
-    let (x, y) = across(axis);
+    let (x, y) = perpendiculars(axis);
     let colour = rim_colour(instance.state);
     let mut circle = |radius: f32, height: f32, width: f32| {
         let points: Vec<Vec3> = (0..=steps)
@@ -201,7 +201,7 @@ pub fn rims(instance: &CutterInstance, steps: usize, whole: bool, into: &mut Vec
 }
 
 /// Axis of a cutter from its tip to the retract point.
-pub fn axis_line(cutter: &Cutter, selected: bool) -> Segment {
+pub fn axis_line(cutter: &DrawnCutter, selected: bool) -> Segment {
     Segment {
         a: cutter.instance.tip,
         width: if selected { 2.0 } else { 1.0 },
@@ -211,11 +211,11 @@ pub fn axis_line(cutter: &Cutter, selected: bool) -> Segment {
 }
 
 /// Appends the outline of the holder above a cutter: two rims and four lines between them.
-pub fn holder(cutter: &Cutter, into: &mut Vec<Segment>) {
+pub fn append_holder(cutter: &DrawnCutter, into: &mut Vec<Segment>) {
     const STEPS: usize = 24;
     let axis = Vec3::from_array(cutter.instance.axis);
     let foot = Vec3::from_array(cutter.instance.tip) + axis * cutter.overhang;
-    let (x, y) = across(axis);
+    let (x, y) = perpendiculars(axis);
     let rim = |up: f32| -> Vec<Vec3> {
         let at = |i: usize| {
             let (sin, cos) = (i as f32 / STEPS as f32 * std::f32::consts::TAU).sin_cos();
@@ -233,9 +233,9 @@ pub fn holder(cutter: &Cutter, into: &mut Vec<Segment>) {
 
 /// Appends the rapids between the retract points of consecutive positions of one section, up to position
 /// `at`.
-pub fn links(cutters: &[Cutter], at: Option<usize>, into: &mut Vec<Segment>) {
+pub fn append_links(cutters: &[DrawnCutter], at: Option<usize>, into: &mut Vec<Segment>) {
     let cut = cutters.iter().filter(|c| at.is_none_or(|at| (c.instance.id as usize) < at));
-    let mut before: Option<&Cutter> = None;
+    let mut before: Option<&DrawnCutter> = None;
     for cutter in cut {
         if let Some(before) = before.filter(|b| b.section == cutter.section) {
             into.extend(polyline(&[before.retract, cutter.retract], 1.0, LineColour::Axis));
@@ -303,7 +303,7 @@ impl UnitCutter {
 }
 
 /// Distance along a ray to a cutter's cylinder, mm; `None` if the ray misses it.
-pub fn hit(instance: &CutterInstance, ray: &Ray) -> Option<f32> {
+pub fn ray_distance(instance: &CutterInstance, ray: &ViewRay) -> Option<f32> {
     let axis = Vec3::from_array(instance.axis);
     let from = ray.origin - Vec3::from_array(instance.tip);
     let (along_origin, along_ray) = (from.dot(axis), ray.direction.dot(axis));
@@ -337,8 +337,8 @@ pub fn hit(instance: &CutterInstance, ray: &Ray) -> Option<f32> {
 mod tests {
     use super::*;
 
-    fn cutter(id: u32, state: CutterState) -> Cutter {
-        Cutter {
+    fn cutter(id: u32, state: CutterState) -> DrawnCutter {
+        DrawnCutter {
             instance: CutterInstance {
                 axis: [0.0, 0.0, 1.0],
                 radius: 5.0,
@@ -357,7 +357,7 @@ mod tests {
 
     #[test]
     fn scrubbing_shows_what_is_cut_and_the_last_at_full_length() {
-        let choice = CutterChoice { at: Some(3), stub: 0.5, ..Default::default() };
+        let choice = CutterChoice { up_to: Some(3), stub: 0.5, ..Default::default() };
         let heights: Vec<Option<f32>> =
             (0..5).map(|id| choice.instance(&cutter(id, CutterState::Sound)).map(|i| i.height)).collect();
         assert_eq!(heights, [Some(5.0), Some(5.0), Some(60.0), None, None]);
@@ -369,22 +369,22 @@ mod tests {
         assert!(choice.instance(&cutter(0, CutterState::Sound)).is_none());
         assert!(choice.instance(&cutter(1, CutterState::Blocked)).is_some());
         let choice = CutterChoice { filter: CutterFilter::Hidden, selected: Some(7), ..Default::default() };
-        let selected = choice.instance(&cutter(7, CutterState::Interferential)).expect("shown");
+        let selected = choice.instance(&cutter(7, CutterState::Interfering)).expect("shown");
         assert_eq!(selected.state, CutterState::Selected as u32);
     }
 
     #[test]
     fn a_ray_meets_the_cylinder_where_it_should() {
         let cutter = cutter(0, CutterState::Sound).instance;
-        let ray = |o: [f32; 3], d: [f32; 3]| Ray {
+        let ray = |o: [f32; 3], d: [f32; 3]| ViewRay {
             origin: Vec3::from_array(o),
             direction: Vec3::from_array(d).normalize(),
         };
-        assert_eq!(hit(&cutter, &ray([20.0, 0.0, 10.0], [-1.0, 0.0, 0.0])), Some(15.0));
-        assert_eq!(hit(&cutter, &ray([1.0, 1.0, 100.0], [0.0, 0.0, -1.0])), Some(40.0));
-        assert_eq!(hit(&cutter, &ray([20.0, 0.0, 70.0], [-1.0, 0.0, 0.0])), None);
-        assert_eq!(hit(&cutter, &ray([20.0, 6.0, 10.0], [-1.0, 0.0, 0.0])), None);
-        assert_eq!(hit(&cutter, &ray([20.0, 0.0, 10.0], [1.0, 0.0, 0.0])), None);
+        assert_eq!(ray_distance(&cutter, &ray([20.0, 0.0, 10.0], [-1.0, 0.0, 0.0])), Some(15.0));
+        assert_eq!(ray_distance(&cutter, &ray([1.0, 1.0, 100.0], [0.0, 0.0, -1.0])), Some(40.0));
+        assert_eq!(ray_distance(&cutter, &ray([20.0, 0.0, 70.0], [-1.0, 0.0, 0.0])), None);
+        assert_eq!(ray_distance(&cutter, &ray([20.0, 6.0, 10.0], [-1.0, 0.0, 0.0])), None);
+        assert_eq!(ray_distance(&cutter, &ray([20.0, 0.0, 10.0], [1.0, 0.0, 0.0])), None);
     }
 
     #[test]

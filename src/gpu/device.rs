@@ -51,7 +51,7 @@ pub enum GpuError {
 }
 
 /// Prefix of the message that records the loss of the device.
-pub const LOST: &str = "device lost";
+pub const DEVICE_LOST_PREFIX: &str = "device lost";
 
 /// Errors outside of any error scope. Bounded, as an error repeated in every frame must not fill memory.
 #[derive(Debug, Default)]
@@ -60,11 +60,11 @@ struct ErrorLog {
 }
 
 impl ErrorLog {
-    const KEPT: usize = 32;
+    const MAX_MESSAGES: usize = 32;
 
     fn record(&self, message: String) {
         let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
-        if messages.len() == Self::KEPT {
+        if messages.len() == Self::MAX_MESSAGES {
             messages.pop_front();
         }
         messages.push_back(message);
@@ -115,7 +115,7 @@ impl Gpu {
         let log = errors.clone();
         // Also called when the device is dropped; that message is never read.
         device.set_device_lost_callback(move |_, message| {
-            let message = format!("{LOST}: {message}");
+            let message = format!("{DEVICE_LOST_PREFIX}: {message}");
             log.record(message.trim_end_matches([':', ' ']).to_owned());
         });
         Gpu { device, queue, info, errors }
@@ -235,7 +235,7 @@ mod tests {
         gpu.device.destroy();
         gpu.device.poll(wgpu::PollType::Poll).expect("polls");
         let errors = gpu.take_errors();
-        assert!(errors.len() == 1 && errors[0].starts_with(LOST), "{errors:?}");
+        assert!(errors.len() == 1 && errors[0].starts_with(DEVICE_LOST_PREFIX), "{errors:?}");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::mesh::{Mesh, Segment};
 use super::walls::wall_mesh;
 use crate::flank::chart::{Region, WallName};
 use crate::flank::{FlankMove, MoveKind};
-use crate::formats::flank_file::{ShownCurve, ShownWall};
+use crate::formats::flank_file::{ShownPass, ShownWall};
 use crate::geometry::Point;
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN};
 use crate::part::Impeller;
@@ -58,13 +58,13 @@ pub const RAPID_COLOUR: Rgb = [0.62, 0.62, 0.62];
 
 /// Lowest and highest feed rate of the cutting moves, mm/min: the ends of the colour scale.
 pub fn feed_range(moves: &[FlankMove]) -> (f64, f64) {
-    let under_feed = || moves.iter().filter(|m| m.kind != MoveKind::Rapid).map(|m| m.feed);
+    let under_feed = || moves.iter().filter(|m| m.kind != MoveKind::Rapid).map(|m| m.feed_mm_per_min);
     (under_feed().fold(f64::INFINITY, f64::min), under_feed().fold(0.0, f64::max))
 }
 
 /// Lines of a plan with `layers` layers: its `moves` when coloured by feed rate, else its `curves`.
-pub fn lines(
-    curves: &[ShownCurve],
+pub fn toolpath_lines(
+    curves: &[ShownPass],
     moves: &[FlankMove],
     layers: usize,
     colours: FlankColours,
@@ -82,15 +82,15 @@ pub fn lines(
         for pair in moves.windows(2) {
             let colour = match pair[1].kind {
                 MoveKind::Rapid => RAPID_COLOUR,
-                _ => at((pair[1].feed - slow) as f32 / ((fast - slow) as f32).max(1e-6)),
+                _ => at((pair[1].feed_mm_per_min - slow) as f32 / ((fast - slow) as f32).max(1e-6)),
             };
-            lines.push(segment(&pair[0].tip, &pair[1].tip, pair[1].wall, colour));
+            lines.push(segment(&pair[0].tip, &pair[1].tip, pair[1].along_wall, colour));
         }
         return lines;
     }
     for curve in curves {
         let colour = match colours {
-            FlankColours::Region => of(&REGION_COLOURS, curve.region),
+            FlankColours::Region => colour_in_table(&REGION_COLOURS, curve.region),
             _ => at(curve.layer as f32 / layers.saturating_sub(1).max(1) as f32),
         };
         lines.extend(curve.points.windows(2).map(|p| segment(&p[0], &p[1], curve.wall, colour)));
@@ -120,7 +120,7 @@ pub fn wall_deviations(part: &Impeller, walls: &[ShownWall]) -> (Mesh, f32) {
     (mesh, most as f32)
 }
 
-fn of<K: PartialEq + Copy>(table: &[(K, Rgb)], key: K) -> Rgb {
+fn colour_in_table<K: PartialEq + Copy>(table: &[(K, Rgb)], key: K) -> Rgb {
     table.iter().find(|(k, _)| *k == key).map_or([0.0; 3], |(_, colour)| *colour)
 }
 

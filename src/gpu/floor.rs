@@ -5,20 +5,20 @@ use glam::Vec3;
 use super::mesh::{Mesh, Vertex};
 use crate::plunge::plan::PlungePlan;
 use crate::residual::FloorGrid;
-use crate::residual::surface::{FINE, FloorSurface, is_uncut};
+use crate::residual::surface::{FloorSurface, MAX_LINES, is_uncut};
 
 /// Maximum number of grid lines along s and across, for pictures in motion.
-pub const DRAFT: (usize, usize) = (65, 25);
+pub const DRAFT_LINES: (usize, usize) = (65, 25);
 
 /// Mesh of the floor with a stock height (mm) per corner, thinned to at most `most` lines along s and across.
 /// Cells that are not floor (under a splitter, within the allowance of a wall) are omitted.
 ///
 /// Returns `None` when `heights` does not fit the grid.
-pub fn floor_mesh(grid: &FloorGrid, heights: &[f32], most: (usize, usize)) -> Option<Mesh> {
+pub fn floor_mesh(grid: &FloorGrid, heights: &[f32], max_lines: (usize, usize)) -> Option<Mesh> {
     if heights.len() != grid.points.len() {
         return None;
     }
-    let surface = FloorSurface::new(grid, most);
+    let surface = FloorSurface::new(grid, max_lines);
     let corner = |&cell: &usize| Vertex {
         position: grid.points[cell],
         value: heights[cell],
@@ -34,7 +34,7 @@ pub fn floor_mesh(grid: &FloorGrid, heights: &[f32], most: (usize, usize)) -> Op
 /// Mesh of the floor with any other value per cell, such as the difference of two plans; no cell counts as
 /// uncut. Returns `None` when `values` does not fit the grid.
 pub fn value_mesh(grid: &FloorGrid, values: &[f32]) -> Option<Mesh> {
-    let mut mesh = floor_mesh(grid, values, FINE)?;
+    let mut mesh = floor_mesh(grid, values, MAX_LINES)?;
     for vertex in &mut mesh.vertices {
         vertex.uncut = 0.0;
     }
@@ -53,8 +53,8 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
             Some((to(p.tip.into()), to(p.axis.into()), tool.core_radius() as f32, p.contact.depth as f32))
         })
         .collect();
-    let cells = FloorSurface::new(grid, FINE).cells;
-    let mut mesh = floor_mesh(grid, &grid.blank_heights, FINE).unwrap_or_default();
+    let cells = FloorSurface::new(grid, MAX_LINES).cells;
+    let mut mesh = floor_mesh(grid, &grid.blank_heights, MAX_LINES).unwrap_or_default();
     for (vertex, &cell) in mesh.vertices.iter_mut().zip(&cells) {
         let p = Vec3::from_array(grid.points[cell]);
         vertex.uncut = 0.0;
@@ -74,7 +74,7 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
 }
 
 /// Index of the grid cell nearest to `point`, for the value under the cursor; `None` away from the floor.
-pub fn cell_at(grid: &FloorGrid, point: Vec3) -> Option<usize> {
+pub fn nearest_floor_cell(grid: &FloorGrid, point: Vec3) -> Option<usize> {
     let distance = |cell: usize| Vec3::from_array(grid.points[cell]).distance_squared(point);
     let nearest = (0..grid.points.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
     // Tolerance of a few cell widths: the point may lie on a facet, or on stock above the floor.
@@ -92,17 +92,17 @@ mod tests {
         grid.floor[5] = false;
         let mut heights = vec![1.0; 16];
         heights[15] = 20.0;
-        let mesh = floor_mesh(&grid, &heights, FINE).expect("fits");
+        let mesh = floor_mesh(&grid, &heights, MAX_LINES).expect("fits");
         assert_eq!(mesh.triangles(), (9 - 4) * 2);
         assert_eq!(mesh.vertices[15].uncut, 1.0);
         assert_eq!(mesh.vertices[14].uncut, 0.0);
-        assert_eq!(floor_mesh(&grid, &heights[1..], FINE), None);
+        assert_eq!(floor_mesh(&grid, &heights[1..], MAX_LINES), None);
     }
 
     #[test]
     fn the_cell_under_a_point_is_the_nearest_one_unless_it_is_far() {
         let grid = FloorGrid::flat(10, 10);
-        assert_eq!(cell_at(&grid, Vec3::new(3.2, 4.1, 0.5)), Some(34));
-        assert_eq!(cell_at(&grid, Vec3::new(3.0, 40.0, 0.0)), None);
+        assert_eq!(nearest_floor_cell(&grid, Vec3::new(3.2, 4.1, 0.5)), Some(34));
+        assert_eq!(nearest_floor_cell(&grid, Vec3::new(3.0, 40.0, 0.0)), None);
     }
 }

@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::camera::Ray;
+use super::camera::ViewRay;
 use crate::geometry::Point;
 use crate::mesh::{TriangleMesh, grid_triangles};
 use crate::palette::Rgb;
@@ -62,23 +62,23 @@ pub enum LineColour {
     /// Rim of a blocked cutter.
     Blocked = 4,
     /// Rim of the cutter of an interfering plunge.
-    Interferential = 5,
+    Interfering = 5,
     /// Rim of the selected cutter.
     Selected = 6,
     /// Rim of a cutter that is not evaluated yet.
-    Unjudged = 7,
+    Unevaluated = 7,
 }
 
 impl Segment {
     /// Flag: `colour` holds a packed RGB colour.
-    const OWN: u32 = 1 << 31;
+    const PACKED_COLOUR: u32 = 1 << 31;
     /// Flag: the line lies on the part and is clipped by the section plane.
     const ON_PART: u32 = 1 << 30;
 
     /// A line with an RGB colour of its own, packed as the shader unpacks it.
     pub fn coloured(a: [f32; 3], b: [f32; 3], width: f32, colour: Rgb) -> Self {
         let [r, g, blue] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
-        Self { a, width, b, colour: Self::OWN | blue << 16 | g << 8 | r }
+        Self { a, width, b, colour: Self::PACKED_COLOUR | blue << 16 | g << 8 | r }
     }
 
     /// The same line, clipped by the section plane together with the part.
@@ -197,7 +197,7 @@ impl Mesh {
 
     /// Flat-shaded copy of every `stride`-th triangle, without shared vertices; `place` transforms a point
     /// into the drawn frame.
-    pub fn flat(mesh: &TriangleMesh, stride: usize, place: impl Fn(&Point) -> Vec3) -> Self {
+    pub fn flat_shaded(mesh: &TriangleMesh, stride: usize, place: impl Fn(&Point) -> Vec3) -> Self {
         let mut flat = Self::default();
         for t in mesh.triangles.iter().step_by(stride.max(1)) {
             let [a, b, c] = t.map(|i| place(&mesh.points[i as usize]));
@@ -223,28 +223,28 @@ impl Mesh {
     }
 
     /// Nearest intersection of the ray with a triangle in front of its origin.
-    pub fn hit(&self, ray: &Ray) -> Option<MeshHit> {
-        let mut nearest: Option<(Crossing, &[u32])> = None;
+    pub fn hit(&self, ray: &ViewRay) -> Option<MeshHit> {
+        let mut nearest: Option<(RayCrossing, &[u32])> = None;
         self.each_crossing(ray, |crossing, triangle| {
             if nearest.is_none_or(|(n, _)| crossing.distance < n.distance) {
                 nearest = Some((crossing, triangle));
             }
         });
-        let (Crossing { distance, u, v }, triangle) = nearest?;
+        let (RayCrossing { distance, u, v }, triangle) = nearest?;
         let [a, b, c] = [0, 1, 2].map(|k| self.vertices[triangle[k] as usize]);
         let value = a.value + (b.value - a.value) * u + (c.value - a.value) * v;
         Some(MeshHit { distance, normal: Vec3::from_array(a.normal), value })
     }
 
     /// Number of triangles that the ray crosses in front of its origin.
-    pub fn crossings(&self, ray: &Ray) -> usize {
+    pub fn crossings(&self, ray: &ViewRay) -> usize {
         let mut count = 0;
         self.each_crossing(ray, |_, _| count += 1);
         count
     }
 
     /// Calls `found` for every triangle that the ray crosses (Möller–Trumbore).
-    fn each_crossing<'a>(&'a self, ray: &Ray, mut found: impl FnMut(Crossing, &'a [u32])) {
+    fn each_crossing<'a>(&'a self, ray: &ViewRay, mut found: impl FnMut(RayCrossing, &'a [u32])) {
         let at = |i: u32| Vec3::from_array(self.vertices[i as usize].position);
         for triangle in self.indices.chunks_exact(3) {
             let a = at(triangle[0]);
@@ -260,7 +260,7 @@ impl Mesh {
             let v = ray.direction.dot(q) / det;
             let distance = ac.dot(q) / det;
             if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 {
-                found(Crossing { distance, u, v }, triangle);
+                found(RayCrossing { distance, u, v }, triangle);
             }
         }
     }
@@ -280,14 +280,14 @@ pub struct MeshHit {
 /// Intersection of a ray with a triangle: distance along the ray, barycentric coordinates of the second and
 /// third corner.
 #[derive(Clone, Copy)]
-struct Crossing {
+struct RayCrossing {
     distance: f32,
     u: f32,
     v: f32,
 }
 
 /// Rotates a point about Z by `angle` (rad).
-pub fn turn(p: Vec3, angle: f64) -> Vec3 {
+pub fn rotate_about_z(p: Vec3, angle: f64) -> Vec3 {
     let (sin, cos) = (angle.sin() as f32, angle.cos() as f32);
     Vec3::new(p.x * cos - p.y * sin, p.x * sin + p.y * cos, p.z)
 }
@@ -303,13 +303,13 @@ pub fn polyline(points: &[Vec3], width: f32, colour: LineColour) -> impl Iterato
 }
 
 /// `count` + 1 evenly spaced parameters from 0 to 1.
-pub fn even(count: usize) -> Vec<f64> {
+pub fn even_steps(count: usize) -> Vec<f64> {
     (0..=count).map(|i| i as f64 / count as f64).collect()
 }
 
 /// Selects those parameters of `us` whose polyline stays within `tolerance` (mm) of the curve
 /// (Douglas–Peucker), so that a blade's nose keeps its roundness with few points.
-pub fn thin(us: &[f64], curve: impl Fn(f64) -> Vec3, tolerance: f32) -> Vec<f64> {
+pub fn thin_parameters(us: &[f64], curve: impl Fn(f64) -> Vec3, tolerance: f32) -> Vec<f64> {
     let points: Vec<Vec3> = us.iter().map(|&u| curve(u)).collect();
     let mut keep = vec![false; us.len()];
     if let Some(last) = us.len().checked_sub(1) {
@@ -342,7 +342,7 @@ mod tests {
     fn cone() -> Mesh {
         let n = 0.5f32.sqrt();
         let profile = [(10.0, 0.0), (5.0, 5.0)].map(|(r, z)| ProfilePoint { r, z, normal_r: n, normal_z: n });
-        let angles: Vec<f64> = even(90).iter().map(|t| t * std::f64::consts::TAU).collect();
+        let angles: Vec<f64> = even_steps(90).iter().map(|t| t * std::f64::consts::TAU).collect();
         Mesh::revolve(&profile, &angles, |_, _| 1.0)
     }
 
@@ -350,19 +350,20 @@ mod tests {
     fn a_turned_profile_closes_and_is_hit_where_it_stands() {
         let mesh = cone();
         assert_eq!(mesh.triangles(), 180);
-        let ray = Ray { origin: Vec3::new(7.5, 0.01, 100.0), direction: Vec3::NEG_Z };
+        let ray = ViewRay { origin: Vec3::new(7.5, 0.01, 100.0), direction: Vec3::NEG_Z };
         let hit = mesh.hit(&ray).expect("over the cone");
         assert!((hit.distance - 97.5).abs() < 0.02, "{hit:?}");
         assert!(hit.normal.z > 0.7, "{hit:?}");
         assert_eq!(mesh.crossings(&ray), 1);
-        let beside = Ray { origin: Vec3::new(20.0, 0.0, 100.0), direction: Vec3::NEG_Z };
+        let beside = ViewRay { origin: Vec3::new(20.0, 0.0, 100.0), direction: Vec3::NEG_Z };
         assert_eq!(mesh.hit(&beside), None);
     }
 
     #[test]
     fn a_grids_normals_point_out_of_the_material() {
-        let grid =
-            PointGrid::sample(&even(8), &even(4), |u, v| Vec3::new(u as f32, v as f32, (u * u) as f32 * 0.1));
+        let grid = PointGrid::sample(&even_steps(8), &even_steps(4), |u, v| {
+            Vec3::new(u as f32, v as f32, (u * u) as f32 * 0.1)
+        });
         for up in [Vec3::Z, Vec3::NEG_Z] {
             let mesh = grid.mesh(|_, _| up, |_, _| 1.0);
             assert_eq!(mesh.triangles(), 64);
@@ -375,9 +376,10 @@ mod tests {
 
     #[test]
     fn the_value_where_a_ray_meets_is_that_of_the_corners_about_it() {
-        let grid = PointGrid::sample(&even(4), &even(4), |u, v| Vec3::new(u as f32, v as f32, 0.0));
+        let grid =
+            PointGrid::sample(&even_steps(4), &even_steps(4), |u, v| Vec3::new(u as f32, v as f32, 0.0));
         let mesh = grid.mesh(|_, _| Vec3::Z, |i, j| i as f32 - 10.0 * j as f32);
-        let ray = Ray { origin: Vec3::new(0.4, 0.15, 3.0), direction: Vec3::NEG_Z };
+        let ray = ViewRay { origin: Vec3::new(0.4, 0.15, 3.0), direction: Vec3::NEG_Z };
         let hit = mesh.hit(&ray).expect("over the grid");
         assert!((hit.value - (1.6 - 6.0)).abs() < 1e-4, "{hit:?}");
     }
@@ -393,8 +395,8 @@ mod tests {
                 Vec3::new(1.0 + (u as f32 - 0.5) * 100.0, 1.0, 0.0)
             }
         };
-        let us = even(200);
-        let kept = thin(&us, curve, 0.01);
+        let us = even_steps(200);
+        let kept = thin_parameters(&us, curve, 0.01);
         assert_eq!((kept[0], *kept.last().expect("two ends")), (0.0, 1.0));
         let in_nose = kept.iter().filter(|&&u| u < 0.5).count();
         assert!((4..12).contains(&in_nose) && kept.len() - in_nose <= 3, "{kept:?}");

@@ -7,8 +7,10 @@ use std::f64::consts::TAU;
 
 use glam::Vec3;
 
-use super::mesh::{LineColour, Mesh, PointGrid, ProfilePoint, Segment, even, polyline, thin, turn};
-use super::view::{Frame, Framing};
+use super::mesh::{
+    LineColour, Mesh, PointGrid, ProfilePoint, Segment, even_steps, polyline, rotate_about_z, thin_parameters,
+};
+use super::view::{ViewTarget, ViewTargets};
 use crate::geometry::{Point, wrap_angle};
 use crate::mesh::tessellate::{body_outline, nose, up_sign};
 use crate::part::{Blade, BladeSide, Channel, Flowpath, Impeller};
@@ -48,7 +50,7 @@ pub struct BladeMesh {
     pub edges: Vec<Vec<Vec3>>,
     /// Rotation of each copy about Z, rad. The copies of a main blade start with the two walls of the active
     /// channel, those of a splitter with the one inside it.
-    pub turns: Vec<f64>,
+    pub rotations_rad: Vec<f64>,
 }
 
 /// All meshes of a part that are drawn.
@@ -69,7 +71,7 @@ pub struct PartMesh {
     /// Edges of hub, body and all blades.
     pub edges: Vec<Segment>,
     /// Targets of the standard views; without sections.
-    pub framing: Framing,
+    pub framing: ViewTargets,
 }
 
 fn vec3(p: Point) -> Vec3 {
@@ -88,7 +90,7 @@ impl PartMesh {
     }
 
     /// Meshes of an imported file before it becomes a part, grouped by role; Z is the axis of rotation.
-    pub fn of_loose(hub: Mesh, blades: Mesh, shroud: Mesh) -> Self {
+    pub fn from_roles(hub: Mesh, blades: Mesh, shroud: Mesh) -> Self {
         let corners = || [&hub, &blades, &shroud].into_iter().flat_map(|m| &m.vertices);
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for p in corners().map(|v| Vec3::from_array(v.position)) {
@@ -104,10 +106,10 @@ impl PartMesh {
         let stand = blades.vertices.is_empty() || hub.vertices.is_empty() || height(&blades) >= height(&hub);
         let up_sign = if stand { 1.0 } else { -1.0 };
         let (center, radius) = ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3));
-        let whole = Frame { center, radius, from: Vec3::new(0.7, -0.7, 0.85 * up_sign).normalize() };
+        let whole = ViewTarget { center, radius, from: Vec3::new(0.7, -0.7, 0.85 * up_sign).normalize() };
         let stride = (corners().count() / 2000).max(1);
         let outline: Vec<Vec3> = corners().step_by(stride).map(|v| Vec3::from_array(v.position)).collect();
-        let framing = Framing {
+        let framing = ViewTargets {
             wheel: whole,
             channel: whole,
             sections: Vec::new(),
@@ -115,16 +117,16 @@ impl PartMesh {
             channel_outline: outline,
             up_sign,
         };
-        let main = BladeMesh { closing: blades, turns: vec![0.0], ..BladeMesh::default() };
+        let main = BladeMesh { closing: blades, rotations_rad: vec![0.0], ..BladeMesh::default() };
         let (floor, splitters, edges) = (Mesh::default(), Vec::new(), Vec::new());
         Self { hub, floor, floor_columns: 1, main, splitters, shroud, edges, framing }
     }
 
     fn with_detail(part: &Impeller, detail: &Detail) -> Self {
-        let channel = WallFeet::new(part);
+        let channel = WallAngles::new(part);
         let up_sign = up_sign(part) as f32;
         let body = body_outline(part).map(|p| (p.r as f32, p.z as f32));
-        let angles: Vec<f64> = even(detail.turn).iter().map(|t| t * TAU).collect();
+        let angles: Vec<f64> = even_steps(detail.turn).iter().map(|t| t * TAU).collect();
         let mut hub = Mesh::revolve(&profile(&part.hub, &hub_range(&part.hub, detail)), &angles, |_, _| 1.0);
         let mut edges = Vec::new();
         for pair in body.windows(2) {
@@ -147,26 +149,27 @@ impl PartMesh {
         let pitch = part.pitch();
         let row = |blade: &Blade| {
             let turns = (0..part.blade_count).map(|k| k as f64 * pitch).collect();
-            BladeMesh { turns, ..blade_mesh(blade, detail) }
+            BladeMesh { rotations_rad: turns, ..blade_mesh(blade, detail) }
         };
         let main = row(&part.main);
         let splitters: Vec<BladeMesh> = part.splitters.iter().map(row).collect();
-        let walls = [(&main, 2.min(main.turns.len()))].into_iter().chain(splitters.iter().map(|s| (s, 1)));
+        let walls =
+            [(&main, 2.min(main.rotations_rad.len()))].into_iter().chain(splitters.iter().map(|s| (s, 1)));
         for (blade, lit) in walls {
-            for (k, &angle) in blade.turns.iter().enumerate() {
+            for (k, &angle) in blade.rotations_rad.iter().enumerate() {
                 let (colour, width) =
                     if k < lit { (LineColour::WallEdge, 1.8) } else { (LineColour::Edge, 1.0) };
                 for edge in &blade.edges {
-                    let turned: Vec<Vec3> = edge.iter().map(|&p| turn(p, angle)).collect();
+                    let turned: Vec<Vec3> = edge.iter().map(|&p| rotate_about_z(p, angle)).collect();
                     edges.extend(polyline(&turned, width, colour));
                 }
             }
         }
-        let shroud_steps = even(detail.meridian);
+        let shroud_steps = even_steps(detail.meridian);
         let shroud = Mesh::revolve(&profile(&part.shroud, &shroud_steps), &angles, |_, _| 1.0);
         let floor_columns = (detail.turn / part.blade_count.max(1) + 8).clamp(12, 96);
         let floor = channel.floor_mesh(&part.hub, floor_columns, detail);
-        let floor_columns = even(floor_columns).len();
+        let floor_columns = even_steps(floor_columns).len();
         let framing = channel.framing(part, up_sign, &body);
         Self { hub, floor, floor_columns, main, splitters, shroud, edges, framing }
     }
@@ -188,7 +191,7 @@ impl PartMesh {
     /// Number of triangles of the whole wheel as drawn, including the shroud.
     pub fn triangles(&self) -> usize {
         let blade = |b: &BladeMesh| {
-            (b.suction.triangles() + b.pressure.triangles() + b.closing.triangles()) * b.turns.len()
+            (b.suction.triangles() + b.pressure.triangles() + b.closing.triangles()) * b.rotations_rad.len()
         };
         self.hub.triangles()
             + self.floor.triangles()
@@ -201,7 +204,7 @@ impl PartMesh {
 /// Values of s at which the hub is drawn: from a short nose ahead of the blades to the rim.
 fn hub_range(hub: &Flowpath, detail: &Detail) -> Vec<f64> {
     let nose = nose(hub);
-    even(detail.meridian).iter().map(|t| nose + (1.0 - nose) * t).collect()
+    even_steps(detail.meridian).iter().map(|t| nose + (1.0 - nose) * t).collect()
 }
 
 fn profile(path: &Flowpath, at: &[f64]) -> Vec<ProfilePoint> {
@@ -217,15 +220,15 @@ fn profile(path: &Flowpath, at: &[f64]) -> Vec<ProfilePoint> {
 fn blade_lines(blade: &Blade, detail: &Detail) -> Vec<f64> {
     let mut us: Vec<f64> = blade.suction.u_knots().to_vec();
     us.extend_from_slice(blade.pressure.u_knots());
-    us.extend(even(16));
+    us.extend(even_steps(16));
     us.retain(|u| (0.0..=1.0).contains(u));
     us.sort_by(f64::total_cmp);
     us.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
     let length = (blade.suction.point(1.0, 0.5) - blade.suction.point(0.0, 0.5)).norm() as f32;
-    let mut kept: Vec<f64> = even(detail.chord);
+    let mut kept: Vec<f64> = even_steps(detail.chord);
     for side in [&blade.suction, &blade.pressure] {
         for v in [0.0, 1.0] {
-            kept.extend(thin(&us, |u| vec3(side.point(u, v)), length * detail.tolerance));
+            kept.extend(thin_parameters(&us, |u| vec3(side.point(u, v)), length * detail.tolerance));
         }
     }
     kept.sort_by(f64::total_cmp);
@@ -236,7 +239,7 @@ fn blade_lines(blade: &Blade, detail: &Detail) -> Vec<f64> {
 /// Tessellates one blade: both sides, and the strips that close it at tip, LE and TE.
 fn blade_mesh(blade: &Blade, detail: &Detail) -> BladeMesh {
     let us = blade_lines(blade, detail);
-    let vs = even(detail.span);
+    let vs = even_steps(detail.span);
     let side = |side: &BladeSide| PointGrid::sample(&us, &vs, |u, v| vec3(side.point(u, v)));
     close_blade(&side(&blade.suction), &side(&blade.pressure))
 }
@@ -271,22 +274,22 @@ pub fn close_blade(suction: &PointGrid, pressure: &PointGrid) -> BladeMesh {
             suction.row(last_row),
             pressure.row(last_row),
         ],
-        turns: vec![0.0],
+        rotations_rad: vec![0.0],
     }
 }
 
 /// Angles of the active channel's walls at the hub along s.
-struct WallFeet {
+struct WallAngles {
     /// s of each station, even from 0 to 1.
     stations: Vec<f64>,
     /// Angles (rad) of the suction-side wall and of the pressure-side wall, the latter unwrapped.
     angles: Vec<[f64; 2]>,
 }
 
-impl WallFeet {
+impl WallAngles {
     fn new(part: &Impeller) -> Self {
         let passage = Channel::of(part).full;
-        let stations = even(64);
+        let stations = even_steps(64);
         let mut angles: Vec<[f64; 2]> = Vec::with_capacity(stations.len());
         for &s in &stations {
             // Beyond the ends of a wall the last angle is kept.
@@ -307,9 +310,9 @@ impl WallFeet {
     }
 
     fn floor_mesh(&self, hub: &Flowpath, columns: usize, detail: &Detail) -> Mesh {
-        let lambdas = even(columns);
+        let lambdas = even_steps(columns);
         let mut mesh = Mesh::default();
-        let stations = even(detail.meridian.next_power_of_two());
+        let stations = even_steps(detail.meridian.next_power_of_two());
         for &s in &stations {
             let (p, n) = (hub.point(s), hub.normal(s));
             for &lambda in &lambdas {
@@ -328,7 +331,7 @@ impl WallFeet {
         mesh
     }
 
-    fn framing(&self, part: &Impeller, up_sign: f32, body: &[(f32, f32)]) -> Framing {
+    fn framing(&self, part: &Impeller, up_sign: f32, body: &[(f32, f32)]) -> ViewTargets {
         let (inlet, rim) = (part.shroud.point(0.0), part.shroud.point(1.0));
         let mut low = f32::INFINITY;
         let mut high = f32::NEG_INFINITY;
@@ -340,7 +343,9 @@ impl WallFeet {
         let center = Vec3::new(0.0, 0.0, (low + high) / 2.0);
         let radius = widest.hypot((high - low) / 2.0);
 
-        let ring = |r: f32, z: f32| even(24).into_iter().map(move |t| turn(Vec3::new(r, 0.0, z), t * TAU));
+        let ring = |r: f32, z: f32| {
+            even_steps(24).into_iter().map(move |t| rotate_about_z(Vec3::new(r, 0.0, z), t * TAU))
+        };
         let wheel_outline = body
             .iter()
             .map(|&(r, z)| (r, z))
@@ -371,9 +376,9 @@ impl WallFeet {
         // Iso view: the outlet of the channel at the rim to the front.
         let (rim_sin, rim_cos) = self.theta(0.8, 0.5).sin_cos();
         let iso = Vec3::new(rim_cos as f32, rim_sin as f32, 0.0);
-        Framing {
-            wheel: Frame { center, radius, from: (iso + Vec3::Z * 0.85 * up_sign).normalize() },
-            channel: Frame {
+        ViewTargets {
+            wheel: ViewTarget { center, radius, from: (iso + Vec3::Z * 0.85 * up_sign).normalize() },
+            channel: ViewTarget {
                 center: middle,
                 radius: reach,
                 from: (onto + outward * 0.35).normalize_or(Vec3::Z),
@@ -393,7 +398,7 @@ mod tests {
     #[test]
     fn a_blade_is_closed_and_its_sides_face_apart() {
         let sample = |y: f32| {
-            PointGrid::sample(&even(12), &even(6), |u, v| {
+            PointGrid::sample(&even_steps(12), &even_steps(6), |u, v| {
                 let thickness = 4.0 * u.min(1.0 - u).min(0.2) as f32;
                 Vec3::new(60.0 * u as f32, y * thickness, 20.0 * v as f32)
             })

@@ -10,7 +10,7 @@ use super::target::{self, read_back};
 /// Side of the pick window, pixels.
 pub const WINDOW: u32 = 9;
 /// Largest distance between the pointer and a picked cutter, pixels.
-pub const REACH: u32 = WINDOW / 2;
+pub const PICK_RADIUS: u32 = WINDOW / 2;
 
 /// Render target for ids.
 #[derive(Debug)]
@@ -22,8 +22,9 @@ pub struct PickTarget {
 impl PickTarget {
     /// Creates textures of [`WINDOW`] × [`WINDOW`] pixels.
     pub fn new(device: &wgpu::Device) -> Self {
-        let texture =
-            |label, format, usage| target::texture(device, label, format, UVec2::splat(WINDOW), 1, usage);
+        let texture = |label, format, usage| {
+            target::create_texture(device, label, format, UVec2::splat(WINDOW), 1, usage)
+        };
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
         Self {
             ids: texture("ids", ID_FORMAT, attachment | wgpu::TextureUsages::COPY_SRC),
@@ -34,7 +35,7 @@ impl PickTarget {
     /// Draws ids with `draw`: 0 for none, else the number of the position, counted from 1.
     pub fn draw(&self, gpu: &Gpu, draw: impl FnOnce(&mut wgpu::RenderPass)) {
         let [ids, depth] = [&self.ids, &self.depth].map(|t| t.create_view(&Default::default()));
-        target::draw(gpu, "ids", &ids, None, &depth, draw);
+        target::run_render_pass(gpu, "ids", &ids, None, &depth, draw);
     }
 
     /// Index of the position nearest to the middle of the window, if any.
@@ -53,9 +54,9 @@ impl PickTarget {
 fn nearest_id(ids: &[u32]) -> Option<u32> {
     let apart = |k: usize| {
         let (x, y) = (k as u32 % WINDOW, k as u32 / WINDOW);
-        x.abs_diff(REACH).pow(2) + y.abs_diff(REACH).pow(2)
+        x.abs_diff(PICK_RADIUS).pow(2) + y.abs_diff(PICK_RADIUS).pow(2)
     };
-    let hits = (0..ids.len()).filter(|&k| ids[k] > 0 && apart(k) <= REACH * REACH);
+    let hits = (0..ids.len()).filter(|&k| ids[k] > 0 && apart(k) <= PICK_RADIUS * PICK_RADIUS);
     hits.min_by_key(|&k| apart(k)).map(|k| ids[k] - 1)
 }
 
@@ -70,9 +71,9 @@ mod tests {
         assert_eq!(nearest_id(&ids), None);
         ids[at(0, 0)] = 9;
         assert_eq!(nearest_id(&ids), None, "the corner is beyond the pick radius");
-        ids[at(REACH + 3, REACH)] = 4;
+        ids[at(PICK_RADIUS + 3, PICK_RADIUS)] = 4;
         assert_eq!(nearest_id(&ids), Some(3));
-        ids[at(REACH, REACH)] = 1;
+        ids[at(PICK_RADIUS, PICK_RADIUS)] = 1;
         assert_eq!(nearest_id(&ids), Some(0), "under the pointer itself");
     }
 }

@@ -47,9 +47,9 @@ enum Stencil {
     /// Not used.
     Ignored,
     /// Inverts these bits and draws no colour.
-    Turned(u32),
+    Inverted(u32),
     /// Draws only where any bit is set.
-    Asked,
+    Masked,
 }
 
 impl Stencil {
@@ -64,16 +64,16 @@ impl Stencil {
             |face, write_mask| wgpu::StencilState { front: face, back: face, read_mask: !0, write_mask };
         match self {
             Self::Ignored => wgpu::StencilState::default(),
-            Self::Turned(bits) => {
+            Self::Inverted(bits) => {
                 both(face(wgpu::CompareFunction::Always, wgpu::StencilOperation::Invert), bits)
             }
-            Self::Asked => both(face(wgpu::CompareFunction::NotEqual, wgpu::StencilOperation::Keep), 0),
+            Self::Masked => both(face(wgpu::CompareFunction::NotEqual, wgpu::StencilOperation::Keep), 0),
         }
     }
 }
 
 /// The settings in which the pipelines differ.
-struct Stage<'a> {
+struct PipelineSpec<'a> {
     label: &'a str,
     vertex: &'a str,
     fragment: &'a str,
@@ -108,8 +108,8 @@ impl Pipelines {
             buffer::<CutterInstance>(wgpu::VertexStepMode::Instance, &cutter),
         ];
         let lines = [buffer::<Segment>(wgpu::VertexStepMode::Instance, &segment)];
-        let build = |stage: &Stage| pipeline(device, module, layout, samples, stage);
-        let stage = |label, vertex, fragment, buffers, glass| Stage {
+        let build = |stage: &PipelineSpec| pipeline(device, module, layout, samples, stage);
+        let stage = |label, vertex, fragment, buffers, glass| PipelineSpec {
             label,
             vertex,
             fragment,
@@ -119,14 +119,14 @@ impl Pipelines {
             stencil: Stencil::Ignored,
             format: COLOUR_FORMAT,
         };
-        let id = |label, vertex, fragment, buffers| Stage {
+        let id = |label, vertex, fragment, buffers| PipelineSpec {
             format: ID_FORMAT,
             ..stage(label, vertex, fragment, buffers, false)
         };
         let parity = |label, format| {
-            let turned = |bit| Stage {
+            let turned = |bit| PipelineSpec {
                 format,
-                stencil: Stencil::Turned(bit),
+                stencil: Stencil::Inverted(bit),
                 ..stage(label, "surface_vertex", "parity_fragment", &surfaces, false)
             };
             [1, 2].map(|bit| build(&turned(bit)))
@@ -135,15 +135,15 @@ impl Pipelines {
             surface: build(&id("surface ids", "surface_vertex", "surface_id_fragment", &surfaces)),
             values: build(&id("value ids", "floor_vertex", "values_id_fragment", &surfaces)),
             parity: parity("parity of ids", ID_FORMAT),
-            cap: build(&Stage {
-                stencil: Stencil::Asked,
+            cap: build(&PipelineSpec {
+                stencil: Stencil::Masked,
                 ..id("cap ids", "cap_vertex", "cap_id_fragment", &[])
             }),
             cutter: build(&id("cutter ids", "cutter_vertex", "cutter_id_fragment", &cutters)),
         });
         Self {
             ids,
-            background: build(&Stage {
+            background: build(&PipelineSpec {
                 behind_all: true,
                 ..stage("background", "background_vertex", "background_fragment", &[], false)
             }),
@@ -159,8 +159,8 @@ impl Pipelines {
                 true,
             )),
             parity: parity("parity", COLOUR_FORMAT),
-            cap: build(&Stage {
-                stencil: Stencil::Asked,
+            cap: build(&PipelineSpec {
+                stencil: Stencil::Masked,
                 ..stage("cap", "cap_vertex", "cap_fragment", &[], false)
             }),
             line: build(&stage("line", "line_vertex", "line_fragment", &lines, false)),
@@ -184,9 +184,9 @@ fn pipeline(
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
     samples: u32,
-    stage: &Stage,
+    stage: &PipelineSpec,
 ) -> wgpu::RenderPipeline {
-    let counts = matches!(stage.stencil, Stencil::Turned(_));
+    let counts = matches!(stage.stencil, Stencil::Inverted(_));
     let blend = wgpu::BlendState {
         color: wgpu::BlendState::ALPHA_BLENDING.color,
         // Alpha of 1 stays 1, so the picture stays opaque.
@@ -204,7 +204,7 @@ fn pipeline(
         // No culling: the winding of blades depends on the part file, so the shader uses the normals.
         primitive: wgpu::PrimitiveState {
             topology: match stage.stencil {
-                Stencil::Asked => wgpu::PrimitiveTopology::TriangleStrip,
+                Stencil::Masked => wgpu::PrimitiveTopology::TriangleStrip,
                 _ => wgpu::PrimitiveTopology::TriangleList,
             },
             ..Default::default()

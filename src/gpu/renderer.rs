@@ -10,7 +10,7 @@ use super::device::{Gpu, GpuError};
 use super::mesh::Segment;
 use super::pick::{self, PickTarget};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
-use super::scene::{FloorColours, Layer, MeshBuffers, Scene, SceneOptions, Wheel};
+use super::scene::{DrawGroup, FloorColours, MeshBuffers, Scene, SceneOptions, WheelBuffers};
 use super::target;
 use super::uniform::FrameUniform;
 
@@ -38,13 +38,13 @@ struct Target {
 
 /// A vertex buffer that is rewritten for every picture and grows when needed.
 #[derive(Debug)]
-struct Stream {
+struct GrowingBuffer {
     label: &'static str,
     buffer: Option<wgpu::Buffer>,
     count: u32,
 }
 
-impl Stream {
+impl GrowingBuffer {
     fn new(label: &'static str) -> Self {
         Self { label, buffer: None, count: 0 }
     }
@@ -81,7 +81,7 @@ const DRAFT_FACETS: usize = 10;
 
 /// The mesh of which every cutter is an instance; its first `solid` indices are opaque.
 #[derive(Debug)]
-struct Unit {
+struct CutterMesh {
     mesh: MeshBuffers,
     solid: u32,
 }
@@ -96,26 +96,26 @@ pub struct Renderer {
     uniform: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
     /// The mesh of which every cutter is an instance: fine, and for pictures in motion.
-    units: [Unit; 2],
-    cutters: Stream,
-    cutter_lines: Stream,
+    cutter_meshes: [CutterMesh; 2],
+    cutters: GrowingBuffer,
+    cutter_lines: GrowingBuffer,
     target: Option<Target>,
     pick_target: PickTarget,
     generation: u64,
 }
 
 /// Whether a layer is drawn opaque.
-fn is_opaque(layer: Layer, options: &SceneOptions) -> bool {
+fn is_opaque(layer: DrawGroup, options: &SceneOptions) -> bool {
     match layer {
-        Layer::Hub | Layer::Floor => options.show_hub,
-        Layer::Blades => options.show_blades,
-        Layer::CutAway => options.show_blades && !options.cut_away,
-        Layer::Shroud | Layer::Foot => false,
+        DrawGroup::Hub | DrawGroup::Floor => options.show_hub,
+        DrawGroup::Blades => options.show_blades,
+        DrawGroup::CutAway => options.show_blades && !options.cut_away,
+        DrawGroup::Shroud | DrawGroup::Foot => false,
     }
 }
 
 /// Draws the pieces of those layers for which `wanted` holds.
-fn surfaces(pass: &mut wgpu::RenderPass, wheel: &Wheel, wanted: &dyn Fn(Layer) -> bool) {
+fn draw_surfaces(pass: &mut wgpu::RenderPass, wheel: &WheelBuffers, wanted: &dyn Fn(DrawGroup) -> bool) {
     pass.set_vertex_buffer(0, wheel.surfaces.vertices.slice(..));
     pass.set_vertex_buffer(1, wheel.instances.slice(..));
     pass.set_index_buffer(wheel.surfaces.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -125,7 +125,7 @@ fn surfaces(pass: &mut wgpu::RenderPass, wheel: &Wheel, wanted: &dyn Fn(Layer) -
 }
 
 /// Draws surfaces with a value per corner.
-fn values(pass: &mut wgpu::RenderPass, wheel: &Wheel, mesh: &MeshBuffers) {
+fn draw_values(pass: &mut wgpu::RenderPass, wheel: &WheelBuffers, mesh: &MeshBuffers) {
     pass.set_vertex_buffer(0, mesh.vertices.slice(..));
     pass.set_vertex_buffer(1, wheel.instances.slice(..));
     pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -133,9 +133,9 @@ fn values(pass: &mut wgpu::RenderPass, wheel: &Wheel, mesh: &MeshBuffers) {
 }
 
 /// Draws the section plane where it cuts material, if there is one.
-fn cap(
+fn draw_section_cap(
     pass: &mut wgpu::RenderPass,
-    wheel: &Wheel,
+    wheel: &WheelBuffers,
     options: &SceneOptions,
     parity: &[wgpu::RenderPipeline; 2],
     cap: &wgpu::RenderPipeline,
@@ -146,12 +146,12 @@ fn cap(
     // One stencil bit per kind of solid, because the feet of blades reach a little into the hub.
     if options.show_hub {
         pass.set_pipeline(&parity[0]);
-        surfaces(pass, wheel, &|layer| layer == Layer::Hub);
+        draw_surfaces(pass, wheel, &|layer| layer == DrawGroup::Hub);
     }
     if options.show_blades {
         pass.set_pipeline(&parity[1]);
-        let blade = |layer| matches!(layer, Layer::Blades | Layer::CutAway | Layer::Foot);
-        surfaces(pass, wheel, &blade);
+        let blade = |layer| matches!(layer, DrawGroup::Blades | DrawGroup::CutAway | DrawGroup::Foot);
+        draw_surfaces(pass, wheel, &blade);
     }
     pass.set_pipeline(cap);
     pass.set_stencil_reference(0);
@@ -202,7 +202,7 @@ impl Renderer {
                 indices: super::scene::index_buffer(gpu, "unit cutter triangles", &indices),
                 count: indices.len() as u32,
             };
-            Unit { mesh, solid }
+            CutterMesh { mesh, solid }
         });
         Self {
             module,
@@ -210,9 +210,9 @@ impl Renderer {
             pipelines: [None, None],
             uniform,
             bind_group,
-            units,
-            cutters: Stream::new("cutters"),
-            cutter_lines: Stream::new("cutter lines"),
+            cutter_meshes: units,
+            cutters: GrowingBuffer::new("cutters"),
+            cutter_lines: GrowingBuffer::new("cutter lines"),
             target: None,
             pick_target: PickTarget::new(device),
             generation: 0,
@@ -245,7 +245,7 @@ impl Renderer {
             Some(view) => (view, Some(&target.view)),
             None => (&target.view, None),
         };
-        target::draw(gpu, "scene", view, resolved, &target.depth, |pass| {
+        target::run_render_pass(gpu, "scene", view, resolved, &target.depth, |pass| {
             pass.set_bind_group(0, &self.bind_group, &[]);
             self.draw(pass, pipelines, scene, options);
         });
@@ -266,7 +266,7 @@ impl Renderer {
 
         let wheel = scene.wheel(options);
         pass.set_pipeline(&pipelines.surface);
-        surfaces(pass, wheel, &|layer| is_opaque(layer, options));
+        draw_surfaces(pass, wheel, &|layer| is_opaque(layer, options));
         let floor = scene.floor.as_ref().and_then(|f| match options.show_floor_colours {
             FloorColours::Residual | FloorColours::Values | FloorColours::Walls => {
                 Some(f.draft.as_ref().filter(|_| options.draft).unwrap_or(&f.residual))
@@ -276,10 +276,10 @@ impl Renderer {
         });
         if let Some(floor) = floor {
             pass.set_pipeline(&pipelines.floor);
-            values(pass, wheel, floor);
+            draw_values(pass, wheel, floor);
         }
-        cap(pass, wheel, options, &pipelines.parity, &pipelines.cap);
-        let unit = self.unit(options);
+        draw_section_cap(pass, wheel, options, &pipelines.parity, &pipelines.cap);
+        let unit = self.cutter_mesh(options);
         let solid = 0..unit.solid;
         // Overdraw of transparent walls is the main cost, so in motion only the cutters' bottoms are drawn.
         let glass = unit.solid..if options.draft { unit.solid * 4 / 3 } else { unit.mesh.count };
@@ -302,18 +302,20 @@ impl Renderer {
         }
 
         pass.set_pipeline(&pipelines.glass);
-        surfaces(pass, wheel, &|layer| layer == Layer::CutAway && options.show_blades && options.cut_away);
+        draw_surfaces(pass, wheel, &|layer| {
+            layer == DrawGroup::CutAway && options.show_blades && options.cut_away
+        });
         pass.set_pipeline(&pipelines.cutter_glass);
         self.draw_cutters(pass, unit, glass);
         pass.set_pipeline(&pipelines.glass);
-        surfaces(pass, wheel, &|layer| layer == Layer::Shroud && options.show_shroud);
+        draw_surfaces(pass, wheel, &|layer| layer == DrawGroup::Shroud && options.show_shroud);
     }
 
-    fn unit(&self, options: &SceneOptions) -> &Unit {
-        &self.units[usize::from(options.draft)]
+    fn cutter_mesh(&self, options: &SceneOptions) -> &CutterMesh {
+        &self.cutter_meshes[usize::from(options.draft)]
     }
 
-    fn draw_cutters(&self, pass: &mut wgpu::RenderPass, unit: &Unit, indices: std::ops::Range<u32>) {
+    fn draw_cutters(&self, pass: &mut wgpu::RenderPass, unit: &CutterMesh, indices: std::ops::Range<u32>) {
         if let Some(buffer) = self.cutters.buffer.as_ref().filter(|_| self.cutters.count > 0) {
             pass.set_vertex_buffer(0, unit.mesh.vertices.slice(..));
             pass.set_vertex_buffer(1, buffer.slice(..));
@@ -322,7 +324,7 @@ impl Renderer {
         }
     }
 
-    /// Position whose cutter is under a pixel of a picture of `size`, or within [`pick::REACH`] pixels of it;
+    /// Position whose cutter is under a pixel of a picture of `size`, or within [`pick::PICK_RADIUS`] pixels of it;
     /// `None` if there is none or the part hides it. Ids are drawn on the device, so that transparency,
     /// section plane and layers count as drawn.
     ///
@@ -339,14 +341,14 @@ impl Renderer {
     ) -> Result<Option<usize>, GpuError> {
         self.ensure_pipelines(gpu, 1);
         let seen = FrameUniform::new(scene.framing(), camera, options, size.as_uvec2().max(UVec2::ONE));
-        let seen = seen.narrowed(pixel, size, pick::WINDOW as f32);
+        let seen = seen.cropped_about(pixel, size, pick::WINDOW as f32);
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&seen));
         self.stream_cutters(gpu, scene, camera, options);
         let Some(ids) = self.pipelines[0].as_ref().and_then(|p| p.ids.as_ref()) else {
             return Ok(None);
         };
         // Cutters of a plan preview cannot be picked.
-        if scene.coming.is_some() {
+        if scene.preview.is_some() {
             return Ok(None);
         }
         let target = &self.pick_target;
@@ -354,15 +356,15 @@ impl Renderer {
             let wheel = scene.wheel(options);
             pass.set_bind_group(0, &self.bind_group, &[]);
             pass.set_pipeline(&ids.surface);
-            surfaces(pass, wheel, &|layer| is_opaque(layer, options));
+            draw_surfaces(pass, wheel, &|layer| is_opaque(layer, options));
             let walls = scene.floor.as_ref().filter(|_| options.show_floor_colours == FloorColours::Walls);
             if let Some(walls) = walls {
                 pass.set_pipeline(&ids.values);
-                values(pass, wheel, &walls.residual);
+                draw_values(pass, wheel, &walls.residual);
             }
-            cap(pass, wheel, options, &ids.parity, &ids.cap);
+            draw_section_cap(pass, wheel, options, &ids.parity, &ids.cap);
             pass.set_pipeline(&ids.cutter);
-            self.draw_cutters(pass, self.unit(options), 0..self.unit(options).mesh.count);
+            self.draw_cutters(pass, self.cutter_mesh(options), 0..self.cutter_mesh(options).mesh.count);
         };
         target.draw(gpu, draw);
         Ok(target.nearest(gpu)?.map(|id| id as usize))
@@ -378,11 +380,11 @@ impl Renderer {
     /// Uploads the cutters to draw, sorted from far to near as alpha blending requires, and their lines.
     fn stream_cutters(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, options: &SceneOptions) {
         let mut choice = options.cutter_choice();
-        if scene.coming.is_some() {
+        if scene.preview.is_some() {
             // Selection and timeline refer to the previous plan.
-            (choice.at, choice.selected) = (None, None);
+            (choice.up_to, choice.selected) = (None, None);
         }
-        let cutters = scene.coming.as_ref().unwrap_or(&scene.cutters);
+        let cutters = scene.preview.as_ref().unwrap_or(&scene.cutters);
         let back = camera.basis().2;
         let mut lines: Vec<Segment> = Vec::new();
         let mut shown: Vec<(f32, CutterInstance)> = Vec::new();
@@ -393,10 +395,10 @@ impl Renderer {
             let whole = instance.height >= cutter.instance.height;
             // In motion only the selected and the last cutter get rims.
             if !options.draft || selected || whole {
-                cutters::rims(&instance, steps, whole, &mut lines);
+                cutters::append_rims(&instance, steps, whole, &mut lines);
             }
             if options.show_holders && whole {
-                cutters::holder(cutter, &mut lines);
+                cutters::append_holder(cutter, &mut lines);
             }
             if options.show_axes || selected {
                 lines.push(cutters::axis_line(cutter, selected));
@@ -404,7 +406,7 @@ impl Renderer {
             shown.push((Vec3::from_array(instance.tip).dot(back), instance));
         }
         if options.show_links {
-            cutters::links(cutters, choice.at, &mut lines);
+            cutters::append_links(cutters, choice.up_to, &mut lines);
         }
         shown.sort_by(|a, b| a.0.total_cmp(&b.0));
         let instances: Vec<CutterInstance> = shown.into_iter().map(|s| s.1).collect();
@@ -416,8 +418,9 @@ impl Renderer {
         if self.target.as_ref().is_some_and(|t| t.size == size && t.samples == samples) {
             return;
         }
-        let texture =
-            |label, format, samples, usage| target::texture(&gpu.device, label, format, size, samples, usage);
+        let texture = |label, format, samples, usage| {
+            target::create_texture(&gpu.device, label, format, size, samples, usage)
+        };
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
         // The resolved texture is kept when only the sample count changes, so that the window need not
         // register it again.

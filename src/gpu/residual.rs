@@ -17,7 +17,7 @@ use crate::residual::{FieldCutter, FloorGrid, PositionTrace, ResidualField, Tile
 /// A cutter in the layout of the shader's struct: tip and R, axis and core radius, corner radius and padding.
 type PackedCutter = [f32; 12];
 
-fn packed(c: &FieldCutter) -> PackedCutter {
+fn pack_cutter(c: &FieldCutter) -> PackedCutter {
     let ([x, y, z], [i, j, k]) = (c.tip, c.axis);
     [x, y, z, c.radius, i, j, k, c.core_radius, c.corner_radius, 0.0, 0.0, 0.0]
 }
@@ -25,7 +25,7 @@ fn packed(c: &FieldCutter) -> PackedCutter {
 /// A trace in the layout of the shader's struct; the depth is the bit pattern of a float.
 type PackedTrace = [u32; 5];
 
-fn unpacked([depth, contact_cells, swept_cells, cut_cells, removed_units]: PackedTrace) -> TraceSums {
+fn unpack_trace([depth, contact_cells, swept_cells, cut_cells, removed_units]: PackedTrace) -> TraceSums {
     TraceSums { contact_depth: f32::from_bits(depth), contact_cells, swept_cells, cut_cells, removed_units }
 }
 
@@ -48,7 +48,7 @@ struct GridUniform {
 /// `Cell` of the shader.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Cell {
+struct PackedCell {
     foot: [f32; 3],
     blank: f32,
     normal: [f32; 3],
@@ -61,7 +61,7 @@ impl ResidualKernel {
     /// # Errors
     /// [`GpuError::Failed`] if the device rejects it.
     pub fn new(gpu: &Gpu) -> Result<ResidualKernel, GpuError> {
-        let pipeline = gpu.checked(|| {
+        let pipeline = gpu.in_error_scope(|| {
             let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("residual"),
                 source: wgpu::ShaderSource::Wgsl(include_str!("../../shaders/residual.wgsl").into()),
@@ -95,8 +95,8 @@ impl ResidualKernel {
         cutters: &[FieldCutter],
     ) -> Result<ResidualField, GpuError> {
         let unit = VolumeUnit::of(grid);
-        let cells: Vec<Cell> = (0..grid.rows * grid.columns)
-            .map(|cell| Cell {
+        let cells: Vec<PackedCell> = (0..grid.rows * grid.columns)
+            .map(|cell| PackedCell {
                 foot: grid.points[cell],
                 blank: grid.blank_heights[cell],
                 normal: grid.normals[cell],
@@ -125,10 +125,10 @@ impl ResidualKernel {
             }
         }
         let heights_bytes = (cells.len() * size_of::<f32>()) as u64;
-        let packed: Vec<PackedCutter> = cutters.iter().map(packed).collect();
+        let packed: Vec<PackedCutter> = cutters.iter().map(pack_cutter).collect();
         let traces_bytes = (cutters.len() * size_of::<PackedTrace>()) as u64;
 
-        let readback = gpu.checked(|| {
+        let readback = gpu.in_error_scope(|| {
             let input = |label, contents, usage| {
                 gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
             };
@@ -190,12 +190,12 @@ impl ResidualKernel {
             readback
         })?;
 
-        let bytes = gpu.read(&readback)?;
+        let bytes = gpu.read_buffer(&readback)?;
         let (heights, traces) = bytes.split_at(heights_bytes as usize);
         let heights = heights.chunks_exact(size_of::<f32>()).map(bytemuck::pod_read_unaligned).collect();
         let traces = traces
             .chunks_exact(size_of::<PackedTrace>())
-            .map(|b| unpacked(bytemuck::pod_read_unaligned(b)).trace(unit))
+            .map(|b| unpack_trace(bytemuck::pod_read_unaligned(b)).trace(unit))
             .collect();
         Ok(ResidualField { heights, traces })
     }
@@ -203,7 +203,7 @@ impl ResidualKernel {
 
 impl Gpu {
     /// Runs `work` in error scopes; returns the first error that the device reports.
-    fn checked<T>(&self, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+    fn in_error_scope<T>(&self, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let result = work();
@@ -216,7 +216,7 @@ impl Gpu {
     }
 
     /// Waits for the device and copies a mappable buffer out.
-    fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
+    fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
         let failed = |error: &dyn std::fmt::Display| GpuError::Failed(error.to_string());
         let (sender, receiver) = mpsc::channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {

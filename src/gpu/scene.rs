@@ -6,18 +6,18 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
-use super::camera::{Camera, Ray};
-use super::cutters::{self, Cutter, CutterChoice, CutterFilter, CutterState};
+use super::camera::{Camera, ViewRay};
+use super::cutters::{self, CutterChoice, CutterFilter, CutterState, DrawnCutter};
 use super::device::Gpu;
 use super::floor;
-use super::mesh::{Mesh, MeshHit, Segment, turn};
+use super::mesh::{Mesh, MeshHit, Segment, rotate_about_z};
 use super::part_mesh::{BladeMesh, PartMesh};
-use super::view::{Frame, Framing};
+use super::view::{ViewTarget, ViewTargets};
 use crate::palette::{ColourMap, Theme};
 use crate::part::Impeller;
 use crate::plunge::plan::PlungePlan;
 use crate::residual::FloorGrid;
-use crate::residual::surface::FINE;
+use crate::residual::surface::MAX_LINES;
 
 /// Quantity shown as colours on the floor of the active channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub struct SceneOptions {
     /// Light or dark.
     pub theme: Theme,
     /// Shows only positions before this one, the last of them at full length.
-    pub at: Option<usize>,
+    pub up_to: Option<usize>,
     /// Selected position.
     pub selected: Option<usize>,
     /// Drawn length, in diameters, of sound cutters that are neither selected nor last; faulty ones are
@@ -95,7 +95,7 @@ pub struct SectionPlane {
 
 impl SectionPlane {
     /// Interval of a ray (mm along it) that is not clipped; `None` when all of it is.
-    fn kept(&self, ray: &Ray) -> Option<(f32, f32)> {
+    fn unclipped_interval(&self, ray: &ViewRay) -> Option<(f32, f32)> {
         let (height, slope) = (self.normal.dot(ray.origin) - self.offset, self.normal.dot(ray.direction));
         if slope.abs() < 1e-9 {
             return (height <= 0.0).then_some((0.0, f32::INFINITY));
@@ -121,7 +121,7 @@ impl Default for SceneOptions {
             range_mm: (0.0, 4.0),
             map: ColourMap::Cividis,
             theme: Theme::Light,
-            at: None,
+            up_to: None,
             selected: None,
             cutter_stub: 0.15,
             pixel_scale: 1.0,
@@ -154,7 +154,7 @@ pub struct UnknownColours(pub String);
 impl SceneOptions {
     /// Default options for a picture of `colours`. Cutters are shown for interference only; elsewhere they
     /// would hide the floor.
-    pub fn showing(colours: FloorColours) -> Self {
+    pub fn for_colours(colours: FloorColours) -> Self {
         let show_cutters = match colours {
             FloorColours::Interference => CutterFilter::All,
             FloorColours::Residual | FloorColours::Values | FloorColours::Walls | FloorColours::Plain => {
@@ -168,7 +168,7 @@ impl SceneOptions {
     pub fn cutter_choice(&self) -> CutterChoice {
         CutterChoice {
             filter: self.show_cutters,
-            at: self.at,
+            up_to: self.up_to,
             selected: self.selected,
             stub: self.cutter_stub,
         }
@@ -197,7 +197,7 @@ const ON_HUB: u32 = 2;
 
 /// Draw group of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Layer {
+pub(super) enum DrawGroup {
     /// Drawn with the hub; a closed surface.
     Hub,
     /// Drawn with the hub, on which it lies.
@@ -214,8 +214,8 @@ pub(super) enum Layer {
 
 /// One indexed draw call: a range of indices with a range of instances.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
-    pub layer: Layer,
+pub(super) struct SurfaceDraw {
+    pub layer: DrawGroup,
     pub indices: std::ops::Range<u32>,
     pub base_vertex: i32,
     pub instances: std::ops::Range<u32>,
@@ -249,25 +249,25 @@ pub(super) fn index_buffer(gpu: &Gpu, label: &str, indices: &[u32]) -> wgpu::Buf
 
 /// Surfaces and edges of the wheel at one level of detail.
 #[derive(Debug)]
-pub(super) struct Wheel {
+pub(super) struct WheelBuffers {
     pub surfaces: MeshBuffers,
     pub instances: wgpu::Buffer,
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<SurfaceDraw>,
     pub edges: wgpu::Buffer,
     pub edge_count: u32,
 }
 
-impl Wheel {
+impl WheelBuffers {
     fn new(gpu: &Gpu, part: &PartMesh) -> Self {
-        let mut builder = Builder::default();
+        let mut builder = WheelBuilder::default();
         let still = |kind, flags| SurfaceInstance { turn: [1.0, 0.0], kind, flags };
-        builder.add(Layer::Hub, &part.hub, &[still(HUB, 0)]);
-        builder.add(Layer::Floor, &part.floor, &[still(FLOOR, ON_HUB)]);
+        builder.add(DrawGroup::Hub, &part.hub, &[still(HUB, 0)]);
+        builder.add(DrawGroup::Floor, &part.floor, &[still(FLOOR, ON_HUB)]);
         builder.add_blade(&part.main, 2);
         for splitter in &part.splitters {
             builder.add_blade(splitter, 1);
         }
-        builder.add(Layer::Shroud, &part.shroud, &[still(SHROUD, 0)]);
+        builder.add(DrawGroup::Shroud, &part.shroud, &[still(SHROUD, 0)]);
         Self {
             surfaces: MeshBuffers::new(gpu, &builder.mesh),
             instances: vertex_buffer(gpu, "surface copies", &builder.instances),
@@ -280,7 +280,7 @@ impl Wheel {
 
 /// Floor of the active channel with its values.
 #[derive(Debug)]
-pub(super) struct FloorPart {
+pub(super) struct FloorBuffers {
     pub residual: MeshBuffers,
     /// The same, coarser, if there is one.
     pub draft: Option<MeshBuffers>,
@@ -290,7 +290,7 @@ pub(super) struct FloorPart {
 
 /// A surface hit by a picking ray.
 #[derive(Clone, Copy)]
-struct Surface {
+struct SurfaceHit {
     /// Distance along the ray, mm.
     distance: f32,
     value: Option<f32>,
@@ -298,25 +298,25 @@ struct Surface {
 }
 
 /// The ray rotated by −`angle` about Z, which is cheaper than rotating a blade.
-fn turned_back(ray: &Ray, angle: f64) -> Ray {
-    Ray { origin: turn(ray.origin, -angle), direction: turn(ray.direction, -angle) }
+fn rotated_back(ray: &ViewRay, angle: f64) -> ViewRay {
+    ViewRay { origin: rotate_about_z(ray.origin, -angle), direction: rotate_about_z(ray.direction, -angle) }
 }
 
 /// One part with its plan, on the GPU.
 #[derive(Debug)]
 pub struct Scene {
     part: Arc<PartMesh>,
-    fine: Wheel,
-    draft: Option<Wheel>,
+    fine: WheelBuffers,
+    draft: Option<WheelBuffers>,
     /// Passes or moves of a flank plan.
     pub(super) paths: Option<(wgpu::Buffer, u32)>,
     /// Borders between sections.
     pub(super) borders: Option<(wgpu::Buffer, u32)>,
-    pub(super) floor: Option<FloorPart>,
-    pub(super) cutters: Vec<Cutter>,
+    pub(super) floor: Option<FloorBuffers>,
+    pub(super) cutters: Vec<DrawnCutter>,
     /// Cutters of a plan preview. They are drawn instead of `cutters` and cannot be picked.
-    pub(super) coming: Option<Vec<Cutter>>,
-    framing: Framing,
+    pub(super) preview: Option<Vec<DrawnCutter>>,
+    framing: ViewTargets,
 }
 
 /// Result of picking a pixel.
@@ -341,7 +341,7 @@ impl Scene {
     /// Uploads a part that is already tessellated.
     pub fn from_mesh(gpu: &Gpu, part: Arc<PartMesh>) -> Self {
         let framing = part.framing.clone();
-        let fine = Wheel::new(gpu, &part);
+        let fine = WheelBuffers::new(gpu, &part);
         Self {
             fine,
             draft: None,
@@ -349,7 +349,7 @@ impl Scene {
             borders: None,
             floor: None,
             cutters: Vec::new(),
-            coming: None,
+            preview: None,
             framing,
             part,
         }
@@ -357,18 +357,18 @@ impl Scene {
 
     /// Adds a coarser mesh of the same part for pictures in motion.
     pub fn with_draft(mut self, gpu: &Gpu, draft: &PartMesh) -> Self {
-        self.draft = Some(Wheel::new(gpu, draft));
+        self.draft = Some(WheelBuffers::new(gpu, draft));
         self
     }
 
     /// The wheel at the level of detail of `options`.
-    pub(super) fn wheel(&self, options: &SceneOptions) -> &Wheel {
+    pub(super) fn wheel(&self, options: &SceneOptions) -> &WheelBuffers {
         self.draft.as_ref().filter(|_| options.draft).unwrap_or(&self.fine)
     }
 
     /// Sets the plan whose cutters are shown, or none.
     pub fn set_plan(&mut self, plan: Option<&PlungePlan>) {
-        self.cutters = plan.map(cutters::cutters).unwrap_or_default();
+        self.cutters = plan.map(cutters::drawn_cutters).unwrap_or_default();
         self.framing.sections = plan.map_or(0, |p| p.sections.len()).checked_sub(1).map_or(vec![], |last| {
             (0..=last).map(|k| section_frame(&self.cutters, k, &self.framing)).collect()
         });
@@ -376,51 +376,51 @@ impl Scene {
 
     /// Shows the cutters of a plan preview instead of the plan's, or removes it; `judged` says whether their
     /// contact has been evaluated.
-    pub fn set_coming(&mut self, plan: Option<&PlungePlan>, judged: bool) {
-        self.coming = plan.map(|plan| {
-            let mut coming = cutters::cutters(plan);
+    pub fn set_preview(&mut self, plan: Option<&PlungePlan>, judged: bool) {
+        self.preview = plan.map(|plan| {
+            let mut coming = cutters::drawn_cutters(plan);
             for cutter in coming.iter_mut().filter(|_| !judged) {
-                cutter.instance.state = CutterState::Unjudged as u32;
+                cutter.instance.state = CutterState::Unevaluated as u32;
             }
             coming
         });
     }
 
     /// Sets the stock on the floor: `heights` (mm) per cell of `grid`. With a plan, also the contact of all
-    /// its cores, independent of [`SceneOptions::at`]. No floor colours are shown if the sizes differ.
+    /// its cores, independent of [`SceneOptions::up_to`]. No floor colours are shown if the sizes differ.
     pub fn set_floor(&mut self, gpu: &Gpu, floor: Option<(&FloorGrid, &[f32])>, plan: Option<&PlungePlan>) {
         self.floor = floor.and_then(|(grid, heights)| {
-            let mesh = floor::floor_mesh(grid, heights, FINE)?;
+            let mesh = floor::floor_mesh(grid, heights, MAX_LINES)?;
             let draft =
-                floor::floor_mesh(grid, heights, floor::DRAFT).map(|mesh| MeshBuffers::new(gpu, &mesh));
+                floor::floor_mesh(grid, heights, floor::DRAFT_LINES).map(|mesh| MeshBuffers::new(gpu, &mesh));
             let contact = plan.map(|plan| MeshBuffers::new(gpu, &floor::contact_mesh(grid, plan)));
-            Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), draft, contact, mesh })
+            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft, contact, mesh })
         });
     }
 
     /// Replaces the floor by surfaces with a value per corner, see [`FloorColours::Values`].
     pub fn set_values(&mut self, gpu: &Gpu, mesh: Mesh) {
         self.floor =
-            Some(FloorPart { residual: MeshBuffers::new(gpu, &mesh), draft: None, contact: None, mesh });
+            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft: None, contact: None, mesh });
     }
 
     /// Replaces the heights on the floor, e.g. while scrubbing. `grid` is that of [`Self::set_floor`];
     /// nothing happens before that call or when the sizes differ.
     pub fn set_heights(&mut self, gpu: &Gpu, grid: &FloorGrid, heights: &[f32]) {
-        let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights, FINE)) else {
+        let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights, MAX_LINES)) else {
             return;
         };
         if mesh.vertices.len() == floor.mesh.vertices.len() {
             gpu.queue.write_buffer(&floor.residual.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
             floor.mesh = mesh;
-            let draft = floor.draft.as_ref().zip(floor::floor_mesh(grid, heights, floor::DRAFT));
+            let draft = floor.draft.as_ref().zip(floor::floor_mesh(grid, heights, floor::DRAFT_LINES));
             if let Some((draft, mesh)) = draft {
                 gpu.queue.write_buffer(&draft.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
             }
         }
     }
 
-    /// Sets lines in the channel, such as those of [`super::flank::lines`]; an empty slice removes them.
+    /// Sets lines in the channel, such as those of [`super::flank::toolpath_lines`]; an empty slice removes them.
     pub fn set_paths(&mut self, gpu: &Gpu, lines: &[Segment]) {
         let buffer = || (vertex_buffer(gpu, "paths", lines), lines.len() as u32);
         self.paths = (!lines.is_empty()).then(buffer);
@@ -433,7 +433,7 @@ impl Scene {
     }
 
     /// Targets of the standard views.
-    pub fn framing(&self) -> &Framing {
+    pub fn framing(&self) -> &ViewTargets {
         &self.framing
     }
 
@@ -447,10 +447,10 @@ impl Scene {
         let ray = camera.ray(pixel, size);
         let surface = self.surface_under(&ray, options);
         let choice = options.cutter_choice();
-        let shown = self.cutters.iter().filter(|_| self.coming.is_none());
+        let shown = self.cutters.iter().filter(|_| self.preview.is_none());
         let cutter = shown
             .filter_map(|c| choice.instance(c))
-            .filter_map(|i| Some((cutters::hit(&i, &ray)?, i.id as usize)))
+            .filter_map(|i| Some((cutters::ray_distance(&i, &ray)?, i.id as usize)))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let at = |distance: f32| ray.origin + ray.direction * distance;
         match cutter {
@@ -467,21 +467,22 @@ impl Scene {
     }
 
     /// Nearest surface of the part as drawn, including the section plane where it cuts material.
-    fn surface_under(&self, whole: &Ray, options: &SceneOptions) -> Option<Surface> {
-        let kept = options.section.map_or(Some((0.0, f32::INFINITY)), |plane| plane.kept(whole));
+    fn surface_under(&self, whole: &ViewRay, options: &SceneOptions) -> Option<SurfaceHit> {
+        let kept =
+            options.section.map_or(Some((0.0, f32::INFINITY)), |plane| plane.unclipped_interval(whole));
         let (start, end) = kept?;
         // Start the ray where it enters the unclipped side of the section plane.
-        let ray = Ray { origin: whole.origin + whole.direction * start, ..*whole };
+        let ray = ViewRay { origin: whole.origin + whole.direction * start, ..*whole };
         if start > 0.0 && self.is_inside(&ray, options) {
-            return Some(Surface { distance: start, value: None, on_section: true });
+            return Some(SurfaceHit { distance: start, value: None, on_section: true });
         }
-        let mut nearest: Option<Surface> = None;
+        let mut nearest: Option<SurfaceHit> = None;
         let mut near = |hit: Option<MeshHit>, has_value: bool| {
             let Some(hit) = hit else { return };
             let distance = start + hit.distance;
             if distance <= end && nearest.is_none_or(|n| distance < n.distance) {
                 let value = has_value.then_some(hit.value);
-                nearest = Some(Surface { distance, value, on_section: false });
+                nearest = Some(SurfaceHit { distance, value, on_section: false });
             }
         };
         if options.show_hub {
@@ -493,8 +494,8 @@ impl Scene {
         }
         let blades = self.blades().filter(|_| options.show_blades);
         for (blade, lit) in blades {
-            for (k, &angle) in blade.turns.iter().enumerate() {
-                let back = turned_back(&ray, angle);
+            for (k, &angle) in blade.rotations_rad.iter().enumerate() {
+                let back = rotated_back(&ray, angle);
                 for (side, mesh) in [&blade.suction, &blade.pressure].into_iter().enumerate() {
                     if k >= lit || !options.cut_away {
                         near(mesh.hit(&back), false);
@@ -510,12 +511,12 @@ impl Scene {
 
     /// Whether a ray begins inside the shown hub or blades. Both are closed, so it then crosses an odd number
     /// of their faces: the parity rule with which the renderer fills the section plane.
-    fn is_inside(&self, ray: &Ray, options: &SceneOptions) -> bool {
+    fn is_inside(&self, ray: &ViewRay, options: &SceneOptions) -> bool {
         let odd = |count: usize| count % 2 == 1;
         let in_blades = || {
             let of = |blade: &BladeMesh| -> usize {
                 let faces = [&blade.suction, &blade.pressure, &blade.closing, &blade.foot];
-                let copies = blade.turns.iter().map(|&angle| turned_back(ray, angle));
+                let copies = blade.rotations_rad.iter().map(|&angle| rotated_back(ray, angle));
                 copies.map(|back| faces.iter().map(|mesh| mesh.crossings(&back)).sum::<usize>()).sum()
             };
             self.blades().map(|(blade, _)| of(blade)).sum()
@@ -529,7 +530,7 @@ impl Scene {
 }
 
 /// View target of a section: a sphere about the cutters' tips, seen along their mean axis.
-fn section_frame(cutters: &[Cutter], section: usize, framing: &Framing) -> Frame {
+fn section_frame(cutters: &[DrawnCutter], section: usize, framing: &ViewTargets) -> ViewTarget {
     let of_section = || cutters.iter().filter(|c| c.section == section).map(|c| &c.instance);
     let count = of_section().count();
     if count == 0 {
@@ -542,18 +543,18 @@ fn section_frame(cutters: &[Cutter], section: usize, framing: &Framing) -> Frame
         of_section().map(|i| Vec3::from_array(i.tip).distance(center) + 1.5 * i.radius).fold(0.0, f32::max);
     let outward = Vec3::new(center.x, center.y, 0.0).normalize_or_zero();
     let from = axis.normalize_or(framing.channel.from) + outward * 0.35;
-    Frame { center, radius: reach, from: from.normalize_or(framing.channel.from) }
+    ViewTarget { center, radius: reach, from: from.normalize_or(framing.channel.from) }
 }
 
 /// Collects surfaces into shared buffers.
 #[derive(Default)]
-struct Builder {
+struct WheelBuilder {
     mesh: Mesh,
     instances: Vec<SurfaceInstance>,
-    pieces: Vec<Piece>,
+    pieces: Vec<SurfaceDraw>,
 }
 
-impl Builder {
+impl WheelBuilder {
     fn load(&mut self, mesh: &Mesh) -> (std::ops::Range<u32>, i32) {
         let base_vertex = self.mesh.vertices.len() as i32;
         let first = self.mesh.indices.len() as u32;
@@ -562,13 +563,18 @@ impl Builder {
         (first..self.mesh.indices.len() as u32, base_vertex)
     }
 
-    fn place(&mut self, layer: Layer, loaded: &(std::ops::Range<u32>, i32), copies: &[SurfaceInstance]) {
+    fn add_instances(
+        &mut self,
+        layer: DrawGroup,
+        loaded: &(std::ops::Range<u32>, i32),
+        copies: &[SurfaceInstance],
+    ) {
         if copies.is_empty() {
             return;
         }
         let first = self.instances.len() as u32;
         self.instances.extend_from_slice(copies);
-        self.pieces.push(Piece {
+        self.pieces.push(SurfaceDraw {
             layer,
             indices: loaded.0.clone(),
             base_vertex: loaded.1,
@@ -576,39 +582,40 @@ impl Builder {
         });
     }
 
-    fn add(&mut self, layer: Layer, mesh: &Mesh, copies: &[SurfaceInstance]) {
+    fn add(&mut self, layer: DrawGroup, mesh: &Mesh, copies: &[SurfaceInstance]) {
         let loaded = self.load(mesh);
-        self.place(layer, &loaded, copies);
+        self.add_instances(layer, &loaded, copies);
     }
 
     /// Adds a blade row whose first `lit` copies belong to the active channel: 2 walls, or 1 splitter inside
     /// it.
     fn add_blade(&mut self, blade: &BladeMesh, lit: usize) {
         let copy = |k: usize, kind, flags| SurfaceInstance {
-            turn: [blade.turns[k].cos() as f32, blade.turns[k].sin() as f32],
+            turn: [blade.rotations_rad[k].cos() as f32, blade.rotations_rad[k].sin() as f32],
             kind,
             flags,
         };
-        let lit = lit.min(blade.turns.len());
-        let pale: Vec<SurfaceInstance> = (lit..blade.turns.len()).map(|k| copy(k, BLADE, 0)).collect();
+        let lit = lit.min(blade.rotations_rad.len());
+        let pale: Vec<SurfaceInstance> =
+            (lit..blade.rotations_rad.len()).map(|k| copy(k, BLADE, 0)).collect();
         for (side, mesh) in [&blade.suction, &blade.pressure].into_iter().enumerate() {
             let loaded = self.load(mesh);
-            self.place(Layer::Blades, &loaded, &pale);
+            self.add_instances(DrawGroup::Blades, &loaded, &pale);
             for k in 0..lit {
                 // Wall 0 bounds the channel with its suction side, wall 1 with its pressure side.
                 if lit == 2 && side == k {
-                    self.place(Layer::Blades, &loaded, &[copy(k, WALL, INNER)]);
+                    self.add_instances(DrawGroup::Blades, &loaded, &[copy(k, WALL, INNER)]);
                 } else {
-                    self.place(Layer::CutAway, &loaded, &[copy(k, WALL, 0)]);
+                    self.add_instances(DrawGroup::CutAway, &loaded, &[copy(k, WALL, 0)]);
                 }
             }
         }
         let loaded = self.load(&blade.closing);
-        self.place(Layer::Blades, &loaded, &pale);
+        self.add_instances(DrawGroup::Blades, &loaded, &pale);
         let near: Vec<SurfaceInstance> = (0..lit).map(|k| copy(k, WALL, 0)).collect();
-        self.place(Layer::Blades, &loaded, &near);
+        self.add_instances(DrawGroup::Blades, &loaded, &near);
         let foot = self.load(&blade.foot);
-        let all: Vec<SurfaceInstance> = (0..blade.turns.len()).map(|k| copy(k, BLADE, 0)).collect();
-        self.place(Layer::Foot, &foot, &all);
+        let all: Vec<SurfaceInstance> = (0..blade.rotations_rad.len()).map(|k| copy(k, BLADE, 0)).collect();
+        self.add_instances(DrawGroup::Foot, &foot, &all);
     }
 }

@@ -5,7 +5,7 @@ use glam::UVec2;
 use super::device::{Gpu, GpuError};
 
 /// Creates a texture of `size` with `samples` samples per pixel.
-pub(super) fn texture(
+pub(super) fn create_texture(
     device: &wgpu::Device,
     label: &str,
     format: wgpu::TextureFormat,
@@ -27,7 +27,7 @@ pub(super) fn texture(
 
 /// Runs one render pass into `colour` with `draw`, after clearing colour (transparent), depth (1) and stencil
 /// (0). A multisampled `colour` is resolved into `resolved`.
-pub(super) fn draw(
+pub(super) fn run_render_pass(
     gpu: &Gpu,
     label: &str,
     colour: &wgpu::TextureView,

@@ -6,7 +6,7 @@ use glam::{Mat4, UVec2, Vec2, Vec3};
 use super::camera::{Camera, Projection};
 use super::mesh::LineColour;
 use super::scene::{FloorColours, SceneOptions};
-use super::view::Framing;
+use super::view::ViewTargets;
 use crate::palette::{self, Rgb, TABLE_LEN};
 
 /// Uniform of `shaders/scene.wgsl`.
@@ -30,7 +30,7 @@ pub struct FrameUniform {
 
 impl FrameUniform {
     /// The uniform for one picture of `size` pixels.
-    pub fn new(framing: &Framing, camera: &Camera, options: &SceneOptions, size: UVec2) -> Self {
+    pub fn new(framing: &ViewTargets, camera: &Camera, options: &SceneOptions, size: UVec2) -> Self {
         let vec = |v: Vec3| v.extend(0.0).to_array();
         let rgb = |c: Rgb| [c[0], c[1], c[2], 1.0];
         let g = options.theme.greys();
@@ -48,9 +48,9 @@ impl FrameUniform {
             (LineColour::Axis, g.axis),
             (LineColour::Sound, darker(palette::SOUND)),
             (LineColour::Blocked, darker(palette::BLOCKED)),
-            (LineColour::Interferential, darker(palette::INTERFERENTIAL)),
+            (LineColour::Interfering, darker(palette::INTERFERING)),
             (LineColour::Selected, darker(palette::SELECTED)),
-            (LineColour::Unjudged, darker(palette::UNJUDGED)),
+            (LineColour::Unevaluated, darker(palette::UNEVALUATED)),
         ] {
             lines[colour as usize] = rgb(value);
         }
@@ -81,9 +81,9 @@ impl FrameUniform {
             states: [
                 palette::SOUND,
                 palette::BLOCKED,
-                palette::INTERFERENTIAL,
+                palette::INTERFERING,
                 palette::SELECTED,
-                palette::UNJUDGED,
+                palette::UNEVALUATED,
             ]
             .map(rgb),
             table: map.table().map(|c| [c[0], c[1], c[2], 255].map(|x| f32::from(x) / 255.0)),
@@ -91,7 +91,7 @@ impl FrameUniform {
     }
 
     /// The same picture, cropped to a window of `pixels` × `pixels` about one of its pixels, for picking.
-    pub fn narrowed(mut self, pixel: Vec2, size: Vec2, pixels: f32) -> Self {
+    pub fn cropped_about(mut self, pixel: Vec2, size: Vec2, pixels: f32) -> Self {
         let middle = Vec2::new(2.0 * pixel.x / size.x - 1.0, 1.0 - 2.0 * pixel.y / size.y);
         let scale = size / pixels;
         let window =

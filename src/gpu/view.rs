@@ -48,7 +48,7 @@ impl FromStr for View {
 
 /// Target of a view: a bounding sphere and the direction to look from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct ViewTarget {
     /// Centre of the sphere, mm.
     pub center: Vec3,
     /// Radius of the sphere, mm.
@@ -59,13 +59,13 @@ pub struct Frame {
 
 /// Targets of the standard views of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Framing {
+pub struct ViewTargets {
     /// The whole wheel; `from` is the iso direction.
-    pub wheel: Frame,
+    pub wheel: ViewTarget,
     /// The active channel.
-    pub channel: Frame,
+    pub channel: ViewTarget,
     /// Sections of the plan, in cutting order.
-    pub sections: Vec<Frame>,
+    pub sections: Vec<ViewTarget>,
     /// Points on the wheel that the whole-wheel views are fitted to.
     pub wheel_outline: Vec<Vec3>,
     /// Points on the active channel that the channel view is fitted to.

@@ -77,7 +77,8 @@ impl FlankJob {
         let planned = plan(part, &channel, &request.setup, &chosen, &mut stages, &mut check, monitor);
         *last = Some((part.clone(), stages));
         let plan = planned?;
-        let verdict = as_written(&part.name, &plan.tool, &plan.moves).and_then(|p| verifier.verdict(&p).ok());
+        let verdict =
+            program_as_written(&part.name, &plan.tool, &plan.moves).and_then(|p| verifier.verdict(&p).ok());
         let mut setup = request.setup.clone();
         if !setup.tools.contains(&chosen.tool) {
             setup.tools.push(chosen.tool.clone());
@@ -97,7 +98,7 @@ impl FlankOutcome {
 }
 
 /// The program of `moves`, written and read back; `None` if it cannot be read.
-fn as_written(name: &str, tool: &Tool, moves: &[FlankMove]) -> Option<ClProgram> {
+fn program_as_written(name: &str, tool: &Tool, moves: &[FlankMove]) -> Option<ClProgram> {
     let written = write_apt(&ClProgram::of_flank(name, tool, moves));
     read_apt_bytes("flank.apt", written.as_bytes()).ok()
 }
@@ -113,7 +114,7 @@ fn faults_as_written(
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
     let all = |why: &'static str| (0..moves.len()).map(|index| MoveFault { index, why }).collect();
-    let Some(program) = as_written(name, tool, moves) else {
+    let Some(program) = program_as_written(name, tool, moves) else {
         return Ok(all("its program cannot be read back"));
     };
     let Ok(faults) = verifier.faults(&program, monitor) else {
@@ -122,14 +123,14 @@ fn faults_as_written(
     *found = faults?;
     let move_fault = |fault: &Fault| {
         let index = program.moves.partition_point(|m| m.line < fault.line);
-        Some(MoveFault { index, why: reason(fault.kind)? })
+        Some(MoveFault { index, why: fault_reason(fault.kind)? })
     };
     Ok(found.iter().filter_map(move_fault).collect())
 }
 
 /// Why a move with a fault is left out, as text for users; `None` for faults that do not concern a single
 /// move.
-fn reason(kind: FaultKind) -> Option<&'static str> {
+fn fault_reason(kind: FaultKind) -> Option<&'static str> {
     Some(match kind {
         FaultKind::HubAllowance => "the cutter would come too near to the hub",
         FaultKind::BladeAllowance => "the cutter would come too near to a blade",

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 pub use crate::verify::Summary;
-pub use stage::{Listener, Stage};
+pub use stage::{Listener, PlanStage};
 
 use rayon::prelude::*;
 
@@ -17,9 +17,9 @@ use crate::formats::tool_library::plunge_cutters;
 use crate::monitor::Monitor;
 use crate::part::{AxisPolicy, Channel, Impeller, Setup};
 use crate::plunge::sections::{self, Resolved, SetupFault};
-use crate::plunge::{KnownSections, PlanError, Planner, PlungePlan};
+use crate::plunge::{PlanError, Planner, PlungePlan, SectionCache};
 use crate::residual::{
-    FloorGrid, FloorSource, ResidualField, cutters_of, residual_field, stretches_of_setup,
+    FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
 
 /// Request for a plunge plan.
@@ -114,12 +114,12 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
 }
 
 /// Cached sections of the last plan of each policy.
-type Known = HashMap<AxisPolicy, KnownSections>;
+type PolicyCache = HashMap<AxisPolicy, SectionCache>;
 
 /// Plunge planner with a cache of the last plan's sections, so that only stale sections are planned again.
 #[derive(Debug, Default)]
 pub struct PlanJob {
-    last: Mutex<Option<(Arc<Impeller>, Known)>>,
+    last: Mutex<Option<(Arc<Impeller>, PolicyCache)>>,
 }
 
 impl PlanJob {
@@ -130,7 +130,7 @@ impl PlanJob {
     /// [`JobError::Cancelled`] after a cancel of `monitor`, or after a stop before anything was found;
     /// [`JobError::Setup`] when part and setup are incompatible.
     pub fn run(&self, request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
-        self.run_telling(request, monitor, Listener::default())
+        self.run_with_listener(request, monitor, Listener::default())
     }
 
     /// Like [`Self::run`], reporting every stage to `listener`. The conventional plan, which is the fastest,
@@ -138,7 +138,7 @@ impl PlanJob {
     ///
     /// # Errors
     /// The errors of [`Self::run`].
-    pub fn run_telling(
+    pub fn run_with_listener(
         &self,
         request: &PlanRequest,
         monitor: &Monitor,
@@ -154,10 +154,10 @@ impl PlanJob {
     }
 }
 
-/// Like [`PlanJob::run_telling`], with the cache `known`.
+/// Like [`PlanJob::run_with_listener`], with the cache `known`.
 fn plan(
     request: &PlanRequest,
-    known: &mut Known,
+    known: &mut PolicyCache,
     monitor: &Monitor,
     listener: Listener,
 ) -> Result<PlanOutcome, JobError> {
@@ -165,33 +165,33 @@ fn plan(
     let part = &request.part;
     let channel = Channel::of(part);
     let Resolved { setup, reasons } = resolve(&request.setup, part, &channel)?;
-    listener.tell(|| Stage::Resolved(setup.clone(), reasons.clone()));
+    listener.notify(|| PlanStage::Resolved(setup.clone(), reasons.clone()));
     let planner = Planner::new(part, &channel, &setup);
     // The conventional plan and the grid are needed for every result, so they are completed even after a
     // stop.
-    let closing = &monitor.closing();
-    let judged = |policy, known: &mut KnownSections, monitor: &Monitor| -> Result<PlungePlan, PlanError> {
-        let placed = planner.place(policy, known, monitor)?;
-        listener.tell(|| Stage::Placed(placed.plan().clone()));
-        let plan = planner.judge(placed, monitor)?;
-        listener.tell(|| Stage::Judged(plan.clone()));
+    let closing = &monitor.ignoring_stop();
+    let judged = |policy, known: &mut SectionCache, monitor: &Monitor| -> Result<PlungePlan, PlanError> {
+        let placed = planner.place_plunges(policy, known, monitor)?;
+        listener.notify(|| PlanStage::Placed(placed.plan().clone()));
+        let plan = planner.evaluate(placed, monitor)?;
+        listener.notify(|| PlanStage::Evaluated(plan.clone()));
         Ok(plan)
     };
     let measured = |plan: PlungePlan, grid: &Arc<FloorGrid>| -> Result<PolicyResult, PlanError> {
         closing.check()?;
-        let result = with_field(plan, grid);
-        listener.tell(|| Stage::Measured(Arc::clone(grid), result.clone()));
+        let result = measure_residual(plan, grid);
+        listener.notify(|| PlanStage::Measured(Arc::clone(grid), result.clone()));
         Ok(result)
     };
     // Preview by warm start: the axes of the last plan, fitted to the new setup, are close to the result and
     // give live feedback while a slider is dragged. Failures are reported by the plan itself.
     let searched = known.entry(request.policy).or_default();
-    if listener.is_listening()
+    if listener.has_callback()
         && request.policy == AxisPolicy::Minimal
-        && searched.holding(&setup)? < setup.plunge.sections.len()
-        && let Ok(Some(plan)) = planner.carried(request.policy, searched, closing)
+        && searched.valid_prefix(&setup)? < setup.plunge.sections.len()
+        && let Ok(Some(plan)) = planner.warm_start(request.policy, searched, closing)
     {
-        listener.tell(|| Stage::Carried(plan));
+        listener.notify(|| PlanStage::Preview(plan));
     }
     // Then the conventional plan alone on all cores, as it is ready first.
     let known_conventional = known.entry(AxisPolicy::Conventional).or_default();
@@ -201,7 +201,7 @@ fn plan(
     let ready = OnceLock::new();
     let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>), PlanError> {
         let cutters = stretches_of_setup(&setup);
-        let (blank, stock) = (planner.blank(), &setup.stock);
+        let (blank, stock) = (planner.blank(), &setup.allowances);
         let source = FloorSource { part, channel: &channel, blank, stock, cutters: &cutters };
         let grid = Arc::new(FloorGrid::new(&source, request.field_cells));
         let result = measured(before, &grid)?;
@@ -212,7 +212,7 @@ fn plan(
     let wanted = |policy: &&AxisPolicy| {
         **policy != AxisPolicy::Conventional && (request.compare || **policy == request.policy)
     };
-    let mut policies: Vec<(AxisPolicy, KnownSections)> = AxisPolicy::ALL
+    let mut policies: Vec<(AxisPolicy, SectionCache)> = AxisPolicy::ALL
         .iter()
         .filter(wanted)
         .map(|&policy| (policy, known.remove(&policy).unwrap_or_default()))
@@ -251,7 +251,7 @@ fn plan(
         None => before.clone(),
     };
     if after.plan.positions.is_empty() {
-        let tilt = setup.machine.max_axis_tilt.to_degrees();
+        let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
         return Err(JobError::Setup(SetupFault::new(
             format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
             "allow more tilt, or use smaller cutters",
@@ -263,8 +263,8 @@ fn plan(
 }
 
 /// Computes the residual stock and the summary of a plan.
-fn with_field(plan: PlungePlan, grid: &FloorGrid) -> PolicyResult {
-    let field = residual_field(grid, &cutters_of(&plan));
+fn measure_residual(plan: PlungePlan, grid: &FloorGrid) -> PolicyResult {
+    let field = residual_field(grid, &field_cutters(&plan));
     let summary = Summary::of(&plan, grid, &field);
     PolicyResult { plan, field, summary }
 }

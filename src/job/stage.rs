@@ -9,16 +9,16 @@ use crate::residual::FloorGrid;
 
 /// An intermediate result of a planning job.
 #[derive(Clone, Debug)]
-pub enum Stage {
+pub enum PlanStage {
     /// Completed setup, with the reason for each section, see [`super::PlanOutcome::reasons`].
     Resolved(Setup, Vec<Option<String>>),
     /// Plan of a policy with all positions placed; contact and retracts are not evaluated yet.
     Placed(PlungePlan),
     /// Preview of the requested policy, evaluated: the axes of the last plan fitted to the new setup (warm
     /// start), available long before the search ends.
-    Carried(PlungePlan),
+    Preview(PlungePlan),
     /// Plan of a policy with contact, clearances and retracts evaluated.
-    Judged(PlungePlan),
+    Evaluated(PlungePlan),
     /// The same plan with its residual stock on the floor grid.
     Measured(Arc<FloorGrid>, PolicyResult),
 }
@@ -26,21 +26,21 @@ pub enum Stage {
 /// Optional callback for job stages. It is called from any thread, but never concurrently for the same
 /// policy.
 #[derive(Clone, Copy, Default)]
-pub struct Listener<'a>(Option<&'a (dyn Fn(Stage) + Sync)>);
+pub struct Listener<'a>(Option<&'a (dyn Fn(PlanStage) + Sync)>);
 
 impl<'a> Listener<'a> {
     /// Reports every stage to `listen`.
-    pub fn new(listen: &'a (dyn Fn(Stage) + Sync)) -> Self {
+    pub fn new(listen: &'a (dyn Fn(PlanStage) + Sync)) -> Self {
         Self(Some(listen))
     }
 
     /// Whether there is a callback.
-    pub fn is_listening(&self) -> bool {
+    pub fn has_callback(&self) -> bool {
         self.0.is_some()
     }
 
     /// Reports a stage; `stage` is evaluated only if there is a callback.
-    pub fn tell(&self, stage: impl FnOnce() -> Stage) {
+    pub fn notify(&self, stage: impl FnOnce() -> PlanStage) {
         if let Some(listen) = self.0 {
             listen(stage());
         }

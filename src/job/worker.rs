@@ -32,7 +32,7 @@ pub enum Status {
 
 impl Status {
     /// Whether the status is final.
-    pub fn is_end(self) -> bool {
+    pub fn is_final(self) -> bool {
         !matches!(self, Self::Waiting | Self::Running)
     }
 
@@ -93,7 +93,7 @@ impl Ticket {
 
 /// How a request ended. A superseded request has no outcome, only its [`Ticket::status`].
 #[derive(Debug)]
-pub enum End<T, E> {
+pub enum Outcome<T, E> {
     /// The result.
     Done(T),
     /// Cancelled by the user; the last good result stays valid.
@@ -101,32 +101,32 @@ pub enum End<T, E> {
     /// The job returned an error.
     Failed(E),
     /// The job panicked, which is a bug, not bad input. Contains the panic's message.
-    Broken(String),
+    Panicked(String),
 }
 
-struct Desk<R, T, E> {
-    next: Option<(R, Ticket)>,
+struct RequestQueue<R, T, E> {
+    waiting: Option<(R, Ticket)>,
     running: Option<Ticket>,
-    ended: Option<(Ticket, End<T, E>)>,
+    outcome: Option<(Ticket, Outcome<T, E>)>,
     requests: u64,
-    closing: bool,
+    shutting_down: bool,
 }
 
-struct Shared<R, T, E> {
-    desk: Mutex<Desk<R, T, E>>,
+struct WorkerShared<R, T, E> {
+    queue: Mutex<RequestQueue<R, T, E>>,
     wake: Condvar,
 }
 
-impl<R, T, E> Shared<R, T, E> {
+impl<R, T, E> WorkerShared<R, T, E> {
     /// Locks the queue. No code under the lock can panic, so a poisoned lock is still consistent.
-    fn desk(&self) -> MutexGuard<'_, Desk<R, T, E>> {
-        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock_queue(&self) -> MutexGuard<'_, RequestQueue<R, T, E>> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// The background thread; dropping it cancels the job and joins the thread.
 pub struct Worker<R, T, E> {
-    shared: Arc<Shared<R, T, E>>,
+    shared: Arc<WorkerShared<R, T, E>>,
     thread: Option<JoinHandle<()>>,
     notify: Arc<dyn Fn() + Send + Sync>,
 }
@@ -147,14 +147,15 @@ where
         job: impl Fn(&R, &Monitor) -> Result<T, E> + Send + Sync + 'static,
         notify: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        let desk = Desk { next: None, running: None, ended: None, requests: 0, closing: false };
-        let shared = Arc::new(Shared { desk: Mutex::new(desk), wake: Condvar::new() });
+        let desk =
+            RequestQueue { waiting: None, running: None, outcome: None, requests: 0, shutting_down: false };
+        let shared = Arc::new(WorkerShared { queue: Mutex::new(desk), wake: Condvar::new() });
         let notify: Arc<dyn Fn() + Send + Sync> = Arc::new(notify);
         let thread = {
             let (shared, notify) = (Arc::clone(&shared), Arc::clone(&notify));
             std::thread::Builder::new()
                 .name(name.to_owned())
-                .spawn(move || serve(&shared, &job, notify.as_ref()))
+                .spawn(move || run_requests(&shared, &job, notify.as_ref()))
                 .expect("a process that may open a window may start a thread")
         };
         Self { shared, thread: Some(thread), notify }
@@ -162,13 +163,13 @@ where
 
     /// Submits a request. A waiting or running one is superseded.
     pub fn submit(&self, request: R) -> Ticket {
-        let mut desk = self.shared.desk();
+        let mut desk = self.shared.lock_queue();
         desk.requests += 1;
         let ticket = Ticket::new(desk.requests);
         if let Some(running) = desk.running.take() {
             running.stop(Status::Superseded);
         }
-        if let Some((_, waiting)) = desk.next.replace((request, ticket.clone())) {
+        if let Some((_, waiting)) = desk.waiting.replace((request, ticket.clone())) {
             waiting.stop(Status::Superseded);
         }
         drop(desk);
@@ -176,15 +177,15 @@ where
         ticket
     }
 
-    /// Cancels the waiting or running request, if any: [`Self::take_end`] returns the outcome at once, and
+    /// Cancels the waiting or running request, if any: [`Self::take_outcome`] returns the outcome at once, and
     /// any later result of that request is dropped.
     pub fn cancel(&self) {
-        let mut desk = self.shared.desk();
-        let waiting = desk.next.take().map(|(_, ticket)| ticket);
+        let mut desk = self.shared.lock_queue();
+        let waiting = desk.waiting.take().map(|(_, ticket)| ticket);
         let running = desk.running.take();
         let Some(ticket) = waiting.or(running) else { return };
         ticket.stop(Status::Cancelled);
-        desk.ended = Some((ticket, End::Cancelled));
+        desk.outcome = Some((ticket, Outcome::Cancelled));
         drop(desk);
         (self.notify)();
     }
@@ -193,8 +194,8 @@ where
     /// result is complete. A request that waits, or was stopped before, is cancelled.
     pub fn stop(&self) {
         {
-            let desk = self.shared.desk();
-            if let (None, Some(running)) = (&desk.next, &desk.running)
+            let desk = self.shared.lock_queue();
+            if let (None, Some(running)) = (&desk.waiting, &desk.running)
                 && !running.is_stopping()
             {
                 running.monitor.stop();
@@ -206,14 +207,14 @@ where
 
     /// Whether a stop of the running job was requested.
     pub fn is_stopping(&self) -> bool {
-        let desk = self.shared.desk();
-        desk.next.is_none() && desk.running.as_ref().is_some_and(Ticket::is_stopping)
+        let desk = self.shared.lock_queue();
+        desk.waiting.is_none() && desk.running.as_ref().is_some_and(Ticket::is_stopping)
     }
 
     /// Progress 0…1 of the waiting or running request; `None` when idle.
     pub fn progress(&self) -> Option<f64> {
-        let desk = self.shared.desk();
-        match (&desk.next, &desk.running) {
+        let desk = self.shared.lock_queue();
+        match (&desk.waiting, &desk.running) {
             (Some(_), _) => Some(0.0),
             (None, Some(running)) => Some(running.progress()),
             (None, None) => None,
@@ -226,17 +227,17 @@ where
     }
 
     /// Takes the latest outcome, if it was not taken before.
-    pub fn take_end(&self) -> Option<(Ticket, End<T, E>)> {
-        self.shared.desk().ended.take()
+    pub fn take_outcome(&self) -> Option<(Ticket, Outcome<T, E>)> {
+        self.shared.lock_queue().outcome.take()
     }
 }
 
 impl<R, T, E> Drop for Worker<R, T, E> {
     fn drop(&mut self) {
         {
-            let mut desk = self.shared.desk();
-            desk.closing = true;
-            desk.next = None;
+            let mut desk = self.shared.lock_queue();
+            desk.shutting_down = true;
+            desk.waiting = None;
             if let Some(running) = desk.running.take() {
                 running.stop(Status::Cancelled);
             }
@@ -249,19 +250,19 @@ impl<R, T, E> Drop for Worker<R, T, E> {
     }
 }
 
-fn serve<R, T, E>(
-    shared: &Shared<R, T, E>,
+fn run_requests<R, T, E>(
+    shared: &WorkerShared<R, T, E>,
     job: &impl Fn(&R, &Monitor) -> Result<T, E>,
     notify: &(dyn Fn() + Send + Sync),
 ) {
     loop {
         let (request, ticket) = {
-            let mut desk = shared.desk();
+            let mut desk = shared.lock_queue();
             loop {
-                if desk.closing {
+                if desk.shutting_down {
                     return;
                 }
-                if let Some((request, ticket)) = desk.next.take() {
+                if let Some((request, ticket)) = desk.waiting.take() {
                     ticket.set(Status::Running);
                     desk.running = Some(ticket.clone());
                     break (request, ticket);
@@ -270,19 +271,19 @@ fn serve<R, T, E>(
             }
         };
         let answer = catch_unwind(AssertUnwindSafe(|| job(&request, &ticket.monitor)));
-        let mut desk = shared.desk();
+        let mut desk = shared.lock_queue();
         // Cancelled or superseded meanwhile: the outcome or a newer request is already set.
         if desk.running.as_ref().is_none_or(|running| running.number != ticket.number) {
             continue;
         }
         desk.running = None;
         let end = match answer {
-            Ok(Ok(result)) => End::Done(result),
-            Ok(Err(error)) => End::Failed(error),
-            Err(panic) => End::Broken(panic_text(panic.as_ref())),
+            Ok(Ok(result)) => Outcome::Done(result),
+            Ok(Err(error)) => Outcome::Failed(error),
+            Err(panic) => Outcome::Panicked(panic_text(panic.as_ref())),
         };
-        ticket.set(if matches!(end, End::Done(_)) { Status::Done } else { Status::Failed });
-        desk.ended = Some((ticket, end));
+        ticket.set(if matches!(end, Outcome::Done(_)) { Status::Done } else { Status::Failed });
+        desk.outcome = Some((ticket, end));
         drop(desk);
         notify();
     }
@@ -319,10 +320,10 @@ mod tests {
                     std::thread::sleep(Duration::from_millis(1));
                 }
                 let slow = Instant::now();
-                while monitor.closing().check().is_ok() && slow.elapsed() < Duration::from_millis(100) {
+                while monitor.ignoring_stop().check().is_ok() && slow.elapsed() < Duration::from_millis(100) {
                     std::thread::sleep(Duration::from_millis(1));
                 }
-                monitor.closing().check().map_err(|_| "stopped")?;
+                monitor.ignoring_stop().check().map_err(|_| "stopped")?;
                 Ok(50)
             }
             n => Ok(*n),
@@ -348,12 +349,12 @@ mod tests {
             counter.fetch_add(1, Ordering::SeqCst);
         });
         let ticket = worker.submit(7);
-        let (ended, end) = until(|| worker.take_end());
-        assert!(matches!(end, End::Done(7)), "{end:?}");
+        let (ended, end) = until(|| worker.take_outcome());
+        assert!(matches!(end, Outcome::Done(7)), "{end:?}");
         assert_eq!(ended.number(), ticket.number(), "the end belongs to the request");
         assert_eq!(ticket.status(), Status::Done, "status of a finished request");
         until(|| (calls.load(Ordering::SeqCst) == 1).then_some(()));
-        assert!(worker.take_end().is_none(), "an end is fetched once");
+        assert!(worker.take_outcome().is_none(), "an end is fetched once");
         assert!(!worker.is_busy(), "idle afterwards");
     }
 
@@ -365,16 +366,16 @@ mod tests {
             until(|| (ticket.status() == Status::Running).then_some(()));
             let start = Instant::now();
             worker.cancel();
-            let (_, end) = worker.take_end().expect("the end is there at once");
+            let (_, end) = worker.take_outcome().expect("the end is there at once");
             assert!(start.elapsed() < Duration::from_millis(50), "cancel took {:?}", start.elapsed());
-            assert!(matches!(end, End::Cancelled), "{end:?}");
+            assert!(matches!(end, Outcome::Cancelled), "{end:?}");
             assert_eq!(ticket.status(), Status::Cancelled, "status of a cancelled request");
             assert!(!worker.is_busy(), "idle after a cancel");
         }
         // The late result of the job is dropped, and the worker accepts requests.
         worker.submit(7);
-        let (_, end) = until(|| worker.take_end());
-        assert!(matches!(end, End::Done(7)), "{end:?}");
+        let (_, end) = until(|| worker.take_outcome());
+        assert!(matches!(end, Outcome::Done(7)), "{end:?}");
     }
 
     #[test]
@@ -388,22 +389,22 @@ mod tests {
         };
         let ticket = running(5);
         assert!(worker.is_stopping() && ticket.is_stopping(), "on its way to an end");
-        let (_, end) = until(|| worker.take_end());
-        assert!(matches!(end, End::Done(50)), "{end:?}");
+        let (_, end) = until(|| worker.take_outcome());
+        assert!(matches!(end, Outcome::Done(50)), "{end:?}");
         assert!(!worker.is_busy() && !worker.is_stopping(), "idle afterwards");
         // A job without partial results is cancelled by a stop.
         running(1);
-        assert!(matches!(until(|| worker.take_end()).1, End::Failed("stopped")), "it has nothing");
+        assert!(matches!(until(|| worker.take_outcome()).1, Outcome::Failed("stopped")), "it has nothing");
         // A second stop cancels the partial result.
         running(5);
         worker.stop();
-        let (_, end) = worker.take_end().expect("the end is there at once");
-        assert!(matches!(end, End::Cancelled), "{end:?}");
+        let (_, end) = worker.take_outcome().expect("the end is there at once");
+        assert!(matches!(end, Outcome::Cancelled), "{end:?}");
         // A newer request does not wait for an older one to complete.
         let stopped = running(5);
         worker.submit(7);
         assert_eq!(stopped.status(), Status::Superseded, "its partial result is dropped");
-        assert!(matches!(until(|| worker.take_end()).1, End::Done(7)), "the newest request's result");
+        assert!(matches!(until(|| worker.take_outcome()).1, Outcome::Done(7)), "the newest request's result");
     }
 
     #[test]
@@ -413,8 +414,8 @@ mod tests {
         until(|| (first.status() == Status::Running).then_some(()));
         let second = worker.submit(1);
         let third = worker.submit(9);
-        let (ended, end) = until(|| worker.take_end());
-        assert!(matches!(end, End::Done(9)), "{end:?}");
+        let (ended, end) = until(|| worker.take_outcome());
+        assert!(matches!(end, Outcome::Done(9)), "{end:?}");
         assert_eq!(ended.number(), third.number(), "only the newest ends visibly");
         assert_eq!(first.status(), Status::Superseded, "the running one");
         assert_eq!(second.status(), Status::Superseded, "the waiting one");
@@ -424,13 +425,13 @@ mod tests {
     fn failure_and_panic_are_told_apart() {
         let worker = Worker::new("test", fake, || ());
         worker.submit(2);
-        assert!(matches!(until(|| worker.take_end()).1, End::Failed("no")), "an error is an error");
+        assert!(matches!(until(|| worker.take_outcome()).1, Outcome::Failed("no")), "an error is an error");
         let ticket = worker.submit(3);
-        let (_, end) = until(|| worker.take_end());
-        assert!(matches!(&end, End::Broken(text) if text == "broken on purpose"), "{end:?}");
+        let (_, end) = until(|| worker.take_outcome());
+        assert!(matches!(&end, Outcome::Panicked(text) if text == "broken on purpose"), "{end:?}");
         assert_eq!(ticket.status(), Status::Failed, "a panic counts as failed");
         worker.submit(7);
-        assert!(matches!(until(|| worker.take_end()).1, End::Done(7)), "the thread survives a panic");
+        assert!(matches!(until(|| worker.take_outcome()).1, Outcome::Done(7)), "the thread survives a panic");
     }
 
     #[test]
@@ -457,6 +458,6 @@ mod tests {
     fn cancel_without_work_is_silent() {
         let worker = Worker::new("test", fake, || ());
         worker.cancel();
-        assert!(worker.take_end().is_none(), "nothing was cancelled");
+        assert!(worker.take_outcome().is_none(), "nothing was cancelled");
     }
 }

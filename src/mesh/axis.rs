@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitVector3};
 
-use super::surface::Surface;
+use super::surface::MeshSurface;
 use crate::geometry::{Point, Vector};
 
 /// An axis of the file's frame.
@@ -45,7 +45,7 @@ impl FromStr for Axis {
 
 /// Transform from the file's frame to that of the part, where the axis of rotation is Z through the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Frame {
+pub enum PartFromFile {
     /// A permutation of coordinates, which is exact.
     Along(Axis),
     /// Any other axis.
@@ -57,7 +57,7 @@ pub enum Frame {
     },
 }
 
-impl Frame {
+impl PartFromFile {
     /// Transforms a point of the file's frame to the frame of the part.
     pub fn apply(&self, p: &Point) -> Point {
         match self {
@@ -79,7 +79,7 @@ const SNAP: (f64, f64) = (0.002, 5e-4);
 
 /// Deviation of `surface` from a surface of revolution about the axis through `through` along `along`:
 /// area-weighted mean of the circumferential component of its normals.
-fn miss(surface: &Surface, along: &Vector, through: &Point) -> f64 {
+fn revolution_error(surface: &MeshSurface, along: &Vector, through: &Point) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     for t in 0..surface.triangles.len() {
         let arm = along.cross(&(surface.centre(t) - through));
@@ -95,35 +95,35 @@ fn miss(surface: &Surface, along: &Vector, through: &Point) -> f64 {
 
 /// The frame in which the hub's axis of rotation is Z: an axis of the file where one fits, else a fitted
 /// axis. `None` where the hub has no axis of rotation.
-pub fn found(hub: &Surface) -> Option<Frame> {
+pub fn find_axis(hub: &MeshSurface) -> Option<PartFromFile> {
     let axes = [(Axis::Z, Vector::z()), (Axis::Y, Vector::y()), (Axis::X, Vector::x())];
     let (axis, least) = axes
         .iter()
-        .map(|(axis, along)| (*axis, miss(hub, along, &Point::origin())))
+        .map(|(axis, along)| (*axis, revolution_error(hub, along, &Point::origin())))
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     if least < FOUND {
-        return Some(Frame::Along(axis));
+        return Some(PartFromFile::Along(axis));
     }
-    let (along, through) = fitted(hub)?;
-    let missed = miss(hub, &along, &through);
+    let (along, through) = fit_axis(hub)?;
+    let missed = revolution_error(hub, &along, &through);
     // A body with blades deviates about any axis: then the axis with the largest area of revolution is used.
     if missed > 0.6 * least && missed > FOUND {
-        return most_turned(hub).map(Frame::Along);
+        return largest_revolved_axis(hub).map(PartFromFile::Along);
     }
     let size = hub.points.iter().map(|p| (p - through).norm()).fold(0.0, f64::max);
     for (axis, own) in axes {
         let offset = through.coords - own * own.dot(&through.coords);
         if along.dot(&own).abs() > 1.0 - 0.5 * SNAP.0 * SNAP.0 && offset.norm() < SNAP.1 * size {
-            return Some(Frame::Along(axis));
+            return Some(PartFromFile::Along(axis));
         }
     }
     let turn = Rotation3::rotation_between(&along, &Vector::z())?;
-    Some(Frame::Turned { turn, through })
+    Some(PartFromFile::Turned { turn, through })
 }
 
 /// The file's axis with by far the largest area of revolution about it. In a wheel with its blades, that area
 /// is the hub and the blade tips.
-fn most_turned(surface: &Surface) -> Option<Axis> {
+fn largest_revolved_axis(surface: &MeshSurface) -> Option<Axis> {
     let share = |along: &Vector| {
         let (mut turned, mut total) = (0.0, 0.0);
         for t in 0..surface.triangles.len() {
@@ -145,7 +145,7 @@ fn most_turned(surface: &Surface) -> Option<Axis> {
 /// The axis as the line that all normals of a surface of revolution intersect: n·(a × c) + n·m = 0 for every
 /// triangle with centre c and normal n, by least squares for the direction a (unit) and the moment m.
 /// Iteratively reweighted, so that triangles far from it count less.
-fn fitted(hub: &Surface) -> Option<(Vector, Point)> {
+fn fit_axis(hub: &MeshSurface) -> Option<(Vector, Point)> {
     let mut middle = Vector::zeros();
     let mut total = 0.0;
     for t in 0..hub.triangles.len() {

@@ -1,20 +1,20 @@
 //! Reconstruction of a part from named meshes.
 
 use super::TriangleMesh;
-use super::axis::{Axis, Frame, found};
-use super::edges::jump;
+use super::axis::{Axis, PartFromFile, find_axis};
+use super::edges::find_jump;
 use super::fillets::between_fillets;
-use super::holes::{filled, largest};
-use super::options::{MeshOptions, Unit, check_size};
-use super::profile::{Course, Profile, flow_side, middle};
-use super::roles::{NamedMesh, Role, assign, listed};
-use super::rows::{Rows, blades};
+use super::holes::{fill_holes, largest_hole};
+use super::options::{LengthUnit, MeshOptions, check_size};
+use super::profile::{Course, FittedProfile, find_flow_side, mean_point};
+use super::roles::{NamedMesh, Role, assign_roles, listed};
+use super::rows::{BladeRows, separate_blades};
 use super::rulings::Rulings;
-use super::sections::{Band, Cutter};
-use super::segment::segmented;
-use super::sides::{Section, SideCurve};
-use super::surface::Surface;
-use super::tips::tip_curve;
+use super::sections::{BladeSlicer, ChannelCoordinates};
+use super::segment::segment_wheel;
+use super::sides::{SideCurve, SpanSection};
+use super::surface::MeshSurface;
+use super::tips::fit_tip_curve;
 use crate::geometry::{Meridional, MeridionalCurve, Point};
 use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError, Rotation};
 
@@ -28,9 +28,9 @@ const INSET: f64 = 0.01;
 /// Largest distance of the fitted straight lines from a side that is treated as ruled, mm.
 const STRAIGHT: f64 = 0.012;
 /// Smallest height of a blade between its fillets, as a share of the channel's height.
-const LEAST_HEIGHT: f64 = 0.2;
+const MIN_HEIGHT: f64 = 0.2;
 /// Holes up to this size are ignored, mm: the sections are interpolated across them.
-const LEAST_HOLE: f64 = 0.05;
+const MIN_HOLE: f64 = 0.05;
 /// Help text for missing triangles.
 const CLOSE: &str = "close the mesh, or export the surface again with all of its faces";
 /// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
@@ -48,53 +48,54 @@ const TOLERANCE: (f64, f64) = (0.05, 1e-4);
 pub fn describe(
     name: &str,
     meshes: Vec<NamedMesh>,
-    unit: Unit,
+    unit: LengthUnit,
     options: &MeshOptions,
 ) -> Result<PartDescription, PartError> {
-    let roles = assign(&meshes, &options.roles)?;
-    let sorted = sorted(meshes, &roles)?;
+    let roles = assign_roles(&meshes, &options.roles)?;
+    let sorted = sort_by_role(meshes, &roles)?;
     let scale = options.unit.unwrap_or(unit).mm();
-    let Sorted { mut hub, mut shroud, blades: mut blade_meshes, one } = sorted;
+    let SortedMeshes { mut hub, mut shroud, blades: mut blade_meshes, one } = sorted;
     let all = || std::iter::once(&hub).chain(&shroud).chain(blade_meshes.iter().map(|(_, m)| m));
     check_size(all(), unit, options.unit)?;
     for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
         mesh.points.iter_mut().for_each(|p| *p *= scale);
     }
-    let hub = Surface::of(&hub);
+    let hub = MeshSurface::of(&hub);
     let frame = match options.axis {
-        Some(axis) => Frame::Along(axis),
-        None => found(&hub).ok_or_else(|| {
+        Some(axis) => PartFromFile::Along(axis),
+        None => find_axis(&hub).ok_or_else(|| {
             PartError::new(0, "the hub has no axis of rotation", "give it with --rotation-axis x, y or z")
         })?,
     };
-    let upright = |surface: Surface| match frame {
-        Frame::Along(Axis::Z) => surface,
-        _ => surface.moved(|p| frame.apply(p)),
+    let upright = |surface: MeshSurface| match frame {
+        PartFromFile::Along(Axis::Z) => surface,
+        _ => surface.transformed(|p| frame.apply(p)),
     };
     let mut hub = upright(hub);
-    let mut shroud = shroud.map(|mesh| upright(Surface::of(&mesh)));
-    let mut blade_surfaces: Vec<(Role, Surface)> =
-        blade_meshes.into_iter().map(|(role, mesh)| (role, upright(Surface::of(&mesh)))).collect();
+    let mut shroud = shroud.map(|mesh| upright(MeshSurface::of(&mesh)));
+    let mut blade_surfaces: Vec<(Role, MeshSurface)> =
+        blade_meshes.into_iter().map(|(role, mesh)| (role, upright(MeshSurface::of(&mesh)))).collect();
     let size = hub.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     if let Some(name) = one {
-        let segments = segmented(&hub, &name)?;
+        let segments = segment_wheel(&hub, &name)?;
         hub = segments.hub;
         shroud = shroud.or(segments.shroud);
         blade_surfaces = segments.blades.into_iter().map(|blade| (Role::Blade, blade)).collect();
     }
     let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
 
-    let Rows { count, main, splitters } = Rows::of(blades(blade_surfaces), options.blades)?;
-    let main = filled(main);
-    let splitters: Vec<Surface> = splitters.into_iter().map(filled).collect();
+    let BladeRows { count, main, splitters } =
+        BladeRows::of(separate_blades(blade_surfaces), options.blades)?;
+    let main = fill_holes(main);
+    let splitters: Vec<MeshSurface> = splitters.into_iter().map(fill_holes).collect();
     let corners: Vec<Meridional> = main.points.iter().map(Meridional::of).collect();
     let course = Course::of(&corners);
-    let hub_curve = turned(&hub, &course, &corners, "hub", tolerance)?;
+    let hub_curve = fit_revolved(&hub, &course, &corners, "hub", tolerance)?;
     let shroud_curve = match shroud {
-        Some(shroud) => turned(&shroud, &course, &corners, "shroud", tolerance)?,
+        Some(shroud) => fit_revolved(&shroud, &course, &corners, "shroud", tolerance)?,
         None => {
             let hub = MeridionalCurve::through(&hub_curve.points);
-            let tips = tip_curve(std::slice::from_ref(&main), &hub, &course);
+            let tips = fit_tip_curve(std::slice::from_ref(&main), &hub, &course);
             let tips = tips.ok_or_else(|| {
                 PartError::new(
                     0,
@@ -102,20 +103,20 @@ pub fn describe(
                     "give one with --role NODE=shroud",
                 )
             })?;
-            judged(tips, "line of the blade tips", tolerance)?
+            check_deviation(tips, "line of the blade tips", tolerance)?
         }
     };
-    let curve = |profile: &Profile| MeridionalCurve::through(&profile.points);
-    let band = Band::new(&curve(&hub_curve), &curve(&shroud_curve), &corners);
+    let curve = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
+    let band = ChannelCoordinates::new(&curve(&hub_curve), &curve(&shroud_curve), &corners);
     let mut notes = Vec::new();
-    let main = sections(&main, &band, "main blade", &mut notes)?;
+    let main = span_sections(&main, &band, "main blade", &mut notes)?;
     let splitters = splitters
         .iter()
-        .map(|s| sections(s, &band, "splitter", &mut notes))
+        .map(|s| span_sections(s, &band, "splitter", &mut notes))
         .collect::<Result<Vec<_>, PartError>>()?;
     let (rotation, note) = match options.rotation {
         Some(rotation) => (rotation, None),
-        None => sense(&main, course.inlet_up()),
+        None => sense_from_wrap(&main, course.inlet_up()),
     };
     notes.extend(note);
     let leading_first = rotation.sign_about_z(course.inlet_up()) < 0.0;
@@ -124,8 +125,8 @@ pub fn describe(
         hub: CurveDescription::Points(hub_curve.points),
         shroud: CurveDescription::Points(shroud_curve.points),
         blade_count: count,
-        main: blade(&main, leading_first),
-        splitters: splitters.iter().map(|s| blade(s, leading_first)).collect(),
+        main: blade_description(&main, leading_first),
+        splitters: splitters.iter().map(|s| blade_description(s, leading_first)).collect(),
         notes,
         hub_line: 0,
         shroud_line: 0,
@@ -134,7 +135,7 @@ pub fn describe(
 }
 
 /// Meshes by role.
-struct Sorted {
+struct SortedMeshes {
     hub: TriangleMesh,
     shroud: Option<TriangleMesh>,
     /// One mesh for each node and instance.
@@ -143,7 +144,7 @@ struct Sorted {
     one: Option<String>,
 }
 
-fn sorted(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted, PartError> {
+fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<SortedMeshes, PartError> {
     let names = listed(&meshes);
     let missing = |what: &str| {
         let cure = format!("name it with --role NODE={what}; there are: {names}");
@@ -160,7 +161,8 @@ fn sorted(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted, Part
     if !one && !has(Role::Blade) {
         return Err(missing("blade"));
     }
-    let mut sorted = Sorted { hub: TriangleMesh::default(), shroud: None, blades: Vec::new(), one: None };
+    let mut sorted =
+        SortedMeshes { hub: TriangleMesh::default(), shroud: None, blades: Vec::new(), one: None };
     let mut places: Vec<(usize, usize, Role)> = Vec::new();
     for (mesh, role) in meshes.into_iter().zip(roles) {
         match role {
@@ -186,33 +188,33 @@ fn sorted(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted, Part
     Ok(sorted)
 }
 
-fn turned(
-    surface: &Surface,
+fn fit_revolved(
+    surface: &MeshSurface,
     course: &Course,
     blades: &[Meridional],
     name: &str,
     tolerance: f64,
-) -> Result<Profile, PartError> {
-    let side = flow_side(surface, course, blades, name)?;
-    let profile = course.curve(&side.corners).ok_or_else(|| {
+) -> Result<FittedProfile, PartError> {
+    let side = find_flow_side(surface, course, blades, name)?;
+    let profile = course.fit_curve(&side.corners).ok_or_else(|| {
         PartError::new(0, format!("the {name} has no extent"), format!("check which mesh is the {name}"))
     })?;
-    if profile.residual > tolerance
-        && let Some(bottom) = course.bottom(&side.corners, middle(blades), tolerance)
-        && bottom.share_of(surface, &side.triangles, tolerance) > MOSTLY
+    if profile.max_deviation_mm > tolerance
+        && let Some(bottom) = course.fit_bottom(&side.corners, mean_point(blades), tolerance)
+        && bottom.area_share_on_curve(surface, &side.triangles, tolerance) > MOSTLY
     {
         return Ok(bottom);
     }
-    judged(profile, name, tolerance)
+    check_deviation(profile, name, tolerance)
 }
 
-fn judged(profile: Profile, name: &str, tolerance: f64) -> Result<Profile, PartError> {
-    if profile.residual > tolerance {
+fn check_deviation(profile: FittedProfile, name: &str, tolerance: f64) -> Result<FittedProfile, PartError> {
+    if profile.max_deviation_mm > tolerance {
         return Err(PartError::new(
             0,
             format!(
                 "the {name} is not a surface of revolution: {:.2} mm off at z = {:.1}, r = {:.1} mm",
-                profile.residual, profile.at.z, profile.at.r
+                profile.max_deviation_mm, profile.worst_corner.z, profile.worst_corner.r
             ),
             format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
         ));
@@ -221,14 +223,14 @@ fn judged(profile: Profile, name: &str, tolerance: f64) -> Result<Profile, PartE
 }
 
 /// Span sections of a blade; adds a note about a jump that is either its shape or due to missing triangles.
-fn sections(
-    surface: &Surface,
-    band: &Band,
+fn span_sections(
+    surface: &MeshSurface,
+    band: &ChannelCoordinates,
     name: &str,
     notes: &mut Vec<String>,
-) -> Result<Vec<Section>, PartError> {
-    let cutter = Cutter::new(surface, band);
-    if let Some(hole) = largest(surface, cutter.places()).filter(|hole| hole.size > LEAST_HOLE) {
+) -> Result<Vec<SpanSection>, PartError> {
+    let cutter = BladeSlicer::new(surface, band);
+    if let Some(hole) = largest_hole(surface, cutter.places()).filter(|hole| hole.size > MIN_HOLE) {
         let at = Meridional::of(&hole.middle);
         return Err(PartError::new(
             0,
@@ -239,17 +241,17 @@ fn sections(
             CLOSE,
         ));
     }
-    let (low, high) = cutter.reach(40);
+    let (low, high) = cutter.height_range(40);
     let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
-    if !(LEAST_HEIGHT..=1.0).contains(&(high - low)) {
+    if !(MIN_HEIGHT..=1.0).contains(&(high - low)) {
         return Err(PartError::new(
             0,
             format!("the {name} does not reach from hub to shroud"),
             "check the roles of the meshes (--role NODE=hub, shroud or blade)",
         ));
     }
-    let (low, high) = between_fillets(low, high, |height| Section::of(&cutter.cut(height)));
-    if high - low < LEAST_HEIGHT {
+    let (low, high) = between_fillets(low, high, |height| SpanSection::of(&cutter.slice_at(height)));
+    if high - low < MIN_HEIGHT {
         return Err(PartError::new(
             0,
             format!("the fillets of the {name} leave {:.0} % of its height", 100.0 * (high - low)),
@@ -258,7 +260,7 @@ fn sections(
     }
     let at = |k: usize| low + (high - low) * k as f64 / (SECTIONS - 1) as f64;
     let section = |height: f64| {
-        Section::of(&cutter.cut(height)).ok_or_else(|| {
+        SpanSection::of(&cutter.slice_at(height)).ok_or_else(|| {
             PartError::new(
                 0,
                 format!(
@@ -269,30 +271,30 @@ fn sections(
             )
         })
     };
-    let sections: Vec<Section> = (0..SECTIONS).map(|k| section(at(k))).collect::<Result<_, _>>()?;
-    if let Some(jump) = jump(&sections) {
+    let sections: Vec<SpanSection> = (0..SECTIONS).map(|k| section(at(k))).collect::<Result<_, _>>()?;
+    if let Some(jump) = find_jump(&sections) {
         let at = Meridional::of(&jump.at);
         let place = format!("at z = {:.1}, r = {:.1} mm", at.z, at.r);
-        if jump.torn {
+        if jump.is_gap {
             return Err(PartError::new(
                 0,
-                format!("the {} of the {name} has a gap of {:.1} mm {place}", jump.edge, jump.by),
+                format!("the {} of the {name} has a gap of {:.1} mm {place}", jump.edge, jump.size_mm),
                 CLOSE,
             ));
         }
         notes.push(format!(
             "the {} of the {name} jumps by {:.1} mm {place}: if that is not its shape, \
              triangles are missing there",
-            jump.edge, jump.by
+            jump.edge, jump.size_mm
         ));
     }
     Ok(sections)
 }
 
 /// The sense of rotation derived from a blade's wrap, with a note where the wrap is small.
-fn sense(sections: &[Section], inlet_up: bool) -> (Rotation, Option<String>) {
+fn sense_from_wrap(sections: &[SpanSection], inlet_up: bool) -> (Rotation, Option<String>) {
     let sides = || sections.iter().flat_map(|s| &s.sides);
-    let wrap = sides().map(SideCurve::turn).sum::<f64>() / sides().count().max(1) as f64;
+    let wrap = sides().map(SideCurve::wrap_rad).sum::<f64>() / sides().count().max(1) as f64;
     let rotation = Rotation::about_z(-wrap, inlet_up);
     let note = (wrap.abs() < CLEAR_WRAP).then(|| {
         format!(
@@ -307,7 +309,7 @@ fn sense(sections: &[Section], inlet_up: bool) -> (Rotation, Option<String>) {
 
 /// The blade of `sections`. Its pressure side, which leads, is the one at smaller angles if `leading_first`.
 /// A blade with two ruled sides is described by its lowest and its highest section only.
-fn blade(sections: &[Section], leading_first: bool) -> BladeDescription {
+fn blade_description(sections: &[SpanSection], leading_first: bool) -> BladeDescription {
     let (suction, pressure) = if leading_first { (1, 0) } else { (0, 1) };
     let at = |k: usize| k as f64 / (SECTION_POINTS - 1) as f64;
     let side = |which: usize| -> Vec<Vec<Point>> {
@@ -315,7 +317,7 @@ fn blade(sections: &[Section], leading_first: bool) -> BladeDescription {
     };
     let lines = |which: usize| {
         let side: Vec<&SideCurve> = sections.iter().map(|s| &s.sides[which]).collect();
-        Rulings::of(&side).filter(|r| r.off < STRAIGHT)
+        Rulings::of(&side).filter(|r| r.max_distance_mm < STRAIGHT)
     };
     if let (Some(a), Some(b)) = (lines(suction), lines(pressure)) {
         let ends = |r: &Rulings, end: usize| (0..SECTION_POINTS).map(|k| r.ends(at(k))[end]).collect();

@@ -4,7 +4,7 @@
 //! The thickness of a blade changes almost linearly with height, so that it can be extrapolated towards
 //! either end. In a fillet the blade is thicker than that, increasingly so towards the end.
 
-use super::sides::Section;
+use super::sides::SpanSection;
 
 /// Number of heights that are examined from the middle of the blade to either end.
 const STEPS: usize = 24;
@@ -18,7 +18,7 @@ const WHOLE: f64 = 4e-3;
 /// blade is low.
 const ZONES: usize = 6;
 /// Samples in each zone.
-const PLACES: usize = 5;
+const SAMPLES_PER_ZONE: usize = 5;
 /// Range of a side that is examined, without the edges, whose thickness varies otherwise.
 const MIDDLE: (f64, f64) = (0.1, 0.9);
 /// Search range for the nearest point of the other side, as a share of that side, in both directions.
@@ -26,7 +26,7 @@ const ASIDE: f64 = 0.15;
 
 /// The range of heights of a blade between its fillets, within `low` to `high`, which is returned where there
 /// are none. `section` slices the blade at a height.
-pub fn between_fillets(low: f64, high: f64, section: impl Fn(f64) -> Option<Section>) -> (f64, f64) {
+pub fn between_fillets(low: f64, high: f64, section: impl Fn(f64) -> Option<SpanSection>) -> (f64, f64) {
     let middle = 0.5 * (low + high);
     let place = |end: f64, k: usize| middle + (end - middle) * k as f64 / STEPS as f64;
     let end = |end: f64| place(end, free_until(|k| section(place(end, k))));
@@ -34,8 +34,8 @@ pub fn between_fillets(low: f64, high: f64, section: impl Fn(f64) -> Option<Sect
 }
 
 /// Index of the last section without fillet, counted from the middle towards an end.
-fn free_until(section: impl Fn(usize) -> Option<Section>) -> usize {
-    let sections: Vec<Section> = (0..=STEPS).map_while(section).collect();
+fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
+    let sections: Vec<SpanSection> = (0..=STEPS).map_while(section).collect();
     let Some(last) = sections.len().checked_sub(1).filter(|last| *last > 3) else { return STEPS };
     let height = {
         let way = sections[0].sides[0].point(0.5) - sections[last].sides[0].point(0.5);
@@ -66,9 +66,9 @@ fn free_until(section: impl Fn(usize) -> Option<Section>) -> usize {
 
 /// Thickness of a section in a zone, mm: median of the distances from one side to the nearest point of the
 /// other.
-fn thickness(section: &Section, zone: usize) -> f64 {
-    let mut thick: [f64; PLACES] = std::array::from_fn(|i| {
-        let share = (zone as f64 + (i as f64 + 0.5) / PLACES as f64) / ZONES as f64;
+fn thickness(section: &SpanSection, zone: usize) -> f64 {
+    let mut thick: [f64; SAMPLES_PER_ZONE] = std::array::from_fn(|i| {
+        let share = (zone as f64 + (i as f64 + 0.5) / SAMPLES_PER_ZONE as f64) / ZONES as f64;
         let w = MIDDLE.0 + (MIDDLE.1 - MIDDLE.0) * share;
         let from = section.sides[0].point(w);
         let (mut nearest, mut reach) = ((w, f64::INFINITY), ASIDE);
@@ -87,5 +87,5 @@ fn thickness(section: &Section, zone: usize) -> f64 {
         nearest.1
     });
     thick.sort_by(f64::total_cmp);
-    thick[PLACES / 2]
+    thick[SAMPLES_PER_ZONE / 2]
 }

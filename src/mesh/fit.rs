@@ -13,7 +13,7 @@ pub struct SmoothFunction {
 
 const DEGREE: usize = 3;
 /// Smallest number of cubic pieces.
-const FEWEST_SPANS: usize = 4;
+const MIN_SPANS: usize = 4;
 /// Cubic pieces per distinct x of the points.
 const SPANS_PER_PLACE: f64 = 2.0 / 3.0;
 /// x values closer together than this share of the length of a piece, if all were equally long, count as one.
@@ -148,7 +148,7 @@ fn knots(pairs: &[(f64, f64)], most_spans: usize) -> Option<Vec<f64>> {
         apart *= 1.25;
         places = spread(&x, apart);
     }
-    let spans = wanted(&places).clamp(FEWEST_SPANS.min(most), most);
+    let spans = wanted(&places).clamp(MIN_SPANS.min(most), most);
     let end = |k: usize| {
         let at = k as f64 / spans as f64 * (places.len() - 1) as f64;
         let i = (at as usize).min(places.len() - 2);

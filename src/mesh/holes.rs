@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-use super::surface::Surface;
+use super::surface::MeshSurface;
 use crate::geometry::{Point, Vector};
 
 /// Longest edge added across a hole, as a share of the blade's extent. Filling a single missing triangle adds
@@ -31,7 +31,7 @@ pub struct Hole {
 /// Candidate ear: two border edges, `from` → `at` → `to`. Ordered by the length of the edge that would close
 /// it.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct Corner {
+struct EarCandidate {
     /// Squared length of the third edge as bits, which sort like the value because it is not negative.
     across: u64,
     from: u32,
@@ -40,22 +40,22 @@ struct Corner {
 }
 
 /// The border edges that remain while holes are filled.
-struct Borders<'a> {
+struct HoleBorders<'a> {
     points: &'a [Point],
     /// Edges in the direction of their triangles, by start and by end, with the triangle's normal.
     onwards: BTreeMap<u32, Vec<(u32, Vector)>>,
     backwards: BTreeMap<u32, Vec<u32>>,
     /// Edges between corners of borders that two triangles share.
     inner: BTreeSet<(u32, u32)>,
-    corners: BinaryHeap<Reverse<Corner>>,
+    corners: BinaryHeap<Reverse<EarCandidate>>,
 }
 
 fn undirected(a: u32, b: u32) -> (u32, u32) {
     (a.min(b), a.max(b))
 }
 
-impl<'a> Borders<'a> {
-    fn of(surface: &'a Surface) -> Self {
+impl<'a> HoleBorders<'a> {
+    fn of(surface: &'a MeshSurface) -> Self {
         let edges = single_borders(surface);
         let mut at_border = vec![false; surface.points.len()];
         edges.keys().for_each(|&(a, b)| (at_border[a as usize], at_border[b as usize]) = (true, true));
@@ -83,7 +83,7 @@ impl<'a> Borders<'a> {
     fn add(&mut self, a: u32, b: u32, normal: Vector) {
         let corner = |from: u32, at: u32, to: u32| {
             let across = (self.points[to as usize] - self.points[from as usize]).norm_squared().to_bits();
-            Reverse(Corner { across, from, at, to })
+            Reverse(EarCandidate { across, from, at, to })
         };
         let before = self.backwards.get(&a).into_iter().flatten().map(|&from| corner(from, a, b));
         let behind = self.onwards.get(&b).into_iter().flatten().map(|&(to, _)| corner(a, b, to));
@@ -107,7 +107,7 @@ impl<'a> Borders<'a> {
     /// edge first (priority queue).
     fn fill(&mut self, limit: f64) -> Vec<[u32; 3]> {
         let mut filled = Vec::new();
-        while let Some(Reverse(Corner { from, at, to, .. })) = self.corners.pop() {
+        while let Some(Reverse(EarCandidate { from, at, to, .. })) = self.corners.pop() {
             let (Some(before), Some(behind)) = (self.normal(from, at), self.normal(at, to)) else { continue };
             let [a, b, c] = [from, at, to].map(|i| self.points[i as usize]);
             let area = (b - c).cross(&(a - c));
@@ -140,7 +140,7 @@ impl<'a> Borders<'a> {
 }
 
 /// Edges of exactly one triangle, in its direction, and that triangle.
-fn single_borders(surface: &Surface) -> BTreeMap<(u32, u32), usize> {
+fn single_borders(surface: &MeshSurface) -> BTreeMap<(u32, u32), usize> {
     let mut edges = BTreeMap::new();
     let mut counts: BTreeMap<(u32, u32), usize> = BTreeMap::new();
     for (edge, t) in surface.border_edges() {
@@ -152,15 +152,15 @@ fn single_borders(surface: &Surface) -> BTreeMap<(u32, u32), usize> {
 }
 
 /// Fills the small holes and notches of a blade's surface.
-pub fn filled(surface: Surface) -> Surface {
+pub fn fill_holes(surface: MeshSurface) -> MeshSurface {
     let far = |p: &Point| (p - surface.points[0]).norm();
     let extent = surface.points.iter().map(far).fold(0.0, f64::max);
-    let filling = Borders::of(&surface).fill(ACROSS * extent);
-    if filling.is_empty() { surface } else { surface.with(filling) }
+    let filling = HoleBorders::of(&surface).fill(ACROSS * extent);
+    if filling.is_empty() { surface } else { surface.with_triangles(filling) }
 }
 
 /// The largest remaining hole of a blade; `places` gives (along, height) of its corners.
-pub fn largest(surface: &Surface, places: &[(f64, f64)]) -> Option<Hole> {
+pub fn largest_hole(surface: &MeshSurface, places: &[(f64, f64)]) -> Option<Hole> {
     let spans = |corners: &mut dyn Iterator<Item = usize>| {
         let start = [(f64::INFINITY, f64::NEG_INFINITY); 2];
         let spans = corners.fold(start, |[s, h], i| {
@@ -184,7 +184,7 @@ pub fn largest(surface: &Surface, places: &[(f64, f64)]) -> Option<Hole> {
 }
 
 /// The borders as loops; a border that touches itself at a corner is split there.
-fn loops(surface: &Surface) -> Vec<Vec<u32>> {
+fn loops(surface: &MeshSurface) -> Vec<Vec<u32>> {
     let mut onwards: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for (a, b) in single_borders(surface).into_keys() {
         onwards.entry(a).or_default().push(b);

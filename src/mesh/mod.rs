@@ -24,7 +24,7 @@ mod tips;
 mod weld;
 
 pub use describe::describe;
-pub use options::{MeshOptions, Unit};
+pub use options::{LengthUnit, MeshOptions};
 pub use roles::{NamedMesh, Role};
 
 use crate::geometry::Point;

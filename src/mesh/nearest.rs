@@ -3,7 +3,7 @@
 use crate::geometry::Meridional;
 
 /// Uniform grid over points of the meridional plane, for nearest-point queries.
-pub struct Nearest<'a> {
+pub struct MeridionalGrid<'a> {
     points: &'a [Meridional],
     low: Meridional,
     cell: f64,
@@ -14,7 +14,7 @@ pub struct Nearest<'a> {
     entries: Vec<u32>,
 }
 
-impl<'a> Nearest<'a> {
+impl<'a> MeridionalGrid<'a> {
     /// Sorts the points into cells (counting sort).
     pub fn of(points: &'a [Meridional]) -> Self {
         let (mut low, mut high) = (

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::axis::Axis;
-use super::roles::{NamedMesh, guessed};
+use super::roles::{NamedMesh, guess_role};
 use super::{Role, TriangleMesh};
 use crate::geometry::{Point, Vector};
 
@@ -30,10 +30,10 @@ pub struct MeshNode {
     /// Maximum corner of its bounding box.
     pub high: Point,
     /// The role derived from its names.
-    pub told: Option<Role>,
+    pub named_role: Option<Role>,
     area: f64,
     /// Area-weighted circumferential component of its normals about the file's x, y and z.
-    unturned: [f64; 3],
+    circumferential: [f64; 3],
 }
 
 impl MeshNode {
@@ -45,9 +45,9 @@ impl MeshNode {
             triangles: 0,
             low: Point::from([f64::INFINITY; 3]),
             high: Point::from([f64::NEG_INFINITY; 3]),
-            told: guessed(mesh),
+            named_role: guess_role(mesh),
             area: 0.0,
-            unturned: [0.0; 3],
+            circumferential: [0.0; 3],
         }
     }
 
@@ -61,7 +61,7 @@ impl MeshNode {
             let [a, b, c] = t.map(|i| mesh.points[i as usize]);
             let (normal, centre) = (0.5 * (b - a).cross(&(c - a)), (a.coords + b.coords + c.coords) / 3.0);
             self.area += normal.norm();
-            for (sum, axis) in self.unturned.iter_mut().zip([Vector::x(), Vector::y(), Vector::z()]) {
+            for (sum, axis) in self.circumferential.iter_mut().zip([Vector::x(), Vector::y(), Vector::z()]) {
                 let arm = axis.cross(&centre);
                 *sum += normal.dot(&arm).abs() / arm.norm().max(1e-300);
             }
@@ -74,13 +74,13 @@ impl MeshNode {
     }
 
     /// The axis of the file about which it comes closest to a surface of revolution.
-    pub fn turned_about(&self) -> Axis {
-        let least = Axis::ALL.into_iter().zip(self.unturned).min_by(|a, b| a.1.total_cmp(&b.1));
+    pub fn revolution_axis(&self) -> Axis {
+        let least = Axis::ALL.into_iter().zip(self.circumferential).min_by(|a, b| a.1.total_cmp(&b.1));
         least.map_or(Axis::Y, |(axis, _)| axis)
     }
 
     fn is_turned(&self) -> bool {
-        self.unturned.iter().copied().fold(f64::INFINITY, f64::min) < TURNED * self.area
+        self.circumferential.iter().copied().fold(f64::INFINITY, f64::min) < TURNED * self.area
     }
 }
 
@@ -109,8 +109,8 @@ pub fn nodes(meshes: &[NamedMesh]) -> Vec<MeshNode> {
 
 /// Initial roles: those derived from names. Without a named hub, the largest surface of revolution becomes
 /// the hub; without a named blade, the group of equal nodes with the largest total area becomes the blades.
-pub fn guess(nodes: &[MeshNode]) -> Vec<Option<Role>> {
-    let mut roles: Vec<Option<Role>> = nodes.iter().map(|n| n.told).collect();
+pub fn guess_roles(nodes: &[MeshNode]) -> Vec<Option<Role>> {
+    let mut roles: Vec<Option<Role>> = nodes.iter().map(|n| n.named_role).collect();
     let open = |roles: &[Option<Role>], k: usize| roles[k].is_none();
     if !roles.contains(&Some(Role::Hub)) {
         let turned = (0..nodes.len()).filter(|&k| open(&roles, k) && nodes[k].is_turned());

@@ -4,24 +4,24 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::surface::Surface;
+use super::surface::MeshSurface;
 use crate::geometry::{Point, Vector, frame_about};
 
 /// Largest number of corners around a corner, and of triangles around one of these: the centre of a fan has
 /// many.
-const MOST_NEAR: usize = 200;
+const MAX_NEAR: usize = 200;
 
 /// Normals of a surface's corners.
 #[derive(Clone, Debug)]
 pub struct CornerNormals {
     /// Per triangle, the unit normals of its own patch at its three corners.
-    pub of: Vec<[Vector; 3]>,
+    pub per_triangle: Vec<[Vector; 3]>,
 }
 
 impl CornerNormals {
     /// Estimates the normals; `patch` is the number of the smooth patch of each triangle.
-    pub fn new(surface: &Surface, patch: &[u32]) -> Self {
-        let around = Around::new(surface);
+    pub fn new(surface: &MeshSurface, patch: &[u32]) -> Self {
+        let around = CornerTriangles::new(surface);
         let mut of = vec![[Vector::zeros(); 3]; surface.triangles.len()];
         let mut near: Vec<u32> = Vec::new();
         for corner in 0..surface.points.len() {
@@ -35,11 +35,11 @@ impl CornerNormals {
                 let mut mean = Vector::zeros();
                 for &first in own.iter().filter(|&&other| patch[other as usize] == here) {
                     mean += surface.normals[first as usize] * surface.area(first as usize);
-                    if near.len() > MOST_NEAR {
+                    if near.len() > MAX_NEAR {
                         continue;
                     }
                     for ring in surface.triangles[first as usize] {
-                        for &second in around.triangles(ring as usize).iter().take(MOST_NEAR) {
+                        for &second in around.triangles(ring as usize).iter().take(MAX_NEAR) {
                             if patch[second as usize] == here {
                                 near.extend(surface.triangles[second as usize]);
                             }
@@ -50,7 +50,7 @@ impl CornerNormals {
                 near.dedup();
                 near.retain(|&i| i as usize != corner);
                 let mean = mean.try_normalize(1e-12).unwrap_or(surface.normals[t as usize]);
-                let normal = fitted(&surface.points, corner, &near, &mean).unwrap_or(mean);
+                let normal = fit_normal(&surface.points, corner, &near, &mean).unwrap_or(mean);
                 for &other in own.iter().filter(|&&other| patch[other as usize] == here) {
                     for c in 0..3 {
                         if surface.triangles[other as usize][c] as usize == corner {
@@ -60,12 +60,12 @@ impl CornerNormals {
                 }
             }
         }
-        Self { of }
+        Self { per_triangle: of }
     }
 }
 
 /// Normal at `corner` of the quadratic surface through it and, by least squares, the corners `near`.
-fn fitted(points: &[Point], corner: usize, near: &[u32], mean: &Vector) -> Option<Vector> {
+fn fit_normal(points: &[Point], corner: usize, near: &[u32], mean: &Vector) -> Option<Vector> {
     if near.len() < 6 {
         return None;
     }
@@ -109,13 +109,13 @@ fn fitted(points: &[Point], corner: usize, near: &[u32], mean: &Vector) -> Optio
 }
 
 /// Triangles around each corner, in compressed rows.
-struct Around {
+struct CornerTriangles {
     starts: Vec<u32>,
     list: Vec<u32>,
 }
 
-impl Around {
-    fn new(surface: &Surface) -> Self {
+impl CornerTriangles {
+    fn new(surface: &MeshSurface) -> Self {
         let mut starts = vec![0_u32; surface.points.len() + 1];
         for i in surface.triangles.iter().flatten() {
             starts[*i as usize + 1] += 1;

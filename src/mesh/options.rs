@@ -12,7 +12,7 @@ const DIAMETERS: std::ops::RangeInclusive<f64> = 3.0..=5000.0;
 
 /// A unit of length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Unit {
+pub enum LengthUnit {
     /// Millimetres.
     #[serde(rename = "mm")]
     Millimetre,
@@ -27,7 +27,7 @@ pub enum Unit {
     Inch,
 }
 
-impl Unit {
+impl LengthUnit {
     /// All units, the most common in files first.
     pub const ALL: [Self; 4] = [Self::Millimetre, Self::Inch, Self::Centimetre, Self::Metre];
 
@@ -52,7 +52,7 @@ impl Unit {
     }
 }
 
-impl FromStr for Unit {
+impl FromStr for LengthUnit {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -72,7 +72,7 @@ pub struct MeshOptions {
     pub roles: Vec<(String, Role)>,
     /// Unit of the file's coordinates, if it is not the default of the format.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub unit: Option<Unit>,
+    pub unit: Option<LengthUnit>,
     /// Axis of rotation in the file's frame; by default found from the hub.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<Axis>,
@@ -87,9 +87,9 @@ pub struct MeshOptions {
 
 /// The likely unit of a wheel with a largest extent of `across` units: `own` (that of the format) where the
 /// size is plausible, else the most common unit with which it is.
-pub fn likely_unit(across: f64, own: Unit) -> Option<Unit> {
-    let possible = |unit: &Unit| DIAMETERS.contains(&(across * unit.mm()));
-    Some(own).filter(possible).or_else(|| Unit::ALL.into_iter().find(possible))
+pub fn likely_unit(across: f64, own: LengthUnit) -> Option<LengthUnit> {
+    let possible = |unit: &LengthUnit| DIAMETERS.contains(&(across * unit.mm()));
+    Some(own).filter(possible).or_else(|| LengthUnit::ALL.into_iter().find(possible))
 }
 
 /// Checks that a wheel has a plausible size: `meshes` in the unit `given`, or else in `own`.
@@ -98,8 +98,8 @@ pub fn likely_unit(across: f64, own: Unit) -> Option<Unit> {
 /// Fails when the largest extent is not in [`DIAMETERS`]; the help text proposes a unit.
 pub(super) fn check_size<'a>(
     meshes: impl Iterator<Item = &'a TriangleMesh>,
-    own: Unit,
-    given: Option<Unit>,
+    own: LengthUnit,
+    given: Option<LengthUnit>,
 ) -> Result<(), PartError> {
     let (mut low, mut high) = (Point::from([f64::INFINITY; 3]), Point::from([f64::NEG_INFINITY; 3]));
     for p in meshes.flat_map(|m| &m.points) {
@@ -113,7 +113,7 @@ pub(super) fn check_size<'a>(
     }
     let shown = if size >= 1e4 { format!("{:.4} m", size / 1e3) } else { format!("{size:.4} mm") };
     let cure = match likely_unit(across, own) {
-        Some(Unit::Millimetre) => {
+        Some(LengthUnit::Millimetre) => {
             format!("give --unit mm (it would be {across:.4} mm), or cm or in, whichever the file uses")
         }
         Some(unit) => format!(

@@ -2,8 +2,8 @@
 //! through its corners.
 
 use super::fit::SmoothFunction;
-use super::nearest::Nearest;
-use super::surface::{NONE, Surface};
+use super::nearest::MeridionalGrid;
+use super::surface::{MeshSurface, NONE};
 use crate::geometry::{Meridional, MeridionalCurve, norm2};
 use crate::part::PartError;
 
@@ -14,11 +14,11 @@ const VOTES: f64 = 0.2;
 /// Number of blade corners that vote for the piece nearest to them.
 const VOTERS: usize = 1000;
 /// Largest number of cubic pieces of a curve.
-const MOST_SPANS: usize = 240;
+const MAX_SPANS: usize = 240;
 /// Largest number of iterations that remove points above a curve.
-const MOST_ROUNDS: usize = 40;
+const MAX_ITERATIONS: usize = 40;
 /// Circumferential component of the normal from which on a triangle is not part of a surface of revolution.
-const LEAST_ACROSS: f64 = 0.35;
+const MIN_CIRCUMFERENTIAL: f64 = 0.35;
 
 /// The flow side of a hub or shroud.
 pub struct FlowSide {
@@ -30,13 +30,13 @@ pub struct FlowSide {
 
 /// A meridional curve and its largest deviation from the corners it was fitted to.
 #[derive(Clone, Debug)]
-pub struct Profile {
+pub struct FittedProfile {
     /// Points of the curve, inlet → outlet, mm.
     pub points: Vec<Meridional>,
     /// Largest distance of a corner from the curve, mm.
-    pub residual: f64,
+    pub max_deviation_mm: f64,
     /// The corner with the largest distance.
-    pub at: Meridional,
+    pub worst_corner: Meridional,
 }
 
 /// The direction in which a channel runs from its inlet, near the axis, to its outlet: at 45° between the
@@ -68,7 +68,7 @@ impl Course {
     }
 
     /// Coordinates of a point along the course and at right angles to it, mm.
-    pub fn of_point(&self, p: Meridional) -> (f64, f64) {
+    pub fn coordinates_of(&self, p: Meridional) -> (f64, f64) {
         (p.r * self.along.r + p.z * self.along.z, p.r * self.across.r + p.z * self.across.z)
     }
 
@@ -78,20 +78,25 @@ impl Course {
 
     /// The curve along the side of `points` that faces away from `above`: fits repeatedly and removes points
     /// that are too far above the curve, such as those of fillets, until all are within `tolerance`, mm.
-    pub fn bottom(&self, points: &[Meridional], above: Meridional, tolerance: f64) -> Option<Profile> {
-        let sign = (self.of_point(above).1 - self.of_point(middle(points)).1).signum();
+    pub fn fit_bottom(
+        &self,
+        points: &[Meridional],
+        above: Meridional,
+        tolerance: f64,
+    ) -> Option<FittedProfile> {
+        let sign = (self.coordinates_of(above).1 - self.coordinates_of(mean_point(points)).1).signum();
         let mut kept = points.to_vec();
         let mut near = f64::INFINITY;
-        for _ in 0..MOST_ROUNDS {
-            let profile = self.curve(&kept)?;
-            if profile.residual < tolerance {
+        for _ in 0..MAX_ITERATIONS {
+            let profile = self.fit_curve(&kept)?;
+            if profile.max_deviation_mm < tolerance {
                 return Some(profile);
             }
-            let curve = SmoothFunction::fit(&self.pairs(&profile.points), MOST_SPANS)?;
+            let curve = SmoothFunction::fit(&self.pairs(&profile.points), MAX_SPANS)?;
             let over: Vec<f64> = kept
                 .iter()
                 .map(|p| {
-                    let (x, y) = self.of_point(*p);
+                    let (x, y) = self.coordinates_of(*p);
                     sign * (y - curve.at(x)) / norm2(1.0, curve.slope(x))
                 })
                 .collect();
@@ -108,19 +113,20 @@ impl Course {
     }
 
     fn pairs(&self, points: &[Meridional]) -> Vec<(f64, f64)> {
-        points.iter().map(|p| self.of_point(*p)).collect()
+        points.iter().map(|p| self.coordinates_of(*p)).collect()
     }
 
     /// The least-squares curve through all `points`.
-    pub fn curve(&self, points: &[Meridional]) -> Option<Profile> {
+    pub fn fit_curve(&self, points: &[Meridional]) -> Option<FittedProfile> {
         let pairs = self.pairs(points);
-        let function = SmoothFunction::fit(&pairs, MOST_SPANS)?;
-        let mut profile = Profile { points: Vec::new(), residual: 0.0, at: Meridional::default() };
+        let function = SmoothFunction::fit(&pairs, MAX_SPANS)?;
+        let mut profile =
+            FittedProfile { points: Vec::new(), max_deviation_mm: 0.0, worst_corner: Meridional::default() };
         for (&(x, y), p) in pairs.iter().zip(points) {
             let slope = function.slope(x);
             let off = (y - function.at(x)).abs() / norm2(1.0, slope);
-            if off > profile.residual {
-                (profile.residual, profile.at) = (off, *p);
+            if off > profile.max_deviation_mm {
+                (profile.max_deviation_mm, profile.worst_corner) = (off, *p);
             }
         }
         let ends = function.ends();
@@ -137,15 +143,15 @@ impl Course {
 }
 
 /// Mean of points.
-pub fn middle(points: &[Meridional]) -> Meridional {
+pub fn mean_point(points: &[Meridional]) -> Meridional {
     let sum = points.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
     let count = points.len().max(1) as f64;
     Meridional { r: sum.r / count, z: sum.z / count }
 }
 
-impl Profile {
+impl FittedProfile {
     /// Share of the area of `triangles` that is within `tolerance`, mm, of the curve.
-    pub fn share_of(&self, surface: &Surface, triangles: &[usize], tolerance: f64) -> f64 {
+    pub fn area_share_on_curve(&self, surface: &MeshSurface, triangles: &[usize], tolerance: f64) -> f64 {
         let curve = MeridionalCurve::through(&self.points);
         let on = |i: u32| {
             let corner = Meridional::of(&surface.points[i as usize]);
@@ -164,7 +170,7 @@ impl Profile {
 }
 
 /// A triangle's normal in the meridional plane, and its circumferential component.
-pub fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
+pub fn meridional_normal(surface: &MeshSurface, t: usize) -> (Meridional, f64) {
     let (c, n) = (surface.centre(t), surface.normals[t]);
     let r = norm2(c.x, c.y).max(1e-9);
     let across = (n.y * c.x - n.x * c.y) / r;
@@ -176,15 +182,16 @@ pub fn meridional_normal(surface: &Surface, t: usize) -> (Meridional, f64) {
 ///
 /// # Errors
 /// Fails when no surface of revolution is beside the blades.
-pub fn flow_side(
-    surface: &Surface,
+pub fn find_flow_side(
+    surface: &MeshSurface,
     course: &Course,
     blades: &[Meridional],
     name: &str,
 ) -> Result<FlowSide, PartError> {
     // Fillets and other triangles that are not of revolution are ignored.
-    let turned: Vec<bool> =
-        (0..surface.triangles.len()).map(|t| meridional_normal(surface, t).1.abs() < LEAST_ACROSS).collect();
+    let turned: Vec<bool> = (0..surface.triangles.len())
+        .map(|t| meridional_normal(surface, t).1.abs() < MIN_CIRCUMFERENTIAL)
+        .collect();
     let smooth = |a: usize, b: usize| {
         turned[a] && turned[b] && surface.normals[a].dot(&surface.normals[b]).abs() > SMOOTH
     };
@@ -198,7 +205,7 @@ pub fn flow_side(
     groups_of.sort_unstable();
     groups_of.dedup();
     let mut votes = vec![0_usize; count];
-    let near = Nearest::of(&corners);
+    let near = MeridionalGrid::of(&corners);
     let stride = blades.len().div_ceil(VOTERS).max(1);
     for p in blades.iter().step_by(stride) {
         if let Some(corner) = near.nearest(*p) {
@@ -231,7 +238,7 @@ pub fn flow_side(
 }
 
 /// Whether a triangle runs along the course, as opposed to a rim or a bore.
-fn follows(course: &Course, surface: &Surface, t: usize) -> bool {
+fn follows(course: &Course, surface: &MeshSurface, t: usize) -> bool {
     let (n, _) = meridional_normal(surface, t);
     let across = n.r * course.across.r + n.z * course.across.z;
     // 0.2 allows a curve to turn slightly beyond the axial or radial direction.

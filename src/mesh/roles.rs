@@ -76,7 +76,7 @@ const BEGINNINGS: [(Role, &[&str]); 4] = [
 const BLADE_ENDINGS: [&str; 6] = ["blade", "blades", "vane", "vanes", "schaufel", "schaufeln"];
 
 /// The role derived from a name, ignoring case and numbers.
-pub fn role_named(name: &str) -> Option<Role> {
+pub fn role_from_name(name: &str) -> Option<Role> {
     let words = words(name);
     let begins = |start: &str| {
         words.iter().any(|w| w.strip_prefix(start).is_some_and(|rest| !rest.starts_with("cut")))
@@ -114,10 +114,10 @@ fn words(name: &str) -> Vec<String> {
 }
 
 /// The role derived from the names of a mesh: that of the first name that has one.
-pub fn guessed(mesh: &NamedMesh) -> Option<Role> {
+pub fn guess_role(mesh: &NamedMesh) -> Option<Role> {
     // The own name comes first: the root node often has the name of the part, which may contain that of a
     // role.
-    role_named(&mesh.name).or_else(|| mesh.other_names.iter().find_map(|name| role_named(name)))
+    role_from_name(&mesh.name).or_else(|| mesh.other_names.iter().find_map(|name| role_from_name(name)))
 }
 
 /// Roles of all meshes: as `given` by node name (ignoring case) or by `#` and the node's number, else as
@@ -125,7 +125,7 @@ pub fn guessed(mesh: &NamedMesh) -> Option<Role> {
 ///
 /// # Errors
 /// Fails when a given name does not belong to any mesh.
-pub fn assign(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Vec<Option<Role>>, PartError> {
+pub fn assign_roles(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Vec<Option<Role>>, PartError> {
     let is = |mesh: &NamedMesh, name: &str| {
         if let Some(number) = name.strip_prefix('#').and_then(|number| number.parse::<usize>().ok()) {
             return mesh.node == number;
@@ -145,7 +145,7 @@ pub fn assign(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Vec<Opti
     Ok(meshes
         .iter()
         .map(|m| {
-            given.iter().rev().find(|(name, _)| is(m, name)).map(|(_, role)| *role).or_else(|| guessed(m))
+            given.iter().rev().find(|(name, _)| is(m, name)).map(|(_, role)| *role).or_else(|| guess_role(m))
         })
         .collect())
 }
@@ -184,10 +184,10 @@ mod tests {
             ("Vane7", Role::Blade),
             ("Laufschaufel", Role::Blade),
         ] {
-            assert_eq!(role_named(name), Some(role), "{name}");
+            assert_eq!(role_from_name(name), Some(role), "{name}");
         }
         for name in ["Body 1", "Mesh.003", "vanecut", "", "42", "shaft"] {
-            assert_eq!(role_named(name), None, "{name}");
+            assert_eq!(role_from_name(name), None, "{name}");
         }
     }
 }

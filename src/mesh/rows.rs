@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use super::surface::{NONE, Surface};
-use super::weld::Table;
+use super::surface::{MeshSurface, NONE};
+use super::weld::NumberMap;
 use super::{Role, TriangleMesh};
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::PartError;
@@ -20,9 +20,9 @@ const OFF_PATTERN: f64 = 0.05;
 
 /// One blade.
 #[derive(Clone, Debug)]
-pub struct BladeMesh {
+pub struct SingleBlade {
     /// Its triangles.
-    surface: Surface,
+    surface: MeshSurface,
     /// Role of its mesh.
     role: Role,
     /// Mean angle of its corners, rad.
@@ -33,31 +33,31 @@ pub struct BladeMesh {
 
 /// The blades of one pitch: a main blade and its splitters.
 #[derive(Clone, Debug)]
-pub struct Rows {
+pub struct BladeRows {
     /// Number of main blades.
     pub count: usize,
     /// The first main blade.
-    pub main: Surface,
+    pub main: MeshSurface,
     /// One splitter for each position within the pitch, in the order of the file.
-    pub splitters: Vec<Surface>,
+    pub splitters: Vec<MeshSurface>,
 }
 
 /// Separates surfaces, each of one or more blades with their role, into single blades.
-pub fn blades(surfaces: Vec<(Role, Surface)>) -> Vec<BladeMesh> {
+pub fn separate_blades(surfaces: Vec<(Role, MeshSurface)>) -> Vec<SingleBlade> {
     let (splitters, mains): (Vec<_>, Vec<_>) = surfaces.into_iter().partition(|(r, _)| *r == Role::Splitter);
-    let mut found: Vec<BladeMesh> = Vec::new();
+    let mut found: Vec<SingleBlade> = Vec::new();
     // The sides of a blade may be separate meshes.
     for (role, surfaces) in [(Role::Blade, mains), (Role::Splitter, splitters)] {
-        let all = surfaces.into_iter().flat_map(|(_, surface)| surface.pieces()).collect();
-        found.extend(joined(all).into_iter().map(|surface| BladeMesh::new(surface, role)));
+        let all = surfaces.into_iter().flat_map(|(_, surface)| surface.into_pieces()).collect();
+        found.extend(merge_touching(all).into_iter().map(|surface| SingleBlade::new(surface, role)));
     }
     let longest = found.iter().map(|b| b.length).fold(0.0, f64::max);
     found.retain(|b| b.length > SCRAP * longest);
     found
 }
 
-impl BladeMesh {
-    fn new(surface: Surface, role: Role) -> Self {
+impl SingleBlade {
+    fn new(surface: MeshSurface, role: Role) -> Self {
         let (mut sum, mut low, mut high) =
             (Point::origin(), (f64::INFINITY, f64::INFINITY), (0.0_f64, f64::NEG_INFINITY));
         for p in &surface.points {
@@ -72,7 +72,7 @@ impl BladeMesh {
 }
 
 /// Merges pieces whose borders touch, which are sides of one blade.
-fn joined(pieces: Vec<Surface>) -> Vec<Surface> {
+fn merge_touching(pieces: Vec<MeshSurface>) -> Vec<MeshSurface> {
     if pieces.len() < 2 {
         return pieces;
     }
@@ -80,7 +80,8 @@ fn joined(pieces: Vec<Surface>) -> Vec<Surface> {
     let cell = (TOUCHING * size).max(1e-9);
     let key = |p: &Point| [p.x, p.y, p.z].map(|x| (x / cell).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    let border = |piece: &Surface| piece.border_edges().map(|((a, _), _)| piece.points[a as usize]).collect();
+    let border =
+        |piece: &MeshSurface| piece.border_edges().map(|((a, _), _)| piece.points[a as usize]).collect();
     let borders: Vec<Vec<Point>> = pieces.iter().map(border).collect();
     for (k, border) in borders.iter().enumerate() {
         for p in border {
@@ -105,7 +106,7 @@ fn joined(pieces: Vec<Surface>) -> Vec<Surface> {
             }
         }
     }
-    let mut whole: Vec<(usize, Vec<Surface>)> = Vec::new();
+    let mut whole: Vec<(usize, Vec<MeshSurface>)> = Vec::new();
     for (piece, group) in pieces.into_iter().zip(group) {
         match whole.iter_mut().find(|(g, _)| *g == group) {
             Some((_, parts)) => parts.push(piece),
@@ -116,13 +117,13 @@ fn joined(pieces: Vec<Surface>) -> Vec<Surface> {
 }
 
 /// Merges parts whose borders touch into one surface; keeps their faces distinct.
-fn together(mut parts: Vec<Surface>) -> Surface {
+fn together(mut parts: Vec<MeshSurface>) -> MeshSurface {
     if parts.len() == 1 {
         return parts.swap_remove(0);
     }
     let mut mesh = TriangleMesh::default();
     let mut faces = Vec::new();
-    let mut numbers: Table<(u64, u64), u32> = Table::default();
+    let mut numbers: NumberMap<(u64, u64), u32> = NumberMap::default();
     for (k, part) in parts.into_iter().enumerate() {
         faces.extend(part.faces.into_iter().map(|face| {
             let next = numbers.len() as u32;
@@ -130,29 +131,30 @@ fn together(mut parts: Vec<Surface>) -> Surface {
         }));
         mesh.append(&TriangleMesh { points: part.points, triangles: part.triangles });
     }
-    Surface::of_faces(&mesh, faces)
+    MeshSurface::of_faces(&mesh, faces)
 }
 
-impl Rows {
+impl BladeRows {
     /// Sorts blades into rows; `count` is the number of main blades, if given.
     ///
     /// # Errors
     /// Fails when there is no main blade and, unless `count` is given, when there is only one or they are not
     /// evenly spaced.
-    pub fn of(blades: Vec<BladeMesh>, count: Option<usize>) -> Result<Self, PartError> {
+    pub fn of(blades: Vec<SingleBlade>, count: Option<usize>) -> Result<Self, PartError> {
         let named = blades.iter().any(|b| b.role == Role::Splitter);
         let longest = blades.iter().map(|b| b.length).fold(0.0, f64::max);
-        let is_splitter = |b: &BladeMesh| match named {
+        let is_splitter = |b: &SingleBlade| match named {
             true => b.role == Role::Splitter,
             false => b.length < SHORTER * longest,
         };
-        let (splitters, mains): (Vec<BladeMesh>, Vec<BladeMesh>) = blades.into_iter().partition(is_splitter);
+        let (splitters, mains): (Vec<SingleBlade>, Vec<SingleBlade>) =
+            blades.into_iter().partition(is_splitter);
         let Some(main) = mains.first() else {
             return Err(PartError::new(0, "there is no main blade", "name one with --role NODE=blade"));
         };
         let count = match count {
             Some(count) => count,
-            None => pattern(&mains)?,
+            None => count_from_spacing(&mains)?,
         };
         let pitch = TAU / count.max(1) as f64;
         let mut places: Vec<f64> = Vec::new();
@@ -170,7 +172,7 @@ impl Rows {
 }
 
 /// Number of blades derived from the spacing of the given ones, of which some may be missing.
-fn pattern(mains: &[BladeMesh]) -> Result<usize, PartError> {
+fn count_from_spacing(mains: &[SingleBlade]) -> Result<usize, PartError> {
     let mut angles: Vec<f64> = mains.iter().map(|b| (b.angle - mains[0].angle).rem_euclid(TAU)).collect();
     angles.sort_by(f64::total_cmp);
     if mains.len() == 1 {

@@ -27,7 +27,7 @@ pub struct Rulings {
     highest: Cubic<3>,
     shift: Cubic<1>,
     /// Largest distance of a ruling from the sections in between, mm.
-    pub off: f64,
+    pub max_distance_mm: f64,
 }
 
 fn sampled(side: &SideCurve) -> Cubic<3> {
@@ -69,7 +69,7 @@ impl Rulings {
         };
         let cost = |errors: &[f64], values: &[f64]| {
             errors.iter().map(|e| e * e).sum::<f64>()
-                + STIFFNESS * LINES as f64 * bends(values).map(|b| b * b).sum::<f64>()
+                + STIFFNESS * LINES as f64 * second_differences(values).map(|b| b * b).sum::<f64>()
         };
         let mut here = errors(&values);
         let mut least = cost(&here, &values);
@@ -105,7 +105,12 @@ impl Rulings {
             }
         }
         let off = here.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()));
-        Some(Self { lowest: lowest.clone(), highest: highest.clone(), shift: shift(&values), off })
+        Some(Self {
+            lowest: lowest.clone(),
+            highest: highest.clone(),
+            shift: shift(&values),
+            max_distance_mm: off,
+        })
     }
 
     /// Both ends of the ruling at parameter `w` of the lowest section.
@@ -115,14 +120,14 @@ impl Rulings {
     }
 }
 
-fn bends(values: &[f64]) -> impl Iterator<Item = f64> + '_ {
+fn second_differences(values: &[f64]) -> impl Iterator<Item = f64> + '_ {
     let at = |i: usize| if i == 0 || i > FREE { 0.0 } else { values[i - 1] };
     (1..=FREE).map(move |i| at(i - 1) - 2.0 * at(i) + at(i + 1))
 }
 
 fn add_stiffness(matrix: &mut DMatrix<f64>, right: &mut DVector<f64>, values: &[f64]) {
     let weight = STIFFNESS * LINES as f64;
-    for (i, bend) in bends(values).enumerate() {
+    for (i, bend) in second_differences(values).enumerate() {
         let row = [(i.checked_sub(1), 1.0), (Some(i), -2.0), (Some(i + 1).filter(|k| *k < FREE), 1.0)];
         for (a, x) in row {
             let Some(a) = a else { continue };

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::normals::CornerNormals;
-use super::surface::{NONE, Surface};
+use super::surface::{MeshSurface, NONE};
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
 /// A blade has an edge where the cosine between neighbouring triangles is below this.
@@ -22,7 +22,7 @@ const RADIAL: f64 = 0.99;
 
 /// Coordinates in the channel between a hub and a shroud: position along it, and height over the hub.
 #[derive(Clone, Debug)]
-pub struct Band {
+pub struct ChannelCoordinates {
     hub: MeridionalCurve,
     shroud: MeridionalCurve,
     /// Arc lengths of hub and shroud at which the blades begin and end, mm.
@@ -30,14 +30,15 @@ pub struct Band {
     shroud_ends: (f64, f64),
 }
 
-impl Band {
+impl ChannelCoordinates {
     /// The channel between `hub` and `shroud` over the extent of the corners `blade`.
     pub fn new(hub: &MeridionalCurve, shroud: &MeridionalCurve, blade: &[Meridional]) -> Self {
         let middle =
             blade.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
         let n = blade.len().max(1) as f64;
         let middle = Meridional { r: middle.r / n, z: middle.z / n };
-        let (hub, shroud) = (hub.clone().facing(middle), shroud.clone().facing(middle));
+        let (hub, shroud) =
+            (hub.clone().with_outer_side_towards(middle), shroud.clone().with_outer_side_towards(middle));
         let ends = |curve: &MeridionalCurve, other: &MeridionalCurve| {
             let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
             for p in blade {
@@ -54,7 +55,7 @@ impl Band {
 
     /// Relative position (along from inlet 0 to outlet 1, height from hub 0 to shroud 1) of a point of the
     /// part's frame.
-    pub fn place(&self, p: &Point) -> (f64, f64) {
+    pub fn coordinates_of(&self, p: &Point) -> (f64, f64) {
         let p = Meridional::of(p);
         let ((t, d), (u, e)) = (self.hub.project(p), self.shroud.project(p));
         let height = if (d + e).abs() > 1e-12 { d / (d + e) } else { 0.5 };
@@ -66,7 +67,7 @@ impl Band {
 
 /// A point of a slice.
 #[derive(Clone, Copy, Debug)]
-pub struct CutPoint {
+pub struct SlicePoint {
     /// The point, on the interpolated smooth surface.
     pub point: Point,
     /// Relative position from inlet (0) to outlet (1).
@@ -76,12 +77,12 @@ pub struct CutPoint {
     /// Whether two faces of the mesh meet here smoothly.
     pub seam: bool,
     /// Distance of the point from its mesh edge, mm: the smaller, the more certain the point.
-    pub moved: f64,
+    pub chord_offset_mm: f64,
 }
 
 /// Classifies triangles: 0 side, 1 cap at the hub, 2 at the shroud, 3 at the rim. Angles do not suffice,
 /// because caps may meet the sides at flat angles.
-fn caps(surface: &Surface, places: &[(f64, f64)]) -> Vec<u8> {
+fn classify_caps(surface: &MeshSurface, places: &[(f64, f64)]) -> Vec<u8> {
     let widest = surface.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     let cap = |t: usize| {
         let corners = surface.triangles[t].map(|i| i as usize);
@@ -103,28 +104,28 @@ fn caps(surface: &Surface, places: &[(f64, f64)]) -> Vec<u8> {
 
 /// One piece of a slice: a loop, or a line with two ends.
 #[derive(Clone, Debug)]
-pub struct Cut {
+pub struct SlicePiece {
     /// Its points in order; the first point of a loop is not repeated.
-    pub points: Vec<CutPoint>,
+    pub points: Vec<SlicePoint>,
     /// Whether it is a loop.
     pub closed: bool,
 }
 
 /// A blade prepared for slicing.
-pub struct Cutter<'a> {
-    surface: &'a Surface,
-    band: &'a Band,
+pub struct BladeSlicer<'a> {
+    surface: &'a MeshSurface,
+    band: &'a ChannelCoordinates,
     /// (along, height) of the corners.
     places: Vec<(f64, f64)>,
     patch: Vec<u32>,
     normals: CornerNormals,
 }
 
-impl<'a> Cutter<'a> {
+impl<'a> BladeSlicer<'a> {
     /// Computes channel coordinates and normals of all corners, and the smooth patches.
-    pub fn new(surface: &'a Surface, band: &'a Band) -> Self {
-        let places: Vec<(f64, f64)> = surface.points.iter().map(|p| band.place(p)).collect();
-        let caps = caps(surface, &places);
+    pub fn new(surface: &'a MeshSurface, band: &'a ChannelCoordinates) -> Self {
+        let places: Vec<(f64, f64)> = surface.points.iter().map(|p| band.coordinates_of(p)).collect();
+        let caps = classify_caps(surface, &places);
         let (patch, _) = surface.groups(|a, b| {
             let straight = surface.normals[a].dot(&surface.normals[b]);
             straight > SHARP && (caps[a] == caps[b] || straight > CAP_TURN)
@@ -140,7 +141,7 @@ impl<'a> Cutter<'a> {
 
     /// The range of heights covered by the blade everywhere between its slanted edges, from the lowest and
     /// the highest of its corners in each of `stretches` intervals along it.
-    pub fn reach(&self, stretches: usize) -> (f64, f64) {
+    pub fn height_range(&self, stretches: usize) -> (f64, f64) {
         let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); stretches];
         // Edges are sampled, too, so that every interval of a coarse mesh has points.
         let ends =
@@ -170,10 +171,10 @@ impl<'a> Cutter<'a> {
     }
 
     /// Slices the blade at a relative height; returns the pieces, longest first.
-    pub fn cut(&self, height: f64) -> Vec<Cut> {
+    pub fn slice_at(&self, height: f64) -> Vec<SlicePiece> {
         let above = |i: u32| self.places[i as usize].1 >= height;
         let mut numbers: HashMap<(u32, u32), usize> = HashMap::new();
-        let mut points: Vec<CutPoint> = Vec::new();
+        let mut points: Vec<SlicePoint> = Vec::new();
         let mut links: Vec<[usize; 2]> = Vec::new();
         for t in 0..self.surface.triangles.len() {
             let corners = self.surface.triangles[t];
@@ -194,7 +195,7 @@ impl<'a> Cutter<'a> {
 
     /// The intersection of the smooth surface over edge `k` of a triangle with the height: on a cubic Hermite
     /// curve from corner to corner, tangential to the surface at both.
-    fn crossing(&self, t: usize, k: usize, height: f64) -> CutPoint {
+    fn crossing(&self, t: usize, k: usize, height: f64) -> SlicePoint {
         let next = (k + 1) % 3;
         let corners = self.surface.triangles[t];
         let (i, j) = (corners[k] as usize, corners[next] as usize);
@@ -210,7 +211,7 @@ impl<'a> Cutter<'a> {
                 let there = |corner: u32| {
                     let o = other as usize;
                     let c = (0..3).find(|&c| self.surface.triangles[o][c] == corner).unwrap_or(0);
-                    self.normals.of[o][c]
+                    self.normals.per_triangle[o][c]
                 };
                 let both = |n: &Vector, m: &Vector| {
                     let along = n.cross(m);
@@ -220,11 +221,11 @@ impl<'a> Cutter<'a> {
                     }
                 };
                 (
-                    both(&self.normals.of[t][k], &there(corners[k])),
-                    both(&self.normals.of[t][next], &there(corners[next])),
+                    both(&self.normals.per_triangle[t][k], &there(corners[k])),
+                    both(&self.normals.per_triangle[t][next], &there(corners[next])),
                 )
             }
-            _ => (tangent(&self.normals.of[t][k]), tangent(&self.normals.of[t][next])),
+            _ => (tangent(&self.normals.per_triangle[t][k]), tangent(&self.normals.per_triangle[t][next])),
         };
         // A tangent that deviates far from the chord comes from a corner with an unreliable normal.
         let sound = |v: &Vector| v.norm_squared() > 0.5 * chord.norm_squared();
@@ -240,7 +241,7 @@ impl<'a> Cutter<'a> {
         // The height is not linear along the edge: two steps of regula falsi.
         let (mut low, mut high) = ((0.0, ha - height), (1.0, hb - height));
         for _ in 0..2 {
-            let off = self.band.place(&at(x)).1 - height;
+            let off = self.band.coordinates_of(&at(x)).1 - height;
             if (off < 0.0) == (low.1 < 0.0) {
                 low = (x, off);
             } else {
@@ -256,18 +257,18 @@ impl<'a> Cutter<'a> {
             let faces = [t, across as usize].map(|t| self.surface.faces[t]);
             faces[0] != faces[1] && !faces.contains(&NONE)
         };
-        CutPoint {
+        SlicePoint {
             point,
-            along: self.band.place(&point).0,
+            along: self.band.coordinates_of(&point).0,
             edge,
             seam,
-            moved: (point - (a + chord * x)).norm(),
+            chord_offset_mm: (point - (a + chord * x)).norm(),
         }
     }
 }
 
 /// Chains linked points into lines and loops, the longest first.
-fn chained(points: &[CutPoint], links: &[[usize; 2]]) -> Vec<Cut> {
+fn chained(points: &[SlicePoint], links: &[[usize; 2]]) -> Vec<SlicePiece> {
     let mut next: Vec<[Option<usize>; 2]> = vec![[None; 2]; points.len()];
     for [a, b] in links {
         for (from, to) in [(*a, *b), (*b, *a)] {
@@ -277,7 +278,7 @@ fn chained(points: &[CutPoint], links: &[[usize; 2]]) -> Vec<Cut> {
         }
     }
     let mut done = vec![false; points.len()];
-    let mut cuts: Vec<(f64, Cut)> = Vec::new();
+    let mut cuts: Vec<(f64, SlicePiece)> = Vec::new();
     // Open lines first, each from one of its ends; then loops.
     let ends = (0..points.len()).filter(|&i| next[i][1].is_none()).collect::<Vec<_>>();
     for start in ends.into_iter().chain(0..points.len()) {
@@ -295,7 +296,7 @@ fn chained(points: &[CutPoint], links: &[[usize; 2]]) -> Vec<Cut> {
         }
         let closed = closed_if && line.len() > 2 && next[at].contains(&Some(start));
         let length: f64 = line.windows(2).map(|w| (points[w[1]].point - points[w[0]].point).norm()).sum();
-        cuts.push((length, Cut { points: line.into_iter().map(|i| points[i]).collect(), closed }));
+        cuts.push((length, SlicePiece { points: line.into_iter().map(|i| points[i]).collect(), closed }));
     }
     cuts.sort_by(|a, b| b.0.total_cmp(&a.0));
     cuts.into_iter().map(|(_, cut)| cut).collect()

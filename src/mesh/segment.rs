@@ -2,8 +2,8 @@
 //! cover, the rest is blades.
 
 use super::describe::MOSTLY;
-use super::profile::{Course, meridional_normal, middle};
-use super::surface::{NONE, Surface};
+use super::profile::{Course, mean_point, meridional_normal};
+use super::surface::{MeshSurface, NONE};
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
 
@@ -21,11 +21,11 @@ const SCRAP: f64 = 0.05;
 /// The surfaces of a segmented wheel.
 pub struct Segments {
     /// The hub, or its flow side.
-    pub hub: Surface,
+    pub hub: MeshSurface,
     /// The shroud where it is a separate piece, or the cover.
-    pub shroud: Option<Surface>,
+    pub shroud: Option<MeshSurface>,
     /// Single blades.
-    pub blades: Vec<Surface>,
+    pub blades: Vec<MeshSurface>,
 }
 
 /// Classifies disconnected pieces: surfaces of revolution are hub and shroud, all others blades. `None` where
@@ -33,9 +33,9 @@ pub struct Segments {
 ///
 /// # Errors
 /// Returns the number of bodies of revolution if there are more than two.
-fn loose(wheel: &Surface) -> Result<Option<Segments>, usize> {
+fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> {
     let (mut round, mut blades) = (Vec::new(), Vec::new());
-    for surface in wheel.clone().pieces() {
+    for surface in wheel.clone().into_pieces() {
         let (mut across, mut area) = (0.0, 0.0);
         for t in 0..surface.triangles.len() {
             across += surface.area(t) * meridional_normal(&surface, t).1.abs();
@@ -50,7 +50,7 @@ fn loose(wheel: &Surface) -> Result<Option<Segments>, usize> {
         return Err(round.len());
     }
     // The hub is nearest to the axis.
-    let inner = |s: &Surface| s.points.iter().map(|p| Meridional::of(p).r).fold(f64::INFINITY, f64::min);
+    let inner = |s: &MeshSurface| s.points.iter().map(|p| Meridional::of(p).r).fold(f64::INFINITY, f64::min);
     round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));
     let mut round = round.into_iter();
     let Some(hub) = round.next() else { return Ok(None) };
@@ -58,7 +58,7 @@ fn loose(wheel: &Surface) -> Result<Option<Segments>, usize> {
 }
 
 /// A face of revolution of a wheel: hub or cover.
-struct Face {
+struct RevolvedFace {
     /// Heights of all corners of the wheel over it, positive towards the blades, mm.
     heights: Vec<f64>,
     /// Smallest radius of its corners, mm.
@@ -70,7 +70,7 @@ struct Face {
 /// # Errors
 /// Fails when no surface of revolution touches blades, when there are more than two disconnected bodies of
 /// revolution, or when the blades are connected with each other.
-pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
+pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartError> {
     let unclear = |why: &str| {
         PartError::new(
             0,
@@ -78,7 +78,7 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
             "export hub and blades as separate meshes, or name them with --role NODE=hub and NODE=blade",
         )
     };
-    match loose(wheel) {
+    match segment_disconnected(wheel) {
         Ok(Some(segments)) => return Ok(segments),
         Ok(None) => {}
         Err(count) => return Err(unclear(&format!("it has {count} bodies of revolution"))),
@@ -120,23 +120,23 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
         corners.iter().zip(used).filter(|(_, used)| *used).map(|(p, _)| *p).collect()
     };
     let standing = of(&|t| !turned[t]);
-    let (course, middle) = (Course::of(&standing), middle(&standing));
-    let face = |number: usize| -> Option<Face> {
+    let (course, middle) = (Course::of(&standing), mean_point(&standing));
+    let face = |number: usize| -> Option<RevolvedFace> {
         let own = |t: usize| turned[t] && group[t] as usize == number;
         let points = of(&own);
         let triangles: Vec<usize> = (0..group.len()).filter(|&t| own(t)).collect();
         // A face with fillets continues smoothly up to the blades' noses: then the curve follows its bottom.
         let profile = course
-            .curve(&points)
-            .filter(|p| p.residual < tolerance)
-            .or_else(|| course.bottom(&points, middle, tolerance))
-            .filter(|p| p.share_of(wheel, &triangles, tolerance) > MOSTLY)?;
-        let curve = MeridionalCurve::through(&profile.points).facing(middle);
+            .fit_curve(&points)
+            .filter(|p| p.max_deviation_mm < tolerance)
+            .or_else(|| course.fit_bottom(&points, middle, tolerance))
+            .filter(|p| p.area_share_on_curve(wheel, &triangles, tolerance) > MOSTLY)?;
+        let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards(middle);
         let heights = corners.iter().map(|p| curve.project(*p).1).collect();
         let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
-        Some(Face { heights, inner })
+        Some(RevolvedFace { heights, inner })
     };
-    let mut faces: Vec<Face> = carrying.into_iter().filter_map(face).collect();
+    let mut faces: Vec<RevolvedFace> = carrying.into_iter().filter_map(face).collect();
     // The hub is nearer to the axis.
     faces.sort_by(|a, b| a.inner.total_cmp(&b.inner));
     let mut faces = faces.into_iter();
@@ -145,23 +145,23 @@ pub fn segmented(wheel: &Surface, name: &str) -> Result<Segments, PartError> {
     };
     let cover = faces.next();
 
-    let any = |face: &Face, t: usize, is: &dyn Fn(f64) -> bool| {
+    let any = |face: &RevolvedFace, t: usize, is: &dyn Fn(f64) -> bool| {
         wheel.triangles[t].iter().any(|i| is(face.heights[*i as usize]))
     };
-    let below = |face: &Face, t: usize| any(face, t, &|h| h < -tolerance);
-    let stands = |face: &Face, t: usize| !below(face, t) && any(face, t, &|h| h > tolerance);
-    let lies = |face: &Face, t: usize| !below(face, t) && !any(face, t, &|h| h > tolerance);
+    let below = |face: &RevolvedFace, t: usize| any(face, t, &|h| h < -tolerance);
+    let stands = |face: &RevolvedFace, t: usize| !below(face, t) && any(face, t, &|h| h > tolerance);
+    let lies = |face: &RevolvedFace, t: usize| !below(face, t) && !any(face, t, &|h| h > tolerance);
     let blade = |t: usize| stands(&hub, t) && cover.as_ref().is_none_or(|cover| stands(cover, t));
 
-    let blades = wheel.part(blade).pieces();
-    let area = |blade: &Surface| (0..blade.triangles.len()).map(|t| blade.area(t)).sum::<f64>();
-    let measured: Vec<(f64, Surface)> = blades.into_iter().map(|b| (area(&b), b)).collect();
+    let blades = wheel.subset(blade).into_pieces();
+    let area = |blade: &MeshSurface| (0..blade.triangles.len()).map(|t| blade.area(t)).sum::<f64>();
+    let measured: Vec<(f64, MeshSurface)> = blades.into_iter().map(|b| (area(&b), b)).collect();
     let largest = measured.iter().map(|(a, _)| *a).fold(0.0, f64::max);
-    let blades: Vec<Surface> =
+    let blades: Vec<MeshSurface> =
         measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, b)| b).collect();
     if blades.len() < 2 {
         return Err(unclear("the blades on its hub are connected with each other"));
     }
-    let shroud = cover.map(|cover| wheel.part(|t| lies(&cover, t)));
-    Ok(Segments { hub: wheel.part(|t| lies(&hub, t)), shroud, blades })
+    let shroud = cover.map(|cover| wheel.subset(|t| lies(&cover, t)));
+    Ok(Segments { hub: wheel.subset(|t| lies(&hub, t)), shroud, blades })
 }

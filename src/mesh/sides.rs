@@ -1,6 +1,6 @@
 //! Splits a slice of a blade into its two sides at leading and trailing edge.
 
-use super::sections::{Cut, CutPoint};
+use super::sections::{SlicePiece, SlicePoint};
 use crate::geometry::cubic::{Cubic, chord_lengths};
 use crate::geometry::{Point, Vector, wrap_angle};
 
@@ -31,7 +31,7 @@ pub struct SideCurve {
 
 /// Both sides of a slice: first the one at the smaller angle about the axis.
 #[derive(Clone, Debug)]
-pub struct Section {
+pub struct SpanSection {
     /// The sides.
     pub sides: [SideCurve; 2],
     /// Gap between the ends of the slice at leading and trailing edge, mm; 0 where the blade is closed.
@@ -39,7 +39,7 @@ pub struct Section {
 }
 
 impl SideCurve {
-    fn new(points: &[CutPoint]) -> Option<Self> {
+    fn new(points: &[SlicePoint]) -> Option<Self> {
         let mut raw: Vec<[f64; 4]> =
             thinned(points).iter().map(|p| [p.point.x, p.point.y, p.point.z, p.along]).collect();
         raw.dedup_by(|a, b| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs() < 1e-9);
@@ -99,7 +99,7 @@ impl SideCurve {
     }
 
     /// Change of the angle about the axis from leading to trailing edge, rad.
-    pub fn turn(&self) -> f64 {
+    pub fn wrap_rad(&self) -> f64 {
         let angle = |p: Point| p.y.atan2(p.x);
         (0..64)
             .map(|i| {
@@ -110,12 +110,12 @@ impl SideCurve {
     }
 }
 
-impl Section {
+impl SpanSection {
     /// Joins the pieces of a slice, longest first, and splits them into sides. `None` where they do not form
     /// a blade section.
-    pub fn of(cuts: &[Cut]) -> Option<Self> {
-        let (line, gaps) = joined(cuts)?;
-        let Split { mut first, mut second, round_tail } = split(&line)?;
+    pub fn of(cuts: &[SlicePiece]) -> Option<Self> {
+        let (line, gaps) = chain_pieces(cuts)?;
+        let SplitSlice { mut first, mut second, round_tail } = split(&line)?;
         let mut sides = [SideCurve::new(&first)?, SideCurve::new(&second)?];
         let at = |side: &SideCurve, share: f64| side.raw(share * side.length());
         // The sides are ordered by their angle half way along, where both are at nearly the same radius.
@@ -139,16 +139,16 @@ impl Section {
 }
 
 /// Merges points that are too close together: keeps the one of two that was moved less off its chord.
-fn thinned(points: &[CutPoint]) -> Vec<CutPoint> {
+fn thinned(points: &[SlicePoint]) -> Vec<SlicePoint> {
     let last = points.len() - 1;
-    let mut kept: Vec<CutPoint> = vec![points[0]];
+    let mut kept: Vec<SlicePoint> = vec![points[0]];
     for i in 1..=last {
         let (from, to) = (i.saturating_sub(2), (i + 2).min(last));
         let spacing = (points[to].point - points[from].point).norm() / (to - from) as f64;
         let Some(previous) = kept.last().copied() else { break };
         if (points[i].point - previous.point).norm() >= CROWDED * spacing {
             kept.push(points[i]);
-        } else if (i == last || points[i].moved < previous.moved) && kept.len() > 1 {
+        } else if (i == last || points[i].chord_offset_mm < previous.chord_offset_mm) && kept.len() > 1 {
             kept.pop();
             kept.push(points[i]);
         } else if i == last {
@@ -161,26 +161,27 @@ fn thinned(points: &[CutPoint]) -> Vec<CutPoint> {
 /// Chains the pieces of a slice, nearest ends first, to a line that is closed or open at the trailing edge.
 /// Also returns the widths of the gaps that were bridged at leading and trailing edge, mm. `None` where
 /// another gap is too wide.
-fn joined(cuts: &[Cut]) -> Option<(Cut, [f64; 2])> {
+fn chain_pieces(cuts: &[SlicePiece]) -> Option<(SlicePiece, [f64; 2])> {
     let longest = cuts.first()?;
     if longest.closed {
         return Some((longest.clone(), [0.0; 2]));
     }
-    let length = |cut: &Cut| cut.points.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum::<f64>();
+    let length =
+        |cut: &SlicePiece| cut.points.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum::<f64>();
     let whole = length(longest);
-    let mut rest: Vec<Cut> =
+    let mut rest: Vec<SlicePiece> =
         cuts[1..].iter().filter(|c| !c.closed && length(c) > 0.01 * whole).take(16).cloned().collect();
     let (low, high) = cuts
         .iter()
         .map(|c| extent(&c.points))
         .fold(extent(&longest.points), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     // A blade may be open at leading and trailing edge; a wide gap elsewhere is a hole.
-    let sound = |a: &CutPoint, b: &CutPoint| {
+    let sound = |a: &SlicePoint, b: &SlicePoint| {
         let near = |end: f64| (a.along - end).abs().max((b.along - end).abs()) < AT_GAP * (high - low);
         near(low) || near(high) || (a.point - b.point).norm() < BRIDGED * whole
     };
     let mut gaps: [f64; 2] = [0.0; 2];
-    let mut bridge = |a: &CutPoint, b: &CutPoint| {
+    let mut bridge = |a: &SlicePoint, b: &SlicePoint| {
         let gap = &mut gaps[usize::from(a.along + b.along > low + high)];
         *gap = gap.max((a.point - b.point).norm());
     };
@@ -219,22 +220,22 @@ fn joined(cuts: &[Cut]) -> Option<(Cut, [f64; 2])> {
     bridge(&first, &last);
     let gap_at_leading = 0.5 * (first.along + last.along) < 0.5 * (low + high);
     let met = (first.point - last.point).norm() < 1e-3 * whole;
-    Some((Cut { points: line, closed: met || gap_at_leading }, gaps))
+    Some((SlicePiece { points: line, closed: met || gap_at_leading }, gaps))
 }
 
-fn extent(points: &[CutPoint]) -> (f64, f64) {
+fn extent(points: &[SlicePoint]) -> (f64, f64) {
     points
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.along), high.max(p.along)))
 }
 
-struct Split {
-    first: Vec<CutPoint>,
-    second: Vec<CutPoint>,
+struct SplitSlice {
+    first: Vec<SlicePoint>,
+    second: Vec<SlicePoint>,
     round_tail: bool,
 }
 
-fn split(cut: &Cut) -> Option<Split> {
+fn split(cut: &SlicePiece) -> Option<SplitSlice> {
     let points = &cut.points;
     let n = points.len();
     if n < 8 {
@@ -270,20 +271,20 @@ fn split(cut: &Cut) -> Option<Split> {
         (Some(a), Some(b)) if a == b => points[a],
         (Some(a), Some(b)) => {
             let middle = points[a].point + (points[b].point - points[a].point) * 0.5;
-            CutPoint {
+            SlicePoint {
                 point: middle,
                 along: 0.5 * (points[a].along + points[b].along),
                 edge: true,
                 seam: false,
-                moved: 0.0,
+                chord_offset_mm: 0.0,
             }
         }
-        _ => match nose_seam(points, &step, lowest) {
+        _ => match find_nose_seam(points, &step, lowest) {
             Some(seam) => {
                 start = seam;
                 points[seam]
             }
-            None => extreme(points, lowest, &step, 1.0),
+            None => refine_extreme(points, lowest, &step, 1.0),
         },
     };
     let side = |forward: bool| {
@@ -318,20 +319,20 @@ fn split(cut: &Cut) -> Option<Split> {
     let round_tail = round_first && round_second;
     if round_tail {
         let highest = (0..n).max_by(|&a, &b| points[a].along.total_cmp(&points[b].along))?;
-        let trailing = extreme(points, highest, &step, -1.0);
+        let trailing = refine_extreme(points, highest, &step, -1.0);
         for line in [&mut first, &mut second] {
             line.retain(|p| (p.point - trailing.point).norm() > 1e-9);
             line.push(trailing);
         }
     }
-    (first.len() > 3 && second.len() > 3).then_some(Split { first, second, round_tail })
+    (first.len() > 3 && second.len() > 3).then_some(SplitSlice { first, second, round_tail })
 }
 
 /// The point on a round nose where the mesh's faces of both sides meet; `None` unless there is exactly one.
 /// The division of a nose is arbitrary, but all measures along the sides start from it, so the file's own is
 /// kept.
-fn nose_seam(
-    points: &[CutPoint],
+fn find_nose_seam(
+    points: &[SlicePoint],
     step: &impl Fn(usize, bool) -> Option<usize>,
     lowest: usize,
 ) -> Option<usize> {
@@ -358,7 +359,7 @@ fn nose_seam(
 
 /// Whether `p`, near the leading edge, is ahead of it in the direction `forward`.
 fn ahead(
-    points: &[CutPoint],
+    points: &[SlicePoint],
     step: &impl Fn(usize, bool) -> Option<usize>,
     lowest: usize,
     forward: bool,
@@ -371,12 +372,12 @@ fn ahead(
 }
 
 /// The minimum of `sign` · along on a cubic spline through the points around `at`, by dense sampling.
-fn extreme(
-    points: &[CutPoint],
+fn refine_extreme(
+    points: &[SlicePoint],
     at: usize,
     step: &impl Fn(usize, bool) -> Option<usize>,
     sign: f64,
-) -> CutPoint {
+) -> SlicePoint {
     let (mut before, mut after) = (vec![at], vec![at]);
     for (line, forward) in [(&mut before, false), (&mut after, true)] {
         for _ in 0..4 {
@@ -405,7 +406,7 @@ fn extreme(
         .min_by(|a, b| (sign * a[3]).total_cmp(&(sign * b[3])));
     match best {
         Some([x, y, z, along]) => {
-            CutPoint { point: Point::new(x, y, z), along, edge: false, seam: false, moved: 0.0 }
+            SlicePoint { point: Point::new(x, y, z), along, edge: false, seam: false, chord_offset_mm: 0.0 }
         }
         None => points[at],
     }

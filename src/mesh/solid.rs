@@ -28,7 +28,7 @@ pub enum FaceKind {
 
 /// A corner of a face: a point of the solid and the normal of this face there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Corner {
+pub struct FaceCorner {
     /// Index into [`Solid::points`].
     pub point: u32,
     /// Unit normal, pointing out of the material.
@@ -37,11 +37,11 @@ pub struct Corner {
 
 /// A smooth piece of a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Face {
+pub struct SolidFace {
     /// The part of the impeller it belongs to.
     pub kind: FaceKind,
     /// Its corners; no point occurs twice.
-    pub corners: Vec<Corner>,
+    pub corners: Vec<FaceCorner>,
     /// Three indices into `corners` each, counter-clockwise seen from outside the material.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -52,18 +52,18 @@ pub struct Solid {
     /// The points.
     pub points: Vec<Point>,
     /// The faces.
-    pub faces: Vec<Face>,
+    pub faces: Vec<SolidFace>,
 }
 
 impl Solid {
     /// Number of triangles.
-    pub fn triangles(&self) -> usize {
+    pub fn triangle_count(&self) -> usize {
         self.faces.iter().map(|face| face.triangles.len()).sum()
     }
 
     /// All faces as one mesh over the shared points.
     pub fn mesh(&self) -> TriangleMesh {
-        let whole = |face: &Face, t: &[u32; 3]| t.map(|corner| face.corners[corner as usize].point);
+        let whole = |face: &SolidFace, t: &[u32; 3]| t.map(|corner| face.corners[corner as usize].point);
         let triangles =
             self.faces.iter().flat_map(|face| face.triangles.iter().map(move |t| whole(face, t))).collect();
         TriangleMesh { points: self.points.clone(), triangles }
@@ -78,7 +78,7 @@ impl Solid {
     }
 
     /// Reverses the orientation of every face: triangles and normals.
-    pub fn turn_over(&mut self) {
+    pub fn reverse_orientation(&mut self) {
         for face in &mut self.faces {
             face.triangles.iter_mut().for_each(|t| t.swap(1, 2));
             face.corners.iter_mut().for_each(|c| c.normal = -c.normal);
@@ -95,14 +95,14 @@ impl Solid {
         mut normal: impl FnMut(usize, usize) -> Vector,
     ) {
         let mut corner_of = vec![u32::MAX; self.points.len()];
-        let mut corners: Vec<Corner> = Vec::new();
+        let mut corners: Vec<FaceCorner> = Vec::new();
         let mut triangles = Vec::new();
         for i in 0..grid.rows {
             for j in 0..grid.columns {
                 let point = grid.at(i, j);
                 if corner_of[point as usize] == u32::MAX {
                     corner_of[point as usize] = corners.len() as u32;
-                    corners.push(Corner { point, normal: normal(i, j) });
+                    corners.push(FaceCorner { point, normal: normal(i, j) });
                 }
             }
         }
@@ -133,7 +133,7 @@ impl Solid {
             let outside = if corner.normal.dot(sum) < 0.0 { -corner.normal } else { corner.normal };
             corner.normal = outside.try_normalize(0.0).unwrap_or_else(Vector::z);
         }
-        self.faces.push(Face { kind, corners, triangles });
+        self.faces.push(SolidFace { kind, corners, triangles });
     }
 }
 

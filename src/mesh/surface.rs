@@ -1,7 +1,7 @@
 //! Triangle mesh with adjacency: welded corners, neighbours across edges, connected pieces.
 
 use super::TriangleMesh;
-use super::weld::{self, Table};
+use super::weld::{self, NumberMap};
 use crate::geometry::{Point, Vector};
 
 /// Index that means "no neighbour" or "no face".
@@ -9,7 +9,7 @@ pub const NONE: u32 = u32::MAX;
 
 /// Triangles over welded corners, without degenerate triangles.
 #[derive(Clone, Debug, Default)]
-pub struct Surface {
+pub struct MeshSurface {
     /// Corners, mm.
     pub points: Vec<Point>,
     /// Three indices into `points` each.
@@ -24,7 +24,7 @@ pub struct Surface {
     pub faces: Vec<u32>,
 }
 
-impl Surface {
+impl MeshSurface {
     /// The surface of a mesh.
     pub fn of(mesh: &TriangleMesh) -> Self {
         Self::of_faces(mesh, connected(&mesh.triangles, mesh.points.len()))
@@ -74,14 +74,14 @@ impl Surface {
     }
 
     /// Adds triangles over the same corners; they belong to no face.
-    pub fn with(self, triangles: Vec<[u32; 3]>) -> Self {
+    pub fn with_triangles(self, triangles: Vec<[u32; 3]>) -> Self {
         let mut faces = self.faces;
         faces.resize(self.triangles.len() + triangles.len(), NONE);
         Self::over(self.points, self.triangles.into_iter().chain(triangles).collect(), faces)
     }
 
     /// Applies a rigid transform to all corners.
-    pub fn moved(self, to: impl Fn(&Point) -> Point) -> Self {
+    pub fn transformed(self, to: impl Fn(&Point) -> Point) -> Self {
         let turned = |n: &Vector| to(&Point::from(*n)) - to(&Point::origin());
         let normals = self.normals.iter().map(turned).collect();
         Self { points: self.points.iter().map(&to).collect(), normals, ..self }
@@ -125,7 +125,7 @@ impl Surface {
     }
 
     /// The triangles for which `keep` holds, without unused corners.
-    pub fn part(&self, keep: impl Fn(usize) -> bool) -> Self {
+    pub fn subset(&self, keep: impl Fn(usize) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.triangles.len()).filter(|&t| keep(t)).collect();
         let triangles = kept.iter().map(|&t| self.triangles[t]).collect();
         let mesh = TriangleMesh { points: self.points.clone(), triangles }.compact();
@@ -133,9 +133,9 @@ impl Surface {
     }
 
     /// The connected pieces in the order of their first triangles; each keeps the order of its triangles.
-    pub fn pieces(self) -> Vec<Self> {
+    pub fn into_pieces(self) -> Vec<Self> {
         let piece = connected(&self.triangles, self.points.len());
-        let mut piece_of: Table<u64, usize> = Table::default();
+        let mut piece_of: NumberMap<u64, usize> = NumberMap::default();
         let mut pieces: Vec<Self> = Vec::new();
         // Index of a triangle or corner within its piece; a corner belongs to one piece only.
         let mut triangle_to = Vec::with_capacity(self.triangles.len());

@@ -18,12 +18,12 @@ pub struct Fineness {
     /// Largest distance between triangles and surfaces, mm.
     pub chord_error: f64,
     /// Largest number of triangles of hub, shroud and one blade of each row together.
-    pub most_triangles: usize,
+    pub max_triangles: usize,
 }
 
 impl Default for Fineness {
     fn default() -> Self {
-        Self { chord_error: 0.01, most_triangles: 1_000_000 }
+        Self { chord_error: 0.01, max_triangles: 1_000_000 }
     }
 }
 
@@ -48,34 +48,36 @@ impl Tessellation {
     /// chord error is increased by steps of 25 % until they suffice; see [`Self::chord_error`].
     pub fn new(part: &Impeller, fineness: &Fineness) -> Self {
         let mut chord_error = fineness.chord_error.clamp(1e-6, 1e3);
-        let most = fineness.most_triangles.max(FEWEST_TRIANGLES * (1 + part.splitters.len()));
+        let most = fineness.max_triangles.max(MIN_TRIANGLE_BUDGET * (1 + part.splitters.len()));
         loop {
-            if let Some(done) = Self::within(part, chord_error, most) {
+            if let Some(done) = Self::try_tessellate(part, chord_error, most) {
                 return done;
             }
             chord_error *= 1.25;
         }
     }
 
-    fn within(part: &Impeller, chord_error: f64, most: usize) -> Option<Self> {
+    fn try_tessellate(part: &Impeller, chord_error: f64, most: usize) -> Option<Self> {
         let rows = 1 + part.splitters.len();
-        let blade = |blade| blade::blade(part, blade, chord_error, most / rows);
+        let blade = |blade| blade::tessellate_blade(part, blade, chord_error, most / rows);
         let main = blade(&part.main)?;
         let splitters: Vec<Solid> = part.splitters.iter().map(blade).collect::<Option<_>>()?;
-        if revolved::triangles(part, chord_error) > most {
+        if revolved::count_triangles(part, chord_error) > most {
             return None;
         }
-        let (hub, shroud) = (revolved::hub(part, chord_error), revolved::shroud(part, chord_error));
+        let (hub, shroud) =
+            (revolved::tessellate_hub(part, chord_error), revolved::tessellate_shroud(part, chord_error));
         let done = Self { hub, shroud, main, splitters, chord_error };
-        (done.triangles() <= most).then_some(done)
+        (done.triangle_count() <= most).then_some(done)
     }
 
     /// Number of triangles of hub, shroud and one blade of each row.
-    pub fn triangles(&self) -> usize {
-        let blades = self.main.triangles() + self.splitters.iter().map(Solid::triangles).sum::<usize>();
-        self.hub.triangles() + self.shroud.triangles() + blades
+    pub fn triangle_count(&self) -> usize {
+        let blades =
+            self.main.triangle_count() + self.splitters.iter().map(Solid::triangle_count).sum::<usize>();
+        self.hub.triangle_count() + self.shroud.triangle_count() + blades
     }
 }
 
 /// Lower limit of the triangle budget per row of blades, with which every part can be tessellated coarsely.
-const FEWEST_TRIANGLES: usize = 20_000;
+const MIN_TRIANGLE_BUDGET: usize = 20_000;

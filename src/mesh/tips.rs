@@ -1,7 +1,7 @@
 //! The shroud of an open wheel: the surface of revolution through the blade tips.
 
-use super::profile::{Course, Profile};
-use super::surface::{NONE, Surface};
+use super::profile::{Course, FittedProfile};
+use super::surface::{MeshSurface, NONE};
 use crate::geometry::{Meridional, MeridionalCurve};
 
 /// An edge is sharp where the cosine between its triangles is below this.
@@ -11,12 +11,16 @@ const SHARP: f64 = 0.82;
 const NEAR: f64 = 2e-3;
 
 /// Largest slope of a tip over the hub, mm per mm.
-const STEEPEST: f64 = 1.0;
+const MAX_SLOPE: f64 = 1.0;
 
 /// The meridional curve through the tips of `blades` over `hub`; `None` where none can be fitted.
-pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> Option<Profile> {
-    let middle = middle(blades);
-    let hub = hub.clone().facing(middle);
+pub fn fit_tip_curve(
+    blades: &[MeshSurface],
+    hub: &MeridionalCurve,
+    course: &Course,
+) -> Option<FittedProfile> {
+    let middle = mean_corner(blades);
+    let hub = hub.clone().with_outer_side_towards(middle);
     let mut edges: Vec<Meridional> = blades.iter().flat_map(|b| edge_corners(b, true)).collect();
     if edges.len() < 8 {
         // The tips have no sharp edges because they are rounded: every corner is a candidate.
@@ -37,7 +41,7 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
         let (mut peak, mut at) = (f64::NEG_INFINITY, 0.0);
         for k in 0..over.len() {
             let i = if forward { k } else { over.len() - 1 - k };
-            peak = (peak - STEEPEST * (over[i].0 - at).abs()).max(over[i].1);
+            peak = (peak - MAX_SLOPE * (over[i].0 - at).abs()).max(over[i].1);
             at = over[i].0;
             least[i] = least[i].max(peak);
         }
@@ -51,8 +55,8 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
     // Refits with a shrinking band and drops the corners outside, which are not on the tip.
     let mut near = 16.0 * NEAR * height;
     for _ in 0..8 {
-        let through = course.curve(&tips)?;
-        let curve = MeridionalCurve::through(&through.points).facing(middle);
+        let through = course.fit_curve(&tips)?;
+        let curve = MeridionalCurve::through(&through.points).with_outer_side_towards(middle);
         let kept: Vec<Meridional> = tips.iter().filter(|p| curve.project(**p).1 < near).copied().collect();
         near = (0.5 * near).max(NEAR * height);
         let settled = kept.len() == tips.len();
@@ -64,14 +68,14 @@ pub fn tip_curve(blades: &[Surface], hub: &MeridionalCurve, course: &Course) -> 
             break;
         }
     }
-    let curve = MeridionalCurve::through(&course.curve(&tips)?.points).facing(middle);
+    let curve = MeridionalCurve::through(&course.fit_curve(&tips)?.points).with_outer_side_towards(middle);
     let near: Vec<Meridional> =
         tips.iter().filter(|p| curve.project(**p).1.abs() < NEAR * height).copied().collect();
-    course.curve(&near)
+    course.fit_curve(&near)
 }
 
 /// Mean of the blades' corners in the meridional plane.
-pub fn middle(blades: &[Surface]) -> Meridional {
+pub fn mean_corner(blades: &[MeshSurface]) -> Meridional {
     let all = blades.iter().flat_map(|b| b.points.iter().map(Meridional::of));
     let (sum, count) = all
         .fold((Meridional::default(), 0.0), |(s, n), p| (Meridional { r: s.r + p.r, z: s.z + p.z }, n + 1.0));
@@ -79,7 +83,7 @@ pub fn middle(blades: &[Surface]) -> Meridional {
 }
 
 /// Corners at sharp edges and borders if `sharp`, else all corners.
-fn edge_corners(blade: &Surface, sharp: bool) -> Vec<Meridional> {
+fn edge_corners(blade: &MeshSurface, sharp: bool) -> Vec<Meridional> {
     let mut at_edge = vec![!sharp; blade.points.len()];
     if sharp {
         for (t, neighbours) in blade.neighbours.iter().enumerate() {

@@ -36,11 +36,11 @@ impl Hasher for Mixer {
 }
 
 /// A hash map with a fast hasher for numeric keys.
-pub type Table<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
+pub type NumberMap<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
 
 /// Merges points with equal coordinates. Returns for each point its index among the kept ones, and these.
 pub fn equal(points: &[Point]) -> (Vec<u32>, Vec<Point>) {
-    let mut table: Table<(u64, u64, u64), u32> = Table::default();
+    let mut table: NumberMap<(u64, u64, u64), u32> = NumberMap::default();
     table.reserve(points.len() / 2);
     let mut kept = Vec::with_capacity(points.len() / 2);
     let to = points
@@ -73,7 +73,7 @@ pub fn near(points: &[Point], triangles: &[[u32; 3]], loose: &[bool]) -> Option<
     let short = short_edges(points, triangles, rounding, distance);
     let cell = |x: f64| (x / (CELL * distance)).floor() as i64;
     // Linked lists per cell: the kept corner added last, and for each kept corner the one added before it.
-    let mut cells: Table<(i64, i64, i64), u32> = Table::default();
+    let mut cells: NumberMap<(i64, i64, i64), u32> = NumberMap::default();
     let mut before: Vec<u32> = Vec::new();
     let mut kept: Vec<Point> = Vec::with_capacity(points.len());
     let mut to: Vec<u32> = Vec::with_capacity(points.len());
@@ -111,8 +111,8 @@ pub fn near(points: &[Point], triangles: &[[u32; 3]], loose: &[bool]) -> Option<
 }
 
 /// For each corner, the other ends of its edges that are longer than `above` and at most `up_to`, mm.
-fn short_edges(points: &[Point], triangles: &[[u32; 3]], above: f64, up_to: f64) -> Table<u32, Vec<u32>> {
-    let mut ends: Table<u32, Vec<u32>> = Table::default();
+fn short_edges(points: &[Point], triangles: &[[u32; 3]], above: f64, up_to: f64) -> NumberMap<u32, Vec<u32>> {
+    let mut ends: NumberMap<u32, Vec<u32>> = NumberMap::default();
     for t in triangles {
         for k in 0..3 {
             let (a, b) = (t[k], t[(k + 1) % 3]);

@@ -71,7 +71,7 @@ impl RawBlade {
                 (&made.0, &made.1)
             }
         };
-        let side = |sections: &[Vec<Point>], name: &str| trimmed(sections, hub, shroud, line, name);
+        let side = |sections: &[Vec<Point>], name: &str| loft_trimmed(sections, hub, shroud, line, name);
         let blade = Blade { suction: side(suction, "suction")?, pressure: side(pressure, "pressure")? };
         Ok(Self { blade })
     }
@@ -118,7 +118,7 @@ fn check_spans(spans: &[CamberSpan], line: usize) -> Result<(), PartError> {
 }
 
 /// Lofts raw sections and trims (or extends) the surface to hub and shroud.
-fn trimmed(
+fn loft_trimmed(
     sections: &[Vec<Point>],
     hub: &MeridionalCurve,
     shroud: &MeridionalCurve,

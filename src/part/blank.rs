@@ -28,7 +28,7 @@ pub struct Blank {
 }
 
 /// Share of a curve's length on either side of a guess over which a projection is searched first.
-const WARM_REACH: f64 = 0.2;
+const WARM_SEARCH_SHARE: f64 = 0.2;
 
 impl Blank {
     /// The blank of `part`, extended by `inlet_extension` mm upstream of the leading edge.
@@ -54,7 +54,7 @@ impl Blank {
             ends.map(|(a, b)| ((inside.r - a.r) * (b.z - a.z) - (inside.z - a.z) * (b.r - a.r)).signum());
         let (r_max, z_range) = (r_max + 0.1, (z_range.0 - 0.1, z_range.1 + 0.1));
         let coarse_shroud = CoarseHeights::new(&shroud, r_max, z_range);
-        let single = (single_foot_within(&hub), single_foot_within(&shroud));
+        let single = (unique_foot_distance(&hub), unique_foot_distance(&shroud));
         Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud, single }
     }
 
@@ -145,12 +145,12 @@ impl Blank {
     /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub
     /// body. `warm` holds the arc length on the shroud of the last call as a warm start.
     pub fn is_solid(&self, point: Meridional, warm: &mut Option<f64>) -> bool {
-        self.room(point, warm).is_none()
+        self.free_radius(point, warm).is_none()
     }
 
     /// Radius of a ball about `point` that is certainly free of solid, mm; `None` if the point is solid.
     /// `warm` as in [`Self::is_solid`].
-    fn room(&self, point: Meridional, warm: &mut Option<f64>) -> Option<f64> {
+    fn free_radius(&self, point: Meridional, warm: &mut Option<f64>) -> Option<f64> {
         let ends = self.ends_depth(point);
         if ends < 0.0 {
             return Some(-ends);
@@ -172,7 +172,7 @@ impl Blank {
     ) -> Option<f64> {
         let (low, high) = self.clip(origin, direction, 0.0, (low, high))?;
         let stride = ((high - low) / 6.0).min(1.0).max((high - low) / 300.0);
-        let mut room = |h: f64| self.room(Meridional::of(&(origin + direction * h)), warm);
+        let mut room = |h: f64| self.free_radius(Meridional::of(&(origin + direction * h)), warm);
         let mut above = None;
         let mut h = high;
         while let Some(clear) = room(h) {
@@ -204,7 +204,7 @@ impl Blank {
 
     /// Height above which a cylinder of `radius` mm about the line `origin + h · direction` (unit) has
     /// certainly left the blank, mm; 0 where it does not enter it.
-    pub fn left_at(&self, origin: &Point, direction: &Vector, radius: f64) -> f64 {
+    pub fn exit_height(&self, origin: &Point, direction: &Vector, radius: f64) -> f64 {
         self.clip(origin, direction, radius, (0.0, f64::INFINITY)).map_or(0.0, |(_, high)| high)
     }
 
@@ -247,7 +247,7 @@ impl Blank {
 /// `single`.
 fn project(curve: &MeridionalCurve, point: Meridional, guess: Option<f64>, single: f64) -> (f64, f64) {
     if let Some(guess) = guess {
-        let reach = WARM_REACH * curve.length();
+        let reach = WARM_SEARCH_SHARE * curve.length();
         let (t, distance) = curve.project_near(point, guess, reach);
         if distance.abs() <= single && (t - guess).abs() < reach - 1e-9 * curve.length() {
             return (t, distance);
@@ -259,10 +259,10 @@ fn project(curve: &MeridionalCurve, point: Meridional, guess: Option<f64>, singl
 /// Greatest distance from `curve` up to which a point found by a warm search is certainly the globally
 /// nearest: half the shortest chord between points further apart along the curve than that search reaches,
 /// less the sample spacing.
-fn single_foot_within(curve: &MeridionalCurve) -> f64 {
+fn unique_foot_distance(curve: &MeridionalCurve) -> f64 {
     const PLACES: usize = 64;
     let spacing = curve.length() / PLACES as f64;
-    let apart = (WARM_REACH * PLACES as f64).floor() as usize - 1;
+    let apart = (WARM_SEARCH_SHARE * PLACES as f64).floor() as usize - 1;
     let at: Vec<Meridional> = (0..=PLACES).map(|i| curve.point(spacing * i as f64)).collect();
     let far = |i: usize| at[(i + apart).min(PLACES + 1)..].iter().map(move |b| (i, b));
     let chords = (0..=PLACES).flat_map(far).map(|(i, b)| at[i].distance(*b));

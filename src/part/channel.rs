@@ -91,7 +91,7 @@ impl Wall {
             None if s < first => begin + (s - first),
             None => end + (s - self.starts[n]),
         };
-        let on = self.search(wanted, u, eta)?;
+        let on = self.at_meridional(wanted, u, eta)?;
         // Chain rule: θ depends on (s, η) through the meridional point (r, z).
         let (hub, shroud) = (part.hub.at(s), part.shroud.at(s));
         let (lh, ls) = (part.hub.length(), part.shroud.length());
@@ -111,7 +111,7 @@ impl Wall {
 
     /// The wall at the meridional point `wanted`, by damped Newton steps from (u, v). `None` where they do
     /// not converge.
-    pub fn search(&self, wanted: Meridional, u: f64, v: f64) -> Option<WallAngle> {
+    pub fn at_meridional(&self, wanted: Meridional, u: f64, v: f64) -> Option<WallAngle> {
         let (mut u, mut v) = (u, v);
         for _ in 0..40 {
             let (p, pu, pv) = self.side.derivatives(u, v);

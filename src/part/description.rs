@@ -83,19 +83,19 @@ pub struct PartDescription {
 
 /// Why a description is not a valid impeller; the caller adds the file name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{what}; {cure}")]
+#[error("{message}; {help}")]
 pub struct PartError {
     /// Line of the part file, 0 when the fault has no line.
     pub line: usize,
     /// What is wrong.
-    pub what: String,
+    pub message: String,
     /// What to do about it.
-    pub cure: String,
+    pub help: String,
 }
 
 impl PartError {
     /// A fault at `line` (0: none).
-    pub fn new(line: usize, what: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self { line, what: what.into(), cure: cure.into() }
+    pub fn new(line: usize, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { line, message: message.into(), help: help.into() }
     }
 }

@@ -54,19 +54,19 @@ impl WallEnvelope {
         let mut gaps = Vec::with_capacity(u.len() * v.len());
         let mut curve = Vec::with_capacity(v.len());
         for &u in &u {
-            lines.push(line_over(side, sign, u, &v, &mut curve, &mut gaps));
+            lines.push(envelope_line(side, sign, u, &v, &mut curve, &mut gaps));
         }
         Self { u, v, lines, gaps }
     }
 
     /// Greatest gap, mm.
-    pub fn greatest_gap(&self) -> f64 {
+    pub fn max_gap(&self) -> f64 {
         self.gaps.iter().copied().fold(0.0, f64::max)
     }
 }
 
 /// Ends of the line over the curve at `u`; appends its gaps. `curve` is a buffer.
-fn line_over(
+fn envelope_line(
     side: &BladeSide,
     sign: f64,
     u: f64,
@@ -89,8 +89,8 @@ fn line_over(
         gaps.extend(v.iter().map(|_| 0.0));
         return [foot, tip];
     };
-    gaps.extend(curve.iter().map(|p| (line.at(p[0]) - p[1]).max(0.0)));
-    [foot + normal * line.at(0.0), tip + normal * line.at((tip - foot).norm())]
+    gaps.extend(curve.iter().map(|p| (line.y_at(p[0]) - p[1]).max(0.0)));
+    [foot + normal * line.y_at(0.0), tip + normal * line.y_at((tip - foot).norm())]
 }
 
 #[cfg(test)]
@@ -115,7 +115,7 @@ mod tests {
     fn ruled_walls_have_no_gap() {
         let blade = bowed(2, |v| 3.0 * v);
         for wall in [BladeWall::Suction, BladeWall::Pressure] {
-            let gap = WallEnvelope::of(&blade, wall, 8).greatest_gap();
+            let gap = WallEnvelope::of(&blade, wall, 8).max_gap();
             assert!(gap < 1e-12, "{wall:?}: {gap}");
         }
     }
@@ -126,7 +126,7 @@ mod tests {
         let blade = bowed(33, |v| 0.8 * (std::f64::consts::PI * v).sin());
         for (wall, away, face) in [(BladeWall::Suction, 1.0, 1.0), (BladeWall::Pressure, -1.0, -1.0)] {
             let envelope = WallEnvelope::of(&blade, wall, 8);
-            assert!((envelope.greatest_gap() - 0.8).abs() < 1e-5, "{wall:?}: {}", envelope.greatest_gap());
+            assert!((envelope.max_gap() - 0.8).abs() < 1e-5, "{wall:?}: {}", envelope.max_gap());
             for [foot, tip] in &envelope.lines {
                 for v in [0.0, 0.2, 0.5, 0.9, 1.0] {
                     let line = foot.y + v * (tip.y - foot.y);

@@ -64,7 +64,7 @@ impl Flowpath {
 }
 
 /// Builds and validates the curve of a description; `name` identifies it in messages.
-pub(super) fn curve(
+pub(super) fn build_curve(
     description: &CurveDescription,
     line: usize,
     name: &str,
@@ -128,7 +128,7 @@ fn clamped_knots(count: usize, degree: usize) -> Vec<f64> {
 }
 
 /// Orients the normals of both curves away from the hub body; rejects swapped curves.
-pub(super) fn face(
+pub(super) fn orient_normals(
     hub: MeridionalCurve,
     shroud: MeridionalCurve,
     d: &PartDescription,
@@ -141,14 +141,14 @@ pub(super) fn face(
         )
     };
     let middle = shroud.point(0.5 * shroud.length());
-    let hub = hub.facing(middle);
+    let hub = hub.with_outer_side_towards(middle);
     // Near the inlet the hub must be nearer to the rotation axis than the shroud.
     let (h0, s0) = (hub.at(0.35 * hub.length()), shroud.at(0.35 * shroud.length()));
     if h0.normal.r < 0.0 && h0.point.r > s0.point.r {
         return Err(swapped());
     }
     let beyond = middle.lerp(hub.point(hub.project(middle).0), -1.0);
-    Ok((hub, shroud.facing(beyond)))
+    Ok((hub, shroud.with_outer_side_towards(beyond)))
 }
 
 /// Largest s at which hub and shroud may touch: they meet at the leading edge of blades whose height starts

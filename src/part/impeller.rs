@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::blade::{Blade, RawBlade, blade_line};
 use super::description::{PartDescription, PartError};
-use super::flowpath::{Flowpath, check_channel, curve, face};
+use super::flowpath::{Flowpath, build_curve, check_channel, orient_normals};
 use super::rotation::Rotation;
 use super::side::BladeSide;
 use crate::geometry::{Meridional, wrap_angle};
@@ -48,9 +48,9 @@ impl Impeller {
                 format!("give {} to {}", BLADE_COUNTS.start(), BLADE_COUNTS.end()),
             ));
         }
-        let hub = curve(&d.hub, d.hub_line, "hub")?;
-        let shroud = curve(&d.shroud, d.shroud_line, "shroud")?;
-        let (hub, shroud) = face(hub, shroud, d)?;
+        let hub = build_curve(&d.hub, d.hub_line, "hub")?;
+        let shroud = build_curve(&d.shroud, d.shroud_line, "shroud")?;
+        let (hub, shroud) = orient_normals(hub, shroud, d)?;
 
         let main = RawBlade::new(&d.main, &hub, &shroud)?;
         let splitters: Vec<RawBlade> =

@@ -24,9 +24,9 @@ pub use description::{
 pub use envelope::{BladeWall, WallEnvelope};
 pub use flowpath::Flowpath;
 pub use impeller::Impeller;
-pub use probe::{Nearest, SideProbe};
+pub use probe::{NearestOnSide, SideProbe};
 pub use rotation::Rotation;
-pub use setup::{AxisPolicy, Feed, FlankFeeds, FlankScheme, FlankSetup, Machine, Setup};
+pub use setup::{AxisPolicy, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy, Machine, Setup};
 pub use side::BladeSide;
 pub use tool::Tool;
 pub use width::PassageWidth;

@@ -15,14 +15,14 @@ pub struct SideProbe {
     /// mm.
     reaches: Vec<f64>,
     /// Runs of neighbouring points of each line, line by line: [`Self::blocks_per_line`] per line.
-    blocks: Vec<Block>,
+    blocks: Vec<GridBlock>,
     blocks_per_line: usize,
 }
 
 /// A run of points of one line of the grid in a bounding ball. A distance changes by at most the distance
 /// between two points, so that of the centre decides whether the others matter.
 #[derive(Clone, Copy, Debug)]
-struct Block {
+struct GridBlock {
     /// Index of the first point in the line, and one past the last.
     first: usize,
     last: usize,
@@ -40,7 +40,7 @@ const MAX_BLOCKS: usize = 49usize.div_ceil(BLOCK);
 
 /// Nearest point of a side.
 #[derive(Clone, Copy, Debug)]
-pub struct Nearest {
+pub struct NearestOnSide {
     /// Signed distance, mm; negative where the cutter cuts the side.
     pub distance: f64,
     /// Parameter along the side, LE 0 … TE 1.
@@ -64,9 +64,9 @@ const U_STEP: f64 = 5e-5;
 const V_TOLERANCE: f64 = 4e-6;
 
 /// The whole range of v.
-const WHOLE: (f64, f64) = (0.0, 1.0);
+const FULL_V_RANGE: (f64, f64) = (0.0, 1.0);
 /// Value of `enough` that never ends a search early.
-const NONE_IS_ENOUGH: f64 = f64::NEG_INFINITY;
+const NO_EARLY_EXIT: f64 = f64::NEG_INFINITY;
 
 /// Upper bound on the distance of a point of a cell from its nearest corner, as a share of the longest
 /// distance between two corners: 1/√3 for a flat cell, and a margin for curvature.
@@ -110,7 +110,7 @@ impl SideProbe {
             let off = |i: usize| (points[j * n + i] - points[j * n + centre]).norm();
             let radius = (first..last).map(off).fold(0.0, f64::max);
             let reach = (first..last).map(|i| off(i) + reaches[j * n + i]).fold(0.0, f64::max);
-            Block { first, last, centre, radius, reach }
+            GridBlock { first, last, centre, radius, reach }
         };
         let blocks = (0..lines)
             .flat_map(|j| (0..blocks_per_line).map(move |b| (j, b)))
@@ -125,28 +125,28 @@ impl SideProbe {
     }
 
     /// Nearest point of the side to `cutter` over v in [`v_from`, `v_to`].
-    pub fn nearest(&self, cutter: &CutterSolid, v_from: f64, v_to: f64) -> Nearest {
-        self.nearest_within(&CutterLines { cutter }, (v_from, v_to), f64::INFINITY, NONE_IS_ENOUGH)
-            .unwrap_or_else(|| self.nothing())
+    pub fn nearest(&self, cutter: &CutterSolid, v_from: f64, v_to: f64) -> NearestOnSide {
+        self.nearest_within(&CutterQuery { cutter }, (v_from, v_to), f64::INFINITY, NO_EARLY_EXIT)
+            .unwrap_or_else(|| self.infinitely_far())
     }
 
     /// As [`Self::nearest`] over the whole side; `None` when the side is certainly further away than `cutoff`
     /// mm.
-    pub fn nearest_below(&self, cutter: &CutterSolid, cutoff: f64) -> Option<Nearest> {
-        self.nearest_within(&CutterLines { cutter }, WHOLE, cutoff, NONE_IS_ENOUGH)
+    pub fn nearest_below(&self, cutter: &CutterSolid, cutoff: f64) -> Option<NearestOnSide> {
+        self.nearest_within(&CutterQuery { cutter }, FULL_V_RANGE, cutoff, NO_EARLY_EXIT)
     }
 
     /// Whether any point of the side is nearer to `cutter` than `limit` mm; faster than measuring the
     /// distance.
     pub fn is_within(&self, cutter: &CutterSolid, limit: f64) -> bool {
-        let near = self.nearest_within(&CutterLines { cutter }, WHOLE, limit, limit);
+        let near = self.nearest_within(&CutterQuery { cutter }, FULL_V_RANGE, limit, limit);
         near.is_some_and(|near| near.distance < limit)
     }
 
     /// As [`Self::nearest`], by a local search from a nearest point known to be close to `u`: for iterations
     /// that end with [`Self::nearest`].
-    pub fn nearest_from(&self, cutter: &CutterSolid, u: f64, v_from: f64, v_to: f64) -> Nearest {
-        let query = CutterLines { cutter };
+    pub fn nearest_from(&self, cutter: &CutterSolid, u: f64, v_from: f64, v_to: f64) -> NearestOnSide {
+        let query = CutterQuery { cutter };
         let reach = 1.5 * (self.u[self.u.len() - 1] - self.u[0]) / self.u.len() as f64;
         let mut guess = u;
         let lines = [v_from, 0.5 * (v_from + v_to), v_to].map(|v| {
@@ -154,27 +154,27 @@ impl SideProbe {
             guess = line.u;
             line
         });
-        self.lowest(&query, &lines, reach)
+        self.nearest_between(&query, &lines, reach)
     }
 
     /// Nearest point of the whole side to `point`.
-    pub fn nearest_to_point(&self, point: &Point) -> Nearest {
-        self.nearest_within(&PointLines { point }, WHOLE, f64::INFINITY, NONE_IS_ENOUGH)
-            .unwrap_or_else(|| self.nothing())
+    pub fn nearest_to_point(&self, point: &Point) -> NearestOnSide {
+        self.nearest_within(&PointQuery { point }, FULL_V_RANGE, f64::INFINITY, NO_EARLY_EXIT)
+            .unwrap_or_else(|| self.infinitely_far())
     }
 
-    fn nothing(&self) -> Nearest {
-        Nearest { distance: f64::INFINITY, u: 0.0, v: 0.0, point: self.points[0] }
+    fn infinitely_far(&self) -> NearestOnSide {
+        NearestOnSide { distance: f64::INFINITY, u: 0.0, v: 0.0, point: self.points[0] }
     }
 
     /// Nearest point on the line `v`: Newton's method along u from `guess`, Brent's method where that fails.
-    fn on_line(&self, query: &impl Query, v: f64, guess: f64, low: f64, high: f64) -> Line {
+    fn on_line(&self, query: &impl DistanceQuery, v: f64, guess: f64, low: f64, high: f64) -> LineMinimum {
         let (low, high) = (low.max(self.u[0]), high.min(self.u[self.u.len() - 1]));
         let mut curve = self.side.line(v);
         let line = |u: f64| {
             let (p, _, pv) = self.side.derivatives(u, v);
             let (distance, gradient) = query.gradient(&p);
-            (p, Line { v, u, distance, slope: gradient.dot(&pv), height: query.height(&p) })
+            (p, LineMinimum { v, u, distance, slope: gradient.dot(&pv), height: query.height(&p) })
         };
         let mut u = guess.clamp(low, high);
         for _ in 0..8 {
@@ -205,41 +205,46 @@ impl SideProbe {
     /// `cutoff` mm. Returns early with the first point nearer than `enough` mm.
     fn nearest_within(
         &self,
-        query: &impl Query,
+        query: &impl DistanceQuery,
         (v_from, v_to): (f64, f64),
         cutoff: f64,
         enough: f64,
-    ) -> Option<Nearest> {
+    ) -> Option<NearestOnSide> {
         let seeds = self.seeds(query, v_from, v_to, enough);
         if let Some(seed) = seeds.lines[..seeds.count].last().filter(|seed| seed.distance < enough) {
             let (u, v) = (self.u[seed.index], self.v[seed.line]);
             let point = self.points[seed.line * self.u.len() + seed.index];
-            return Some(Nearest { distance: seed.distance, u, v, point });
+            return Some(NearestOnSide { distance: seed.distance, u, v, point });
         }
-        if seeds.least > cutoff {
+        if seeds.lower_bound > cutoff {
             return None;
         }
-        let mut lines = [Line::default(); MAX_LINES];
+        let mut lines = [LineMinimum::default(); MAX_LINES];
         let mut drift = 0.0f64;
         let near = seeds.near(cutoff);
         for (line, seed) in lines.iter_mut().zip(near) {
             let (found, way) = self.line_near(query, seed);
             if found.distance < enough {
-                return Some(self.found(&found));
+                return Some(self.nearest_of_line(&found));
             }
             *line = found;
             drift = drift.max(way);
         }
-        Some(self.lowest(query, &lines[..near.len()], drift))
+        Some(self.nearest_between(query, &lines[..near.len()], drift))
     }
 
-    fn found(&self, line: &Line) -> Nearest {
-        Nearest { distance: line.distance, u: line.u, v: line.v, point: self.side.point(line.u, line.v) }
+    fn nearest_of_line(&self, line: &LineMinimum) -> NearestOnSide {
+        NearestOnSide {
+            distance: line.distance,
+            u: line.u,
+            v: line.v,
+            point: self.side.point(line.u, line.v),
+        }
     }
 
     /// Start values on the lines of the grid between `v_from` and `v_to`, and on these two; stops at the
     /// first grid point nearer than `enough` mm.
-    fn seeds(&self, query: &impl Query, v_from: f64, v_to: f64, enough: f64) -> Seeds {
+    fn seeds(&self, query: &impl DistanceQuery, v_from: f64, v_to: f64, enough: f64) -> Seeds {
         let mut seeds = Seeds::default();
         let spacing = 1.0 / (self.v.len() - 1) as f64;
         let stand_in = |v: f64| ((v / spacing).round().max(0.0) as usize).min(self.v.len() - 1);
@@ -261,7 +266,7 @@ impl SideProbe {
     }
 
     /// Nearest point on the line of a seed, and the width of the range of u that was searched.
-    fn line_near(&self, query: &impl Query, seed: &Seed) -> (Line, f64) {
+    fn line_near(&self, query: &impl DistanceQuery, seed: &Seed) -> (LineMinimum, f64) {
         // Between grid lines the seed is of the next one: the nearest point may be a cell or two away.
         let cells = if (seed.v - self.v[seed.line]).abs() < 1e-9 { 1 } else { 3 };
         let last = self.u.len() - 1;
@@ -270,7 +275,7 @@ impl SideProbe {
     }
 
     /// The nearest grid point of line `j`.
-    fn seed(&self, query: &impl Query, j: usize) -> Seed {
+    fn seed(&self, query: &impl DistanceQuery, j: usize) -> Seed {
         let line = &self.points[j * self.u.len()..(j + 1) * self.u.len()];
         let reaches = &self.reaches[j * self.u.len()..(j + 1) * self.u.len()];
         let blocks = &self.blocks[j * self.blocks_per_line..(j + 1) * self.blocks_per_line];
@@ -307,10 +312,15 @@ impl SideProbe {
 
     /// Nearest point, given the nearest ones on neighbouring `lines`. Between two lines u is searched up to
     /// `drift` beyond that of both.
-    fn lowest(&self, query: &impl Query, lines: &[Line], drift: f64) -> Nearest {
+    fn nearest_between(
+        &self,
+        query: &impl DistanceQuery,
+        lines: &[LineMinimum],
+        drift: f64,
+    ) -> NearestOnSide {
         let mut best = lines[0];
         for line in &lines[1..] {
-            best = best.lower(line);
+            best = best.nearer_of(line);
         }
         for pair in lines.windows(2) {
             let (a, b) = (pair[0], pair[1]);
@@ -320,23 +330,29 @@ impl SideProbe {
                 let share = a.height / (a.height - b.height);
                 let (u, v) = (a.u + share * (b.u - a.u), a.v + share * (b.v - a.v));
                 let plane = self.on_line(query, v, u, reach.0, reach.1);
-                best = best.lower(&plane);
-                self.valley(query, (&a, &plane), reach, &mut best);
-                self.valley(query, (&plane, &b), reach, &mut best);
+                best = best.nearer_of(&plane);
+                self.search_between(query, (&a, &plane), reach, &mut best);
+                self.search_between(query, (&plane, &b), reach, &mut best);
             } else {
-                self.valley(query, (&a, &b), reach, &mut best);
+                self.search_between(query, (&a, &b), reach, &mut best);
             }
         }
-        self.found(&best)
+        self.nearest_of_line(&best)
     }
 
     /// Searches between two lines for a point nearer than `best`, with u within `reach`.
-    fn valley(&self, query: &impl Query, (a, b): (&Line, &Line), reach: (f64, f64), best: &mut Line) {
+    fn search_between(
+        &self,
+        query: &impl DistanceQuery,
+        (a, b): (&LineMinimum, &LineMinimum),
+        reach: (f64, f64),
+        best: &mut LineMinimum,
+    ) {
         let known = best.distance;
-        let mut at = a.lower(b);
+        let mut at = a.nearer_of(b);
         let mut follow = |v: f64| {
             at = self.on_line(query, v, at.u, reach.0, reach.1);
-            *best = best.lower(&at);
+            *best = best.nearer_of(&at);
             at
         };
         let (falls, rises) = (a.slope < 0.0, b.slope > 0.0);
@@ -391,12 +407,17 @@ struct Seeds {
     /// Distance of the nearest grid point, mm.
     nearest: f64,
     /// Lower bound on the distance of the side, mm.
-    least: f64,
+    lower_bound: f64,
 }
 
 impl Default for Seeds {
     fn default() -> Self {
-        Self { lines: [Seed::default(); MAX_LINES], count: 0, nearest: f64::INFINITY, least: f64::INFINITY }
+        Self {
+            lines: [Seed::default(); MAX_LINES],
+            count: 0,
+            nearest: f64::INFINITY,
+            lower_bound: f64::INFINITY,
+        }
     }
 }
 
@@ -405,7 +426,7 @@ impl Seeds {
         self.lines[self.count] = seed;
         self.count += 1;
         self.nearest = self.nearest.min(seed.distance);
-        self.least = self.least.min(seed.bound);
+        self.lower_bound = self.lower_bound.min(seed.bound);
     }
 
     /// The lines between which the nearest point must be, if it is nearer than `cutoff` mm.
@@ -422,25 +443,25 @@ impl Seeds {
 
 /// Nearest point on a line of the side.
 #[derive(Clone, Copy, Debug, Default)]
-struct Line {
+struct LineMinimum {
     v: f64,
     u: f64,
     /// Signed distance, mm, and its derivative by v.
     distance: f64,
     slope: f64,
-    /// [`Query::height`] of the point.
+    /// [`DistanceQuery::height`] of the point.
     height: f64,
 }
 
-impl Line {
+impl LineMinimum {
     /// The nearer of two, this one if they are equally near.
-    fn lower(&self, other: &Self) -> Self {
+    fn nearer_of(&self, other: &Self) -> Self {
         if other.distance < self.distance { *other } else { *self }
     }
 }
 
 /// The object to which the distance of a side is measured.
-trait Query {
+trait DistanceQuery {
     /// Signed distance of a point of the side, mm.
     fn distance(&self, p: &Point) -> f64;
     /// The distance may have a kink where this value changes its sign.
@@ -454,12 +475,12 @@ trait Query {
     fn smooth_at(&self, p: &Point) -> bool;
 }
 
-struct CutterLines<'a> {
+struct CutterQuery<'a> {
     cutter: &'a CutterSolid,
 }
 
 /// A point in cylindrical coordinates of a cutter.
-struct Seen {
+struct AxisCoordinates {
     /// From the axis to the point, mm.
     flat: Vector,
     radial: f64,
@@ -468,30 +489,35 @@ struct Seen {
     below: f64,
 }
 
-impl CutterLines<'_> {
+impl CutterQuery<'_> {
     #[inline]
-    fn seen(&self, p: &Point) -> Seen {
+    fn axis_coordinates(&self, p: &Point) -> AxisCoordinates {
         let c = self.cutter;
         let d = p - c.tip;
         let height = d.dot(&c.axis);
         let flat = d - c.axis * height;
         let radial = flat.norm();
-        Seen { flat, radial, beyond: radial - (c.radius - c.corner_radius), below: c.corner_radius - height }
+        AxisCoordinates {
+            flat,
+            radial,
+            beyond: radial - (c.radius - c.corner_radius),
+            below: c.corner_radius - height,
+        }
     }
 }
 
-impl Query for CutterLines<'_> {
+impl DistanceQuery for CutterQuery<'_> {
     #[inline]
     fn distance(&self, p: &Point) -> f64 {
         self.cutter.distance(p)
     }
 
     fn height(&self, p: &Point) -> f64 {
-        -self.seen(p).below
+        -self.axis_coordinates(p).below
     }
 
     fn gradient(&self, p: &Point) -> (f64, Vector) {
-        let Seen { flat, radial, beyond, below } = self.seen(p);
+        let AxisCoordinates { flat, radial, beyond, below } = self.axis_coordinates(p);
         let (away, down) = (flat / radial.max(1e-9), -self.cutter.axis);
         let (sharp, gradient) = if beyond > 0.0 && below > 0.0 {
             let length = norm2(beyond, below);
@@ -508,7 +534,7 @@ impl Query for CutterLines<'_> {
     /// below that.
     #[inline]
     fn slope(&self, p: &Point, pu: &Vector, puu: &Vector) -> Option<(f64, f64)> {
-        let Seen { flat, radial, beyond, below } = self.seen(p);
+        let AxisCoordinates { flat, radial, beyond, below } = self.axis_coordinates(p);
         let climb = pu.dot(&self.cutter.axis);
         // Of half the squared distance from the axis: radial · radial', radial'² + radial · radial''.
         let (half, bend) = (flat.dot(pu), pu.norm_squared() - climb * climb + flat.dot(puu));
@@ -528,16 +554,16 @@ impl Query for CutterLines<'_> {
 
     fn smooth_at(&self, p: &Point) -> bool {
         // Under the bottom, and deep inside, another surface of the cutter may be nearer.
-        let Seen { radial, beyond, below, .. } = self.seen(p);
+        let AxisCoordinates { radial, beyond, below, .. } = self.axis_coordinates(p);
         (beyond > 0.0 || below <= beyond) && radial > 0.5 * self.cutter.radius
     }
 }
 
-struct PointLines<'a> {
+struct PointQuery<'a> {
     point: &'a Point,
 }
 
-impl Query for PointLines<'_> {
+impl DistanceQuery for PointQuery<'_> {
     #[inline]
     fn distance(&self, p: &Point) -> f64 {
         (p - self.point).norm()

@@ -36,16 +36,16 @@ impl AxisPolicy {
 /// Direction in which the rows of a section are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Feed {
+pub enum CutDirection {
     /// Outlet → inlet.
     Inward,
     /// Inlet → outlet.
     Outward,
 }
 
-impl Feed {
+impl CutDirection {
     /// +1 when rows run inwards, −1 when they run outwards.
-    pub fn inward(self) -> f64 {
+    pub fn inward_sign(self) -> f64 {
         match self {
             Self::Inward => 1.0,
             Self::Outward => -1.0,
@@ -55,7 +55,7 @@ impl Feed {
 
 /// `[stock]`: allowances and clearances, mm.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stock {
+pub struct AllowanceSetup {
     /// Stock that must stay on the hub.
     pub hub_allowance: f64,
     /// Stock that must stay on the blades.
@@ -76,7 +76,7 @@ pub struct SectionSetup {
     /// s at the inlet end.
     pub to: f64,
     /// Direction of the rows; absent: inward.
-    pub feed: Option<Feed>,
+    pub cut_direction: Option<CutDirection>,
     /// Whether it is a rest milling section: single plunges only where earlier sections left a thick layer.
     /// Only `minimal` plans it; the other policies skip it.
     pub rest: bool,
@@ -90,13 +90,13 @@ pub struct PlungeSetup {
     /// Upper limit of the step along a row, mm; absent: the insert width of each tool.
     pub step: Option<f64>,
     /// Upper limit of the stepover between rows, mm; absent: 4/3 of each tool's radius.
-    pub row_spacing: Option<f64>,
+    pub stepover: Option<f64>,
     /// Largest scallop height between plunges along a wall, mm.
     pub wall_scallop: f64,
     /// Largest angle between the axes of neighbouring positions, rad (degrees in the file).
-    pub max_axis_change: f64,
+    pub max_axis_change_rad: f64,
     /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
-    pub max_tilt: f64,
+    pub max_tilt_rad: f64,
     /// Whether automatically chosen sections are followed by rest milling with smaller tools, for the stock
     /// beside leaning walls ([`SectionSetup::rest`]).
     pub rest: bool,
@@ -107,7 +107,7 @@ pub struct PlungeSetup {
 /// Strategy of the flank planner: how passes fill the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum FlankScheme {
+pub enum FlankStrategy {
     /// Isoparametric layers and passes through the whole channel, as commercial modules plan them.
     Isoparametric,
     /// Layers of constant depth, with isoparametric passes region by region.
@@ -118,7 +118,7 @@ pub enum FlankScheme {
     Balanced,
 }
 
-impl FlankScheme {
+impl FlankStrategy {
     /// All strategies, from the longest toolpath to Vanecut's own.
     pub const ALL: [Self; 4] = [Self::Isoparametric, Self::Layers, Self::Regions, Self::Balanced];
 
@@ -139,52 +139,52 @@ pub struct FlankSetup {
     /// Number of the tool; absent: chosen for the part.
     pub tool: Option<u32>,
     /// Strategy of the result.
-    pub scheme: FlankScheme,
+    pub strategy: FlankStrategy,
     /// Depth of a layer, mm.
     pub layer_depth: f64,
     /// Largest scallop height on the floor, mm.
-    pub allowed_error: f64,
+    pub scallop_height: f64,
     /// Length of lead-in and lead-out beyond leading and trailing edge, mm along the meridian; absent: the
     /// cutter's radius.
-    pub extension: Option<f64>,
+    pub lead_in_out: Option<f64>,
     /// Feed rate of passes beside others, mm/min; absent: 0.016 diameters per revolution.
-    pub feed: Option<f64>,
+    pub feed_mm_per_min: Option<f64>,
     /// Feed rate of passes in full stock, mm/min; absent: 0.6 of `feed`.
-    pub slot_feed: Option<f64>,
+    pub slot_feed_mm_per_min: Option<f64>,
     /// Feed rate of passes along the walls, mm/min; absent: 0.8 of `feed`.
-    pub wall_feed: Option<f64>,
+    pub wall_feed_mm_per_min: Option<f64>,
     /// Feed rate of ramps down into stock, mm/min; absent: 0.5 of `feed`.
-    pub ramp_feed: Option<f64>,
+    pub ramp_feed_mm_per_min: Option<f64>,
 }
 
 /// Feed rates of a flank plan by engagement, mm/min.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlankFeeds {
+pub struct FlankFeedRates {
     /// Passes beside others that are already cut.
-    pub step: f64,
+    pub step_mm_per_min: f64,
     /// Passes with stock on both sides.
-    pub slot: f64,
+    pub slot_mm_per_min: f64,
     /// Passes along walls.
-    pub wall: f64,
+    pub wall_mm_per_min: f64,
     /// Ramps down into stock.
-    pub ramp: f64,
+    pub ramp_mm_per_min: f64,
 }
 
 impl FlankSetup {
     /// Feed rates with `tool`.
-    pub fn feeds_of(&self, tool: &Tool) -> FlankFeeds {
-        let step = self.feed.unwrap_or(0.016 * tool.diameter * tool.spindle);
-        FlankFeeds {
-            step,
-            slot: self.slot_feed.unwrap_or(0.6 * step),
-            wall: self.wall_feed.unwrap_or(0.8 * step),
-            ramp: self.ramp_feed.unwrap_or(0.5 * step),
+    pub fn feed_rates_for(&self, tool: &Tool) -> FlankFeedRates {
+        let step = self.feed_mm_per_min.unwrap_or(0.016 * tool.diameter * tool.spindle);
+        FlankFeedRates {
+            step_mm_per_min: step,
+            slot_mm_per_min: self.slot_feed_mm_per_min.unwrap_or(0.6 * step),
+            wall_mm_per_min: self.wall_feed_mm_per_min.unwrap_or(0.8 * step),
+            ramp_mm_per_min: self.ramp_feed_mm_per_min.unwrap_or(0.5 * step),
         }
     }
 
     /// Length of lead-in and lead-out with `tool`, mm.
-    pub fn extension_of(&self, tool: &Tool) -> f64 {
-        self.extension.unwrap_or(tool.radius())
+    pub fn lead_in_out_for(&self, tool: &Tool) -> f64 {
+        self.lead_in_out.unwrap_or(tool.radius())
     }
 }
 
@@ -193,14 +193,14 @@ impl FlankSetup {
 pub struct Machine {
     /// Largest angle between a tool axis and the part's axis of rotation, in the direction out of the inlet,
     /// rad (degrees in the file). π: no limit.
-    pub max_axis_tilt: f64,
+    pub max_axis_tilt_rad: f64,
 }
 
 impl Machine {
     /// Angle by which `axis` (unit, tip → holder) on `part` exceeds the machine's limit, rad; 0 or less
     /// within it.
-    pub fn beyond(&self, part: &Impeller, axis: &Vector) -> f64 {
-        axis.angle(&part.out_of_inlet()) - self.max_axis_tilt
+    pub fn excess_tilt_rad(&self, part: &Impeller, axis: &Vector) -> f64 {
+        axis.angle(&part.out_of_inlet()) - self.max_axis_tilt_rad
     }
 }
 
@@ -210,7 +210,7 @@ pub struct Setup {
     /// Name of the part the setup is meant for, if it says so (`part = "…"`).
     pub part: Option<String>,
     /// `[stock]`.
-    pub stock: Stock,
+    pub allowances: AllowanceSetup,
     /// `[[tool]]`, in file order; empty: chosen for the part from the tool library.
     pub tools: Vec<Tool>,
     /// `[plunge]`.
@@ -223,7 +223,7 @@ pub struct Setup {
 
 impl Setup {
     /// Whether the other setup leads to the same plunge plan: both differ at most in `[flank]`.
-    pub fn same_but_for_flank(&self, other: &Self) -> bool {
+    pub fn equals_except_flank(&self, other: &Self) -> bool {
         Self { flank: other.flank.clone(), ..self.clone() } == *other
     }
 }
@@ -251,7 +251,7 @@ impl Setup {
         let (mut width, mut height) = (f64::INFINITY, f64::INFINITY);
         for i in 0..=STATIONS {
             let s = f64::from(i) / f64::from(STATIONS);
-            width = widths.iter().map(|passage| passage.narrowest(s)).fold(width, f64::min);
+            width = widths.iter().map(|passage| passage.min_width(s)).fold(width, f64::min);
             // Near the leading edge, where hub and shroud may meet, there is nothing to cut.
             if (0.1..=1.0).contains(&s) {
                 height = height.min(part.hub.point(s).distance(part.shroud.point(s)));
@@ -261,12 +261,12 @@ impl Setup {
         let hub_allowance = unit.min(round_down(HEIGHT_SHARE * height)).max(MIN_ALLOWANCE);
         let mut setup = Self::default();
         let scaled = |value: f64| round_down(value * unit / USUAL_ALLOWANCE * (1.0 + 1e-9));
-        setup.stock.hub_allowance = hub_allowance;
-        setup.stock.blade_allowance = blade_allowance.max(MIN_ALLOWANCE);
-        setup.stock.safety_distance = scaled(setup.stock.safety_distance);
+        setup.allowances.hub_allowance = hub_allowance;
+        setup.allowances.blade_allowance = blade_allowance.max(MIN_ALLOWANCE);
+        setup.allowances.safety_distance = scaled(setup.allowances.safety_distance);
         setup.plunge.wall_scallop = scaled(setup.plunge.wall_scallop);
         setup.flank.layer_depth = scaled(setup.flank.layer_depth);
-        setup.flank.allowed_error = scaled(setup.flank.allowed_error);
+        setup.flank.scallop_height = scaled(setup.flank.scallop_height);
         setup
     }
 }
@@ -297,7 +297,7 @@ impl Default for Setup {
     fn default() -> Self {
         Self {
             part: None,
-            stock: Stock {
+            allowances: AllowanceSetup {
                 hub_allowance: 0.5,
                 blade_allowance: 0.5,
                 safety_distance: 2.0,
@@ -307,25 +307,25 @@ impl Default for Setup {
             plunge: PlungeSetup {
                 axis: AxisPolicy::Minimal,
                 step: None,
-                row_spacing: None,
+                stepover: None,
                 wall_scallop: 0.6,
-                max_axis_change: 5f64.to_radians(),
-                max_tilt: 45f64.to_radians(),
+                max_axis_change_rad: 5f64.to_radians(),
+                max_tilt_rad: 45f64.to_radians(),
                 rest: true,
                 sections: Vec::new(),
             },
             flank: FlankSetup {
                 tool: None,
-                scheme: FlankScheme::Balanced,
+                strategy: FlankStrategy::Balanced,
                 layer_depth: 3.0,
-                allowed_error: 0.25,
-                extension: None,
-                feed: None,
-                slot_feed: None,
-                wall_feed: None,
-                ramp_feed: None,
+                scallop_height: 0.25,
+                lead_in_out: None,
+                feed_mm_per_min: None,
+                slot_feed_mm_per_min: None,
+                wall_feed_mm_per_min: None,
+                ramp_feed_mm_per_min: None,
             },
-            machine: Machine { max_axis_tilt: std::f64::consts::PI },
+            machine: Machine { max_axis_tilt_rad: std::f64::consts::PI },
         }
     }
 }

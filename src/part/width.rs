@@ -31,7 +31,7 @@ impl<'a> PassageWidth<'a> {
     }
 
     /// Least width at `s` between hub and shroud, mm; infinite where the wall does not reach.
-    pub fn narrowest(&self, s: f64) -> f64 {
+    pub fn min_width(&self, s: f64) -> f64 {
         (0..=4).filter_map(|j| self.at(s, f64::from(j) / 4.0)).fold(f64::INFINITY, f64::min)
     }
 }

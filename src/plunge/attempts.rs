@@ -3,33 +3,33 @@
 
 use std::convert::Infallible;
 
-use super::contact::{BlankTop, Column, Columns, core_interferes};
-use super::cycle::{PlanError, Planner, Row};
-use super::ground::RowGround;
+use super::contact::{BlankTop, Columns, PlungeColumn, core_interferes};
+use super::cycle::{PlanError, PlannedRow, Planner};
+use super::ground::RowLayout;
 use super::row::{RowMaker, Station};
 use super::sections::SetupPlace;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{AxisPolicy, Blank};
 
 /// Iterations after which a row that still changes is reported as not converged.
-const MAX_ROUNDS: usize = 12;
+const MAX_ITERATIONS: usize = 12;
 /// Minimum lead angles of the first position that `monotone` tries after the unchanged one, degrees.
-const START_LEANS_DEG: [f64; 17] =
+const START_LEADS_DEG: [f64; 17] =
     [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 16.0, 18.0, 20.0];
 /// Distances by which a start is moved out of the stock, tried in this order, in cutter radii.
 const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
 
 /// What all attempts at one row share.
-struct Attempts<'r> {
+struct RowAttempts<'r> {
     maker: &'r RowMaker<'r>,
-    ground: &'r RowGround,
+    ground: &'r RowLayout,
     /// Last s in cutting order.
     end: f64,
     earlier: &'r Columns,
     top: &'r BlankTop<'r>,
 }
 
-impl Attempts<'_> {
+impl RowAttempts<'_> {
     /// Conventional stations from s = `start` on, cached.
     fn conventional(&self, start: f64) -> Result<Vec<Station>, Cancelled> {
         self.ground.conventional.get_or_make(start, || self.maker.conventional(start, self.end))
@@ -45,7 +45,7 @@ impl Attempts<'_> {
 
 /// Start of a row.
 #[derive(Clone, Copy)]
-struct Start {
+struct RowStart {
     s: f64,
     first: Station,
     /// Whether the first core column is free up to the top of the blank.
@@ -58,27 +58,27 @@ fn same_axis(a: &Station, b: &Station) -> bool {
 }
 
 /// Plunges cut before the next position of a row: earlier sections and the row so far.
-struct Known<'e> {
+struct CutSoFar<'e> {
     earlier: &'e Columns,
     row: Columns,
     blank: &'e Blank,
     top: &'e BlankTop<'e>,
 }
 
-impl<'e> Known<'e> {
+impl<'e> CutSoFar<'e> {
     fn new(earlier: &'e Columns, blank: &'e Blank, top: &'e BlankTop<'e>) -> Self {
         Self { earlier, row: Columns::default(), blank, top }
     }
 
     /// Clears the row.
-    fn forget(&mut self) {
+    fn clear_row(&mut self) {
         self.row = Columns::default();
     }
 
     /// Whether the last of `stations` interferes; adds it to the row.
     fn interferes(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         let Some(last) = stations.last() else { return false };
-        let column = Column::new(maker.cutter(last), maker.tool.core_radius(), self.top);
+        let column = PlungeColumn::new(maker.cutter(last), maker.tool.core_radius(), self.top);
         let before = self.earlier.all().near(&column).chain(self.row.all().near(&column));
         let interferes = core_interferes(&column, before, self.blank);
         self.row.push(column);
@@ -86,9 +86,9 @@ impl<'e> Known<'e> {
     }
 
     /// Whether the last of `stations` is free, given that the first one is; adds it to the row.
-    fn cut_freely(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
+    fn last_is_free(&mut self, maker: &RowMaker, stations: &[Station]) -> bool {
         if let [first] = stations {
-            self.row.push(Column::new(maker.cutter(first), maker.tool.core_radius(), self.top));
+            self.row.push(PlungeColumn::new(maker.cutter(first), maker.tool.core_radius(), self.top));
             return true;
         }
         !self.interferes(maker, stations)
@@ -99,77 +99,77 @@ impl Planner<'_> {
     /// Plans one row by `policy`. For `monotone` the first position stays unchanged if the row is then free
     /// of contact; otherwise its lead angle is raised to the smallest of some fixed angles that frees the
     /// row, or else the start with the fewest contacts is taken.
-    pub(super) fn row(
+    pub(super) fn plan_row(
         &self,
         maker: &RowMaker,
-        ground: &RowGround,
+        ground: &RowLayout,
         ends: (f64, f64),
         policy: AxisPolicy,
         earlier: &Columns,
         monitor: &Monitor,
-    ) -> Result<Row, PlanError> {
+    ) -> Result<PlannedRow, PlanError> {
         let top = BlankTop::new(&self.blank);
-        let attempts = Attempts { maker, ground, end: ends.1, earlier, top: &top };
+        let attempts = RowAttempts { maker, ground, end: ends.1, earlier, top: &top };
         // For each retreat: shift of W that the previous lead angle needed, in s.
         let mut moved = [0.0; START_RETREATS.len()];
         if policy == AxisPolicy::Conventional {
-            let Some(start) = self.free_start(&attempts, ends.0, None, &mut moved) else {
+            let Some(start) = self.find_free_start(&attempts, ends.0, None, &mut moved) else {
                 monitor.check()?;
-                return Ok(Row::empty(maker.lambda));
+                return Ok(PlannedRow::empty(maker.lambda));
             };
-            let row = self.settled_row(&attempts, policy, &start, true, monitor)?;
-            return Ok(row.unwrap_or_else(|| Row::empty(maker.lambda)));
+            let row = self.converge_row(&attempts, policy, &start, true, monitor)?;
+            return Ok(row.unwrap_or_else(|| PlannedRow::empty(maker.lambda)));
         }
-        let leans = std::iter::once(None).chain(START_LEANS_DEG.iter().map(|d| Some(d.to_radians())));
-        let mut tried: Vec<Start> = Vec::new();
+        let leans = std::iter::once(None).chain(START_LEADS_DEG.iter().map(|d| Some(d.to_radians())));
+        let mut tried: Vec<RowStart> = Vec::new();
         for lean in leans {
             monitor.check()?;
-            let Some(start) = self.free_start(&attempts, ends.0, lean, &mut moved) else { continue };
+            let Some(start) = self.find_free_start(&attempts, ends.0, lean, &mut moved) else { continue };
             // Below the jump of α from rear to front contact all lead angles give the same start.
             if tried.iter().any(|t| same_axis(&t.first, &start.first)) {
                 continue;
             }
             tried.push(start);
             if start.free
-                && let Some(row) = self.settled_row(&attempts, policy, &start, false, monitor)?
+                && let Some(row) = self.converge_row(&attempts, policy, &start, false, monitor)?
             {
                 return Ok(row);
             }
         }
         // No start frees the row: take the one with the fewest contacts.
-        let mut best: Option<(usize, Row)> = None;
+        let mut best: Option<(usize, PlannedRow)> = None;
         for start in &tried {
-            if let Some(row) = self.settled_row(&attempts, policy, start, true, monitor)? {
-                let contacts = self.contacts(&attempts, &row.stations);
+            if let Some(row) = self.converge_row(&attempts, policy, start, true, monitor)? {
+                let contacts = self.count_contacts(&attempts, &row.stations);
                 if best.as_ref().is_none_or(|b| contacts < b.0) {
                     best = Some((contacts, row));
                 }
             }
         }
-        Ok(best.map_or_else(|| Row::empty(maker.lambda), |b| b.1))
+        Ok(best.map_or_else(|| PlannedRow::empty(maker.lambda), |b| b.1))
     }
 
     /// Iterates stages 1 to 4 until no position is added. `None` when a position interferes and contacts are
     /// not allowed; in that case the first position must be free.
-    fn settled_row(
+    fn converge_row(
         &self,
-        attempts: &Attempts,
+        attempts: &RowAttempts,
         policy: AxisPolicy,
-        start: &Start,
+        start: &RowStart,
         contacts_allowed: bool,
         monitor: &Monitor,
-    ) -> Result<Option<Row>, PlanError> {
+    ) -> Result<Option<PlannedRow>, PlanError> {
         monitor.check()?;
-        let max_tilt = self.setup.plunge.max_tilt;
+        let max_tilt = self.setup.plunge.max_tilt_rad;
         let maker = attempts.maker;
         let mut conventional = attempts.conventional(start.s)?;
-        let mut row = Row { settled: false, ..Row::empty(maker.lambda) };
-        let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
-        while row.rounds < MAX_ROUNDS && !row.settled {
-            row.rounds += 1;
-            known.forget();
+        let mut row = PlannedRow { converged: false, ..PlannedRow::empty(maker.lambda) };
+        let mut known = CutSoFar::new(attempts.earlier, &self.blank, attempts.top);
+        while row.iterations < MAX_ITERATIONS && !row.converged {
+            row.iterations += 1;
+            known.clear_row();
             let mut accept = |stations: &[Station]| {
-                !monitor.is_cancelled() && (contacts_allowed || known.cut_freely(maker, stations))
+                !monitor.is_cancelled() && (contacts_allowed || known.last_is_free(maker, stations))
             };
             let optimised = match policy {
                 AxisPolicy::Monotone => {
@@ -181,7 +181,7 @@ impl Planner<'_> {
             monitor.check()?;
             let Some(stations) = optimised else { return Ok(None) };
             row.stations = stations;
-            row.settled = maker.inspect_steps(&row.stations, &mut conventional) == 0;
+            row.converged = maker.inspect_steps(&row.stations, &mut conventional) == 0;
             self.check_count(conventional.len(), maker.tool, SetupPlace::Whole)?;
         }
         Ok(Some(row))
@@ -190,13 +190,13 @@ impl Planner<'_> {
     /// Moves the start of a row, with a lead angle of at least `lean` (rad), out of the stock until its first
     /// core column is free; unmoved where no retreat frees it. `None` where there is no axis. `moved` holds
     /// the shifts of W for a smaller lead angle, in s, and is updated.
-    fn free_start(
+    fn find_free_start(
         &self,
-        attempts: &Attempts,
+        attempts: &RowAttempts,
         start: f64,
         lean: Option<f64>,
         moved: &mut [f64; START_RETREATS.len()],
-    ) -> Option<Start> {
+    ) -> Option<RowStart> {
         let maker = attempts.maker;
         let radius_s = maker.tool.radius() / self.part.hub.length();
         let mut unmoved = None;
@@ -204,24 +204,24 @@ impl Planner<'_> {
             if maker.monitor.is_cancelled() {
                 break;
             }
-            let s = start + maker.inward * radii * radius_s;
+            let s = start + maker.direction_sign * radii * radius_s;
             let Some(mut first) = attempts.first(s) else { break };
             if let Some(lean) = lean {
-                first = maker.leaning_at_least(&first, lean, *moved, self.setup.plunge.max_tilt);
-                *moved = first.moved();
+                first = maker.with_min_lead_angle(&first, lean, *moved, self.setup.plunge.max_tilt_rad);
+                *moved = first.shroud_shift();
             }
-            let column = Column::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
+            let column = PlungeColumn::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
             if !core_interferes(&column, attempts.earlier.all().near(&column), &self.blank) {
-                return Some(Start { s, first, free: true });
+                return Some(RowStart { s, first, free: true });
             }
-            unmoved = unmoved.or(Some(Start { s, first, free: false }));
+            unmoved = unmoved.or(Some(RowStart { s, first, free: false }));
         }
         unmoved
     }
 
     /// Number of interfering stations of a row.
-    fn contacts(&self, attempts: &Attempts, stations: &[Station]) -> usize {
-        let mut known = Known::new(attempts.earlier, &self.blank, attempts.top);
+    fn count_contacts(&self, attempts: &RowAttempts, stations: &[Station]) -> usize {
+        let mut known = CutSoFar::new(attempts.earlier, &self.blank, attempts.top);
         (1..=stations.len()).filter(|&k| known.interferes(attempts.maker, &stations[..k])).count()
     }
 }

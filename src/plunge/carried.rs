@@ -7,10 +7,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::contact::Columns;
-use super::cycle::{PlanError, Planner, Row, SectionCut};
-use super::ground::Ground;
-use super::known::KnownSections;
-use super::minimal::MOST_LIFT;
+use super::cycle::{PlanError, PlannedRow, Planner, SectionCut};
+use super::ground::StretchLayout;
+use super::known::SectionCache;
+use super::minimal::MAX_LIFT_OF_DEPTH;
 use super::plan::PlungePlan;
 use super::row::Station;
 use super::sections::tool_of;
@@ -23,26 +23,26 @@ impl Planner<'_> {
     ///
     /// # Errors
     /// As [`Planner::plan`].
-    pub fn carried(
+    pub fn warm_start(
         &self,
         policy: AxisPolicy,
-        known: &KnownSections,
+        known: &SectionCache,
         monitor: &Monitor,
     ) -> Result<Option<PlungePlan>, PlanError> {
-        let Some(before) = known.last_whole(self.setup)? else { return Ok(None) };
+        let Some(before) = known.last_complete(self.setup)? else { return Ok(None) };
         let placed = rayon::scope(|_| {
             let mut cuts: Vec<Arc<SectionCut>> = Vec::with_capacity(before.len());
             for (index, before) in before.iter().enumerate() {
                 let columns = cuts.last().map(|cut| cut.columns.clone()).unwrap_or_default();
-                cuts.push(Arc::new(self.carried_section(index, before, columns, monitor)?));
+                cuts.push(Arc::new(self.warm_start_section(index, before, columns, monitor)?));
             }
-            self.assembled(policy, cuts)
+            self.assemble_plan(policy, cuts)
         })?;
-        self.judge(placed, monitor).map(Some)
+        self.evaluate(placed, monitor).map(Some)
     }
 
     /// Section `index` with the axes it had `before`, after the plunges of `columns`.
-    fn carried_section(
+    fn warm_start_section(
         &self,
         index: usize,
         before: &SectionCut,
@@ -52,9 +52,9 @@ impl Planner<'_> {
         let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
         let own;
-        let grounds = match self.shared_grounds(index)? {
+        let grounds = match self.shared_layouts(index)? {
             [] => {
-                own = self.ground(section)?;
+                own = self.section_layout(section)?;
                 &own
             }
             grounds => grounds,
@@ -65,29 +65,29 @@ impl Planner<'_> {
             let stations: Vec<&Station> = row.stations().collect();
             let stations: Vec<Station> = stations
                 .into_par_iter()
-                .filter_map(|station| self.again(station, lambda, grounds, tool, before, monitor))
-                .filter(|station| self.setup.machine.beyond(self.part, &station.axis) <= 0.0)
+                .filter_map(|station| self.refit_station(station, lambda, grounds, tool, before, monitor))
+                .filter(|station| self.setup.machine.excess_tilt_rad(self.part, &station.axis) <= 0.0)
                 .collect();
-            let row = Row { stations, rounds: 1, ..Row::empty(lambda) };
-            let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
-            cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
+            let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
+            let row = self.cut_row(row, tool, Some(MAX_LIFT_OF_DEPTH), &mut cut.columns, monitor)?;
+            cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change_rad));
         }
         Ok(cut)
     }
 
     /// Fits a station of the row at `lambda` of the channel again, keeping its axis where walls allow.
-    fn again(
+    fn refit_station(
         &self,
         station: &Station,
         lambda: f64,
-        grounds: &[Ground],
+        grounds: &[StretchLayout],
         tool: &Tool,
         before: &SectionCut,
         monitor: &Monitor,
     ) -> Option<Station> {
         let s = station.ends.s_hub;
-        let away = |ground: &&Ground| {
-            let Ground { stretch, .. } = ground;
+        let away = |ground: &&StretchLayout| {
+            let StretchLayout { stretch, .. } = ground;
             let (low, high) = stretch.lambdas;
             ((s - stretch.from).max(stretch.to - s).max(0.0), (low - lambda).max(lambda - high).max(0.0))
         };
@@ -97,8 +97,10 @@ impl Planner<'_> {
         let walls = [0.0, 1.0];
         let at_wall = walls.into_iter().find(|&wall| ground.stretch.lambda_in_channel(wall) == lambda);
         let maker = self.row_maker(ground, tool, (at_wall.unwrap_or(0.5), 2), before.feed, monitor);
-        let lowered =
-            Station { s_shroud_conventional: station.s_shroud_conventional, ..maker.lowered(station.ends) };
+        let lowered = Station {
+            s_shroud_conventional: station.s_shroud_conventional,
+            ..maker.lower_to_hub(station.ends)
+        };
         maker.exact(&lowered)
     }
 }

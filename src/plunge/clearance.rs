@@ -1,7 +1,9 @@
 //! Distance of a cutter to the finished part, measured independently of how the cutter was placed.
 
-use crate::geometry::{Circle, CutterSolid, Meridional, Point, receding, rotate_vector_z, rotate_z, search};
-use crate::part::{Impeller, Nearest, SideProbe};
+use crate::geometry::{
+    Circle, CutterSolid, Meridional, Point, distance_rate, rotate_vector_z, rotate_z, search,
+};
+use crate::part::{Impeller, NearestOnSide, SideProbe};
 
 /// The finished surfaces around a channel, prepared for many distance queries.
 #[derive(Debug)]
@@ -45,13 +47,13 @@ impl<'a> FinishedPart<'a> {
     }
 
     /// Nearest point of the blades to the cutter, if it is nearer than `cutoff` mm.
-    pub fn nearest_within(&self, cutter: &CutterSolid, cutoff: f64) -> Option<Nearest> {
+    pub fn nearest_within(&self, cutter: &CutterSolid, cutoff: f64) -> Option<NearestOnSide> {
         let near = self.blades.iter().filter_map(|blade| blade.nearest_below(cutter, cutoff));
         near.filter(|near| near.distance < cutoff).min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
     /// Nearest point of the blades to `point`; `None` without blades.
-    pub fn nearest_blade(&self, point: &Point) -> Option<Nearest> {
+    pub fn nearest_blade(&self, point: &Point) -> Option<NearestOnSide> {
         let near = self.blades.iter().map(|blade| blade.nearest_to_point(point));
         near.min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
@@ -79,15 +81,15 @@ impl<'a> FinishedPart<'a> {
         };
         let rim = Circle::new(&centre, &cutter.axis, flat);
         let on_rim = |phi: f64| {
-            let (p, turning) = rim.at(phi.sin_cos());
+            let (p, turning) = rim.point_and_derivative(phi.sin_cos());
             let (d, foot) = distance(&p);
-            (d, receding(&p, &turning, foot) * d.signum())
+            (d, distance_rate(&p, &turning, foot) * d.signum())
         };
-        let mut least = search::least_around::<18>(on_rim, 0.2);
+        let mut least = search::min_over_turn::<18>(on_rim, 0.2);
         let step = std::f64::consts::TAU / 18.0;
         // Distance at a share of the rim's radius and a height above the bottom.
         let mut at = |share: f64, phi: f64, up: f64| {
-            let (p, _) = rim.at(phi.sin_cos());
+            let (p, _) = rim.point_and_derivative(phi.sin_cos());
             distance(&(centre + (p - centre) * share + cutter.axis * up)).0
         };
         // Inside the disc, for convex hubs: compass search with halved steps from the best sample.

@@ -6,17 +6,17 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::clearance::FinishedPart;
-use super::contact::{BlankTop, Column, Columns, Earlier, core_contact, planned_contact};
-use super::ground::Ground;
-use super::known::KnownSections;
+use super::contact::{BlankTop, Columns, Earlier, PlungeColumn, core_contact, planned_contact};
+use super::ground::StretchLayout;
+use super::known::SectionCache;
 use super::links::raise_links;
-use super::plan::{Dropped, NoPlace, PlungePlan, Position, SectionPlan, Stopped};
+use super::plan::{DropReason, Dropped, PlungePlan, Position, SectionPlan, StopReason};
 use super::retract::RetractSurface;
 use super::row::Station;
-use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many, tool_of};
+use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many_positions, tool_of};
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::setup::{AxisPolicy, Feed, SectionSetup};
+use crate::part::setup::{AxisPolicy, CutDirection, SectionSetup};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
 
 /// Maximum number of lifts of one plunge; contact that remains is reported as interference.
@@ -48,12 +48,12 @@ pub struct Planner<'a> {
     pub(super) finished: Arc<FinishedPart<'a>>,
     /// Layout of each section, independent of the policy; empty for rest-milling sections, which only
     /// `minimal` cuts.
-    grounds: Vec<Result<Vec<Ground<'a>>, PlanError>>,
+    layouts: Vec<Result<Vec<StretchLayout<'a>>, PlanError>>,
 }
 
 /// A cutter at its final depth, with its clearances to the finished part, mm.
 #[derive(Debug)]
-struct Placed {
+struct PlacedCutter {
     cutter: CutterSolid,
     hub_clearance: f64,
     blade_clearance: f64,
@@ -77,27 +77,27 @@ impl PlacedPlan {
 
 /// One row, planned.
 #[derive(Debug)]
-pub(super) struct Row {
+pub(super) struct PlannedRow {
     pub stations: Vec<Station>,
     pub lambda: f64,
-    pub rounds: usize,
-    pub settled: bool,
+    pub iterations: usize,
+    pub converged: bool,
     /// s at which no axis clears the walls.
     pub missing: Vec<f64>,
 }
 
-impl Row {
+impl PlannedRow {
     pub fn empty(lambda: f64) -> Self {
-        Self { stations: Vec::new(), lambda, rounds: 0, settled: true, missing: Vec::new() }
+        Self { stations: Vec::new(), lambda, iterations: 0, converged: true, missing: Vec::new() }
     }
 }
 
 /// A planned row with the final position of every cutter.
 #[derive(Debug)]
 pub(super) struct CutRow {
-    row: Row,
+    row: PlannedRow,
     /// One entry per station: the placed cutter, or why the station is dropped.
-    placed: Vec<Result<Placed, NoPlace>>,
+    placed: Vec<Result<PlacedCutter, DropReason>>,
 }
 
 impl CutRow {
@@ -135,8 +135,11 @@ impl CutRow {
     /// The same positions in the same order, with a new row wherever the axis turns by more than `limit`
     /// (rad) between two consecutive positions that are not dropped.
     pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
-        let Row { lambda, rounds, settled, missing, .. } = self.row;
-        let empty = || Self { row: Row { rounds, settled, ..Row::empty(lambda) }, placed: Vec::new() };
+        let PlannedRow { lambda, iterations: rounds, converged: settled, missing, .. } = self.row;
+        let empty = || Self {
+            row: PlannedRow { iterations: rounds, converged: settled, ..PlannedRow::empty(lambda) },
+            placed: Vec::new(),
+        };
         let mut rows = vec![empty()];
         rows[0].row.missing = missing;
         let mut last: Option<Vector> = None;
@@ -160,37 +163,37 @@ impl CutRow {
 /// A planned section with the final position of every cutter.
 #[derive(Debug)]
 pub(super) struct SectionCut {
-    pub feed: Feed,
+    pub feed: CutDirection,
     pub rows: Vec<CutRow>,
     /// All plunges so far, those of earlier sections first.
     pub columns: Columns,
     /// See [`SectionPlan::added`].
-    pub added: Option<(usize, Stopped)>,
+    pub added: Option<(usize, StopReason)>,
 }
 
 impl SectionCut {
     /// A section without rows, to be cut after the plunges of `columns`.
-    pub fn empty(feed: Feed, columns: Columns) -> Self {
+    pub fn empty(feed: CutDirection, columns: Columns) -> Self {
         Self { feed, rows: Vec::new(), columns, added: None }
     }
 
     /// As [`Self::empty`], for a section that planning did not reach before it was cancelled.
-    fn unbegun(section: &SectionSetup, columns: Columns) -> Self {
-        let feed = section.feed.unwrap_or(Feed::Inward);
-        Self { added: Some((0, Stopped::Cancelled)), ..Self::empty(feed, columns) }
+    fn not_started(section: &SectionSetup, columns: Columns) -> Self {
+        let feed = section.cut_direction.unwrap_or(CutDirection::Inward);
+        Self { added: Some((0, StopReason::Cancelled)), ..Self::empty(feed, columns) }
     }
 
     /// Records that the row at `lambda` has no axis at the s in `missing`.
     pub fn note_missing(&mut self, lambda: f64, missing: Vec<f64>) {
         if !missing.is_empty() {
-            let row = Row { missing, ..Row::empty(lambda) };
+            let row = PlannedRow { missing, ..PlannedRow::empty(lambda) };
             self.rows.push(CutRow { row, placed: Vec::new() });
         }
     }
 
     /// Whether planning was cancelled before the section was finished.
     pub fn is_unfinished(&self) -> bool {
-        matches!(self.added, Some((_, Stopped::Cancelled)))
+        matches!(self.added, Some((_, StopReason::Cancelled)))
     }
 }
 
@@ -201,15 +204,15 @@ impl<'a> Planner<'a> {
             part,
             channel,
             setup,
-            blank: Blank::of(part, setup.stock.inlet_extension),
+            blank: Blank::of(part, setup.allowances.inlet_extension),
             finished: Arc::new(FinishedPart::new(part, &channel.sides)),
-            grounds: Vec::new(),
+            layouts: Vec::new(),
         };
         let shared = |section: &SectionSetup| match section.rest {
             true => Ok(Vec::new()),
-            false => planner.ground(section),
+            false => planner.section_layout(section),
         };
-        planner.grounds = setup.plunge.sections.par_iter().map(shared).collect();
+        planner.layouts = setup.plunge.sections.par_iter().map(shared).collect();
         planner
     }
 
@@ -217,8 +220,8 @@ impl<'a> Planner<'a> {
     ///
     /// # Errors
     /// When the section's tool is missing.
-    pub(super) fn shared_grounds(&self, index: usize) -> Result<&[Ground<'a>], PlanError> {
-        self.grounds[index].as_deref().map_err(PlanError::clone)
+    pub(super) fn shared_layouts(&self, index: usize) -> Result<&[StretchLayout<'a>], PlanError> {
+        self.layouts[index].as_deref().map_err(PlanError::clone)
     }
 
     /// The blank the plan starts from.
@@ -233,7 +236,7 @@ impl<'a> Planner<'a> {
     /// [`PlanError::Cancelled`] when the monitor is cancelled, or stopped before any position was found;
     /// [`PlanError::Setup`] when part and setup do not match.
     pub fn plan(&self, policy: AxisPolicy, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
-        self.plan_knowing(policy, &mut KnownSections::default(), monitor)
+        self.plan_cached(policy, &mut SectionCache::default(), monitor)
     }
 
     /// As [`Self::plan`], reusing the sections in `known` that are still valid: the cache from earlier plans
@@ -242,13 +245,13 @@ impl<'a> Planner<'a> {
     ///
     /// # Errors
     /// As [`Self::plan`].
-    pub fn plan_knowing(
+    pub fn plan_cached(
         &self,
         policy: AxisPolicy,
-        known: &mut KnownSections,
+        known: &mut SectionCache,
         monitor: &Monitor,
     ) -> Result<PlungePlan, PlanError> {
-        let plan = self.judge(self.place(policy, known, monitor)?, monitor)?;
+        let plan = self.evaluate(self.place_plunges(policy, known, monitor)?, monitor)?;
         monitor.report(1.0);
         Ok(plan)
     }
@@ -257,25 +260,25 @@ impl<'a> Planner<'a> {
     ///
     /// # Errors
     /// As [`Self::plan`].
-    pub fn place(
+    pub fn place_plunges(
         &self,
         policy: AxisPolicy,
-        known: &mut KnownSections,
+        known: &mut SectionCache,
         monitor: &Monitor,
     ) -> Result<PlacedPlan, PlanError> {
         // Enters the rayon pool once; otherwise every small parallel task would cross threads.
-        rayon::scope(|_| self.place_sections(policy, known, monitor))
+        rayon::scope(|_| self.place_plunges_in_pool(policy, known, monitor))
     }
 
-    /// [`Self::place`], running on a thread of the pool.
-    fn place_sections(
+    /// [`Self::place_plunges`], running on a thread of the pool.
+    fn place_plunges_in_pool(
         &self,
         policy: AxisPolicy,
-        known: &mut KnownSections,
+        known: &mut SectionCache,
         monitor: &Monitor,
     ) -> Result<PlacedPlan, PlanError> {
         let mut cuts: Vec<Arc<SectionCut>> = Vec::new();
-        known.keep_for(self.setup)?;
+        known.invalidate(self.setup)?;
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
             monitor.report(0.8 * index as f64 / sections.len() as f64);
@@ -283,27 +286,27 @@ impl<'a> Planner<'a> {
             let place = SetupPlace::Section { index, tool: tool.number };
             let make = |before: Option<&SectionCut>| {
                 let columns = before.map(|cut| cut.columns.clone()).unwrap_or_default();
-                self.section(index, policy, columns, monitor).map_err(|error| match error {
+                self.plan_section(index, policy, columns, monitor).map_err(|error| match error {
                     PlanError::Setup(fault) if fault.place == SetupPlace::Whole => fault.at(place).into(),
                     other => other,
                 })
             };
             let cut = match cuts.last().filter(|last| last.is_unfinished()) {
-                Some(last) => Arc::new(SectionCut::unbegun(section, last.columns.clone())),
+                Some(last) => Arc::new(SectionCut::not_started(section, last.columns.clone())),
                 None => known.get_or_make(index, self.setup, make)?,
             };
             cuts.push(cut);
             let planned = cuts.iter().flat_map(|cut| &cut.rows).map(|row| row.placed.len()).sum();
             self.check_count(planned, tool, place)?;
         }
-        known.remember_whole(sections.len());
-        let placed = self.assembled(policy, cuts)?;
+        known.store_complete(sections.len());
+        let placed = self.assemble_plan(policy, cuts)?;
         monitor.report(0.85);
         Ok(placed)
     }
 
     /// Assembles the plan of these sections.
-    pub(super) fn assembled(
+    pub(super) fn assemble_plan(
         &self,
         policy: AxisPolicy,
         cuts: Vec<Arc<SectionCut>>,
@@ -313,8 +316,8 @@ impl<'a> Planner<'a> {
             sections: Vec::new(),
             positions: Vec::new(),
             dropped: Vec::new(),
-            rounds: 0,
-            settled: true,
+            iterations: 0,
+            converged: true,
         };
         for (index, (section, cut)) in self.setup.plunge.sections.iter().zip(&cuts).enumerate() {
             let tool = tool_of(self.setup, section.tool)?;
@@ -328,14 +331,14 @@ impl<'a> Planner<'a> {
                 added: cut.added,
             });
             for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
-                plan.rounds = plan.rounds.max(row.rounds);
-                plan.settled &= row.settled;
+                plan.iterations = plan.iterations.max(row.iterations);
+                plan.converged &= row.converged;
                 let missing = row.missing.iter();
                 plan.dropped.extend(missing.map(|&s| Dropped {
                     section: index,
                     row: row_index,
                     s,
-                    why: NoPlace::Blades,
+                    why: DropReason::Blades,
                 }));
                 for (station, placed) in row.stations.iter().zip(placed) {
                     let placed = match placed {
@@ -367,20 +370,20 @@ impl<'a> Planner<'a> {
     ///
     /// # Errors
     /// [`PlanError::Cancelled`] when the monitor is cancelled.
-    pub fn judge(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
+    pub fn evaluate(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
         let PlacedPlan { mut plan, last } = placed;
-        let monitor = &monitor.closing();
+        let monitor = &monitor.ignoring_stop();
         if let Some(cut) = last {
             self.measure(&mut plan, &cut.columns, monitor)?;
         }
-        raise_links(&mut plan, &self.blank, self.setup.stock.safety_distance, monitor)?;
+        raise_links(&mut plan, &self.blank, self.setup.allowances.safety_distance, monitor)?;
         Ok(plan)
     }
 
     /// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
     /// violates the hub allowance by rounding.
-    fn placed(&self, station: &Station, tool: &Tool) -> Result<Placed, NoPlace> {
-        let stock = &self.setup.stock;
+    fn place_cutter(&self, station: &Station, tool: &Tool) -> Result<PlacedCutter, DropReason> {
+        let stock = &self.setup.allowances;
         let mut cutter = tool.placed(station.tip, station.axis);
         let mut hub_clearance = self.finished.hub_clearance(&cutter);
         for doubling in 0..12 {
@@ -394,9 +397,9 @@ impl<'a> Planner<'a> {
         }
         let blade_clearance = self.finished.blade_clearance(&cutter);
         if blade_clearance < stock.blade_allowance - 1e-6 {
-            return Err(NoPlace::Blades);
+            return Err(DropReason::Blades);
         }
-        Ok(Placed { cutter, hub_clearance, blade_clearance, lift: 0.0 })
+        Ok(PlacedCutter { cutter, hub_clearance, blade_clearance, lift: 0.0 })
     }
 
     /// Places the cutters of a row and adds them to `columns`. With `max_lift` each plunge stops short where
@@ -404,29 +407,31 @@ impl<'a> Planner<'a> {
     /// blank.
     pub(super) fn cut_row(
         &self,
-        row: Row,
+        row: PlannedRow,
         tool: &Tool,
-        most_lift: Option<f64>,
+        max_lift: Option<f64>,
         columns: &mut Columns,
         monitor: &Monitor,
     ) -> Result<CutRow, PlanError> {
         let top = BlankTop::new(&self.blank);
         let place = |station| {
             monitor.check()?;
-            let long_enough =
-                |placed: &Placed| Column::new(placed.cutter, tool.radius(), &top).top <= tool.overhang;
-            let placed = self.placed(station, tool);
+            let long_enough = |placed: &PlacedCutter| {
+                PlungeColumn::new(placed.cutter, tool.radius(), &top).top <= tool.overhang
+            };
+            let placed = self.place_cutter(station, tool);
             Ok(placed
-                .and_then(|placed| if long_enough(&placed) { Ok(placed) } else { Err(NoPlace::Overhang) }))
+                .and_then(|placed| if long_enough(&placed) { Ok(placed) } else { Err(DropReason::Overhang) }))
         };
         let mut placed = row
             .stations
             .par_iter()
             .map(place)
-            .collect::<Result<Vec<Result<Placed, NoPlace>>, Cancelled>>()?;
-        let column = |placed: &Placed| Column::new(placed.cutter, tool.core_radius(), &top);
-        let deep: Vec<Option<Column>> = placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
-        let Some(share) = most_lift else {
+            .collect::<Result<Vec<Result<PlacedCutter, DropReason>>, Cancelled>>()?;
+        let column = |placed: &PlacedCutter| PlungeColumn::new(placed.cutter, tool.core_radius(), &top);
+        let deep: Vec<Option<PlungeColumn>> =
+            placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
+        let Some(share) = max_lift else {
             columns.extend(deep.into_iter().flatten());
             return Ok(CutRow { row, placed });
         };
@@ -442,7 +447,7 @@ impl<'a> Planner<'a> {
             })
             .collect();
         columns.truncate(first);
-        let mut changed: Vec<Column> = Vec::new();
+        let mut changed: Vec<PlungeColumn> = Vec::new();
         let deep_ones =
             placed.iter_mut().zip(&deep).filter_map(|(place, deep)| Some((place, deep.as_ref()?)));
         for ((place, deep), free) in deep_ones.zip(free) {
@@ -451,8 +456,8 @@ impl<'a> Planner<'a> {
                 columns.push(*deep);
                 continue;
             }
-            let unlifted = std::mem::replace(place, Err(NoPlace::Contact));
-            *place = unlifted.and_then(|p| self.freed(p, tool, share, columns.all(), &top));
+            let unlifted = std::mem::replace(place, Err(DropReason::Contact));
+            *place = unlifted.and_then(|p| self.lift_clear(p, tool, share, columns.all(), &top));
             if !place.as_ref().is_ok_and(|placed| placed.lift == 0.0) {
                 changed.push(*deep);
             }
@@ -464,26 +469,26 @@ impl<'a> Planner<'a> {
     /// The cutter, lifted until its core is free of the stock that `earlier` plunges left.
     ///
     /// # Errors
-    /// [`NoPlace::Contact`] when that takes more than the share `max_lift` of its depth in the blank.
-    fn freed(
+    /// [`DropReason::Contact`] when that takes more than the share `max_lift` of its depth in the blank.
+    fn lift_clear(
         &self,
-        mut placed: Placed,
+        mut placed: PlacedCutter,
         tool: &Tool,
-        most_lift: f64,
+        max_lift: f64,
         earlier: Earlier,
         top: &BlankTop,
-    ) -> Result<Placed, NoPlace> {
+    ) -> Result<PlacedCutter, DropReason> {
         let unlifted = placed.cutter.tip;
-        let way = Column::new(placed.cutter, tool.core_radius(), top).top;
+        let way = PlungeColumn::new(placed.cutter, tool.core_radius(), top).top;
         for _ in 0..MAX_LIFTS {
-            let column = Column::new(placed.cutter, tool.core_radius(), top);
+            let column = PlungeColumn::new(placed.cutter, tool.core_radius(), top);
             let contact = planned_contact(&column, earlier, &self.blank);
             if contact == 0.0 {
                 break;
             }
             let lift = (placed.cutter.tip - unlifted).norm() + contact;
-            if lift >= most_lift * way - LIFT_MARGIN {
-                return Err(NoPlace::Contact);
+            if lift >= max_lift * way - LIFT_MARGIN {
+                return Err(DropReason::Contact);
             }
             placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
         }
@@ -496,7 +501,7 @@ impl<'a> Planner<'a> {
     }
 
     /// Plans section `index` by `policy` after the plunges of `columns`.
-    fn section(
+    fn plan_section(
         &self,
         index: usize,
         policy: AxisPolicy,
@@ -506,62 +511,64 @@ impl<'a> Planner<'a> {
         let section = &self.setup.plunge.sections[index];
         match (policy, section.rest) {
             (AxisPolicy::Minimal, true) => return self.rest_section(index, columns, monitor),
-            (_, true) => return Ok(SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns)),
+            (_, true) => {
+                return Ok(SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::Inward), columns));
+            }
             (_, false) => {}
         }
-        let grounds = self.shared_grounds(index)?;
+        let grounds = self.shared_layouts(index)?;
         if policy == AxisPolicy::Minimal {
             return self.minimal_section(index, grounds, &columns, monitor);
         }
-        let (axes, most_lift) = match policy {
+        let (axes, max_lift) = match policy {
             AxisPolicy::Staircase => (AxisPolicy::Conventional, Some(1.0)),
             other => (other, None),
         };
         let tool = tool_of(self.setup, section.tool)?;
-        let rows = match self.section_rows(index, grounds, axes, &columns, monitor) {
+        let rows = match self.plan_section_rows(index, grounds, axes, &columns, monitor) {
             Err(PlanError::Cancelled(_)) if monitor.is_stopped() => {
-                return Ok(SectionCut::unbegun(section, columns));
+                return Ok(SectionCut::not_started(section, columns));
             }
             rows => rows?,
         };
-        let mut cut = SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns);
+        let mut cut = SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::Inward), columns);
         for row in rows {
-            cut.rows.push(self.cut_row(row, tool, most_lift, &mut cut.columns, &monitor.closing())?);
+            cut.rows.push(self.cut_row(row, tool, max_lift, &mut cut.columns, &monitor.ignoring_stop())?);
         }
         Ok(cut)
     }
 
     /// Rows of section `index` by a policy that plans each row on its own.
-    fn section_rows(
+    fn plan_section_rows(
         &self,
         index: usize,
-        grounds: &[Ground],
+        grounds: &[StretchLayout],
         policy: AxisPolicy,
         earlier: &Columns,
         monitor: &Monitor,
-    ) -> Result<Vec<Row>, PlanError> {
+    ) -> Result<Vec<PlannedRow>, PlanError> {
         let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
-        let feed = section.feed.unwrap_or(Feed::Inward);
+        let feed = section.cut_direction.unwrap_or(CutDirection::Inward);
         let mut rows = Vec::new();
         for ground in grounds {
-            let made: Vec<Result<Vec<Row>, PlanError>> = ground
+            let made: Vec<Result<Vec<PlannedRow>, PlanError>> = ground
                 .rows
                 .par_iter()
                 .map(|row_ground| {
                     let place = (row_ground.lambda, ground.rows.len());
                     let maker = self.row_maker(ground, tool, place, feed, monitor);
-                    let ends = self.row_ends(index, &ground.stretch, feed.inward());
+                    let ends = self.row_ends(index, &ground.stretch, feed.inward_sign());
                     let runs = row_ground.runs.get_or_make(ends.0, || maker.runs(ends.0, ends.1))?;
                     let lambda = ground.stretch.lambda_in_channel(row_ground.lambda);
                     let mut rows = Vec::with_capacity(runs.stretches.len());
                     for &stretch in &runs.stretches {
-                        let row = self.row(&maker, row_ground, stretch, policy, earlier, monitor)?;
-                        rows.push(Row { lambda, ..row });
+                        let row = self.plan_row(&maker, row_ground, stretch, policy, earlier, monitor)?;
+                        rows.push(PlannedRow { lambda, ..row });
                     }
                     if !runs.missing.is_empty() {
                         let missing = runs.missing;
-                        rows.push(Row { missing, ..Row::empty(lambda) });
+                        rows.push(PlannedRow { missing, ..PlannedRow::empty(lambda) });
                     }
                     Ok(rows)
                 })
@@ -582,12 +589,12 @@ impl<'a> Planner<'a> {
         if positions <= MAX_POSITIONS {
             return Ok(());
         }
-        Err(too_many(positions as f64, &self.setup.plunge, tool, place).into())
+        Err(too_many_positions(positions as f64, &self.setup.plunge, tool, place).into())
     }
 
     /// Measures contact and computes the retract point of every position.
     fn measure(&self, plan: &mut PlungePlan, columns: &Columns, monitor: &Monitor) -> Result<(), PlanError> {
-        let stock = &self.setup.stock;
+        let stock = &self.setup.allowances;
         let tops: Vec<RetractSurface> = plan
             .sections
             .iter()

@@ -47,7 +47,7 @@ const SHIFT_SPACING: f64 = 0.05;
 const COLUMNS: usize = (2.0 * SHIFT_LIMIT / SHIFT_SPACING) as usize + 1;
 
 /// Computes one node from (s of M, shift).
-type Fit<'a> = &'a dyn Fn(f64, f64) -> Option<FitNode>;
+type FitFn<'a> = &'a dyn Fn(f64, f64) -> Option<FitNode>;
 
 impl FitTable {
     /// An empty table with rows `spacing` apart in s.
@@ -59,7 +59,7 @@ impl FitTable {
     /// Looks up (`s`, `shift`), computing missing nodes with `fit`: Lagrange interpolation, cubic in s and
     /// quadratic in shift, where all nodes are fits; otherwise bilinear interpolation of the differences from
     /// the plain offset.
-    pub fn at(&self, s: f64, shift: f64, fit: Fit) -> Reading {
+    pub fn look_up(&self, s: f64, shift: f64, fit: FitFn) -> Reading {
         let rows = self.nodes.len() / COLUMNS;
         let x = (s - S_FROM) / self.spacing;
         let y = (shift + SHIFT_LIMIT) / SHIFT_SPACING;
@@ -80,7 +80,7 @@ impl FitTable {
         &self,
         (row, column): (usize, usize),
         (fx, fy): (f64, f64),
-        fit: Fit,
+        fit: FitFn,
     ) -> Option<[f64; 2]> {
         let by_s = [
             -(fx - 1.0) * (fx - 2.0) * (fx - 3.0) / 6.0,
@@ -109,7 +109,7 @@ impl FitTable {
 
     /// Bilinear interpolation of the differences from the plain offset over those of the four nodes around
     /// (`x`, `y`) that have an axis.
-    fn beside(&self, x: f64, y: f64, fit: Fit) -> Reading {
+    fn beside(&self, x: f64, y: f64, fit: FitFn) -> Reading {
         let rows = self.nodes.len() / COLUMNS;
         let (row, column) = (x.floor() as usize, (y.max(0.0).floor() as usize).min(COLUMNS - 2));
         let (fx, fy) = (x - row as f64, y - column as f64);
@@ -130,7 +130,7 @@ impl FitTable {
         if weights > 0.0 { Reading::Beside(sum.map(|x| x / weights), all_fitted) } else { Reading::Nothing }
     }
 
-    fn node(&self, row: usize, column: usize, fit: Fit) -> Option<FitNode> {
+    fn node(&self, row: usize, column: usize, fit: FitFn) -> Option<FitNode> {
         *self.nodes[row * COLUMNS + column].get_or_init(|| {
             let s = S_FROM + self.spacing * row as f64;
             let shift = SHIFT_SPACING * column as f64 - SHIFT_LIMIT;

@@ -14,7 +14,7 @@ const MAX_SAMPLES: usize = 400;
 
 /// A rapid link of a tool between two positions, each a tip (mm) and a unit axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Flight<'a> {
+pub struct LinkMove<'a> {
     /// The tool.
     pub tool: &'a Tool,
     /// The blank to stay clear of.
@@ -30,14 +30,14 @@ const SAMPLE_TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// Turn of an axis at a constant rate (spherical linear interpolation).
 #[derive(Clone, Copy, Debug)]
-pub struct Turn {
+pub struct AxisTurn {
     from: Vector,
     /// Unit vector across `from`, towards the other end.
     across: Vector,
     angle: f64,
 }
 
-impl Turn {
+impl AxisTurn {
     /// Turn from one unit axis to another; between opposite axes an arbitrary one of the possible turns.
     pub fn new(from: Vector, to: &Vector) -> Self {
         let across = (to - from * from.dot(to)).try_normalize(1e-12);
@@ -51,9 +51,9 @@ impl Turn {
     }
 }
 
-impl Flight<'_> {
+impl LinkMove<'_> {
     /// Number of samples between both ends for at most `spacing` mm between them.
-    fn samples(&self, turn: &Turn, spacing: f64) -> usize {
+    fn samples(&self, turn: &AxisTurn, spacing: f64) -> usize {
         let looks = ((self.to.0 - self.from.0).norm() / spacing).max(turn.angle / SAMPLE_TURN);
         (looks.ceil() as usize).clamp(1, MAX_SAMPLES)
     }
@@ -62,7 +62,7 @@ impl Flight<'_> {
     /// `enough`, that minimum is not refined further. `ends` are the bottoms at start and end.
     pub fn clearance(&self, ends: [&NearBottom; 2], enough: f64) -> f64 {
         let (from, to) = (self.from, self.to);
-        let (motion, turn) = (to.0 - from.0, Turn::new(from.1, &to.1));
+        let (motion, turn) = (to.0 - from.0, AxisTurn::new(from.1, &to.1));
         let samples = self.samples(&turn, SAMPLE_DIAMETERS * self.tool.diameter);
         let spacing = 1.0 / (samples + 1) as f64;
         // Clearance at a share of the link, and its derivative by the share.
@@ -70,7 +70,7 @@ impl Flight<'_> {
             let (axis, turning) = turn.at(share);
             let cutter = self.tool.placed(from.0 + motion * share, axis);
             let near = known.copied().unwrap_or_else(|| NearBottom::of(&cutter, self.blank));
-            (near.clearance, near.growth(&cutter, &motion, &turning))
+            (near.clearance, near.clearance_rate(&cutter, &motion, &turning))
         };
         let at = |i: usize| match i {
             0 => look(0.0, Some(ends[0])),
@@ -87,7 +87,7 @@ impl Flight<'_> {
             }
             let start = spacing * i as f64;
             let ends = ((start, from.1), (start + spacing, to.1));
-            least = least.min(search::least_in_dip(|x| look(x, None), ends.0, ends.1, 0.02 * spacing));
+            least = least.min(search::min_between_slopes(|x| look(x, None), ends.0, ends.1, 0.02 * spacing));
         }
         least
     }
@@ -95,8 +95,8 @@ impl Flight<'_> {
     /// Maximum depth over the link to which the tool, taken as an endless cylinder, is in the blank, measured
     /// from its bottom, mm; 0 where it is clear. `surface` is that of the blank at the distance of the corner
     /// radius.
-    pub fn depth_of_tool(&self, surface: &RetractSurface) -> f64 {
-        let (motion, turn) = (self.to.0 - self.from.0, Turn::new(self.from.1, &self.to.1));
+    pub fn max_tool_depth(&self, surface: &RetractSurface) -> f64 {
+        let (motion, turn) = (self.to.0 - self.from.0, AxisTurn::new(self.from.1, &self.to.1));
         let samples = self.samples(&turn, self.tool.diameter);
         let flat = self.tool.radius() - self.tool.corner_radius;
         let height = |i: usize| {

@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use super::cycle::{PlanError, Planner};
 use super::lane::{Lane, is_wall};
 use super::row::{RowMaker, Runs, Station};
-use super::sections::{ridge_spacing, row_spacing, step_limit, tool_of};
+use super::sections::{max_shroud_spacing, step_limit, stepover, tool_of};
 use super::slotting::DepthSurface;
 use crate::monitor::Monitor;
-use crate::part::setup::{Feed, SectionSetup};
+use crate::part::setup::{CutDirection, SectionSetup};
 use crate::part::{Passage, Tool};
 
 /// Gap between the core and the rim at the start of a row, mm.
@@ -19,32 +19,32 @@ const START_MARGIN: f64 = 0.05;
 
 /// Layout of one stretch for one cutter, shared by all policies.
 #[derive(Debug)]
-pub(super) struct Ground<'a> {
-    pub stretch: Stretch<'a>,
+pub(super) struct StretchLayout<'a> {
+    pub stretch: PassageStretch<'a>,
     pub lane: Lane<'a>,
     /// Hub, offset by allowance and corner radius.
     pub hub: DepthSurface<'a>,
-    pub rows: Vec<RowGround>,
+    pub rows: Vec<RowLayout>,
 }
 
 /// A row of a stretch, with caches of its conventional stations.
 #[derive(Debug)]
-pub(super) struct RowGround {
+pub(super) struct RowLayout {
     /// λ within the stretch.
     pub lambda: f64,
     /// Conventional first stations, by s.
-    pub firsts: Memory<Option<Station>>,
+    pub firsts: Memo<Option<Station>>,
     /// Cuttable stretches of the row, by s of its start.
-    pub runs: Memory<Runs>,
+    pub runs: Memo<Runs>,
     /// Conventional rows, by s of their start.
-    pub conventional: Memory<Vec<Station>>,
+    pub conventional: Memo<Vec<Station>>,
 }
 
 /// Thread-safe cache keyed by s.
 #[derive(Debug)]
-pub(super) struct Memory<T>(Mutex<Vec<(f64, T)>>);
+pub(super) struct Memo<T>(Mutex<Vec<(f64, T)>>);
 
-impl<T: Clone> Memory<T> {
+impl<T: Clone> Memo<T> {
     fn new() -> Self {
         Self(Mutex::new(Vec::new()))
     }
@@ -67,7 +67,7 @@ impl<T: Clone> Memory<T> {
 
 /// A stretch of a passage that one section cuts.
 #[derive(Debug)]
-pub(super) struct Stretch<'a> {
+pub(super) struct PassageStretch<'a> {
     pub passage: &'a Passage,
     /// λ of the passage's walls across the whole channel.
     pub lambdas: (f64, f64),
@@ -77,7 +77,7 @@ pub(super) struct Stretch<'a> {
     pub to: f64,
 }
 
-impl Stretch<'_> {
+impl PassageStretch<'_> {
     /// s at `share` (0…1) of the distance from the outlet end to the inlet end.
     pub fn s_at(&self, share: f64) -> f64 {
         self.from + (self.to - self.from) * share
@@ -91,14 +91,18 @@ impl Stretch<'_> {
 
 impl<'a> Planner<'a> {
     /// The stretches of a section, outlet end first.
-    fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<Stretch<'a>> {
-        let whole =
-            |from: f64, to: f64| Stretch { passage: &self.channel.full, lambdas: (0.0, 1.0), from, to };
+    fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<PassageStretch<'a>> {
+        let whole = |from: f64, to: f64| PassageStretch {
+            passage: &self.channel.full,
+            lambdas: (0.0, 1.0),
+            from,
+            to,
+        };
         let Some([hub, shroud]) = self.channel.splitter_s else {
             return vec![whole(section.from, section.to)];
         };
         // The passages join upstream of the splitter's nose by the radius and allowance of the cutter.
-        let reach = (tool.radius() + self.setup.stock.blade_allowance) / self.part.hub.length();
+        let reach = (tool.radius() + self.setup.allowances.blade_allowance) / self.part.hub.length();
         let nose = (hub.min(shroud) - reach).max(0.0);
         let mut stretches = Vec::new();
         let mut joined = nose;
@@ -109,9 +113,9 @@ impl<'a> Planner<'a> {
             {
                 // Upstream of the nose the extended flanks may converge; the rows end where the cutter no
                 // longer fits.
-                let to = self.open_until(passage, tool, section.to.max(nose), hub.min(shroud));
+                let to = self.fits_until(passage, tool, section.to.max(nose), hub.min(shroud));
                 joined = joined.max(to);
-                stretches.push(Stretch { passage, lambdas, from: section.from, to });
+                stretches.push(PassageStretch { passage, lambdas, from: section.from, to });
             }
         }
         if section.to < joined {
@@ -121,11 +125,11 @@ impl<'a> Planner<'a> {
     }
 
     fn lane(&self, passage: &'a Passage, tool: &Tool) -> Lane<'a> {
-        Lane::new(self.part, passage, Arc::clone(&self.finished), tool, &self.setup.stock)
+        Lane::new(self.part, passage, Arc::clone(&self.finished), tool, &self.setup.allowances)
     }
 
     /// The s down to which the cutter fits in `passage` when going inwards from `from`, at most to `to`.
-    fn open_until(&self, passage: &'a Passage, tool: &Tool, to: f64, from: f64) -> f64 {
+    fn fits_until(&self, passage: &'a Passage, tool: &Tool, to: f64, from: f64) -> f64 {
         let lane = self.lane(passage, tool);
         let steps = 16;
         let mut open = from.max(to);
@@ -159,19 +163,19 @@ impl<'a> Planner<'a> {
     }
 
     /// Layout of a section.
-    pub(super) fn ground(&self, section: &SectionSetup) -> Result<Vec<Ground<'a>>, PlanError> {
+    pub(super) fn section_layout(&self, section: &SectionSetup) -> Result<Vec<StretchLayout<'a>>, PlanError> {
         let tool = tool_of(self.setup, section.tool)?;
         let grounds = self.stretches(section, tool).into_iter().map(|stretch| {
             let lane = self.lane(stretch.passage, tool);
-            let floor = self.setup.stock.hub_allowance + tool.corner_radius;
+            let floor = self.setup.allowances.hub_allowance + tool.corner_radius;
             let hub = DepthSurface::new(self.part.hub.curve(), floor);
-            let rows = self.row_places(&lane, &stretch, tool).into_iter().map(|lambda| RowGround {
+            let rows = self.row_lambdas(&lane, &stretch, tool).into_iter().map(|lambda| RowLayout {
                 lambda,
-                firsts: Memory::new(),
-                runs: Memory::new(),
-                conventional: Memory::new(),
+                firsts: Memo::new(),
+                runs: Memo::new(),
+                conventional: Memo::new(),
             });
-            Ok(Ground { rows: rows.collect(), stretch, lane, hub })
+            Ok(StretchLayout { rows: rows.collect(), stretch, lane, hub })
         });
         grounds.collect()
     }
@@ -179,8 +183,8 @@ impl<'a> Planner<'a> {
     /// λ of the rows of a stretch: both walls, and between them equal gaps that exceed neither the stepover
     /// on the hub nor the distance that leaves uncut stock at the shroud. Empty where the cutter fits
     /// nowhere.
-    fn row_places(&self, lane: &Lane, stretch: &Stretch, tool: &Tool) -> Vec<f64> {
-        let spacing = row_spacing(&self.setup.plunge, tool);
+    fn row_lambdas(&self, lane: &Lane, stretch: &PassageStretch, tool: &Tool) -> Vec<f64> {
+        let spacing = stepover(&self.setup.plunge, tool);
         let widths: Vec<Option<(f64, f64)>> =
             (0..=8).into_par_iter().map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0))).collect();
         let mut gaps = 0.0f64;
@@ -189,7 +193,7 @@ impl<'a> Planner<'a> {
             return Vec::new();
         }
         for (hub, shroud) in widths.into_iter().flatten() {
-            gaps = gaps.max(hub / spacing).max(shroud / ridge_spacing(tool));
+            gaps = gaps.max(hub / spacing).max(shroud / max_shroud_spacing(tool));
             widest = widest.max(hub);
         }
         if widest < 0.1 * tool.radius() {
@@ -200,7 +204,7 @@ impl<'a> Planner<'a> {
     }
 
     /// First and last s of a stretch's rows in cutting order, before the start is moved out of the stock.
-    pub(super) fn row_ends(&self, index: usize, stretch: &Stretch, inward: f64) -> (f64, f64) {
+    pub(super) fn row_ends(&self, index: usize, stretch: &PassageStretch, inward: f64) -> (f64, f64) {
         let sections = &self.setup.plunge.sections;
         let section = &sections[index];
         let Ok(tool) = tool_of(self.setup, section.tool) else { return (stretch.from, stretch.to) };
@@ -230,10 +234,10 @@ impl<'a> Planner<'a> {
     /// Maker of the stations of the row at `lambda`, one of `rows` rows of the stretch.
     pub(super) fn row_maker<'r>(
         &'r self,
-        ground: &'r Ground<'r>,
+        ground: &'r StretchLayout<'r>,
         tool: &'r Tool,
         (lambda, rows): (f64, usize),
-        feed: Feed,
+        feed: CutDirection,
         monitor: &'r Monitor,
     ) -> RowMaker<'r> {
         let wall_row = is_wall(lambda) || rows == 1;
@@ -243,7 +247,7 @@ impl<'a> Planner<'a> {
             hub: &ground.hub,
             tool,
             lambda,
-            inward: feed.inward(),
+            direction_sign: feed.inward_sign(),
             step_limit: step_limit(&self.setup.plunge, tool, wall_row),
             monitor,
         }

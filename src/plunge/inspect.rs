@@ -11,7 +11,7 @@ use crate::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, n
 use crate::part::{Blank, Impeller, Tool};
 
 /// A point of the view: (x, y), mm.
-pub type Place = [f64; 2];
+pub type SectionPoint = [f64; 2];
 
 /// Sectional view through the axis of a position, along its row.
 #[derive(Clone, Debug)]
@@ -23,13 +23,13 @@ pub struct SectionView {
     /// Unit direction of x: the feed direction, perpendicular to the axis.
     pub feed: Vector,
     /// The finished hub.
-    pub hub: Vec<Place>,
+    pub hub: Vec<SectionPoint>,
     /// The finished hub raised by the hub allowance.
-    pub allowance: Vec<Place>,
+    pub allowance: Vec<SectionPoint>,
     /// Top of the stock on the hub after all earlier positions.
-    pub before: Vec<Place>,
+    pub before: Vec<SectionPoint>,
     /// The same after this position.
-    pub after: Vec<Place>,
+    pub after: Vec<SectionPoint>,
     /// Stock that the core meets: intervals of y above the bottom at an x.
     pub contact: Vec<(f64, [f64; 2])>,
     /// The core's disc in cells, seen along the axis.
@@ -38,11 +38,11 @@ pub struct SectionView {
     pub tool: Tool,
     /// Angle between hub normal and axis in the plane of the view, rad: positive when the axis is inclined
     /// forward, in feed direction.
-    pub lean: f64,
+    pub lead_rad: f64,
     /// Step from the previous position in the same row, mm; 0 at the first. See [`step_before`].
     pub step: f64,
     /// Maximum height along y of the stock left on the hub within the radius of the cutter, mm.
-    pub left: f64,
+    pub max_residual: f64,
 }
 
 /// A cell of the core's disc.
@@ -84,7 +84,7 @@ pub fn section_view(
     let reach = REACH * radius;
     let earlier = earlier_cutters(plan, index, 2.0 * reach);
     let cutter = tool.placed(tip, axis);
-    let column = Lines { part, blank, axis, earlier: &earlier };
+    let column = AxisLines { part, blank, axis, earlier: &earlier };
     let at = |x: f64, across: f64| tip + feed * x + side * across;
 
     let mut view = SectionView {
@@ -98,9 +98,9 @@ pub fn section_view(
         contact: Vec::new(),
         patch: Vec::new(),
         tool: tool.clone(),
-        lean: 0.0,
+        lead_rad: 0.0,
         step: step_before(plan, index),
-        left: 0.0,
+        max_residual: 0.0,
     };
     for i in 0..SAMPLES {
         let x = reach * (2.0 * i as f64 / (SAMPLES - 1) as f64 - 1.0);
@@ -109,20 +109,20 @@ pub fn section_view(
         view.hub.push([x, hub]);
         view.allowance.extend(column.hub(&origin, allowance, reach).map(|y| [x, y]));
         let mut stock = column.stock(&origin, hub, reach);
-        view.before.push([x, first_top(&stock, hub)]);
+        view.before.push([x, stock_top(&stock, hub)]);
         if x.abs() <= tool.core_radius() {
             let met = stock.iter().filter(|s| s[1] > 0.0).map(|s| (x, [s[0].max(0.0), s[1]]));
             view.contact.extend(met);
         }
         let taken = cutter.column_interval(radius, &origin, &axis);
-        remove(&mut stock, taken.map(|(low, high)| (low.max(view.bottom(x)), high)));
-        let top = first_top(&stock, hub);
+        remove_interval(&mut stock, taken.map(|(low, high)| (low.max(view.bottom(x)), high)));
+        let top = stock_top(&stock, hub);
         view.after.push([x, top]);
         if x.abs() < radius {
-            view.left = view.left.max(top - hub);
+            view.max_residual = view.max_residual.max(top - hub);
         }
     }
-    view.lean = lean(&view.hub);
+    view.lead_rad = lead_angle(&view.hub);
     let core = tool.core_radius();
     for i in 0..PATCH {
         for j in 0..PATCH {
@@ -213,17 +213,17 @@ fn earlier_cutters(plan: &PlungePlan, index: usize, reach: f64) -> Vec<CutterSol
 }
 
 /// Casts lines parallel to the axis of the position.
-struct Lines<'a> {
+struct AxisLines<'a> {
     part: &'a Impeller,
     blank: &'a Blank,
     axis: Vector,
     earlier: &'a [CutterSolid],
 }
 
-impl Lines<'_> {
+impl AxisLines<'_> {
     /// Height at which the line through `origin` meets the hub raised by `offset`, if it does within `reach`.
     fn hub(&self, origin: &Point, offset: f64, reach: f64) -> Option<f64> {
-        descend(self.part.hub.curve(), offset, origin, &self.axis, reach)
+        sphere_trace(self.part.hub.curve(), offset, origin, &self.axis, reach)
     }
 
     /// Intervals of stock on the line, lowest first: from the hub up to the blank, less what earlier cutters
@@ -235,14 +235,14 @@ impl Lines<'_> {
         };
         let mut stock = vec![[hub, top]];
         for cutter in self.earlier {
-            remove(&mut stock, cutter.column_interval(cutter.radius, origin, &self.axis));
+            remove_interval(&mut stock, cutter.column_interval(cutter.radius, origin, &self.axis));
         }
         stock
     }
 }
 
 /// Removes an interval from ordered intervals.
-fn remove(stock: &mut Vec<[f64; 2]>, taken: Option<(f64, f64)>) {
+fn remove_interval(stock: &mut Vec<[f64; 2]>, taken: Option<(f64, f64)>) {
     let Some((low, high)) = taken else { return };
     let old = std::mem::take(stock);
     for [a, b] in old {
@@ -260,14 +260,20 @@ fn remove(stock: &mut Vec<[f64; 2]>, taken: Option<(f64, f64)>) {
 }
 
 /// Top of the stock on the hub.
-fn first_top(stock: &[[f64; 2]], hub: f64) -> f64 {
+fn stock_top(stock: &[[f64; 2]], hub: f64) -> f64 {
     stock.first().filter(|s| s[0] <= hub + 1e-6).map_or(hub, |s| s[1])
 }
 
 /// Height at which a line from above meets the surface of revolution at `offset` from `curve`, by sphere
 /// tracing: the distance to the curve never exceeds that to the surface along the line. `None` beyond the
 /// ends of the curve.
-fn descend(curve: &MeridionalCurve, offset: f64, origin: &Point, axis: &Vector, reach: f64) -> Option<f64> {
+fn sphere_trace(
+    curve: &MeridionalCurve,
+    offset: f64,
+    origin: &Point,
+    axis: &Vector,
+    reach: f64,
+) -> Option<f64> {
     let mut h = 0.5 * reach;
     let (mut guess, _) = curve.project(Meridional::of(&(origin + axis * h)));
     for _ in 0..MAX_STEPS {
@@ -287,7 +293,7 @@ fn descend(curve: &MeridionalCurve, offset: f64, origin: &Point, axis: &Vector, 
 }
 
 /// Angle between the normal of the hub line at x = 0 and the y direction, rad.
-fn lean(hub: &[Place]) -> f64 {
+fn lead_angle(hub: &[SectionPoint]) -> f64 {
     let Some(at) = hub.iter().position(|p| p[0] >= 0.0) else { return 0.0 };
     let (a, b) = (hub[at.saturating_sub(2)], hub[(at + 2).min(hub.len() - 1)]);
     (b[1] - a[1]).atan2(b[0] - a[0])

@@ -3,16 +3,16 @@
 
 use std::sync::Arc;
 
-use super::choice::rest::thick_after;
+use super::choice::rest::rest_threshold_after;
 use super::cycle::SectionCut;
 use super::sections::{SetupFault, tool_of};
-use crate::part::setup::{AxisPolicy, PlungeSetup, SectionSetup, Stock};
+use crate::part::setup::{AllowanceSetup, AxisPolicy, PlungeSetup, SectionSetup};
 use crate::part::{Machine, Setup, Tool};
 
 /// Cache key of a section: what its rows depend on, besides the part and the earlier sections.
 #[derive(Clone, Debug, PartialEq)]
-struct Input {
-    stock: Stock,
+struct SectionKey {
+    stock: AllowanceSetup,
     tool: Tool,
     section: SectionSetup,
     plunge: PlungeSetup,
@@ -21,13 +21,13 @@ struct Input {
     rest_from: Option<f64>,
 }
 
-impl Input {
+impl SectionKey {
     /// Key of section `index`. Values that do not influence the position of the cutter are normalised.
     fn of(setup: &Setup, index: usize) -> Result<Self, SetupFault> {
         let section = &setup.plunge.sections[index];
         let tool = tool_of(setup, section.tool)?;
         Ok(Self {
-            stock: Stock { safety_distance: 0.0, ..setup.stock.clone() },
+            stock: AllowanceSetup { safety_distance: 0.0, ..setup.allowances.clone() },
             tool: Tool { number: 0, plunge_feed: 0.0, spindle: 0.0, ..tool.clone() },
             section: SectionSetup { tool: 0, ..section.clone() },
             plunge: PlungeSetup {
@@ -37,27 +37,27 @@ impl Input {
                 ..setup.plunge.clone()
             },
             machine: setup.machine.clone(),
-            rest_from: thick_after(setup, index)?,
+            rest_from: rest_threshold_after(setup, index)?,
         })
     }
 }
 
 /// Cache of the sections of the last plan of a part by one policy.
 #[derive(Debug, Default)]
-pub struct KnownSections {
-    sections: Vec<(Input, Arc<SectionCut>)>,
+pub struct SectionCache {
+    sections: Vec<(SectionKey, Arc<SectionCut>)>,
     /// All sections of the last finished plan, stale or not: the source of the warm start.
-    whole: Vec<(Input, Arc<SectionCut>)>,
+    complete: Vec<(SectionKey, Arc<SectionCut>)>,
 }
 
-impl KnownSections {
+impl SectionCache {
     /// Number of leading sections that are valid for `setup`.
     ///
     /// # Errors
     /// When the tool of a section is missing in the setup.
-    pub fn holding(&self, setup: &Setup) -> Result<usize, SetupFault> {
+    pub fn valid_prefix(&self, setup: &Setup) -> Result<usize, SetupFault> {
         for (index, (before, _)) in self.sections.iter().enumerate() {
-            if index == setup.plunge.sections.len() || *before != Input::of(setup, index)? {
+            if index == setup.plunge.sections.len() || *before != SectionKey::of(setup, index)? {
                 return Ok(index);
             }
         }
@@ -65,27 +65,27 @@ impl KnownSections {
     }
 
     /// Stores the current plan as the last finished one, if all of its `sections` sections are cached.
-    pub(super) fn remember_whole(&mut self, sections: usize) {
+    pub(super) fn store_complete(&mut self, sections: usize) {
         if self.sections.len() == sections {
-            self.whole.clone_from(&self.sections);
+            self.complete.clone_from(&self.sections);
         }
     }
 
     /// The sections of the last finished plan, if `setup` has as many with the same cutters.
     ///
     /// # Errors
-    /// As [`Self::holding`].
-    pub(super) fn last_whole(&self, setup: &Setup) -> Result<Option<Vec<Arc<SectionCut>>>, SetupFault> {
-        if self.whole.is_empty() || self.whole.len() != setup.plunge.sections.len() {
+    /// As [`Self::valid_prefix`].
+    pub(super) fn last_complete(&self, setup: &Setup) -> Result<Option<Vec<Arc<SectionCut>>>, SetupFault> {
+        if self.complete.is_empty() || self.complete.len() != setup.plunge.sections.len() {
             return Ok(None);
         }
-        for (index, (before, _)) in self.whole.iter().enumerate() {
-            let now = Input::of(setup, index)?;
+        for (index, (before, _)) in self.complete.iter().enumerate() {
+            let now = SectionKey::of(setup, index)?;
             if (&before.tool, before.section.rest) != (&now.tool, now.section.rest) {
                 return Ok(None);
             }
         }
-        Ok(Some(self.whole.iter().map(|(_, cut)| Arc::clone(cut)).collect()))
+        Ok(Some(self.complete.iter().map(|(_, cut)| Arc::clone(cut)).collect()))
     }
 
     /// Section `index` of a plan by `setup` from the cache, or else from `make`, which gets the previous
@@ -104,7 +104,7 @@ impl KnownSections {
         }
         let cut = Arc::new(make(self.sections.last().map(|(_, cut)| cut.as_ref()))?);
         if !cut.is_unfinished() {
-            self.sections.push((Input::of(setup, index)?, Arc::clone(&cut)));
+            self.sections.push((SectionKey::of(setup, index)?, Arc::clone(&cut)));
         }
         Ok(cut)
     }
@@ -112,9 +112,9 @@ impl KnownSections {
     /// Drops the sections that are stale for `setup`.
     ///
     /// # Errors
-    /// As [`Self::holding`].
-    pub(super) fn keep_for(&mut self, setup: &Setup) -> Result<(), SetupFault> {
-        self.sections.truncate(self.holding(setup)?);
+    /// As [`Self::valid_prefix`].
+    pub(super) fn invalidate(&mut self, setup: &Setup) -> Result<(), SetupFault> {
+        self.sections.truncate(self.valid_prefix(setup)?);
         Ok(())
     }
 }

@@ -15,8 +15,8 @@ use std::sync::Arc;
 use super::clearance::FinishedPart;
 use super::fit_table::{FitNode, FitTable, Reading};
 use crate::geometry::{CutterSolid, Point, Vector, norm2, wrap_angle};
-use crate::part::setup::Stock;
-use crate::part::{Impeller, Nearest, Passage, SideProbe, Tool};
+use crate::part::setup::AllowanceSetup;
+use crate::part::{Impeller, NearestOnSide, Passage, SideProbe, Tool};
 
 /// A passage with the axes of one cutter along its walls.
 #[derive(Debug)]
@@ -50,7 +50,7 @@ pub struct AxisEnds {
 
 /// Clearance from one third of a wall, and its derivatives by the angles of the ends of the axis.
 #[derive(Clone, Copy, Debug)]
-struct Answer {
+struct ClearanceResponse {
     /// Derivative by θ of M, mm/rad.
     by_hub: f64,
     /// Derivative by θ of W, mm/rad.
@@ -62,19 +62,19 @@ struct Answer {
 /// State of the Newton iteration: responses of the root, middle and tip third of the wall.
 #[derive(Clone, Copy, Debug)]
 struct FitState {
-    answers: [Answer; 3],
+    answers: [ClearanceResponse; 3],
     /// Distance from M to W, mm.
     height: f64,
 }
 
 impl FitState {
-    fn nearest(&self) -> Answer {
+    fn nearest(&self) -> ClearanceResponse {
         let [low, middle, high] = self.answers;
         [low, middle, high].into_iter().min_by(|a, b| a.excess.total_cmp(&b.excess)).unwrap_or(low)
     }
 
     /// Residual of the fit, mm: 0 for an exact one.
-    fn merit(&self) -> f64 {
+    fn residual(&self) -> f64 {
         let [low, _, high] = self.answers;
         self.nearest().excess.abs().max((low.excess - high.excess).abs())
     }
@@ -99,12 +99,12 @@ pub fn is_wall(lambda: f64) -> bool {
 }
 
 /// Maximum difference of the tilt angle of a fitted axis from that of the plain offset of the ruling.
-const LEAN_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
+const TILT_LIMIT_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 /// Tilt angles relative to the plain offset that are tried where no fit exists, degrees.
-const SIDE_LEANS_DEG: [f64; 15] =
+const TILT_OFFSETS_DEG: [f64; 15] =
     [0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0, 13.0, -13.0, 17.0, -17.0, 22.0, -22.0, 28.0, -28.0];
 /// Minimum height of the channel for an axis, in hub allowances.
-const LEAST_HEIGHTS: f64 = 1.2;
+const MIN_HEIGHTS: f64 = 1.2;
 /// Tolerance of the clearance, mm, always on the safe side.
 const FIT_TOLERANCE: f64 = 2e-7;
 /// Maximum difference between two searches for the nearest point of a wall, mm: fits keep this as a margin.
@@ -117,7 +117,7 @@ impl<'a> Lane<'a> {
         passage: &'a Passage,
         finished: Arc<FinishedPart<'a>>,
         tool: &Tool,
-        stock: &Stock,
+        stock: &AllowanceSetup,
     ) -> Self {
         let (hub_allowance, blade_allowance) = (stock.hub_allowance, stock.blade_allowance);
         let probe = |i: usize| {
@@ -175,7 +175,7 @@ impl<'a> Lane<'a> {
     }
 
     /// +1 where increasing θ leads into the passage from this wall, else −1.
-    fn inward(&self, wall: usize) -> f64 {
+    fn inward_sign(&self, wall: usize) -> f64 {
         self.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 }
     }
 
@@ -189,13 +189,13 @@ impl<'a> Lane<'a> {
         s_shroud: f64,
         warm: Option<AxisEnds>,
     ) -> Option<AxisEnds> {
-        let fitted = self.fitted(wall, s_hub, s_shroud, warm);
-        fitted.or_else(|| self.beside_blades(wall, s_hub, s_shroud))
+        let fitted = self.fit_axis(wall, s_hub, s_shroud, warm);
+        fitted.or_else(|| self.axis_beside_blades(wall, s_hub, s_shroud))
     }
 
     /// The axis along `wall` by damped Newton iteration, on the branch of the ruling; see
     /// [`Self::wall_axis`].
-    fn fitted(&self, wall: usize, s_hub: f64, s_shroud: f64, warm: Option<AxisEnds>) -> Option<AxisEnds> {
+    fn fit_axis(&self, wall: usize, s_hub: f64, s_shroud: f64, warm: Option<AxisEnds>) -> Option<AxisEnds> {
         let plain = self.plain_offset(wall, s_hub, s_shroud)?;
         let plain_lean = plain.theta_shroud - plain.theta_hub;
         let mut ends = match warm {
@@ -206,14 +206,14 @@ impl<'a> Lane<'a> {
         let mut places = [None; 3];
         let mut state = self.fit_state(wall, &ends, &mut places);
         for _ in 0..12 {
-            if state.merit() < FIT_TOLERANCE {
+            if state.residual() < FIT_TOLERANCE {
                 break;
             }
             let (dm, dw) = state.step()?;
             let r_hub = self.part.hub.point(s_hub).r.max(1e-6);
             let r_shroud = self.part.shroud.point(s_shroud).r.max(1e-6);
             // Several fits may exist on a twisted wall: stay on the branch of the ruling.
-            let lean_limit = LEAN_LIMIT_RAD.tan() * state.height / r_shroud;
+            let lean_limit = TILT_LIMIT_RAD.tan() * state.height / r_shroud;
             let limit = 0.25 * self.radius / r_hub;
             // Damping: a step that increases the residual is shortened.
             let mut scale = 1.0;
@@ -227,7 +227,7 @@ impl<'a> Lane<'a> {
                     next.theta_hub + lean.clamp(plain_lean - lean_limit, plain_lean + lean_limit);
                 let mut there = places;
                 let next_state = self.fit_state(wall, &next, &mut there);
-                if next_state.merit() < state.merit() {
+                if next_state.residual() < state.residual() {
                     (ends, state, places, improved) = (next, next_state, there, true);
                     break;
                 }
@@ -237,7 +237,7 @@ impl<'a> Lane<'a> {
                 break;
             }
         }
-        let (ends, near) = self.turned_off(&self.probes[wall], wall, ends, 0.0)?;
+        let (ends, near) = self.turn_off_side(&self.probes[wall], wall, ends, 0.0)?;
         // A cutter that touches the extension of a flank may be inside another blade.
         let (from, to) = self.passage.walls[wall].side().u_range();
         let on_flank = (from..=to).contains(&near.u);
@@ -247,11 +247,11 @@ impl<'a> Lane<'a> {
 
     /// The axis beside `wall`, turned into the passage until it clears the finished blades, with the tilt
     /// angle closest to that of the ruling for which that is possible.
-    fn beside_blades(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
+    fn axis_beside_blades(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
         let plain = self.plain_offset(wall, s_hub, s_shroud)?;
         let (m, w) = (self.hub_point(&plain), self.shroud_point(&plain));
         let unit = (w - m).norm() / norm2(w.x, w.y).max(1e-6);
-        SIDE_LEANS_DEG.iter().find_map(|lean_deg| {
+        TILT_OFFSETS_DEG.iter().find_map(|lean_deg| {
             let theta_shroud = plain.theta_shroud + lean_deg.to_radians().tan() * unit;
             self.clear_of_blades(wall, AxisEnds { theta_shroud, ..plain })
         })
@@ -270,7 +270,7 @@ impl<'a> Lane<'a> {
             let turning = Vector::new(-near.point.y, near.point.x, 0.0);
             let up = (near.point - cutter.tip).dot(&cutter.axis);
             let away = (cutter.tip + cutter.axis * up - near.point).try_normalize(1e-9)?;
-            let gain = away.dot(&turning) * self.inward(wall);
+            let gain = away.dot(&turning) * self.inward_sign(wall);
             // Without gain, the blade is on the far side of the passage, or the cutter has to pass through
             // its own blade.
             let short = if gain > 0.0 {
@@ -283,8 +283,8 @@ impl<'a> Lane<'a> {
             if turned > limit {
                 return None;
             }
-            ends.theta_hub += step * self.inward(wall);
-            ends.theta_shroud += step * self.inward(wall);
+            ends.theta_hub += step * self.inward_sign(wall);
+            ends.theta_shroud += step * self.inward_sign(wall);
         }
         None
     }
@@ -304,9 +304,9 @@ impl<'a> Lane<'a> {
             places[third] = Some(near.u);
             third += 1;
             let along = (near.point - m).dot(&cutter.axis);
-            let (away, clearance) = self.away(&self.probes[wall], wall, &cutter, &near);
+            let (away, clearance) = self.direction_away(&self.probes[wall], wall, &cutter, &near);
             let share = (along / height).clamp(-0.2, 1.2);
-            Answer {
+            ClearanceResponse {
                 by_hub: (1.0 - share) * away.dot(&Vector::new(-m.y, m.x, 0.0)),
                 by_shroud: share * away.dot(&Vector::new(-w.y, w.x, 0.0)),
                 excess: clearance - self.blade_allowance,
@@ -317,7 +317,13 @@ impl<'a> Lane<'a> {
 
     /// Unit direction from the nearest point of a side of `wall` to the axis, and the clearance there. When
     /// the axis itself is beyond the wall, the direction is reversed and the clearance is negative.
-    fn away(&self, probe: &SideProbe, wall: usize, cutter: &CutterSolid, near: &Nearest) -> (Vector, f64) {
+    fn direction_away(
+        &self,
+        probe: &SideProbe,
+        wall: usize,
+        cutter: &CutterSolid,
+        near: &NearestOnSide,
+    ) -> (Vector, f64) {
         let d = near.point - cutter.tip;
         let flat = -(d - cutter.axis * d.dot(&cutter.axis));
         let length = flat.norm();
@@ -335,17 +341,17 @@ impl<'a> Lane<'a> {
     /// Turns both ends away from `wall` until the cutter, its bottom `lift` mm above M, keeps the allowance
     /// from the finished blade. `None` when turning does not achieve that.
     fn push_clear(&self, wall: usize, ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
-        self.turned_off(&self.blades[wall].0, wall, ends, lift).map(|(ends, _)| ends)
+        self.turn_off_side(&self.blades[wall].0, wall, ends, lift).map(|(ends, _)| ends)
     }
 
     /// As [`Self::push_clear`], for the side of `probe`; also returns its nearest point to the final cutter.
-    fn turned_off(
+    fn turn_off_side(
         &self,
         probe: &SideProbe,
         wall: usize,
         mut ends: AxisEnds,
         lift: f64,
-    ) -> Option<(AxisEnds, Nearest)> {
+    ) -> Option<(AxisEnds, NearestOnSide)> {
         let mut place: Option<f64> = None;
         for _ in 0..20 {
             let mut cutter = self.cutter(&ends);
@@ -355,14 +361,14 @@ impl<'a> Lane<'a> {
                 Some(u) => probe.nearest_from(&cutter, u, 0.0, 1.0),
                 None => probe.nearest(&cutter, 0.0, 1.0),
             };
-            let (away, clearance) = self.away(probe, wall, &cutter, &near);
+            let (away, clearance) = self.direction_away(probe, wall, &cutter, &near);
             let short = self.blade_allowance - clearance;
             if short <= 0.0 {
                 return Some((ends, near));
             }
             let turn = Vector::new(-near.point.y, near.point.x, 0.0);
             let gain = away.dot(&turn).abs().max(0.2 * turn.norm());
-            let step = (short + FIT_TOLERANCE) / gain * self.inward(wall);
+            let step = (short + FIT_TOLERANCE) / gain * self.inward_sign(wall);
             if !step.is_finite() || step.abs() > 0.5 {
                 return None;
             }
@@ -382,13 +388,13 @@ impl<'a> Lane<'a> {
         let (hub, shroud) = (self.part.hub.at(s_hub), self.part.shroud.point(s_shroud));
         let (rise_r, rise_z) = (shroud.r - hub.point.r, shroud.z - hub.point.z);
         let height = rise_r * hub.normal.r + rise_z * hub.normal.z;
-        if height < LEAST_HEIGHTS * self.hub_allowance {
+        if height < MIN_HEIGHTS * self.hub_allowance {
             return None;
         }
         let reach = self.radius + self.blade_allowance;
         let offset = |r: f64, theta_s: f64, length: f64| {
             let slope = r * theta_s / length;
-            reach * (1.0 + slope * slope).sqrt().min(4.0) / r.max(1e-6) * self.inward(wall)
+            reach * (1.0 + slope * slope).sqrt().min(4.0) / r.max(1e-6) * self.inward_sign(wall)
         };
         let (r_hub, r_shroud) = (hub.point.r, shroud.r);
         let theta_shroud = foot.theta + wrap_angle(top.theta - foot.theta);
@@ -405,12 +411,12 @@ impl<'a> Lane<'a> {
     pub fn wall_pair(&self, s_hub: f64, s_shroud: f64) -> Option<[AxisEnds; 2]> {
         let low = self.wall_axis(0, s_hub, s_shroud, None)?;
         let high = self.wall_axis(1, s_hub, s_shroud, None)?;
-        self.ordered(low, high)
+        self.ordered_pair(low, high)
     }
 
     /// The axes beside both walls, with the angles of that at λ = 1 wrapped next to those of the other;
     /// `None` where the cutter does not fit between them.
-    fn ordered(&self, low: AxisEnds, mut high: AxisEnds) -> Option<[AxisEnds; 2]> {
+    fn ordered_pair(&self, low: AxisEnds, mut high: AxisEnds) -> Option<[AxisEnds; 2]> {
         let half = 0.5 * self.part.pitch();
         let beside = |a: f64, b: f64| a + wrap_angle(b - a - half) + half;
         high.theta_hub = beside(low.theta_hub, high.theta_hub);
@@ -423,10 +429,10 @@ impl<'a> Lane<'a> {
     /// Distance between the two wall axes at `s`, on the hub and on the shroud, mm: perpendicular to the flow
     /// or to the axis, whichever is smaller. `None` where the cutter does not fit.
     pub fn width(&self, s: f64) -> Option<(f64, f64)> {
-        let (low, high) = self.guides(s, s, true)?;
-        let pair = self.ordered(low, high)?;
+        let (low, high) = self.guide_axes(s, s, true)?;
+        let pair = self.ordered_pair(low, high)?;
         let step = 1e-3;
-        let before = self.guides(s - step, s - step, true).map(|(low, _)| low);
+        let before = self.guide_axes(s - step, s - step, true).map(|(low, _)| low);
         let across = |from: Point, to: Point, along: Vector| {
             let d = to - from;
             (d - along * d.dot(&along)).norm()
@@ -449,7 +455,7 @@ impl<'a> Lane<'a> {
         let normal = self.part.hub.normal(s).direction_at_angle(ends.theta_hub);
         let (m, axis) = self.line(&ends);
         let across = normal.cross(&along).normalize();
-        let into_passage = Vector::new(-m.y, m.x, 0.0) * self.inward(wall);
+        let into_passage = Vector::new(-m.y, m.x, 0.0) * self.inward_sign(wall);
         let lean = axis.dot(&across) * across.dot(&into_passage).signum();
         Some(lean.atan2(axis.dot(&normal)))
     }
@@ -461,9 +467,9 @@ impl<'a> Lane<'a> {
     fn table_axis(&self, wall: usize, s_hub: f64, s_shroud: f64, refit: bool) -> Option<AxisEnds> {
         let fit = |s_hub: f64, shift: f64| {
             let plain = self.plain_offset(wall, s_hub, s_hub - shift)?;
-            let fitted = self.fitted(wall, s_hub, s_hub - shift, None);
+            let fitted = self.fit_axis(wall, s_hub, s_hub - shift, None);
             let is_fitted = fitted.is_some();
-            let ends = fitted.or_else(|| self.beside_blades(wall, s_hub, s_hub - shift))?;
+            let ends = fitted.or_else(|| self.axis_beside_blades(wall, s_hub, s_hub - shift))?;
             let beside = |a: f64, b: f64| wrap_angle(a - b);
             Some(FitNode {
                 angles: [ends.theta_hub, ends.theta_shroud],
@@ -474,13 +480,13 @@ impl<'a> Lane<'a> {
                 is_fitted,
             })
         };
-        match self.tables[wall].at(s_hub, s_hub - s_shroud, &fit) {
+        match self.tables[wall].look_up(s_hub, s_hub - s_shroud, &fit) {
             Reading::Fitted([theta_hub, theta_shroud]) => {
                 Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud })
             }
             Reading::Beside([hub, shroud], all_fitted) => {
                 let fitted =
-                    if refit && all_fitted { self.fitted(wall, s_hub, s_shroud, None) } else { None };
+                    if refit && all_fitted { self.fit_axis(wall, s_hub, s_shroud, None) } else { None };
                 fitted.or_else(|| {
                     let plain = self.plain_offset(wall, s_hub, s_shroud)?;
                     Some(AxisEnds {
@@ -505,8 +511,8 @@ impl<'a> Lane<'a> {
         if is_wall(lambda) {
             return self.table_axis(lambda as usize, s_hub, s_shroud, refit);
         }
-        let (low, high) = self.guides(s_hub, s_shroud, refit)?;
-        let [low, high] = self.ordered(low, high)?;
+        let (low, high) = self.guide_axes(s_hub, s_shroud, refit)?;
+        let [low, high] = self.ordered_pair(low, high)?;
         Some(AxisEnds {
             theta_hub: low.theta_hub + lambda * (high.theta_hub - low.theta_hub),
             theta_shroud: low.theta_shroud + lambda * (high.theta_shroud - low.theta_shroud),
@@ -516,7 +522,7 @@ impl<'a> Lane<'a> {
 
     /// The axes beside both walls between which rows are interpolated; where a wall has none, the plain
     /// offset of its ruling.
-    fn guides(&self, s_hub: f64, s_shroud: f64, refit: bool) -> Option<(AxisEnds, AxisEnds)> {
+    fn guide_axes(&self, s_hub: f64, s_shroud: f64, refit: bool) -> Option<(AxisEnds, AxisEnds)> {
         let guide = |wall: usize| {
             let axis = self.table_axis(wall, s_hub, s_shroud, refit);
             axis.or_else(|| self.plain_offset(wall, s_hub, s_shroud))
@@ -533,7 +539,7 @@ impl<'a> Lane<'a> {
 
     /// As [`Self::isoparametric`], with the plain offset of the ruling where no axis beside a wall clears the
     /// blades: the reference for inclined axes at the same s.
-    pub fn guide(&self, lambda: f64, s: f64) -> Option<AxisEnds> {
+    pub fn reference_axis(&self, lambda: f64, s: f64) -> Option<AxisEnds> {
         let plain = || {
             let wall = is_wall(lambda).then_some(lambda as usize)?;
             self.plain_offset(wall, s, self.isoparametric_shroud(s))
@@ -549,7 +555,7 @@ impl<'a> Lane<'a> {
 
     /// Exact axis of a row: at a wall, turned until the cutter, its bottom `lift` mm above M, clears the
     /// finished blade by the allowance; unchanged between the walls.
-    pub fn settled(&self, lambda: f64, ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
+    pub fn exact_axis(&self, lambda: f64, ends: AxisEnds, lift: f64) -> Option<AxisEnds> {
         if is_wall(lambda) { self.push_clear(lambda as usize, ends, lift) } else { Some(ends) }
     }
 }

@@ -5,14 +5,14 @@
 
 use rayon::prelude::*;
 
-use super::flight::Flight;
+use super::flight::LinkMove;
 use super::plan::{PlungePlan, Position};
-use super::retract::{NearBottom, pulled_clear};
+use super::retract::{NearBottom, retract_clear};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
 /// Maximum number of iterations for one link, and for the whole plan.
-const MAX_ROUNDS: usize = 20;
+const MAX_ITERATIONS: usize = 20;
 
 /// Moves retract points up their axes until links and retracts keep `safety` mm from `blank`, and measures
 /// the clearance of each retract point and its following link.
@@ -39,7 +39,7 @@ pub fn raise_links(
         .collect();
     // Clearance of each link, mm.
     let mut kept = Vec::new();
-    for _ in 0..MAX_ROUNDS {
+    for _ in 0..MAX_ITERATIONS {
         monitor.check()?;
         let links = Links { plan, bottoms: &bottoms, blank, safety };
         let clearance = |&k: &usize| if monitor.is_cancelled() { safety } else { links.clearance(k) };
@@ -58,7 +58,7 @@ pub fn raise_links(
     plan.positions.par_iter_mut().zip(bottoms).for_each(|(p, bottom)| {
         let tool = &sections[p.section].tool;
         let cutter = tool.placed(p.retract, p.axis);
-        (p.retract, p.retract_clearance) = pulled_clear(&cutter, bottom.clearance, blank, safety);
+        (p.retract, p.retract_clearance) = retract_clear(&cutter, bottom.clearance, blank, safety);
     });
     for (k, kept) in numbers.into_iter().zip(kept) {
         let position = &mut plan.positions[k];
@@ -82,7 +82,7 @@ fn raise(
     safety: f64,
     monitor: &Monitor,
 ) -> Result<(), Cancelled> {
-    for round in 0..MAX_ROUNDS {
+    for round in 0..MAX_ITERATIONS {
         monitor.check()?;
         let clearance = Links { plan, bottoms, blank, safety }.clearance(k);
         if clearance >= safety {
@@ -113,7 +113,7 @@ impl Links<'_> {
     fn clearance(&self, k: usize) -> f64 {
         let (a, b) = (&self.plan.positions[k], &self.plan.positions[k + 1]);
         let tool = &self.plan.sections[a.section].tool;
-        let link = Flight { tool, blank: self.blank, from: (a.retract, a.axis), to: (b.retract, b.axis) };
+        let link = LinkMove { tool, blank: self.blank, from: (a.retract, a.axis), to: (b.retract, b.axis) };
         link.clearance([&self.bottoms[k], &self.bottoms[k + 1]], self.safety)
     }
 }

@@ -8,7 +8,7 @@
 //! | 3 axis optimisation | [`monotone`] |
 //! | 4 drop-cutter depth (slotting depth in the paper) | [`slotting`] |
 //! | 5 safe height | [`retract`], [`flight`], [`links`] |
-//! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`KnownSections`], `carried` |
+//! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `carried` |
 //! | verification: contact of the core, clearances | [`contact`], [`clearance`] |
 //! | sectional view through one position | [`inspect`] |
 
@@ -36,5 +36,7 @@ pub mod survey;
 pub mod whole;
 
 pub use cycle::{PlacedPlan, PlanError, Planner};
-pub use known::KnownSections;
-pub use plan::{Blocked, CoreContact, Dropped, Held, NoPlace, PlungePlan, Position, SectionPlan, Stopped};
+pub use known::SectionCache;
+pub use plan::{
+    Blocked, CoreContact, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason,
+};

@@ -11,16 +11,16 @@ use super::row::{RowMaker, Station};
 use crate::geometry::search;
 
 /// Minimum growth of α, rad: it makes "greater" well defined in floating point.
-pub const LEAST_GROWTH_RAD: f64 = 1e-9;
+pub const MIN_GROWTH_RAD: f64 = 1e-9;
 /// Tolerance of the position of W on the shroud curve, as a fraction of its length.
-const PLACE_TOLERANCE: f64 = 1e-6;
+const SHROUD_TOLERANCE: f64 = 1e-6;
 /// Distance by which W may pass the trimmed ends of the shroud curve, in s.
 const SHROUD_OVERRUN: f64 = 0.5;
 
 impl RowMaker<'_> {
     /// Lead angle, rad: α in cutting direction, positive when the axis is inclined towards the uncut side.
-    fn lean(&self, station: &Station) -> f64 {
-        station.alpha * self.inward
+    fn lead_angle(&self, station: &Station) -> f64 {
+        station.alpha_rad * self.direction_sign
     }
 
     /// Applies the rule to a conventional row. `start` is the minimum lead angle (rad) of the first position,
@@ -34,7 +34,7 @@ impl RowMaker<'_> {
         accept: &mut dyn FnMut(&[Station]) -> bool,
     ) -> Option<Vec<Station>> {
         let Some((first, rest)) = conventional.split_first() else { return Some(Vec::new()) };
-        let first = start.map_or(*first, |lean| self.leaning_at_least(first, lean, 0.0, max_tilt));
+        let first = start.map_or(*first, |lean| self.with_min_lead_angle(first, lean, 0.0, max_tilt));
         self.monotone_after(first, rest, max_tilt, accept)
     }
 
@@ -53,8 +53,8 @@ impl RowMaker<'_> {
             if !accept(&row) {
                 return None;
             }
-            let wanted = self.lean(&previous) + LEAST_GROWTH_RAD;
-            previous = self.leaning_at_least(station, wanted, previous.moved(), max_tilt);
+            let wanted = self.lead_angle(&previous) + MIN_GROWTH_RAD;
+            previous = self.with_min_lead_angle(station, wanted, previous.shroud_shift(), max_tilt);
             row.push(previous);
         }
         accept(&row).then_some(row)
@@ -63,12 +63,12 @@ impl RowMaker<'_> {
     /// The station with W moved by the smallest amount for which its lead angle is at least `wanted` (rad).
     /// Where that is impossible, the last one that blades, shroud and tilt limit allow, marked as blocked.
     /// `likely` is the amount the neighbour needed, in s: the first guess of the bracket.
-    pub fn leaning_at_least(&self, from: &Station, wanted: f64, likely: f64, max_tilt: f64) -> Station {
-        if self.lean(from) >= wanted {
+    pub fn with_min_lead_angle(&self, from: &Station, wanted: f64, likely: f64, max_tilt: f64) -> Station {
+        if self.lead_angle(from) >= wanted {
             return *from;
         }
         let moved = |amount: f64| -> Result<Station, Blocked> {
-            let s_shroud = from.s_shroud_conventional - amount * self.inward;
+            let s_shroud = from.s_shroud_conventional - amount * self.direction_sign;
             if !(-SHROUD_OVERRUN..=1.0 + SHROUD_OVERRUN).contains(&s_shroud) {
                 return Err(Blocked::ShroudEnd);
             }
@@ -79,9 +79,9 @@ impl RowMaker<'_> {
             Ok(Station { s_shroud_conventional: from.s_shroud_conventional, ..station })
         };
         // The bracket holds (amount, lead angle minus `wanted`): drafts are cheap to compute again.
-        let excess = |amount: f64| moved(amount).map(|s| self.lean(&s) - wanted);
+        let excess = |amount: f64| moved(amount).map(|s| self.lead_angle(&s) - wanted);
         let unit = 1.0 / self.part.shroud.length();
-        let mut low = (0.0, self.lean(from) - wanted);
+        let mut low = (0.0, self.lead_angle(from) - wanted);
         let mut step = likely.max(0.5 * unit);
         let mut stride = (0.02 * likely).max(0.3 * unit);
         let high = loop {
@@ -110,13 +110,13 @@ impl RowMaker<'_> {
         }
         let guess = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
         let missing = |amount: f64| excess(amount).unwrap_or(f64::NEG_INFINITY);
-        let root = search::root_from(missing, low, high, guess, PLACE_TOLERANCE);
+        let root = search::root_from(missing, low, high, guess, SHROUD_TOLERANCE);
         // The exact wall axis shifts α a little: increase the amount until it suffices.
         let mut amount = root;
-        let mut nudge = PLACE_TOLERANCE;
+        let mut nudge = SHROUD_TOLERANCE;
         for _ in 0..24 {
             if let Some(station) = moved(amount).ok().and_then(|s| self.exact(&s))
-                && self.lean(&station) >= wanted
+                && self.lead_angle(&station) >= wanted
             {
                 return station;
             }

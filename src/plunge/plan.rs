@@ -2,7 +2,7 @@
 
 use crate::geometry::{Point, Vector};
 use crate::part::Tool;
-use crate::part::setup::{AxisPolicy, Feed};
+use crate::part::setup::{AxisPolicy, CutDirection};
 
 /// Contact of the core with stock during one plunge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -48,7 +48,7 @@ impl Condition {
 /// Why no more plunges were added to a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Stopped {
+pub enum StopReason {
     /// No possible plunge would remove enough stock.
     NothingWorthwhile,
     /// The limit of added plunges per section, a multiple of those of its rows, is reached.
@@ -61,7 +61,7 @@ pub enum Stopped {
     Cancelled,
 }
 
-impl Stopped {
+impl StopReason {
     /// Key in files.
     pub fn name(self) -> &'static str {
         match self {
@@ -100,7 +100,7 @@ pub enum Blocked {
 /// What limits a position of `minimal`: why it lacks the axis that would leave the least stock there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Held {
+pub enum LimitedBy {
     /// That axis does not clear the blades.
     Walls,
     /// That axis differs from the previous one by more than `max_axis_change`.
@@ -109,7 +109,7 @@ pub enum Held {
     Contact,
 }
 
-impl Held {
+impl LimitedBy {
     /// All variants.
     pub const ALL: [Self; 3] = [Self::Walls, Self::AxisChange, Self::Contact];
 
@@ -141,7 +141,7 @@ pub struct Position {
     /// Channel coordinate across, 0 suction wall, 1 pressure wall.
     pub lambda: f64,
     /// α: signed angle between hub normal at the contact point and axis, rad, positive towards the inlet.
-    pub alpha: f64,
+    pub alpha_rad: f64,
     /// Where the bottom touches the allowance surface of the hub.
     pub contact_point: Point,
     /// Contact of the core with stock.
@@ -151,7 +151,7 @@ pub struct Position {
     /// Why the position lacks the axis its policy prescribes, if it does.
     pub blocked: Option<Blocked>,
     /// What keeps it from the axis that would leave the least stock; set by `minimal` only.
-    pub held: Option<Held>,
+    pub limited_by: Option<LimitedBy>,
     /// Minimum distance of the cutter to the finished hub, mm.
     pub hub_clearance: f64,
     /// Minimum distance of the cutter to the finished blades, mm.
@@ -182,12 +182,12 @@ impl Position {
             row,
             s: station.ends.s_hub,
             lambda,
-            alpha: station.alpha,
+            alpha_rad: station.alpha_rad,
             contact_point: station.contact_point,
             contact: CoreContact::default(),
             lift: 0.0,
             blocked: station.blocked,
-            held: station.held,
+            limited_by: station.limited_by,
             hub_clearance: f64::NAN,
             blade_clearance: f64::NAN,
             retract_clearance: f64::NAN,
@@ -198,7 +198,7 @@ impl Position {
 /// Why a position was dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum NoPlace {
+pub enum DropReason {
     /// The cutter does not clear the blades.
     Blades,
     /// The plunge would have to stop so short for its core to be free that it would cut next to nothing.
@@ -207,7 +207,7 @@ pub enum NoPlace {
     Overhang,
 }
 
-impl NoPlace {
+impl DropReason {
     /// All variants.
     pub const ALL: [Self; 3] = [Self::Blades, Self::Contact, Self::Overhang];
 
@@ -231,7 +231,7 @@ pub struct Dropped {
     /// s of M, the foot of its axis.
     pub s: f64,
     /// Why.
-    pub why: NoPlace,
+    pub why: DropReason,
 }
 
 /// Plan of one section: a stretch of s cut with one tool.
@@ -244,14 +244,14 @@ pub struct SectionPlan {
     /// s at the inlet end.
     pub to: f64,
     /// Cutting direction of the rows.
-    pub feed: Feed,
+    pub feed: CutDirection,
     /// Number of rows.
     pub rows: usize,
     /// Whether it is a rest-milling section, which cuts only where earlier sections left thick stock.
     pub rest: bool,
     /// Number of plunges added to those of the rows, and why no more; `None` for policies that add none,
     /// unless they were cancelled.
-    pub added: Option<(usize, Stopped)>,
+    pub added: Option<(usize, StopReason)>,
 }
 
 impl SectionPlan {
@@ -273,15 +273,15 @@ pub struct PlungePlan {
     /// Positions that were dropped, with the reason.
     pub dropped: Vec<Dropped>,
     /// Largest number of iterations of the loop over any row ([plunge paper], fig. 16).
-    pub rounds: usize,
+    pub iterations: usize,
     /// Whether the loop converged in every row.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 impl PlungePlan {
     /// Whether planning was cancelled before the plan was finished: it is valid, but leaves more stock than a
     /// finished one.
     pub fn is_unfinished(&self) -> bool {
-        self.sections.iter().any(|s| matches!(s.added, Some((_, Stopped::Cancelled))))
+        self.sections.iter().any(|s| matches!(s.added, Some((_, StopReason::Cancelled))))
     }
 }

@@ -1,7 +1,7 @@
 //! Stage 5, safe height: how far a cutter must be retracted along its axis to be clear of the blank.
 
 use super::slotting::DepthSurface;
-use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, receding, search};
+use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, distance_rate, search};
 use crate::part::Blank;
 
 /// The top of the blank as a drop-cutter surface: the shroud surface and the circles of the leading-edge line
@@ -58,25 +58,25 @@ impl NearBottom {
         distance(centre);
         let half_way = Circle::new(&centre, &cutter.axis, 0.5 * flat);
         for i in 0..8 {
-            distance(half_way.at((std::f64::consts::FRAC_PI_4 * f64::from(i)).sin_cos()).0);
+            distance(half_way.point_and_derivative((std::f64::consts::FRAC_PI_4 * f64::from(i)).sin_cos()).0);
         }
         let rim = Circle::new(&centre, &cutter.axis, flat);
         let on_rim = |phi: f64| {
-            let (p, turning) = rim.at(phi.sin_cos());
+            let (p, turning) = rim.point_and_derivative(phi.sin_cos());
             let (d, foot) = distance(p);
-            (d, receding(&p, &turning, foot) * d.signum())
+            (d, distance_rate(&p, &turning, foot) * d.signum())
         };
-        search::least_around::<16>(on_rim, 0.2);
+        search::min_over_turn::<16>(on_rim, 0.2);
         Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest }
     }
 
     /// Derivative of the clearance, mm per unit, while the tip of its `cutter` moves by `motion` and the axis
     /// by `turning` (perpendicular to it).
-    pub fn growth(&self, cutter: &CutterSolid, motion: &Vector, turning: &Vector) -> f64 {
+    pub fn clearance_rate(&self, cutter: &CutterSolid, motion: &Vector, turning: &Vector) -> f64 {
         let turn = cutter.axis.cross(turning);
         let velocity = motion + turn.cross(&(self.point - cutter.tip));
         let depth = self.clearance + cutter.corner_radius;
-        receding(&self.point, &velocity, self.foot) * depth.signum()
+        distance_rate(&self.point, &velocity, self.foot) * depth.signum()
     }
 }
 
@@ -86,16 +86,16 @@ pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
 }
 
 /// Maximum number of retract steps.
-const MAX_PULLS: usize = 30;
+const MAX_RETRACT_STEPS: usize = 30;
 
 /// Tip of `cutter` after retracting along its axis until its bottom keeps `safety` mm from `blank`, and the
 /// clearance there; `clearance` is the current one, mm.
 ///
 /// After [`RetractSurface::height`] this rarely moves the tip: only near the flat ends of the blank, which
 /// that surface represents by their circles.
-pub fn pulled_clear(cutter: &CutterSolid, clearance: f64, blank: &Blank, safety: f64) -> (Point, f64) {
+pub fn retract_clear(cutter: &CutterSolid, clearance: f64, blank: &Blank, safety: f64) -> (Point, f64) {
     let (mut cutter, mut clearance) = (*cutter, clearance);
-    for _ in 0..MAX_PULLS {
+    for _ in 0..MAX_RETRACT_STEPS {
         if clearance >= safety {
             break;
         }

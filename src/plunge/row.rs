@@ -1,7 +1,7 @@
 //! Rows of positions: stage 1 (conventional positions) and stage 2 (step inspection) of [plunge paper].
 
 use super::lane::{AxisEnds, Lane};
-use super::plan::{Blocked, Held};
+use super::plan::{Blocked, LimitedBy};
 use super::slotting::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
@@ -21,16 +21,16 @@ pub struct Station {
     /// Contact point on the allowance surface of the hub, mm.
     pub contact_point: Point,
     /// α: angle between hub normal and axis, rad, positive towards the inlet.
-    pub alpha: f64,
+    pub alpha_rad: f64,
     /// Why it lacks the axis the policy prescribes, if it does.
     pub blocked: Option<Blocked>,
     /// What keeps it from the axis that would leave the least stock.
-    pub held: Option<Held>,
+    pub limited_by: Option<LimitedBy>,
 }
 
 impl Station {
     /// Distance of W from its conventional position, in s.
-    pub fn moved(&self) -> f64 {
+    pub fn shroud_shift(&self) -> f64 {
         (self.s_shroud_conventional - self.ends.s_shroud).abs()
     }
 }
@@ -49,7 +49,7 @@ pub struct RowMaker<'a> {
     /// Position of the row across the passage, 0 at the suction wall, 1 at the pressure wall.
     pub lambda: f64,
     /// +1 when the row is cut outlet → inlet, −1 when it is cut inlet → outlet.
-    pub inward: f64,
+    pub direction_sign: f64,
     /// Upper limit of the step, mm.
     pub step_limit: f64,
     /// Checked for cancellation between stations.
@@ -68,12 +68,12 @@ pub struct Runs {
 impl RowMaker<'_> {
     /// The conventional station at `s`, lowered onto the hub. `None` where no axis clears the walls.
     pub fn isoparametric(&self, s: f64) -> Option<Station> {
-        self.exact(&self.lowered(self.lane.isoparametric(self.lambda, s)?))
+        self.exact(&self.lower_to_hub(self.lane.isoparametric(self.lambda, s)?))
     }
 
     /// A station from the tables of fits, for searches: its axis from `s_hub` to `s_shroud` is a few µm off.
     pub fn draft(&self, s_hub: f64, s_shroud: f64) -> Option<Station> {
-        Some(self.lowered(self.lane.row_axis(self.lambda, s_hub, s_shroud)?))
+        Some(self.lower_to_hub(self.lane.row_axis(self.lambda, s_hub, s_shroud)?))
     }
 
     /// `draft` made exact: fixed-point iteration of drop-cutter depth and clearance from the wall at that
@@ -82,22 +82,22 @@ impl RowMaker<'_> {
         let mut station = *draft;
         for _ in 0..3 {
             let lift = (station.tip - self.lane.hub_point(&station.ends)).dot(&station.axis);
-            let ends = self.lane.settled(self.lambda, station.ends, lift)?;
+            let ends = self.lane.exact_axis(self.lambda, station.ends, lift)?;
             if ends == station.ends {
                 break;
             }
-            station = self.lowered(ends);
+            station = self.lower_to_hub(ends);
         }
         Some(Station {
             s_shroud_conventional: draft.s_shroud_conventional,
             blocked: draft.blocked,
-            held: draft.held,
+            limited_by: draft.limited_by,
             ..station
         })
     }
 
     /// Stage 4 for a given axis: drop-cutter tip, contact point and α.
-    pub fn lowered(&self, ends: AxisEnds) -> Station {
+    pub fn lower_to_hub(&self, ends: AxisEnds) -> Station {
         let (m, axis) = self.lane.line(&ends);
         let corner = self.tool.corner_radius;
         let arc = self.part.hub.arc_at(ends.s_hub).clamp(0.0, self.part.hub.curve().length());
@@ -121,9 +121,9 @@ impl RowMaker<'_> {
             tip,
             axis,
             contact_point,
-            alpha,
+            alpha_rad: alpha,
             blocked: None,
-            held: None,
+            limited_by: None,
         }
     }
 

@@ -2,7 +2,7 @@
 //! the setup against the part.
 
 use super::choice::fit::cylinders;
-use super::choice::search::SHORTEST;
+use super::choice::search::MIN_SECTION_S;
 use super::choice::{choose, choose_rest};
 use super::survey::Survey;
 use crate::part::setup::{PlungeSetup, SectionSetup};
@@ -81,7 +81,7 @@ pub fn resolve(
 ) -> Result<Resolved, SetupFault> {
     check_part(setup, part)?;
     check_hub_allowance(setup, part)?;
-    let mut survey = Survey::of(part, channel, SHORTEST);
+    let mut survey = Survey::of(part, channel, MIN_SECTION_S);
     let given = !setup.tools.is_empty();
     let mut resolved = setup.clone();
     if !given {
@@ -89,12 +89,12 @@ pub fn resolve(
     }
     let mut reasons = vec![None; setup.plunge.sections.len()];
     if setup.plunge.sections.is_empty() {
-        survey.try_cylinders(part, channel, &setup.stock, &cylinders(&resolved.tools));
+        survey.try_cylinders(part, channel, &setup.allowances, &cylinders(&resolved.tools));
         let limit = (!given).then(|| largest_diameter(setup, part, &survey));
         let mut chosen = choose(&resolved.tools, limit, &survey, setup);
         if setup.plunge.rest {
             let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
-            chosen.extend(choose_rest(&sections, &resolved.tools, &survey, &setup.stock));
+            chosen.extend(choose_rest(&sections, &resolved.tools, &survey, &setup.allowances));
         }
         for chosen in chosen {
             resolved.plunge.sections.push(chosen.section);
@@ -131,7 +131,7 @@ fn used_tools(setup: &Setup) -> Vec<Tool> {
 fn largest_diameter(setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
     let outlet = survey.stations.iter().filter(|station| station.s >= 0.7 - 1e-9);
     let width = outlet.map(|station| station.narrowest).fold(f64::INFINITY, f64::min);
-    let room = width - 2.0 * setup.stock.blade_allowance;
+    let room = width - 2.0 * setup.allowances.blade_allowance;
     let depth = part.hub.point(1.0).distance(part.shroud.point(1.0));
     (0.65 * room).min(0.12 * part.rim_radius()).min(2.0 * depth)
 }
@@ -154,13 +154,13 @@ pub fn check_part(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
 fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
     let height_at = |s: f64| part.hub.point(s).distance(part.shroud.point(s));
     let height = (0..=50).map(|i| height_at(f64::from(i) / 50.0)).fold(0.0, f64::max);
-    if setup.stock.hub_allowance < 0.9 * height {
+    if setup.allowances.hub_allowance < 0.9 * height {
         return Ok(());
     }
     Err(SetupFault::new(
         format!(
             "`hub_allowance` is {}, but hub and shroud are {height:.2} mm apart at most",
-            setup.stock.hub_allowance
+            setup.allowances.hub_allowance
         ),
         format!("give less than {:.2} mm", 0.9 * height),
     )
@@ -181,12 +181,12 @@ pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
 }
 
 /// Maximum stepover between rows on the hub, mm.
-pub fn row_spacing(plunge: &PlungeSetup, tool: &Tool) -> f64 {
-    plunge.row_spacing.unwrap_or(4.0 / 3.0 * tool.radius())
+pub fn stepover(plunge: &PlungeSetup, tool: &Tool) -> f64 {
+    plunge.stepover.unwrap_or(4.0 / 3.0 * tool.radius())
 }
 
 /// Maximum distance of neighbouring axes at the shroud without uncut stock between them, mm.
-pub fn ridge_spacing(tool: &Tool) -> f64 {
+pub fn max_shroud_spacing(tool: &Tool) -> f64 {
     1.9 * tool.radius()
 }
 
@@ -199,26 +199,30 @@ fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), Set
     for (index, section) in plunge.sections.iter().enumerate().filter(|(_, section)| !section.rest) {
         let tool = tool_of(setup, section.tool)?;
         let length = (section.from - section.to) * part.hub.length().max(part.shroud.length());
-        let width = survey.widest(section.from, section.to);
-        let room = (width - tool.diameter - 2.0 * setup.stock.blade_allowance).max(0.0);
-        let inner =
-            (room / row_spacing(plunge, tool) - 1.0).max(0.0) * length / step_limit(plunge, tool, false);
+        let width = survey.max_width(section.from, section.to);
+        let room = (width - tool.diameter - 2.0 * setup.allowances.blade_allowance).max(0.0);
+        let inner = (room / stepover(plunge, tool) - 1.0).max(0.0) * length / step_limit(plunge, tool, false);
         let walls = 2.0 * length / step_limit(plunge, tool, true);
         total += inner + walls;
         if total > MAX_POSITIONS as f64 {
             beyond.get_or_insert((tool, SetupPlace::Section { index, tool: section.tool }));
         }
     }
-    beyond.map_or(Ok(()), |(tool, place)| Err(too_many(total, plunge, tool, place)))
+    beyond.map_or(Ok(()), |(tool, place)| Err(too_many_positions(total, plunge, tool, place)))
 }
 
 /// The fault of a plan with about `positions` positions, at the key that is finest in relation to its
 /// default.
-pub(super) fn too_many(positions: f64, plunge: &PlungeSetup, tool: &Tool, place: SetupPlace) -> SetupFault {
+pub(super) fn too_many_positions(
+    positions: f64,
+    plunge: &PlungeSetup,
+    tool: &Tool,
+    place: SetupPlace,
+) -> SetupFault {
     let step = 0.8 * tool.insert_width;
     let asked = [
         (plunge.step, step, "step"),
-        (plunge.row_spacing, 4.0 / 3.0 * tool.radius(), "row_spacing"),
+        (plunge.stepover, 4.0 / 3.0 * tool.radius(), "row_spacing"),
         (Some(step_limit(plunge, tool, true)), step_limit(plunge, tool, false), "wall_scallop"),
     ];
     let finest = asked
@@ -251,10 +255,10 @@ pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
 
 /// Errors when no cutter fits anywhere in the channel because of the blade allowance.
 fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFault> {
-    let widest = survey.widest(1.0, 0.0);
+    let widest = survey.max_width(1.0, 0.0);
     let smallest = setup.tools.iter().map(|tool| tool.diameter).fold(f64::INFINITY, f64::min);
-    let most = 0.5 * (widest - TIGHT_ROOM * smallest);
-    let allowance = setup.stock.blade_allowance;
+    let most = 0.5 * (widest - MIN_WIDTH_DIAMETERS * smallest);
+    let allowance = setup.allowances.blade_allowance;
     if widest == 0.0 || allowance <= most || most <= 0.0 {
         return Ok(());
     }
@@ -266,12 +270,12 @@ fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFaul
 }
 
 /// Width that the smallest cutter needs to cut at all, in diameters.
-const TIGHT_ROOM: f64 = 1.25;
+const MIN_WIDTH_DIAMETERS: f64 = 1.25;
 
 /// Errors when no section has a station that its cutter fits. Where a cutter fits in a part of its section,
 /// that part is planned.
 fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<(), SetupFault> {
-    let allowance = setup.stock.blade_allowance;
+    let allowance = setup.allowances.blade_allowance;
     let mut widest = None;
     for (index, section) in setup.plunge.sections.iter().enumerate() {
         let tool = tool_of(setup, section.tool)?;

@@ -57,7 +57,7 @@ struct Rim {
 
 /// Intersection of the surface with a ray along the axis from a point of the rim.
 #[derive(Clone, Copy, Debug, Default)]
-struct Hit {
+struct RimHit {
     /// Arc length, mm, and its derivative by the rim angle.
     arc: f64,
     arc_slope: f64,
@@ -66,9 +66,9 @@ struct Hit {
     height_slope: f64,
 }
 
-impl Hit {
+impl RimHit {
     /// Linear extrapolation by `turn` rad along the rim.
-    fn ahead(&self, turn: f64) -> Self {
+    fn extrapolated(&self, turn: f64) -> Self {
         let (arc, height) = (self.arc + turn * self.arc_slope, self.height + turn * self.height_slope);
         Self { arc, height, ..*self }
     }
@@ -82,7 +82,7 @@ fn rim_directions() -> &'static [(f64, f64); RIM_SAMPLES] {
 
 /// Derivative of the Hermite cubic through two hits: coefficients of u + v x + w x², with x from 0 at the
 /// first to 1 at the second, mm.
-fn hermite_slope(a: &(f64, Hit), b: &(f64, Hit)) -> (f64, f64, f64) {
+fn hermite_slope(a: &(f64, RimHit), b: &(f64, RimHit)) -> (f64, f64, f64) {
     let (u, end) = (a.1.height_slope * (b.0 - a.0), b.1.height_slope * (b.0 - a.0));
     let rise = b.1.height - a.1.height;
     (u, 6.0 * rise - 4.0 * u - 2.0 * end, 3.0 * (u + end) - 6.0 * rise)
@@ -135,12 +135,12 @@ impl<'a> DepthSurface<'a> {
     /// As [`Self::touch`], for a point on the axis known to be near arc length `middle` (mm) of the curve.
     pub fn touch_near(&self, on_axis: &Point, axis: &Vector, radius: f64, middle: f64) -> Option<Touch> {
         let rim = Rim { circle: Circle::new(on_axis, axis, radius), axis: *axis };
-        let mut warm = Hit { arc: middle, ..Hit::default() };
+        let mut warm = RimHit { arc: middle, ..RimHit::default() };
         warm = self.ray(on_axis, &Vector::zeros(), axis, warm, SCAN_TOLERANCE).unwrap_or(warm);
         let mut hits = [None; RIM_SAMPLES];
         for (hit, &direction) in hits.iter_mut().zip(rim_directions()) {
             *hit = self.rim_hit(&rim, direction, warm, SCAN_TOLERANCE);
-            warm = hit.map_or(warm, |h| h.ahead(RIM_STEP));
+            warm = hit.map_or(warm, |h| h.extrapolated(RIM_STEP));
         }
         let mut best: Option<Touch> = None;
         let mut consider = |height: f64, at: &dyn Fn() -> Touch| {
@@ -151,7 +151,7 @@ impl<'a> DepthSurface<'a> {
         // Starts at the highest sample, so that most other intervals are pruned by its height.
         let (mut first, mut highest) = (0, f64::NEG_INFINITY);
         for (i, hit) in hits.iter().enumerate() {
-            if let Some(hit) = hit.filter(|h| self.holds(h) && h.height > highest) {
+            if let Some(hit) = hit.filter(|h| self.is_on_surface(h) && h.height > highest) {
                 (first, highest) = (if hit.height_slope > 0.0 { i } else { i + RIM_SAMPLES - 1 }, hit.height);
             }
         }
@@ -159,9 +159,9 @@ impl<'a> DepthSurface<'a> {
             let i = (first + k) % RIM_SAMPLES;
             let (Some(a), Some(b)) = (hits[i], hits[(i + 1) % RIM_SAMPLES]) else { continue };
             let (from, to) = (RIM_STEP * i as f64, RIM_STEP * (i + 1) as f64);
-            for (angle, hit) in self.tops_between(&rim, (from, a), (to, b), highest).into_iter().flatten() {
+            for (angle, hit) in self.maxima_between(&rim, (from, a), (to, b), highest).into_iter().flatten() {
                 highest = highest.max(hit.height);
-                let (origin, _) = rim.circle.at(angle.sin_cos());
+                let (origin, _) = rim.circle.point_and_derivative(angle.sin_cos());
                 consider(hit.height, &|| touch_at(hit.height, &(origin + axis * hit.height), hit.arc));
             }
         }
@@ -182,53 +182,76 @@ impl<'a> DepthSurface<'a> {
     }
 
     /// Whether a hit is on the surface; beyond its ends the curve continues straight.
-    fn holds(&self, hit: &Hit) -> bool {
+    fn is_on_surface(&self, hit: &RimHit) -> bool {
         (self.from..=self.to).contains(&hit.arc)
     }
 
     /// Local maxima of the height between two hits of the rim, each with its angle, on the surface only.
     /// Beyond its ends the bounding circles are considered instead.
-    fn tops_between(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> [Option<(f64, Hit)>; 2] {
-        let (inside, alike) = (self.holds(&a.1), self.holds(&a.1) == self.holds(&b.1));
+    fn maxima_between(
+        &self,
+        rim: &Rim,
+        a: (f64, RimHit),
+        b: (f64, RimHit),
+        known: f64,
+    ) -> [Option<(f64, RimHit)>; 2] {
+        let (inside, alike) =
+            (self.is_on_surface(&a.1), self.is_on_surface(&a.1) == self.is_on_surface(&b.1));
         if !alike {
-            return [self.top_up_to_end(rim, a, b, known), None];
+            return [self.maximum_up_to_end(rim, a, b, known), None];
         }
-        match self.excursion(rim, a, b) {
-            Some(m) => [self.top_up_to_end(rim, a, m, known), self.top_up_to_end(rim, m, b, known)],
-            None if inside => [self.top_between(rim, a, b, known), None],
+        match self.hit_at_arc_extremum(rim, a, b) {
+            Some(m) => [self.maximum_up_to_end(rim, a, m, known), self.maximum_up_to_end(rim, m, b, known)],
+            None if inside => [self.maximum_between(rim, a, b, known), None],
             None => [None, None],
         }
     }
 
     /// A hit at an extremum of the arc length between two others: beyond the end of the surface between two
     /// hits on it, or on the surface between two hits beyond the same end.
-    fn excursion(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit)) -> Option<(f64, Hit)> {
+    fn hit_at_arc_extremum(&self, rim: &Rim, a: (f64, RimHit), b: (f64, RimHit)) -> Option<(f64, RimHit)> {
         if a.1.arc_slope * b.1.arc_slope >= 0.0 {
             return None;
         }
         // Estimate of the extremum: the intersection of both tangents.
         let turn = (b.1.arc - a.1.arc - b.1.arc_slope * (b.0 - a.0)) / (a.1.arc_slope - b.1.arc_slope);
         let turn = turn.clamp(0.0, b.0 - a.0);
-        let other_way = |hit: &Hit| self.holds(hit) != self.holds(&a.1);
-        if !other_way(&a.1.ahead(turn)) {
+        let other_way = |hit: &RimHit| self.is_on_surface(hit) != self.is_on_surface(&a.1);
+        if !other_way(&a.1.extrapolated(turn)) {
             return None;
         }
-        self.follow(rim, (a, b), a.0 + turn, |hit| hit.arc_slope).filter(|(_, hit)| other_way(hit))
+        self.root_between(rim, (a, b), a.0 + turn, |hit| hit.arc_slope).filter(|(_, hit)| other_way(hit))
     }
 
-    /// As [`Self::top_between`], between a hit on the surface and one beyond its end: the interval is cut at
+    /// As [`Self::maximum_between`], between a hit on the surface and one beyond its end: the interval is cut at
     /// that end.
-    fn top_up_to_end(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> Option<(f64, Hit)> {
-        let outside = if self.holds(&a.1) { b.1.arc } else { a.1.arc };
+    fn maximum_up_to_end(
+        &self,
+        rim: &Rim,
+        a: (f64, RimHit),
+        b: (f64, RimHit),
+        known: f64,
+    ) -> Option<(f64, RimHit)> {
+        let outside = if self.is_on_surface(&a.1) { b.1.arc } else { a.1.arc };
         let end = if outside > self.to { self.to } else { self.from };
         let share = (end - a.1.arc) / (b.1.arc - a.1.arc);
-        let c = self.follow(rim, (a, b), a.0 + share * (b.0 - a.0), |hit| hit.arc - end)?;
-        if self.holds(&a.1) { self.top_between(rim, a, c, known) } else { self.top_between(rim, c, b, known) }
+        let c = self.root_between(rim, (a, b), a.0 + share * (b.0 - a.0), |hit| hit.arc - end)?;
+        if self.is_on_surface(&a.1) {
+            self.maximum_between(rim, a, c, known)
+        } else {
+            self.maximum_between(rim, c, b, known)
+        }
     }
 
     /// Local maximum of the height between two hits of the rim. `None` where the height is largest at one of
     /// the hits, or where a bound shows that it is at most `known` mm.
-    fn top_between(&self, rim: &Rim, a: (f64, Hit), b: (f64, Hit), known: f64) -> Option<(f64, Hit)> {
+    fn maximum_between(
+        &self,
+        rim: &Rim,
+        a: (f64, RimHit),
+        b: (f64, RimHit),
+        known: f64,
+    ) -> Option<(f64, RimHit)> {
         let (rises, falls) = (a.1.height_slope >= 0.0, b.1.height_slope <= 0.0);
         let (u, v, w) = hermite_slope(&a, &b);
         if rises != falls {
@@ -239,10 +262,10 @@ impl<'a> DepthSurface<'a> {
                 return None;
             }
             let angle = a.0 + share * (b.0 - a.0);
-            let middle = self.rim_hit(rim, angle.sin_cos(), a.1.ahead(angle - a.0), RAY_TOLERANCE)?;
+            let middle = self.rim_hit(rim, angle.sin_cos(), a.1.extrapolated(angle - a.0), RAY_TOLERANCE)?;
             let (a, b) = if rises { (a, (angle, middle)) } else { ((angle, middle), b) };
             let arch = a.1.height_slope > 0.0 && b.1.height_slope < 0.0;
-            return if arch { self.top_between(rim, a, b, known) } else { None };
+            return if arch { self.maximum_between(rim, a, b, known) } else { None };
         }
         if !rises {
             return None;
@@ -257,22 +280,23 @@ impl<'a> DepthSurface<'a> {
         }
         let share = 2.0 * u / ((v * v - 4.0 * u * w).max(0.0).sqrt() - v);
         let guess = a.0 + width * if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 };
-        self.follow(rim, (a, b), guess, |hit| hit.height_slope).filter(|(_, hit)| self.holds(hit))
+        self.root_between(rim, (a, b), guess, |hit| hit.height_slope)
+            .filter(|(_, hit)| self.is_on_surface(hit))
     }
 
     /// Root of `value` between two hits at which its signs differ; every evaluation starts warm from the last
     /// hit.
-    fn follow(
+    fn root_between(
         &self,
         rim: &Rim,
-        (a, b): ((f64, Hit), (f64, Hit)),
+        (a, b): ((f64, RimHit), (f64, RimHit)),
         guess: f64,
-        value: impl Fn(&Hit) -> f64,
-    ) -> Option<(f64, Hit)> {
+        value: impl Fn(&RimHit) -> f64,
+    ) -> Option<(f64, RimHit)> {
         let mut near = if (guess - a.0).abs() < (guess - b.0).abs() { a } else { b };
         let mut lost = false;
         let value_at = |angle: f64| {
-            match self.rim_hit(rim, angle.sin_cos(), near.1.ahead(angle - near.0), RAY_TOLERANCE) {
+            match self.rim_hit(rim, angle.sin_cos(), near.1.extrapolated(angle - near.0), RAY_TOLERANCE) {
                 Some(hit) => near = (angle, hit),
                 None => lost = true,
             }
@@ -284,11 +308,11 @@ impl<'a> DepthSurface<'a> {
 
     /// The hit below the rim point at an angle, given as (sin, cos): from a warm start, or by projection when
     /// that fails.
-    fn rim_hit(&self, rim: &Rim, direction: (f64, f64), warm: Hit, tolerance: f64) -> Option<Hit> {
-        let (origin, turning) = rim.circle.at(direction);
+    fn rim_hit(&self, rim: &Rim, direction: (f64, f64), warm: RimHit, tolerance: f64) -> Option<RimHit> {
+        let (origin, turning) = rim.circle.point_and_derivative(direction);
         self.ray(&origin, &turning, &rim.axis, warm, tolerance).or_else(|| {
             let (arc, _) = self.curve.project(Meridional::of(&origin));
-            self.ray(&origin, &turning, &rim.axis, Hit { arc, ..Hit::default() }, tolerance)
+            self.ray(&origin, &turning, &rim.axis, RimHit { arc, ..RimHit::default() }, tolerance)
         })
     }
 
@@ -300,10 +324,10 @@ impl<'a> DepthSurface<'a> {
         origin: &Point,
         turning: &Vector,
         axis: &Vector,
-        start: Hit,
+        start: RimHit,
         tolerance: f64,
-    ) -> Option<Hit> {
-        let Hit { mut arc, mut height, .. } = start;
+    ) -> Option<RimHit> {
+        let RimHit { mut arc, mut height, .. } = start;
         for _ in 0..25 {
             let p = origin + axis * height;
             let r = norm2(p.x, p.y);
@@ -327,7 +351,7 @@ impl<'a> DepthSurface<'a> {
             arc += dt;
             if dh.abs() + dt.abs() < tolerance {
                 let (height_slope, arc_slope) = solve(-(x * turning.x + y * turning.y), -turning.z);
-                return Some(Hit { arc, arc_slope, height, height_slope });
+                return Some(RimHit { arc, arc_slope, height, height_slope });
             }
             if !(dh.abs() < 1e6 && dt.abs() < 1e6) {
                 return None;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::clearance::FinishedPart;
 use super::lane::Lane;
 use crate::geometry::{Point, Vector};
-use crate::part::setup::Stock;
+use crate::part::setup::AllowanceSetup;
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Tool};
 
 /// Number of equal steps of s at which the channel is measured.
@@ -18,7 +18,7 @@ const SAME_STATION: f64 = 1e-6;
 
 /// Measures of one passage at one station.
 #[derive(Clone, Copy, Debug)]
-pub struct Across {
+pub struct PassageExtent {
     /// 0 for the full channel, 1 and 2 for the passages beside the splitter.
     pub passage: usize,
     /// Distance between the walls on the hub, perpendicular to the flow or to the axis, whichever is smaller,
@@ -35,7 +35,7 @@ pub struct Across {
 
 /// The channel at one s.
 #[derive(Clone, Debug)]
-pub struct Station {
+pub struct SurveyStation {
     /// s.
     pub s: f64,
     /// Minimum width of all passages over their height, mm; infinite where the blades do not extend to this
@@ -45,16 +45,16 @@ pub struct Station {
     pub deepest: f64,
     /// Largest diameter of the tried cylinders that clears both walls of every passage with the conventional
     /// axis, mm; infinite before [`Survey::try_cylinders`], 0 if none clears.
-    pub clear: f64,
+    pub clear_diameter: f64,
     /// The passages at this s.
-    pub passages: Vec<Across>,
+    pub passages: Vec<PassageExtent>,
 }
 
 /// The channel along s.
 #[derive(Clone, Debug)]
 pub struct Survey {
     /// Stations from leading edge to rim, s = 0 and s = 1 among them.
-    pub stations: Vec<Station>,
+    pub stations: Vec<SurveyStation>,
     /// Index of the station at which the passages beside a splitter join, if sections have to meet there.
     pub joint: Option<usize>,
 }
@@ -75,16 +75,22 @@ impl Survey {
             }
             at
         });
-        let tape = Tape::new(part, channel);
+        let tape = Surveyor::new(part, channel);
         Self { stations: s.into_par_iter().map(|s| tape.station(s)).collect(), joint }
     }
 
     /// Tries cylinders of `diameters` (mm, largest first) between the walls at every station, with the same
     /// fits as the planner: between twisted walls the width alone does not decide what fits.
-    pub fn try_cylinders(&mut self, part: &Impeller, channel: &Channel, stock: &Stock, diameters: &[f64]) {
+    pub fn try_cylinders(
+        &mut self,
+        part: &Impeller,
+        channel: &Channel,
+        stock: &AllowanceSetup,
+        diameters: &[f64],
+    ) {
         let finished = Arc::new(FinishedPart::new(part, &channel.sides));
-        let room = |station: &Station| station.narrowest - 2.0 * stock.blade_allowance;
-        let clears = |station: &Station, diameter: f64| {
+        let room = |station: &SurveyStation| station.narrowest - 2.0 * stock.blade_allowance;
+        let clears = |station: &SurveyStation, diameter: f64| {
             station.passages.iter().all(|across| {
                 let passage = match across.passage.checked_sub(1) {
                     None => &channel.full,
@@ -96,7 +102,7 @@ impl Survey {
         };
         self.stations.par_iter_mut().for_each(|station| {
             let mut tried = diameters.iter().copied().filter(|&diameter| diameter <= room(station));
-            station.clear = tried.find(|&diameter| clears(station, diameter)).unwrap_or(0.0);
+            station.clear_diameter = tried.find(|&diameter| clears(station, diameter)).unwrap_or(0.0);
         });
     }
 
@@ -113,7 +119,7 @@ impl Survey {
     }
 
     /// Maximum over a stretch of s of the minimum width between the walls, mm; 0 where there are no walls.
-    pub fn widest(&self, from: f64, to: f64) -> f64 {
+    pub fn max_width(&self, from: f64, to: f64) -> f64 {
         let widths = self.stations[self.covered(from, to)].iter().map(|station| station.narrowest);
         widths.filter(|width| width.is_finite()).fold(0.0, f64::max)
     }
@@ -133,20 +139,20 @@ fn cylinder(diameter: f64) -> Tool {
 }
 
 /// Measures the stations of a channel.
-struct Tape<'a> {
+struct Surveyor<'a> {
     part: &'a Impeller,
     channel: &'a Channel,
     full: PassageWidth<'a>,
     beside: Vec<PassageWidth<'a>>,
 }
 
-impl<'a> Tape<'a> {
+impl<'a> Surveyor<'a> {
     fn new(part: &'a Impeller, channel: &'a Channel) -> Self {
         let beside = channel.beside_splitter.iter().map(|p| PassageWidth::new(part, p)).collect();
         Self { part, channel, full: PassageWidth::new(part, &channel.full), beside }
     }
 
-    fn station(&self, s: f64) -> Station {
+    fn station(&self, s: f64) -> SurveyStation {
         let divided = self.channel.splitter_s.is_some_and(|[hub, shroud]| s >= hub.min(shroud));
         let passages: Vec<(usize, &Passage, &PassageWidth)> = if divided {
             let beside = self.channel.beside_splitter.iter().zip(&self.beside);
@@ -154,11 +160,11 @@ impl<'a> Tape<'a> {
         } else {
             vec![(0, &self.channel.full, &self.full)]
         };
-        let mut station = Station {
+        let mut station = SurveyStation {
             s,
             narrowest: f64::INFINITY,
             deepest: self.depth(s),
-            clear: f64::INFINITY,
+            clear_diameter: f64::INFINITY,
             passages: Vec::new(),
         };
         for (index, passage, width) in passages {
@@ -172,7 +178,7 @@ impl<'a> Tape<'a> {
                 station.deepest = station.deepest.max(deep);
             }
             if narrowest.is_finite() {
-                station.passages.push(Across {
+                station.passages.push(PassageExtent {
                     passage: index,
                     hub: self.width(passage, s, 0.0).unwrap_or(narrowest),
                     shroud: self.width(passage, s, 1.0).unwrap_or(narrowest),
@@ -195,7 +201,7 @@ impl<'a> Tape<'a> {
         Some([at(0.0)?, at(1.0)?])
     }
 
-    /// See [`Across::hub`]. The nearest distance is not used here: near the ends of the blades the other wall
+    /// See [`PassageExtent::hub`]. The nearest distance is not used here: near the ends of the blades the other wall
     /// ends, while rows continue.
     fn width(&self, passage: &Passage, s: f64, eta: f64) -> Option<f64> {
         let near = passage.point(self.part, s, 0.0, eta)?;
@@ -208,7 +214,7 @@ impl<'a> Tape<'a> {
         [across(near.by_s), across(top - foot)].into_iter().flatten().reduce(f64::min)
     }
 
-    /// See [`Across::advance`]; without walls, the longer of hub and shroud.
+    /// See [`PassageExtent::advance`]; without walls, the longer of hub and shroud.
     fn advance(&self, passage: &Passage, s: f64) -> f64 {
         let followed = || {
             let [foot, top] = self.axis(passage, s, 0.5)?;

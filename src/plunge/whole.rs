@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::contact::{BlankTop, Column, Columns, core_contact};
+use super::contact::{BlankTop, Columns, PlungeColumn, core_contact};
 use super::links::raise_links;
 use super::plan::{PlungePlan, Position};
 use crate::geometry::{rotate_vector_z, rotate_z};
@@ -11,7 +11,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
 
 /// Maximum number of lifts of the plunges; contact that remains is reported as interference.
-const MAX_ROUNDS: usize = 8;
+const MAX_ITERATIONS: usize = 8;
 /// Gap left between a lifted core and the stock below it, mm.
 const LIFT_MARGIN: f64 = 1e-3;
 
@@ -32,7 +32,7 @@ pub fn plan_channels(
     channels: usize,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
-    let mut plan = repeated(one, part, channels);
+    let mut plan = repeat_for_channels(one, part, channels);
     if channels > 1 {
         free_cores(&mut plan, blank, monitor)?;
         raise_links(&mut plan, blank, safety, monitor)?;
@@ -41,7 +41,7 @@ pub fn plan_channels(
 }
 
 /// The positions of channel 1, rotated into each channel.
-fn repeated(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
+fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
     let mut plan =
         PlungePlan { positions: Vec::with_capacity(channels * one.positions.len()), ..one.clone() };
     let tool = |p: &Position| &one.sections[p.section].tool;
@@ -68,11 +68,11 @@ fn repeated(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
 fn free_cores(plan: &mut PlungePlan, blank: &Blank, monitor: &Monitor) -> Result<(), Cancelled> {
     let top = BlankTop::new(blank);
     let lone: Vec<bool> = plan.positions.iter().map(|p| p.contact.interferes()).collect();
-    for round in 0..=MAX_ROUNDS {
+    for round in 0..=MAX_ITERATIONS {
         monitor.check()?;
         let column = |p: &Position| {
             let tool = &plan.sections[p.section].tool;
-            Column::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
+            PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
         };
         let columns: Columns = plan.positions.iter().map(column).collect();
         let contact = |k: usize| {
@@ -84,7 +84,7 @@ fn free_cores(plan: &mut PlungePlan, blank: &Blank, monitor: &Monitor) -> Result
         for ((position, contact), lone) in plan.positions.iter_mut().zip(contacts).zip(&lone) {
             let Some(contact) = contact else { continue };
             position.contact = contact;
-            if contact.interferes() && !lone && round < MAX_ROUNDS {
+            if contact.interferes() && !lone && round < MAX_ITERATIONS {
                 let lift = contact.depth + LIFT_MARGIN;
                 position.tip += position.axis * lift;
                 position.lift += lift;

@@ -5,48 +5,48 @@
 //! far above the rounding of single precision, so cell by cell the result would be the same.
 
 use super::field::FieldCutter;
-use super::meeting::{Meeting, Row, dot, greatest, larger, mask, smaller};
+use super::meeting::{LaneRow, Meeting, dot, greatest, larger, mask, smaller};
 use super::tiles::{REACH_MARGIN, TILE};
 
 /// The last lane of a row.
 const LAST: usize = TILE - 1;
 
 /// One value per row and lane of a tile.
-type Cells = [Row<f32>; TILE];
+type TileCells = [LaneRow<f32>; TILE];
 
 /// For each row of a tile its middle ray and bounds on the deviation of the others. Lengths in mm.
 #[derive(Clone, Debug)]
 pub(super) struct RowBounds {
     /// Foot of the middle ray.
-    foot: [Row<f32>; 3],
+    foot: [LaneRow<f32>; 3],
     /// Direction of the middle ray; not quite a unit vector.
-    normal: [Row<f32>; 3],
+    normal: [LaneRow<f32>; 3],
     /// From the middle foot to that of the last cell.
-    span: [Row<f32>; 3],
+    span: [LaneRow<f32>; 3],
     /// Greatest distance of a foot from the middle one.
-    radius: Row<f32>,
+    radius: LaneRow<f32>,
     /// Greatest distance of a foot from the line along `span`.
-    bend: Row<f32>,
+    bend: LaneRow<f32>,
     /// Greatest difference of a normal from the middle one; no unit.
-    spread: Row<f32>,
-    least_blank: Row<f32>,
-    greatest_blank: Row<f32>,
+    spread: LaneRow<f32>,
+    min_blank: LaneRow<f32>,
+    max_blank: LaneRow<f32>,
 }
 
 /// Effect of a cutter on each row of a tile.
 pub(super) struct RowVerdicts {
     /// All bits set if the cutter may enter a ray of the row below the blank's surface.
-    pub(super) reached: Row<u32>,
+    pub(super) reached: LaneRow<u32>,
     /// All bits set if it certainly enters every ray there.
-    pub(super) swept: Row<u32>,
+    pub(super) swept: LaneRow<u32>,
     /// All bits set if it certainly enters no stock: none is removed, and none meets the core.
-    pub(super) untouched: Row<u32>,
+    pub(super) untouched: LaneRow<u32>,
 }
 
 impl RowBounds {
     /// Bounds of the cells with these feet and normals, by component, and heights of the blank.
-    pub(super) fn new(points: &[Cells; 3], normals: &[Cells; 3], blank: &Cells) -> RowBounds {
-        let middle = |cells: &Cells| cells.map(|row| 0.5 * (row[0] + row[LAST]));
+    pub(super) fn new(points: &[TileCells; 3], normals: &[TileCells; 3], blank: &TileCells) -> RowBounds {
+        let middle = |cells: &TileCells| cells.map(|row| 0.5 * (row[0] + row[LAST]));
         let mut bounds = RowBounds {
             foot: points.each_ref().map(middle),
             normal: normals.each_ref().map(middle),
@@ -54,8 +54,8 @@ impl RowBounds {
             radius: [0.0; TILE],
             bend: [0.0; TILE],
             spread: [0.0; TILE],
-            least_blank: blank.map(|row| row.into_iter().fold(f32::INFINITY, smaller)),
-            greatest_blank: blank.map(|row| row.into_iter().fold(0.0, larger)),
+            min_blank: blank.map(|row| row.into_iter().fold(f32::INFINITY, smaller)),
+            max_blank: blank.map(|row| row.into_iter().fold(0.0, larger)),
         };
         for row in 0..TILE {
             let (mut from_foot, mut from_line, mut from_normal) = ([0.0; TILE], [0.0; TILE], [0.0; TILE]);
@@ -64,7 +64,7 @@ impl RowBounds {
                 let normal = bounds.normal[axis][row];
                 for lane in 0..TILE {
                     let off_foot = points[axis][row][lane] - foot;
-                    let off_line = off_foot - place(lane) * span;
+                    let off_line = off_foot - lane_parameter(lane) * span;
                     let off_normal = normals[axis][row][lane] - normal;
                     from_foot[lane] += off_foot * off_foot;
                     from_line[lane] += off_line * off_line;
@@ -89,7 +89,7 @@ impl RowBounds {
             let [foot, normal, span] =
                 [&self.foot, &self.normal, &self.span].map(|v| [v[0][row], v[1][row], v[2][row]]);
             let ray = Meeting::new(foot, normal, cutter);
-            let reach = self.radius[row] + self.greatest_blank[row] * self.spread[row] + REACH_MARGIN;
+            let reach = self.radius[row] + self.max_blank[row] * self.spread[row] + REACH_MARGIN;
             let grown = ray.raised(reach).entry(square(cutter.radius + reach));
             let shrunk = ray.raised(-reach - cutter.corner_radius).entry(square(cutter.radius - reach));
             // A shrunk cutter much thinner than the cutter itself would be lost in rounding.
@@ -100,8 +100,8 @@ impl RowBounds {
             let tilt = dot(span, cutter.axis) + slope * stock.tilt[row];
             let top = ray.z + slope * (stock.middle[row] + stock.bulge[row]) + tilt.abs();
             let stray = self.bend[row] + 2.0 * self.spread[row] * stock.highest[row];
-            verdicts.reached[row] = mask(grown < self.greatest_blank[row]);
-            verdicts.swept[row] = mask(has_core & (shrunk < self.least_blank[row]));
+            verdicts.reached[row] = mask(grown < self.max_blank[row]);
+            verdicts.swept[row] = mask(has_core & (shrunk < self.min_blank[row]));
             let is_below = top + stray < -REACH_MARGIN;
             verdicts.untouched[row] = mask(is_below | (grown > stock.highest[row]));
         }
@@ -113,15 +113,15 @@ impl RowBounds {
 /// from −1, the first cell, to 1, the last one. All in mm.
 #[derive(Clone, Debug)]
 pub(super) struct RowStock {
-    middle: Row<f32>,
-    tilt: Row<f32>,
-    bulge: Row<f32>,
+    middle: LaneRow<f32>,
+    tilt: LaneRow<f32>,
+    bulge: LaneRow<f32>,
     /// Greatest height, at least 0.
-    highest: Row<f32>,
+    highest: LaneRow<f32>,
 }
 
 impl RowStock {
-    pub(super) fn new(heights: &Cells) -> RowStock {
+    pub(super) fn new(heights: &TileCells) -> RowStock {
         let zero = [0.0; TILE];
         let mut stock = RowStock { middle: zero, tilt: zero, bulge: zero, highest: zero };
         for row in 0..TILE {
@@ -132,19 +132,20 @@ impl RowStock {
 
     /// Updates the line above one row from its heights.
     #[inline(always)]
-    pub(super) fn set(&mut self, row: usize, heights: &Row<f32>) {
+    pub(super) fn set(&mut self, row: usize, heights: &LaneRow<f32>) {
         let (first, last) = (heights[0], heights[LAST]);
         let (middle, tilt) = (0.5 * (first + last), 0.5 * (last - first));
         self.middle[row] = middle;
         self.tilt[row] = tilt;
-        self.bulge[row] = greatest(std::array::from_fn(|lane| heights[lane] - (middle + place(lane) * tilt)));
+        self.bulge[row] =
+            greatest(std::array::from_fn(|lane| heights[lane] - (middle + lane_parameter(lane) * tilt)));
         self.highest[row] = greatest(*heights);
     }
 }
 
 /// Parameter of a lane along its row, −1…1.
 #[inline(always)]
-fn place(lane: usize) -> f32 {
+fn lane_parameter(lane: usize) -> f32 {
     (2 * lane) as f32 / LAST as f32 - 1.0
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::bounds::{RowBounds, RowStock};
 use super::grid::FloorGrid;
-use super::meeting::{FAR, Meeting, MeetingRow, Row, greatest, larger, mask, smaller};
+use super::meeting::{FAR, LaneRow, Meeting, MeetingRow, greatest, larger, mask, smaller};
 use super::tiles::{TILE, TileBins};
 use super::trace::{PositionTrace, TraceSums, VolumeUnit, whole_units_between};
 
@@ -68,22 +68,22 @@ pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualFiel
     // Integer sums and maxima do not depend on how the tasks were distributed.
     let mut sums = vec![TraceSums::default(); cutters.len()];
     for (&k, part) in bins.list.iter().zip(seen.iter().flatten()) {
-        sums[k as usize].join(part);
+        sums[k as usize].add(part);
     }
     ResidualField { heights, traces: sums.iter().map(|sums| sums.trace(unit)).collect() }
 }
 
 /// The cells of one tile, by component, so that a row of them fits vector registers.
 struct Tile {
-    point: [[Row<f32>; TILE]; 3],
-    normal: [[Row<f32>; TILE]; 3],
-    blank: [Row<f32>; TILE],
-    height: [Row<f32>; TILE],
-    floor: [Row<u32>; TILE],
+    point: [[LaneRow<f32>; TILE]; 3],
+    normal: [[LaneRow<f32>; TILE]; 3],
+    blank: [LaneRow<f32>; TILE],
+    height: [LaneRow<f32>; TILE],
+    floor: [LaneRow<u32>; TILE],
     /// Units of volume per mm of height; 0 off the floor.
-    units: [Row<f32>; TILE],
+    units: [LaneRow<f32>; TILE],
     /// Number of floor cells per row.
-    floor_cells: Row<u32>,
+    floor_cells: LaneRow<u32>,
     stock: RowStock,
     bounds: RowBounds,
 }
@@ -196,14 +196,14 @@ impl Tile {
             core |= floor[lane] & mask(meetings.get(lane).may_touch(squared_core, height[lane]));
         }
         if core != 0 {
-            let depths: Row<f32> = std::array::from_fn(|lane| {
+            let depths: LaneRow<f32> = std::array::from_fn(|lane| {
                 let depth = meetings.get(lane).contact_depth(squared_core, height[lane]);
                 if floor[lane] != 0 { depth } else { 0.0 }
             });
             sums.contact_depth = larger(sums.contact_depth, greatest(depths));
             sums.contact_cells += total(|lane| floor[lane] & mask(depths[lane] > CONTACT_TOLERANCE));
         }
-        let left: Row<f32> = std::array::from_fn(|lane| smaller(height[lane], entries[lane]));
+        let left: LaneRow<f32> = std::array::from_fn(|lane| smaller(height[lane], entries[lane]));
         sums.cut_cells += total(|lane| floor[lane] & mask(height[lane] - left[lane] > CUT_TOLERANCE));
         sums.removed_units +=
             total(|lane| whole_units_between(height[lane] * units[lane], left[lane] * units[lane]));

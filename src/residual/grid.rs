@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::overhang::WallTables;
-use super::reach::{CutterStretch, ReachTables};
+use super::reach::{CutterStretch, InaccessibleTables};
 use crate::geometry::{Meridional, search};
-use crate::part::setup::Stock;
+use crate::part::setup::AllowanceSetup;
 use crate::part::{Blank, Channel, Impeller};
 
 /// Inputs of a floor grid.
@@ -18,7 +18,7 @@ pub struct FloorSource<'a> {
     /// The blank before the first cut.
     pub blank: &'a Blank,
     /// Allowances.
-    pub stock: &'a Stock,
+    pub stock: &'a AllowanceSetup,
     /// Ranges of s and the cutters used there. Without any, the whole floor counts as reachable.
     pub cutters: &'a [CutterStretch],
 }
@@ -83,7 +83,7 @@ impl FloorGrid {
             reachable: vec![true; count],
         };
         let walls = WallTables::new(source.part, source.channel, source.stock.blade_allowance);
-        let reach = ReachTables::new(source, &walls);
+        let reach = InaccessibleTables::new(source, &walls);
         (
             grid.points.par_chunks_mut(cells),
             grid.normals.par_chunks_mut(cells),
@@ -96,7 +96,7 @@ impl FloorGrid {
             .enumerate()
             .for_each(|(i, (points, normals, blank_heights, areas, floor, reachable))| {
                 let s = (i as f64 + 0.5) / cells as f64;
-                Row { points, normals, blank_heights, areas, floor, reachable }
+                GridRow { points, normals, blank_heights, areas, floor, reachable }
                     .fill(source, &walls, &reach, s);
             });
         grid
@@ -109,7 +109,7 @@ impl FloorGrid {
 }
 
 /// One row of the lists of a [`FloorGrid`].
-struct Row<'a> {
+struct GridRow<'a> {
     points: &'a mut [[f32; 3]],
     normals: &'a mut [[f32; 3]],
     blank_heights: &'a mut [f32],
@@ -118,8 +118,8 @@ struct Row<'a> {
     reachable: &'a mut [bool],
 }
 
-impl Row<'_> {
-    fn fill(self, source: &FloorSource, walls: &WallTables, reach: &ReachTables, s: f64) {
+impl GridRow<'_> {
+    fn fill(self, source: &FloorSource, walls: &WallTables, reach: &InaccessibleTables, s: f64) {
         let part = source.part;
         let hub = part.hub.at(s);
         let columns = self.points.len() as f64;
@@ -127,8 +127,8 @@ impl Row<'_> {
             let (foot, normal) = (hub.point.at_angle(0.0), hub.normal.direction_at_angle(0.0));
             first_exit(source.blank, |h| Meridional::of(&(foot + normal * h)), 2.0 * part.rim_radius())
         };
-        let over = walls.over(s);
-        let covered = reach.covered(s, &over);
+        let over = walls.blades_over(s);
+        let covered = reach.inaccessible_ranges(s, &over);
         let sign = part.pitch().signum();
         let cell = over.width.abs() / columns;
         let area = (cell * hub.point.r * part.hub.length() / columns) as f32;

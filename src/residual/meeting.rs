@@ -18,7 +18,7 @@ const CORNER_STEPS: u32 = 8;
 const CORNER_TOLERANCE: f32 = 2e-5;
 
 /// A value per lane: one row of a tile.
-pub(super) type Row<T> = [T; TILE];
+pub(super) type LaneRow<T> = [T; TILE];
 
 /// One ray relative to the axis of one cutter. At height h the ray is at height `z + h·slope` above the
 /// bottom, and at squared distance `squared_distance + 2 h·closing + h²·squared_sine` from the axis.
@@ -136,11 +136,11 @@ impl Meeting {
 /// [`Meeting`]s of a row of cells, by component.
 #[derive(Default)]
 pub(super) struct MeetingRow {
-    z: Row<f32>,
-    slope: Row<f32>,
-    squared_sine: Row<f32>,
-    closing: Row<f32>,
-    squared_distance: Row<f32>,
+    z: LaneRow<f32>,
+    slope: LaneRow<f32>,
+    squared_sine: LaneRow<f32>,
+    closing: LaneRow<f32>,
+    squared_distance: LaneRow<f32>,
 }
 
 impl MeetingRow {
@@ -190,7 +190,7 @@ pub(super) fn smaller(a: f32, b: f32) -> f32 {
 
 /// The greatest value of a row, at least 0.
 #[inline(always)]
-pub(super) fn greatest(row: Row<f32>) -> f32 {
+pub(super) fn greatest(row: LaneRow<f32>) -> f32 {
     // Pairwise reduction: in a chain of comparisons over the lanes each would wait for the one before.
     let mut row = row;
     let mut half = TILE / 2;

@@ -26,7 +26,7 @@ pub use tiles::TileBins;
 pub use trace::PositionTrace;
 
 /// The plunges of a plan, in cutting order, as input of the kernels.
-pub fn cutters_of(plan: &PlungePlan) -> Vec<FieldCutter> {
+pub fn field_cutters(plan: &PlungePlan) -> Vec<FieldCutter> {
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     plan.positions
         .iter()
@@ -52,7 +52,7 @@ pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
 }
 
 /// As [`stretches_of_setup`], of the sections of a plan.
-pub fn stretches_of(plan: &PlungePlan) -> Vec<CutterStretch> {
+pub fn stretches_of_plan(plan: &PlungePlan) -> Vec<CutterStretch> {
     let stretch = |s: &SectionPlan| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
     plan.sections.iter().filter(|section| !section.rest).map(stretch).collect()
 }

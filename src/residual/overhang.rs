@@ -15,7 +15,7 @@ pub(super) const ROWS: usize = 48;
 /// Heights per row, evenly from the foot up.
 pub(super) const LEVELS: usize = 25;
 /// Greatest height in the tables, relative to the distance from hub to shroud at equal s.
-const REACH: f64 = 1.5;
+const MAX_HEIGHT_SHARE: f64 = 1.5;
 
 /// s of row `row` of the tables.
 pub(super) fn s_of_row(row: usize) -> f64 {
@@ -31,12 +31,12 @@ pub(super) fn rows_beside(s: f64) -> (usize, usize, f64) {
 
 /// Height between two levels at `s`, mm.
 fn level_height(part: &Impeller, s: f64) -> f64 {
-    REACH * part.hub.point(s).distance(part.shroud.point(s)) / (LEVELS - 1) as f64
+    MAX_HEIGHT_SHARE * part.hub.point(s).distance(part.shroud.point(s)) / (LEVELS - 1) as f64
 }
 
 /// A wall at one s and h.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct WallNode {
     /// Angle from the wall's own foot, in the direction from the first wall of the channel to the second,
     /// rad.
     turn: f64,
@@ -50,7 +50,7 @@ pub(super) struct Node {
     pub(super) point: Point,
 }
 
-impl Node {
+impl WallNode {
     /// Where no wall was found; all comparisons with it fail.
     const NONE: Self = Self {
         turn: f64::NAN,
@@ -68,25 +68,25 @@ impl Node {
 
 /// One wall, tabulated.
 #[derive(Debug)]
-pub(super) struct Face<'a> {
+pub(super) struct WallTable<'a> {
     wall: &'a Wall,
-    /// +1 where the channel follows the wall in the direction of [`Node::turn`], −1 where it precedes it.
-    pub(super) opens: f64,
+    /// +1 where the channel follows the wall in the direction of [`WallNode::turn`], −1 where it precedes it.
+    pub(super) opening_sign: f64,
     /// [`LEVELS`] per row.
-    nodes: Vec<Node>,
+    nodes: Vec<WallNode>,
 }
 
-impl<'a> Face<'a> {
+impl<'a> WallTable<'a> {
     fn new(part: &Impeller, wall: &'a Wall, opens: f64, blade_allowance: f64) -> Self {
-        let mut nodes = vec![Node::NONE; ROWS * LEVELS];
+        let mut nodes = vec![WallNode::NONE; ROWS * LEVELS];
         nodes.par_chunks_mut(LEVELS).enumerate().for_each(|(row, nodes)| {
             tabulate(part, wall, s_of_row(row), blade_allowance, nodes);
         });
-        Self { wall, opens, nodes }
+        Self { wall, opening_sign: opens, nodes }
     }
 
     /// The levels of table row `row`, foot first.
-    pub(super) fn row(&self, row: usize) -> &[Node] {
+    pub(super) fn row(&self, row: usize) -> &[WallNode] {
         &self.nodes[row * LEVELS..(row + 1) * LEVELS]
     }
 
@@ -99,13 +99,13 @@ impl<'a> Face<'a> {
             let (a, b) = (&first[level], &second[level]);
             let between = |a: f64, b: f64| a + (b - a) * share;
             let there = (0.0..=1.0).contains(&between(a.u, b.u)) || (level == 0 && at_foot);
-            let margin = self.opens * between(a.margin, b.margin);
+            let margin = self.opening_sign * between(a.margin, b.margin);
             if there { foot + between(a.turn, b.turn) + margin } else { f64::NAN }
         })
     }
 }
 
-fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &mut [Node]) {
+fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &mut [WallNode]) {
     let (hub, step) = (part.hub.at(s), level_height(part, s));
     let Some(foot) = wall.at(part, s, 0.0) else { return };
     let (mut theta, mut turn) = (foot.theta, 0.0);
@@ -114,7 +114,7 @@ fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &
         let h = step * level as f64;
         let at = Meridional { r: hub.point.r + h * hub.normal.r, z: hub.point.z + h * hub.normal.z };
         // Walls are nearly straight: the last two levels are extrapolated to the start value of the next.
-        let Some(found) = wall.search(at, 2.0 * u[1] - u[0], 2.0 * v[1] - v[0]) else { return };
+        let Some(found) = wall.at_meridional(at, 2.0 * u[1] - u[0], 2.0 * v[1] - v[0]) else { return };
         let further = wrap_angle(found.theta - theta) * part.pitch().signum();
         if further.abs() > 0.5 * part.pitch().abs() {
             return;
@@ -122,7 +122,7 @@ fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &
         (theta, turn) = (found.theta, turn + further);
         (u, v) = ([u[1], found.u], [v[1], found.v]);
         let slope = (1.0 / (at.r * at.r) + found.by_r * found.by_r + found.by_z * found.by_z).sqrt();
-        *node = Node {
+        *node = WallNode {
             turn,
             margin: blade_allowance * slope,
             u: found.u,
@@ -140,7 +140,7 @@ pub(super) struct WallTables<'a> {
     /// s from which on the splitter has a foot on the hub.
     splitter_s: f64,
     /// The walls.
-    pub(super) faces: Vec<Face<'a>>,
+    pub(super) faces: Vec<WallTable<'a>>,
 }
 
 impl<'a> WallTables<'a> {
@@ -151,7 +151,7 @@ impl<'a> WallTables<'a> {
         if let [near, far] = &channel.beside_splitter[..] {
             walls.extend([(&near.walls[1], -1.0), (&far.walls[0], 1.0)]);
         }
-        let face = |(wall, opens)| Face::new(part, wall, opens, blade_allowance);
+        let face = |(wall, opens)| WallTable::new(part, wall, opens, blade_allowance);
         Self {
             part,
             splitter_s: channel.splitter_s.map_or(f64::INFINITY, |[at_hub, _]| at_hub),
@@ -160,12 +160,12 @@ impl<'a> WallTables<'a> {
     }
 
     /// The blades over the floor at `s`.
-    pub(super) fn over(&self, s: f64) -> Over {
+    pub(super) fn blades_over(&self, s: f64) -> BladesOverFloor {
         let pitch = self.part.pitch();
         let level_height = level_height(self.part, s);
         let foot = |face: usize| Some(self.faces.get(face)?.wall.at(self.part, s, 0.0)?.theta);
         let (Some(from), Some(to)) = (foot(0), foot(1)) else {
-            return Over {
+            return BladesOverFloor {
                 from: 0.0,
                 width: pitch.abs(),
                 feet: [f64::NAN; 4],
@@ -177,22 +177,22 @@ impl<'a> WallTables<'a> {
         let mut feet = [0.0, across(to), f64::NAN, f64::NAN];
         let bounds = |face: usize, foot: f64, at_foot: bool| self.faces[face].bounds(s, foot, at_foot);
         let mut solids = [
-            Some(Solid::new([f64::NEG_INFINITY; LEVELS], bounds(0, 0.0, true))),
-            Some(Solid::new(bounds(1, feet[1], true), [f64::INFINITY; LEVELS])),
+            Some(CoveredAngles::new([f64::NEG_INFINITY; LEVELS], bounds(0, 0.0, true))),
+            Some(CoveredAngles::new(bounds(1, feet[1], true), [f64::INFINITY; LEVELS])),
             None,
         ];
         if let (Some(near), Some(far)) = (foot(2), foot(3)) {
             let at_foot = s >= self.splitter_s;
             (feet[2], feet[3]) = (across(near), across(far));
-            solids[2] = Some(Solid::new(bounds(2, feet[2], at_foot), bounds(3, feet[3], at_foot)));
+            solids[2] = Some(CoveredAngles::new(bounds(2, feet[2], at_foot), bounds(3, feet[3], at_foot)));
         }
-        Over { from, width: feet[1], feet, solids, level_height }
+        BladesOverFloor { from, width: feet[1], feet, solids, level_height }
     }
 }
 
 /// The blades over the floor at one s. Angles count from the foot of the first wall towards the second, rad.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Over {
+pub(super) struct BladesOverFloor {
     /// θ of the foot of the first wall.
     pub(super) from: f64,
     /// Angle of the foot of the second wall.
@@ -200,11 +200,11 @@ pub(super) struct Over {
     /// Angles of the feet of all walls; NaN where there is none.
     pub(super) feet: [f64; 4],
     /// Blades with their allowance.
-    solids: [Option<Solid>; 3],
+    solids: [Option<CoveredAngles>; 3],
     level_height: f64,
 }
 
-impl Over {
+impl BladesOverFloor {
     /// Height at which the ray at `angle` enters a blade or its allowance, mm: 0 where its foot is in it,
     /// infinite where it never does.
     pub(super) fn underside(&self, angle: f64) -> f64 {
@@ -215,14 +215,14 @@ impl Over {
 
 /// Angles that one blade covers, level by level.
 #[derive(Clone, Copy, Debug)]
-struct Solid {
+struct CoveredAngles {
     from: [f64; LEVELS],
     to: [f64; LEVELS],
     /// Least `from` and greatest `to`, for early rejection.
     span: (f64, f64),
 }
 
-impl Solid {
+impl CoveredAngles {
     fn new(from: [f64; LEVELS], to: [f64; LEVELS]) -> Self {
         // Both `min` and `max` ignore NaN.
         let least = from.into_iter().fold(f64::INFINITY, f64::min);

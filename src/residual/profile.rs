@@ -1,15 +1,15 @@
 //! Profile of a tabulated wall in the plane of a cutter's axis, and how near the flank of the cutter can come
 //! to it there.
 
-use super::overhang::{Face, LEVELS, ROWS};
+use super::overhang::{LEVELS, ROWS, WallTable};
 use crate::geometry::{Point, Vector};
 
 /// The flank of a cutter.
-pub(super) struct Flank {
+pub(super) struct CutterFlank {
     /// Unit axis (f, d, z).
     pub(super) axis: [f64; 3],
     /// tan φ.
-    pub(super) lean: f64,
+    pub(super) tan_phi: f64,
     /// R plus the blade allowance, mm.
     pub(super) reach: f64,
     /// Height of the near end of the rim above the centre of the bottom, mm. Every contact of the flank with
@@ -19,7 +19,7 @@ pub(super) struct Flank {
 
 /// Where a wall's level crosses the plane of an axis and e, and the wall's slope there.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Crossing {
+pub(super) struct LevelCrossing {
     /// Coordinate across the wall, mm.
     pub(super) d: f64,
     /// Height, mm.
@@ -31,7 +31,7 @@ pub(super) struct Crossing {
 }
 
 /// Frame of a wall's foot: T along the wall, e across it into the channel, n along the hub normal.
-pub(super) struct Frame {
+pub(super) struct WallFootFrame {
     /// Origin, mm.
     pub(super) foot: Point,
     /// T.
@@ -42,7 +42,7 @@ pub(super) struct Frame {
     pub(super) normal: Vector,
 }
 
-impl Frame {
+impl WallFootFrame {
     /// Coordinates (f, d, z) of a point, mm.
     fn local(&self, point: &Point) -> [f64; 3] {
         let p = point - self.foot;
@@ -51,13 +51,13 @@ impl Frame {
 
     /// Crossing of level `level` of `face` with the plane f = `slope`·z + `at`. Searches from table row
     /// `row`, and sets it to the row found as a warm start. `None` where the blade does not reach the plane.
-    pub(super) fn cross(
+    pub(super) fn cross_level(
         &self,
-        face: &Face,
+        face: &WallTable,
         level: usize,
         [slope, at]: [f64; 2],
         row: &mut usize,
-    ) -> Option<Crossing> {
+    ) -> Option<LevelCrossing> {
         let side = |row: usize| {
             let node = &face.row(row)[level];
             let p = self.local(&node.point);
@@ -76,7 +76,7 @@ impl Frame {
                 }
                 let share = here.0 / (here.0 - there.0);
                 let step = std::array::from_fn(|k| there.1[k] - here.1[k]);
-                return Some(Crossing {
+                return Some(LevelCrossing {
                     d: here.1[1] + step[1] * share,
                     z: here.1[2] + step[2] * share,
                     v: here.2.v + (there.2.v - here.2.v) * share,
@@ -90,7 +90,7 @@ impl Frame {
 
 /// Profile of a wall in the plane of an axis and e, between hub and tip, from below upwards.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Profile {
+pub(super) struct WallProfile {
     /// Number of points.
     pub(super) count: usize,
     /// Coordinates of the points, mm.
@@ -100,13 +100,13 @@ pub(super) struct Profile {
     slopes: [[f64; 2]; LEVELS],
 }
 
-impl Profile {
+impl WallProfile {
     /// Profile of `face` in the plane f = `slope`·z of `frame`, whose foot is in table row `row`.
-    pub(super) fn of(frame: &Frame, face: &Face, slope: f64, mut row: usize) -> Self {
-        let mut crossings = [Crossing::default(); LEVELS];
+    pub(super) fn of(frame: &WallFootFrame, face: &WallTable, slope: f64, mut row: usize) -> Self {
+        let mut crossings = [LevelCrossing::default(); LEVELS];
         let mut count = 0;
         for level in 0..LEVELS {
-            let Some(mut here) = frame.cross(face, level, [slope, 0.0], &mut row) else { continue };
+            let Some(mut here) = frame.cross_level(face, level, [slope, 0.0], &mut row) else { continue };
             if count > 0 && here.v > 1.0 {
                 // Clip the profile at the tip.
                 let below = crossings[count - 1];
@@ -147,7 +147,7 @@ impl Profile {
     }
 
     /// Distance in d that the flank needs between the wall's point `k` and the axis at equal height, mm.
-    fn room(&self, k: usize, flank: &Flank) -> f64 {
+    fn flank_distance(&self, k: usize, flank: &CutterFlank) -> f64 {
         let ([f, z], axis) = (self.slopes[k], &flank.axis);
         let through = axis[1] - f * axis[0] - z * axis[2];
         flank.reach * (1.0 + f * f + z * z - through * through).max(0.0).sqrt()
@@ -155,14 +155,16 @@ impl Profile {
 
     /// Change of d of the axis relative to the wall between the height of the wall's point `k` and that of
     /// the point of the axis opposite to it, mm.
-    fn gain(&self, k: usize, flank: &Flank) -> f64 {
+    fn axis_gain(&self, k: usize, flank: &CutterFlank) -> f64 {
         let [f, z] = self.slopes[k];
-        (flank.lean - z - f * flank.axis[0] / flank.axis[2]) * flank.rise
+        (flank.tan_phi - z - f * flank.axis[0] / flank.axis[2]) * flank.rise
     }
 
     /// Least d of the axis at z = 0 that keeps the flank clear of the wall at and above z = `from`, mm.
-    pub(super) fn nearest_axis(&self, flank: &Flank, from: f64) -> f64 {
-        let at = |k: usize| self.d[k] + self.room(k, flank) + self.gain(k, flank) - flank.lean * self.z[k];
+    pub(super) fn nearest_axis(&self, flank: &CutterFlank, from: f64) -> f64 {
+        let at = |k: usize| {
+            self.d[k] + self.flank_distance(k, flank) + self.axis_gain(k, flank) - flank.tan_phi * self.z[k]
+        };
         let mut most = f64::NEG_INFINITY;
         for k in 0..self.count {
             if self.z[k] >= from {
@@ -178,10 +180,15 @@ impl Profile {
 
     /// Greatest d of the axis at z = 0 that keeps the flank clear of this opposite wall at and above z =
     /// `from`, mm.
-    pub(super) fn furthest_axis(&self, flank: &Flank, from: f64) -> f64 {
+    pub(super) fn furthest_axis(&self, flank: &CutterFlank, from: f64) -> f64 {
         (0..self.count)
             .filter(|&k| self.z[k] >= from)
-            .map(|k| self.d[k] - self.room(k, flank) - self.gain(k, flank) - flank.lean * self.z[k])
+            .map(|k| {
+                self.d[k]
+                    - self.flank_distance(k, flank)
+                    - self.axis_gain(k, flank)
+                    - flank.tan_phi * self.z[k]
+            })
             .fold(f64::INFINITY, f64::min)
     }
 }

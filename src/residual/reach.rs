@@ -25,8 +25,8 @@
 use rayon::prelude::*;
 
 use super::grid::FloorSource;
-use super::overhang::{Face, Over, ROWS, WallTables, rows_beside, s_of_row};
-use super::profile::{Flank, Frame, Profile};
+use super::overhang::{BladesOverFloor, ROWS, WallTable, WallTables, rows_beside, s_of_row};
+use super::profile::{CutterFlank, WallFootFrame, WallProfile};
 use crate::geometry::{Vector, search};
 use crate::part::Impeller;
 
@@ -43,7 +43,7 @@ pub struct CutterStretch {
 
 impl CutterStretch {
     /// Distance of `s` from the range, 0 within it.
-    fn away(&self, s: f64) -> f64 {
+    fn distance_to(&self, s: f64) -> f64 {
         (s - self.from).max(self.to - s).max(0.0)
     }
 }
@@ -57,35 +57,34 @@ const RIM_POINTS: usize = 16;
 /// Weight of missing clearance between the walls, relative to distance from the foot.
 const PENALTY: f64 = 20.0;
 /// Missing clearance that is tolerated, mm.
-const ROOM_TOLERANCE: f64 = 0.05;
+const CLEARANCE_TOLERANCE: f64 = 0.05;
 
 /// Inaccessible floor at one row of the tables, per wall: angle from its foot, rad; 0 where all is
 /// accessible.
-type Reach = [f64; 4];
+type InaccessibleAngles = [f64; 4];
 
 /// Inaccessible floor along s.
 #[derive(Debug)]
-pub(super) struct ReachTables {
-    stretches: Vec<(CutterStretch, Vec<Reach>)>,
+pub(super) struct InaccessibleTables {
+    stretches: Vec<(CutterStretch, Vec<InaccessibleAngles>)>,
 }
 
-impl ReachTables {
+impl InaccessibleTables {
     pub(super) fn new(source: &FloorSource, walls: &WallTables) -> Self {
         let stretch = |&stretch: &CutterStretch| {
-            let cutter = Cutter {
+            let cutter = ReachCutter {
                 radius: stretch.radius,
                 hub_allowance: source.stock.hub_allowance,
                 blade_allowance: source.stock.blade_allowance,
             };
             let rows = (0..ROWS).into_par_iter().map(|row| {
                 // Rows are interpolated in pairs. Further from the range of the cutter they are not used.
-                if stretch.away(s_of_row(row)) > 1.0 / ROWS as f64 {
+                if stretch.distance_to(s_of_row(row)) > 1.0 / ROWS as f64 {
                     return [0.0; 4];
                 }
                 std::array::from_fn(|face| match walls.faces.get(face) {
-                    Some(_) => {
-                        Corner::new(source.part, walls, face, row).map_or(0.0, |c| c.out_of_reach(&cutter))
-                    }
+                    Some(_) => WallCorner::new(source.part, walls, face, row)
+                        .map_or(0.0, |c| c.inaccessible_angle(&cutter)),
                     None => 0.0,
                 })
             });
@@ -95,16 +94,16 @@ impl ReachTables {
     }
 
     /// Inaccessible ranges of the floor at `s`; they apply only to floor under a blade.
-    pub(super) fn covered(&self, s: f64, over: &Over) -> Covered {
+    pub(super) fn inaccessible_ranges(&self, s: f64, over: &BladesOverFloor) -> InaccessibleRanges {
         // Of the cutters nearest to s the smallest reaches furthest.
         let order = |a: &CutterStretch, b: &CutterStretch| {
-            a.away(s).total_cmp(&b.away(s)).then(a.radius.total_cmp(&b.radius))
+            a.distance_to(s).total_cmp(&b.distance_to(s)).then(a.radius.total_cmp(&b.radius))
         };
         let Some((_, rows)) = self.stretches.iter().min_by(|a, b| order(&a.0, &b.0)) else {
-            return Covered::default();
+            return InaccessibleRanges::default();
         };
         let (first, second, share) = rows_beside(s);
-        let mut covered = Covered::default();
+        let mut covered = InaccessibleRanges::default();
         for (face, range) in covered.ranges.iter_mut().enumerate() {
             let reach = rows[first][face] + (rows[second][face] - rows[first][face]) * share;
             let foot = over.feet[face];
@@ -114,40 +113,40 @@ impl ReachTables {
     }
 }
 
-/// Ranges of angles at one s, counted as in [`Over`].
+/// Ranges of angles at one s, counted as in [`BladesOverFloor`].
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Covered {
+pub(super) struct InaccessibleRanges {
     ranges: [(f64, f64); 4],
 }
 
-impl Covered {
+impl InaccessibleRanges {
     pub(super) fn contains(&self, angle: f64) -> bool {
         self.ranges.iter().any(|range| angle > range.0 && angle < range.1)
     }
 }
 
 /// Radius of the cutter, and allowances, mm.
-struct Cutter {
+struct ReachCutter {
     radius: f64,
     hub_allowance: f64,
     blade_allowance: f64,
 }
 
 /// The corner between hub and one wall at a row of the tables.
-struct Corner<'a> {
-    face: &'a Face<'a>,
-    facing: [Option<&'a Face<'a>>; 2],
+struct WallCorner<'a> {
+    face: &'a WallTable<'a>,
+    facing: [Option<&'a WallTable<'a>>; 2],
     row: usize,
-    frame: Frame,
+    frame: WallFootFrame,
     /// Circumferential direction, into the channel.
     around: Vector,
-    hub: HubHere,
+    hub: LocalHub,
     /// Radius of the foot, mm.
     foot_radius: f64,
 }
 
 /// The hub about a foot, to second order in the directions (along, across).
-struct HubHere {
+struct LocalHub {
     /// Height above the tangent plane is ½·(f, d)·[[c0, c1], [c1, c2]]·(f, d).
     curvature: [f64; 3],
     /// Components of the meridional direction.
@@ -156,7 +155,7 @@ struct HubHere {
     ends: [f64; 2],
 }
 
-impl<'a> Corner<'a> {
+impl<'a> WallCorner<'a> {
     /// `None` where the wall has no foot on the blade in this row.
     fn new(part: &Impeller, walls: &'a WallTables, index: usize, row: usize) -> Option<Self> {
         let face = &walls.faces[index];
@@ -168,7 +167,7 @@ impl<'a> Corner<'a> {
         let hub = part.hub.at(s);
         let theta = foot.point.y.atan2(foot.point.x);
         let (normal, tangent) = (hub.normal.direction_at_angle(theta), hub.tangent.direction_at_angle(theta));
-        let inward = part.pitch().signum() * face.opens;
+        let inward = part.pitch().signum() * face.opening_sign;
         let around = Vector::new(-theta.sin(), theta.cos(), 0.0) * inward;
         let beside = |row: usize| Some(face.row(row)[0].point).filter(|p| p.x.is_finite());
         let before = beside(row.saturating_sub(1)).unwrap_or(foot.point);
@@ -198,20 +197,20 @@ impl<'a> Corner<'a> {
             face,
             facing: facing.map(|index| walls.faces.get(index?)),
             row,
-            frame: Frame { foot: foot.point, along, across, normal },
+            frame: WallFootFrame { foot: foot.point, along, across, normal },
             around,
-            hub: HubHere { curvature, meridional: t, ends },
+            hub: LocalHub { curvature, meridional: t, ends },
             foot_radius: hub.point.r,
         })
     }
 
     /// Profile of `face` in the plane of the axes with tan α = `slope` along the wall.
-    fn profile(&self, face: &Face, slope: f64) -> Profile {
-        Profile::of(&self.frame, face, slope, self.row)
+    fn profile(&self, face: &WallTable, slope: f64) -> WallProfile {
+        WallProfile::of(&self.frame, face, slope, self.row)
     }
 
     /// Angle about Z from the foot within which the floor is inaccessible, rad.
-    fn out_of_reach(&self, cutter: &Cutter) -> f64 {
+    fn inaccessible_angle(&self, cutter: &ReachCutter) -> f64 {
         let upright = self.profile(self.face, 0.0);
         if upright.steepest() < TOLERANCE {
             return 0.0;
@@ -240,39 +239,39 @@ impl<'a> Corner<'a> {
     /// d of the wall's trace on the hub at f, mm.
     fn trace(&self, f: f64) -> f64 {
         let mut row = self.row;
-        self.frame.cross(self.face, 0, [0.0, f], &mut row).map_or(0.0, |c| c.d)
+        self.frame.cross_level(self.face, 0, [0.0, f], &mut row).map_or(0.0, |c| c.d)
     }
 
     /// Least distance from the foot that a cutter reaches whose axis has tan α = `slope` along the wall, mm.
-    fn nearest(&self, cutter: &Cutter, slope: f64) -> f64 {
+    fn nearest(&self, cutter: &ReachCutter, slope: f64) -> f64 {
         let near = self.profile(self.face, slope);
         if near.count < 2 {
             return f64::INFINITY;
         }
         let facing = self.facing.map(|face| face.map(|face| self.profile(face, slope)));
-        let of = |lean: f64| self.stand(cutter, slope, lean, &near, &facing);
+        let of = |lean: f64| self.bottom_begin(cutter, slope, lean, &near, &facing);
         let (_, distance) = search::minimum(of, 0.0, 1.2 * near.steepest().clamp(0.0, 4.0), TOLERANCE);
         distance
     }
 
     /// Distance from the foot at which the bottom begins, for the axis (`slope`, `lean`) beside the wall, mm,
     /// with a penalty where opposite walls leave too little clearance.
-    fn stand(
+    fn bottom_begin(
         &self,
-        cutter: &Cutter,
+        cutter: &ReachCutter,
         slope: f64,
         lean: f64,
-        near: &Profile,
-        facing: &[Option<Profile>; 2],
+        near: &WallProfile,
+        facing: &[Option<WallProfile>; 2],
     ) -> f64 {
         let length = (1.0 + slope * slope + lean * lean).sqrt();
         let axis = [slope / length, lean / length, 1.0 / length];
         let reach = cutter.radius + cutter.blade_allowance;
-        let bottom = cutter.hub_allowance + self.hub.lift(&axis, cutter.radius, reach);
+        let bottom = cutter.hub_allowance + self.hub.contact_height(&axis, cutter.radius, reach);
         // Half the width of the disc across the wall, and the rise of its near end.
         let half = (1.0 - axis[1] * axis[1]).sqrt();
         let rise = cutter.radius * axis[1] * axis[2] / half;
-        let flank = Flank { axis, lean, reach, rise };
+        let flank = CutterFlank { axis, tan_phi: lean, reach, rise };
         let place = near.nearest_axis(&flank, bottom + rise);
         let lacking = facing
             .iter()
@@ -284,14 +283,14 @@ impl<'a> Corner<'a> {
             return f64::INFINITY;
         }
         let begin = place + bottom * lean - cutter.radius * half;
-        begin + PENALTY * (lacking - ROOM_TOLERANCE).max(0.0)
+        begin + PENALTY * (lacking - CLEARANCE_TOLERANCE).max(0.0)
     }
 }
 
-impl HubHere {
+impl LocalHub {
     /// Height of the centre of a disc of radius `radius` perpendicular to `axis`, about `d` mm from the foot,
     /// when it touches the hub, mm.
-    fn lift(&self, axis: &[f64; 3], radius: f64, d: f64) -> f64 {
+    fn contact_height(&self, axis: &[f64; 3], radius: f64, d: f64) -> f64 {
         let axis = Vector::from(*axis);
         let u = (Vector::new(0.0, 1.0, 0.0) - axis * axis.y).normalize();
         let v = axis.cross(&u);

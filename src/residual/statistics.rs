@@ -5,7 +5,7 @@ use super::grid::FloorGrid;
 /// Share of the blank's height at and above which a cell counts as uncut.
 const UNCUT_SHARE_OF_BLANK: f32 = 0.999;
 /// Low bits of a height that do not select its bin: a bin is about a hundredth of a height wide.
-const DRAWER_BITS: u32 = 16;
+const BIN_SHIFT: u32 = 16;
 
 /// Statistics of the residual stock, weighted by the area of the cells.
 ///
@@ -85,7 +85,7 @@ pub fn statistics_of_channels(
 fn percentile(cells: &[(f32, f32)], target: f64) -> f32 {
     // Bucket selection: the bits of non-negative floating-point numbers are ordered like the numbers, so the
     // leading ones select one of a few thousand bins.
-    let drawer = |height: f32| (height.max(0.0).to_bits() >> DRAWER_BITS) as usize;
+    let drawer = |height: f32| (height.max(0.0).to_bits() >> BIN_SHIFT) as usize;
     let mut weights = vec![0.0; drawer(f32::INFINITY) + 1];
     for &(height, weight) in cells {
         weights[drawer(height)] += f64::from(weight);

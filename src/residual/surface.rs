@@ -4,7 +4,7 @@ use super::FloorGrid;
 use crate::mesh::grid_triangles;
 
 /// Largest number of lines along s and across of a surface that shows every plunge.
-pub const FINE: (usize, usize) = (257, 129);
+pub const MAX_LINES: (usize, usize) = (257, 129);
 
 /// Distance below the blank's height within which a cell still counts as uncut, mm.
 const UNCUT_TOLERANCE: f32 = 1e-3;
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn large_grids_are_thinned_and_keep_their_corners() {
-        let surface = FloorSurface::new(&FloorGrid::flat(600, 400), FINE);
+        let surface = FloorSurface::new(&FloorGrid::flat(600, 400), MAX_LINES);
         assert_eq!(surface.triangles.len(), 256 * 128 * 2);
         assert_eq!((surface.cells[0], surface.cells.last()), (0, Some(&(600 * 400 - 1))));
     }
@@ -78,7 +78,7 @@ mod tests {
     fn cells_without_floor_are_left_out() {
         let mut grid = FloorGrid::flat(4, 4);
         grid.floor[5] = false;
-        assert_eq!(FloorSurface::new(&grid, FINE).triangles.len(), (9 - 4) * 2);
+        assert_eq!(FloorSurface::new(&grid, MAX_LINES).triangles.len(), (9 - 4) * 2);
     }
 
     #[test]

@@ -37,7 +37,7 @@ pub(crate) struct TraceSums {
 
 impl TraceSums {
     /// Adds the sums over another part of the grid for the same position.
-    pub(crate) fn join(&mut self, other: &TraceSums) {
+    pub(crate) fn add(&mut self, other: &TraceSums) {
         self.contact_depth = self.contact_depth.max(other.contact_depth);
         self.contact_cells += other.contact_cells;
         self.swept_cells += other.swept_cells;
@@ -67,9 +67,9 @@ impl TraceSums {
 pub(crate) struct VolumeUnit(f32);
 
 /// Largest number of units of all stock over the floor.
-const MOST_UNITS: f64 = (1_u32 << 31) as f64;
+const MAX_UNITS: f64 = (1_u32 << 31) as f64;
 /// Largest number of units of the stock over one cell.
-const MOST_UNITS_OF_CELL: f64 = (1_u32 << 22) as f64;
+const MAX_UNITS_OF_CELL: f64 = (1_u32 << 22) as f64;
 
 impl VolumeUnit {
     /// The smallest unit for the stock of `grid`.
@@ -79,7 +79,7 @@ impl VolumeUnit {
             (0..grid.rows).into_par_iter().with_min_len(16).map(|row| stock_of_row(grid, row)).collect();
         let stock: f64 = rows.iter().map(|[sum, _]| sum).sum();
         let greatest = rows.iter().map(|[_, greatest]| *greatest).fold(0.0, f64::max);
-        let least = (stock / MOST_UNITS).max(greatest / MOST_UNITS_OF_CELL);
+        let least = (stock / MAX_UNITS).max(greatest / MAX_UNITS_OF_CELL);
         // Without stock any unit will do; the lower limit keeps it representable.
         let exponent = if least > 0.0 { least.log2().ceil().max(-100.0) } else { 0.0 };
         VolumeUnit(exponent.exp2() as f32)
@@ -138,7 +138,7 @@ mod tests {
                 let grid = grid(cells, height, area);
                 let of_cell = f64::from(height) * f64::from(VolumeUnit::of(&grid).per_height(area));
                 let of_all = of_cell * (cells * cells / 2) as f64;
-                let filled = (of_cell / MOST_UNITS_OF_CELL).max(of_all / MOST_UNITS);
+                let filled = (of_cell / MAX_UNITS_OF_CELL).max(of_all / MAX_UNITS);
                 assert!((0.5..=1.0).contains(&filled), "{cells}², {height} × {area}: {filled}");
             }
         }
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn whole_units_round_ties_to_even() {
-        let most = MOST_UNITS_OF_CELL as f32;
+        let most = MAX_UNITS_OF_CELL as f32;
         for volume in [0.0, 0.49, 0.5, 0.51, 1.0, 1.5, 2.5, 1234.5, 99_999.7, most - 0.5, most] {
             assert_eq!(whole_units_between(volume, 0.0), volume.round_ties_even() as u32, "{volume}");
             assert_eq!(whole_units_between(most, volume), most as u32 - volume.round_ties_even() as u32);

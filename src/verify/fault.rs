@@ -1,7 +1,7 @@
 //! Faults of a program and their messages, common to plunge and flank programs.
 
 use crate::geometry::Vector;
-use crate::part::setup::Stock;
+use crate::part::setup::AllowanceSetup;
 use crate::part::{Impeller, Setup, Tool};
 
 /// Tolerance of the safety distance in a rapid, for rounding, mm.
@@ -47,7 +47,7 @@ pub enum FaultKind {
 
 impl FaultKind {
     /// Noun phrase for a number of faults of this kind.
-    pub fn words(self) -> &'static str {
+    pub fn plural_phrase(self) -> &'static str {
         match self {
             Self::CoreContact => "plunges whose core meets stock",
             Self::HubAllowance => "cuts below the hub's allowance",
@@ -78,24 +78,24 @@ pub struct Fault {
     /// Measured value: see [`FaultKind`].
     pub value: Option<f64>,
     /// Message: what is wrong, and what to do about it.
-    pub what: String,
+    pub message: String,
 }
 
 /// A fault before its line is known.
 pub(super) struct Finding {
     kind: FaultKind,
     value: Option<f64>,
-    what: String,
+    message: String,
 }
 
 impl Finding {
     pub(super) fn new(kind: FaultKind, value: impl Into<Option<f64>>, what: impl Into<String>) -> Self {
-        Self { kind, value: value.into(), what: what.into() }
+        Self { kind, value: value.into(), message: what.into() }
     }
 
     /// The fault in line `line` of the program.
     pub(super) fn at(self, line: usize) -> Fault {
-        Fault { line, kind: self.kind, value: self.value, what: self.what }
+        Fault { line, kind: self.kind, value: self.value, message: self.message }
     }
 }
 
@@ -113,16 +113,17 @@ impl Fault {
 }
 
 /// Counts of faults of each kind, in words, the most serious kind first; empty without faults.
-pub fn counted(faults: &[Fault]) -> String {
+pub fn count_by_kind(faults: &[Fault]) -> String {
     let mut kinds: Vec<FaultKind> = faults.iter().map(|fault| fault.kind).collect();
     kinds.sort_unstable();
-    let words = kinds.chunk_by(|a, b| a == b).map(|same| format!("{} {}", same.len(), same[0].words()));
+    let words =
+        kinds.chunk_by(|a, b| a == b).map(|same| format!("{} {}", same.len(), same[0].plural_phrase()));
     words.collect::<Vec<_>>().join(", ")
 }
 
 /// The fault of a cut `distance` mm from the finished hub, if it misses its allowance by more than
 /// `tolerance` mm.
-pub(super) fn near_hub(distance: f64, stock: &Stock, tolerance: f64) -> Option<Finding> {
+pub(super) fn near_hub(distance: f64, stock: &AllowanceSetup, tolerance: f64) -> Option<Finding> {
     let allowance = stock.hub_allowance;
     (distance < allowance - tolerance).then(|| {
         let what = format!("comes within {distance:.4} mm of the hub; the allowance is {allowance} mm");
@@ -131,7 +132,7 @@ pub(super) fn near_hub(distance: f64, stock: &Stock, tolerance: f64) -> Option<F
 }
 
 /// As [`near_hub`], for the finished blades.
-pub(super) fn near_blade(distance: f64, stock: &Stock, tolerance: f64) -> Option<Finding> {
+pub(super) fn near_blade(distance: f64, stock: &AllowanceSetup, tolerance: f64) -> Option<Finding> {
     let allowance = stock.blade_allowance;
     (distance < allowance - tolerance).then(|| {
         let what = format!("comes within {distance:.4} mm of a blade; the allowance is {allowance} mm");
@@ -140,7 +141,7 @@ pub(super) fn near_blade(distance: f64, stock: &Stock, tolerance: f64) -> Option
 }
 
 /// The fault of a rapid `distance` mm from the blank, if that is too near.
-pub(super) fn rapid_near_blank(distance: f64, stock: &Stock) -> Option<Finding> {
+pub(super) fn rapid_near_blank(distance: f64, stock: &AllowanceSetup) -> Option<Finding> {
     let safety = stock.safety_distance;
     (distance < safety - RAPID_TOLERANCE).then(|| {
         let what =
@@ -151,7 +152,7 @@ pub(super) fn rapid_near_blank(distance: f64, stock: &Stock) -> Option<Finding> 
 
 /// The fault of a tool axis beyond the machine's limit in `setup`.
 pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> Option<Finding> {
-    let (limit, beyond) = (setup.machine.max_axis_tilt, setup.machine.beyond(part, axis));
+    let (limit, beyond) = (setup.machine.max_axis_tilt_rad, setup.machine.excess_tilt_rad(part, axis));
     (beyond > TILT_TOLERANCE).then(|| {
         let tilt = (beyond + limit).to_degrees();
         let what = format!(
@@ -163,7 +164,7 @@ pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> O
 }
 
 /// The fault of cuts without a feed rate, at `lines`.
-pub(super) fn without_feed(lines: &[usize]) -> Option<Fault> {
+pub(super) fn missing_feed(lines: &[usize]) -> Option<Fault> {
     let first = *lines.first()?;
     let count = lines.len();
     let what = match count {
@@ -175,7 +176,7 @@ pub(super) fn without_feed(lines: &[usize]) -> Option<Fault> {
 
 /// The fault of a tool of the program, first used in `line`, that differs from the setup's tool of the same
 /// number.
-pub(super) fn other_tool(line: usize, tool: &Tool, setup: &Setup) -> Option<Fault> {
+pub(super) fn tool_mismatch(line: usize, tool: &Tool, setup: &Setup) -> Option<Fault> {
     let known = setup.tools.iter().find(|known| known.number == tool.number)?;
     let differs = (known.diameter - tool.diameter).abs() > 1e-3
         || (known.corner_radius - tool.corner_radius).abs() > 1e-3;

@@ -15,20 +15,20 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::fault::{
-    Fault, FaultKind, Finding, beyond_machine, near_blade, near_hub, other_tool, rapid_near_blank,
-    without_feed,
+    Fault, FaultKind, Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank,
+    tool_mismatch,
 };
 use super::too_deep;
 use crate::formats::apt::{ClProgram, Motion, Move};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Channel, Impeller, Setup, Tool};
-use crate::plunge::choice::estimate::RAPID_FEED;
+use crate::plunge::choice::estimate::RAPID_MM_PER_MIN;
 use crate::plunge::clearance::FinishedPart;
 use crate::plunge::retract::bottom_clearance;
 use crate::residual::ResidualStatistics;
-use gouge::{Clearance, Surroundings};
-use steps::{Step, steps_of};
-use stock::{Floor, Place, Probe, Struck, floor_after};
+use gouge::{StepClearance, StepSurroundings};
+use steps::{CutterStep, steps_of};
+use stock::{FloorResult, ProbeSample, StockCollision, StockProbe, evaluate_floor};
 pub use uncovered::Uncovered;
 use walls::wall_deviation;
 
@@ -54,7 +54,7 @@ pub struct FlankVerdict {
     /// Least distance of the bottom to the blank in rapids across it.
     pub min_retract_clearance: f64,
     /// Greatest turn of the axis in one move under feed, rad.
-    pub max_axis_change: f64,
+    pub max_axis_change_rad: f64,
     /// Greatest overcut: cut below the blades' allowance, noses and blunt trailing edges included.
     pub max_overcut: f64,
     /// Greatest undercut: stock left on a wall above its allowance, where cutters come near to it; without
@@ -77,14 +77,14 @@ const HUB_TOLERANCE: f64 = 1e-3;
 /// The same at the blades, where the best fit of a cylinder to a twisted wall cuts up to 5 µm too deep.
 const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
 /// Height at which the flank of a cutter begins when its axis is tilted by 30°, in corner radii.
-const LEANING_CORNER: f64 = 1.5;
+const TILTED_CORNER_RADII: f64 = 1.5;
 /// Depth of a plausible cut, in layers of the setup.
-const MOST_LAYERS: f64 = 4.0;
+const MAX_LAYERS: f64 = 4.0;
 /// Depth of a plausible cut, in cutter diameters.
-const MOST_DIAMETERS: f64 = 4.0;
+const MAX_DIAMETERS: f64 = 4.0;
 /// Largest turn of the axis in one move under feed, rad: controllers may interpolate a larger one in another
 /// manner than intended.
-const MOST_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
+const MAX_TURN_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Whether a program mills with the flank: most of its moves under feed do not plunge along the axis.
 pub fn is_flank(program: &ClProgram) -> bool {
@@ -93,7 +93,7 @@ pub fn is_flank(program: &ClProgram) -> bool {
         if !matches!(pair[1].motion, Motion::Feed(_)) || pair[0].tool != pair[1].tool {
             continue;
         }
-        let step = Step {
+        let step = CutterStep {
             line: 0,
             tool: 0,
             feed: None,
@@ -128,22 +128,22 @@ pub struct FlankVerifier<'a> {
     finished: FinishedPart<'a>,
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
-    seen: HashMap<StepKey, Look>,
+    cache: HashMap<StepKey, StepResult>,
 }
 
 /// The steps of a program with their results.
-struct Examined {
-    steps: Vec<Step>,
-    looks: Vec<Look>,
+struct ExaminedProgram {
+    steps: Vec<CutterStep>,
+    looks: Vec<StepResult>,
     /// The floor of each channel with cuts.
-    channels: Vec<(i64, Floor)>,
+    channels: Vec<(i64, FloorResult)>,
     faults: Vec<Fault>,
 }
 
 /// Cache key of a step: index of the tool, whether it is under feed, and the bits of both ends.
 type StepKey = (usize, bool, [u64; 12]);
 
-fn key(step: &Step) -> StepKey {
+fn step_key(step: &CutterStep) -> StepKey {
     let ((p, a), (q, b)) = (step.from, step.to);
     let all = [p.x, p.y, p.z, a.x, a.y, a.z, q.x, q.y, q.z, b.x, b.y, b.z];
     (step.tool, step.feed.is_some(), all.map(f64::to_bits))
@@ -156,10 +156,10 @@ impl<'a> FlankVerifier<'a> {
             part,
             channel,
             setup,
-            blank: Blank::of(part, setup.stock.inlet_extension),
+            blank: Blank::of(part, setup.allowances.inlet_extension),
             finished: FinishedPart::new(part, &channel.sides),
             tools: Vec::new(),
-            seen: HashMap::new(),
+            cache: HashMap::new(),
         }
     }
 
@@ -172,7 +172,7 @@ impl<'a> FlankVerifier<'a> {
         program: &ClProgram,
         monitor: &Monitor,
     ) -> Result<Result<Vec<Fault>, Cancelled>, Fault> {
-        Ok(self.examined(program, monitor)?.map(|examined| examined.faults))
+        Ok(self.examine(program, monitor)?.map(|examined| examined.faults))
     }
 
     /// The complete verdict on `program`.
@@ -181,9 +181,10 @@ impl<'a> FlankVerifier<'a> {
     /// As [`verify_flank`].
     pub fn verdict(&mut self, program: &ClProgram) -> Result<FlankVerdict, Fault> {
         // The default monitor never cancels.
-        let Ok(Examined { steps, looks, channels, faults }) = self.examined(program, &Monitor::default())?
+        let Ok(ExaminedProgram { steps, looks, channels, faults }) =
+            self.examine(program, &Monitor::default())?
         else {
-            return Ok(FlankVerdict::of_nothing());
+            return Ok(FlankVerdict::empty());
         };
         let Self { part, channel, setup, blank, finished, tools, .. } = self;
         let mut verdict = FlankVerdict {
@@ -196,7 +197,7 @@ impl<'a> FlankVerifier<'a> {
                 .map(|d| d.0)
                 .fold(0.0, f64::max),
             faults,
-            ..FlankVerdict::of_nothing()
+            ..FlankVerdict::empty()
         };
         for (step, look) in steps.iter().zip(&looks) {
             verdict.add(step, look);
@@ -206,31 +207,31 @@ impl<'a> FlankVerifier<'a> {
             if index == 0 || uncovered.share() > verdict.uncovered.share() {
                 (verdict.uncovered, verdict.layer) = (uncovered, layer);
             }
-            let cuts: Vec<&Step> =
+            let cuts: Vec<&CutterStep> =
                 steps.iter().filter(|s| s.channel == *number && s.feed.is_some()).collect();
             let corner = cuts.iter().map(|s| tools[s.tool].corner_radius).fold(0.0, f64::max);
             // With a tilted axis the flank begins above the corner radius.
-            let uncut = setup.stock.hub_allowance + LEANING_CORNER * corner;
-            let walls = wall_deviation(part, channel, tools, &cuts, setup.stock.blade_allowance, uncut);
+            let uncut = setup.allowances.hub_allowance + TILTED_CORNER_RADII * corner;
+            let walls = wall_deviation(part, channel, tools, &cuts, setup.allowances.blade_allowance, uncut);
             verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
             verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
         }
         verdict.max_overcut =
-            verdict.max_overcut.max(setup.stock.blade_allowance - verdict.min_blade_clearance).max(0.0);
+            verdict.max_overcut.max(setup.allowances.blade_allowance - verdict.min_blade_clearance).max(0.0);
         Ok(verdict)
     }
 
-    fn examined(
+    fn examine(
         &mut self,
         program: &ClProgram,
         monitor: &Monitor,
-    ) -> Result<Result<Examined, Cancelled>, Fault> {
+    ) -> Result<Result<ExaminedProgram, Cancelled>, Fault> {
         let (steps, tools) = steps_of(self.part, self.channel, program, self.setup)?;
         if tools != self.tools {
-            self.seen.clear();
+            self.cache.clear();
             self.tools = tools;
         }
-        let looks = match self.looks(&steps, monitor) {
+        let looks = match self.examine_steps(&steps, monitor) {
             Ok(looks) => looks,
             Err(cancelled) => return Ok(Err(cancelled)),
         };
@@ -247,28 +248,33 @@ impl<'a> FlankVerifier<'a> {
                 return Ok(Err(cancelled));
             }
             let floor = self.floor(&steps, &looks, number);
-            let ours: Vec<&Step> = steps.iter().filter(|s| s.channel == number).collect();
-            faults.extend(floor.struck.iter().map(|struck| struck.fault(ours[struck.step].line)));
+            let ours: Vec<&CutterStep> = steps.iter().filter(|s| s.channel == number).collect();
+            faults.extend(floor.collisions.iter().map(|struck| struck.fault(ours[struck.step].line)));
             faults.extend(floor.depths.iter().filter_map(|&(depth, step)| self.too_deep(depth, ours[step])));
             channels.push((number, floor));
         }
-        faults.extend(self.senseless(program, &steps, &channels));
+        faults.extend(self.program_faults(program, &steps, &channels));
         faults.sort_by_key(|fault| fault.line);
-        Ok(Ok(Examined { steps, looks, channels, faults }))
+        Ok(Ok(ExaminedProgram { steps, looks, channels, faults }))
     }
 
     /// Results of all steps, from the cache where they are in it.
-    fn looks(&mut self, steps: &[Step], monitor: &Monitor) -> Result<Vec<Look>, Cancelled> {
-        let around = Surroundings {
+    fn examine_steps(
+        &mut self,
+        steps: &[CutterStep],
+        monitor: &Monitor,
+    ) -> Result<Vec<StepResult>, Cancelled> {
+        let around = StepSurroundings {
             finished: &self.finished,
             tools: &self.tools,
-            hub_allowance: self.setup.stock.hub_allowance,
-            blade_allowance: self.setup.stock.blade_allowance,
+            hub_allowance: self.setup.allowances.hub_allowance,
+            blade_allowance: self.setup.allowances.blade_allowance,
         };
-        let (seen, blank) = (&self.seen, &self.blank);
-        let known: Vec<Option<&Look>> = steps.par_iter().map(|step| seen.get(&key(step))).collect();
+        let (seen, blank) = (&self.cache, &self.blank);
+        let known: Vec<Option<&StepResult>> =
+            steps.par_iter().map(|step| seen.get(&step_key(step))).collect();
         // Each end is evaluated once: the next step begins there.
-        let ends: Vec<Option<Clearance>> = steps
+        let ends: Vec<Option<StepClearance>> = steps
             .par_iter()
             .zip(&known)
             .map(|(step, known)| match known {
@@ -284,33 +290,33 @@ impl<'a> FlankVerifier<'a> {
             monitor.check()?;
             let before =
                 k.checked_sub(1).filter(|&b| steps[b].tool == steps[k].tool && steps[b].to == steps[k].from);
-            Ok(look(&steps[k], [before.and_then(|b| ends[b]), ends[k]], &around, blank))
+            Ok(examine_step(&steps[k], [before.and_then(|b| ends[b]), ends[k]], &around, blank))
         };
-        let looks: Vec<Look> =
+        let looks: Vec<StepResult> =
             (0..steps.len()).into_par_iter().map(looked).collect::<Result<_, Cancelled>>()?;
-        self.seen.extend(steps.iter().zip(&looks).map(|(step, look)| (key(step), look.clone())));
+        self.cache.extend(steps.iter().zip(&looks).map(|(step, look)| (step_key(step), look.clone())));
         Ok(looks)
     }
 
     /// The floor of channel `number` after its steps.
-    fn floor(&self, steps: &[Step], looks: &[Look], number: i64) -> Floor {
+    fn floor(&self, steps: &[CutterStep], looks: &[StepResult], number: i64) -> FloorResult {
         let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
-        let ours: Vec<&Step> = here.iter().map(|&k| &steps[k]).collect();
+        let ours: Vec<&CutterStep> = here.iter().map(|&k| &steps[k]).collect();
         let place = |(index, k): (usize, &usize)| {
             let look = &looks[*k];
-            let at = move |what: Probe| move |&share: &f64| Place { step: index, share, what };
-            let rapids = look.inside.iter().map(at(Probe::Rapid));
-            rapids.chain(look.holder_inside.iter().map(at(Probe::Holder))).collect::<Vec<_>>()
+            let at = move |what: StockProbe| move |&share: &f64| ProbeSample { step: index, share, what };
+            let rapids = look.inside.iter().map(at(StockProbe::Rapid));
+            rapids.chain(look.holder_inside.iter().map(at(StockProbe::Holder))).collect::<Vec<_>>()
         };
-        let places: Vec<Place> = here.iter().enumerate().flat_map(place).collect();
-        floor_after(&self.finished, self.channel, self.setup, &self.blank, &self.tools, &ours, &places)
+        let places: Vec<ProbeSample> = here.iter().enumerate().flat_map(place).collect();
+        evaluate_floor(&self.finished, self.channel, self.setup, &self.blank, &self.tools, &ours, &places)
     }
 
     /// The faults of a step.
-    fn faults_of(&self, step: &Step, look: &Look) -> impl Iterator<Item = Fault> + use<> {
-        let stock = &self.setup.stock;
-        let Clearance { hub, blade, holder } = look.clearance;
-        let turns = step.feed.is_some() && step.turn() > MOST_TURN;
+    fn faults_of(&self, step: &CutterStep, look: &StepResult) -> impl Iterator<Item = Fault> + use<> {
+        let stock = &self.setup.allowances;
+        let StepClearance { hub, blade, holder } = look.clearance;
+        let turns = step.feed.is_some() && step.turn() > MAX_TURN_RAD;
         let found = [
             near_hub(hub, stock, HUB_TOLERANCE),
             near_blade(blade, stock, BLADE_TOLERANCE),
@@ -333,17 +339,23 @@ impl<'a> FlankVerifier<'a> {
     }
 
     /// The fault of a cut `depth` mm deep, if any.
-    fn too_deep(&self, depth: f64, step: &Step) -> Option<Fault> {
+    fn too_deep(&self, depth: f64, step: &CutterStep) -> Option<Fault> {
         let tool = &self.tools[step.tool];
         if depth > tool.overhang {
             return Some(too_deep(depth, tool).at(step.line));
         }
-        (depth > most_depth(tool, self.setup)).then(|| too_thick(depth, tool, self.setup).at(step.line))
+        (depth > max_plausible_depth(tool, self.setup))
+            .then(|| too_thick(depth, tool, self.setup).at(step.line))
     }
 
     /// Faults of the program as a whole: nothing cut, no feed rate, tools that differ from those of the
     /// setup.
-    fn senseless(&self, program: &ClProgram, steps: &[Step], channels: &[(i64, Floor)]) -> Vec<Fault> {
+    fn program_faults(
+        &self,
+        program: &ClProgram,
+        steps: &[CutterStep],
+        channels: &[(i64, FloorResult)],
+    ) -> Vec<Fault> {
         let mut faults = Vec::new();
         if channels.iter().map(|(_, floor)| floor.removed).sum::<f64>() <= 0.0 {
             let first = steps.iter().find(|step| step.feed.is_some()).map_or(0, |step| step.line);
@@ -353,18 +365,18 @@ impl<'a> FlankVerifier<'a> {
         }
         let no_feed = |step: &&Move| step.tool.is_some() && step.motion == Motion::Feed(None);
         let without: Vec<usize> = program.moves.iter().filter(no_feed).map(|step| step.line).collect();
-        faults.extend(without_feed(&without));
+        faults.extend(missing_feed(&without));
         for (index, tool) in self.tools.iter().enumerate() {
             let line = steps.iter().find(|step| step.tool == index).map(|step| step.line);
-            faults.extend(line.and_then(|line| other_tool(line, tool, self.setup)));
+            faults.extend(line.and_then(|line| tool_mismatch(line, tool, self.setup)));
         }
         faults
     }
 }
 
 /// The greatest plausible depth of a cut, mm: a few layers of the setup, or a few diameters of the cutter.
-fn most_depth(tool: &Tool, setup: &Setup) -> f64 {
-    (MOST_LAYERS * setup.flank.layer_depth).max(MOST_DIAMETERS * tool.diameter)
+fn max_plausible_depth(tool: &Tool, setup: &Setup) -> f64 {
+    (MAX_LAYERS * setup.flank.layer_depth).max(MAX_DIAMETERS * tool.diameter)
 }
 
 fn too_thick(depth: f64, tool: &Tool, setup: &Setup) -> Finding {
@@ -376,19 +388,19 @@ fn too_thick(depth: f64, tool: &Tool, setup: &Setup) -> Finding {
     Finding::new(FaultKind::TooDeep, depth, what)
 }
 
-impl Struck {
+impl StockCollision {
     /// The fault of the step at `line`.
     fn fault(&self, line: usize) -> Fault {
         let volume = self.volume;
         let (kind, what) = match self.what {
-            Probe::Rapid => (
+            StockProbe::Rapid => (
                 FaultKind::RapidInStock,
                 format!(
                     "moves in rapid through stock, about {volume:.0} mm³; remove it first, or move under \
                      feed"
                 ),
             ),
-            Probe::Holder => (
+            StockProbe::Holder => (
                 FaultKind::HolderInStock,
                 format!(
                     "the holder runs into remaining stock, about {volume:.0} mm³; remove it first, or give \
@@ -402,10 +414,10 @@ impl Struck {
 
 /// Result of a step.
 #[derive(Clone)]
-struct Look {
-    clearance: Clearance,
+struct StepResult {
+    clearance: StepClearance,
     /// At the end of a step under feed.
-    end: Option<Clearance>,
+    end: Option<StepClearance>,
     /// Least distance to the blank of a rapid that is not along the axis, where it is outside the blank, mm;
     /// infinite for other steps.
     retract: f64,
@@ -417,9 +429,14 @@ struct Look {
 
 /// Examines a step: under feed for the clearance of the cut, in rapid for collisions. `ends` are the
 /// clearances at both ends, where they are known.
-fn look(step: &Step, ends: [Option<Clearance>; 2], around: &Surroundings, blank: &Blank) -> Look {
-    let mut look = Look {
-        clearance: Clearance::FAR,
+fn examine_step(
+    step: &CutterStep,
+    ends: [Option<StepClearance>; 2],
+    around: &StepSurroundings,
+    blank: &Blank,
+) -> StepResult {
+    let mut look = StepResult {
+        clearance: StepClearance::FAR,
         end: ends[1],
         retract: f64::INFINITY,
         inside: Vec::new(),
@@ -437,7 +454,7 @@ fn look(step: &Step, ends: [Option<Clearance>; 2], around: &Surroundings, blank:
         return look;
     }
     // Retracting along its own axis, a cutter meets nothing that it has not cut.
-    if step.length() == 0.0 && step.turn() == 0.0 || step.is_way_out() {
+    if step.length() == 0.0 && step.turn() == 0.0 || step.is_retract() {
         return look;
     }
     let radius = around.tools[step.tool].radius();
@@ -448,7 +465,7 @@ fn look(step: &Step, ends: [Option<Clearance>; 2], around: &Surroundings, blank:
         let clearance = bottom_clearance(&step.cutter(around.tools, share), blank);
         if clearance < 0.0 {
             look.inside.push(share);
-            look.clearance = look.clearance.and(around.at(step, share));
+            look.clearance = look.clearance.worst_of(around.at(step, share));
         } else if !axial {
             look.retract = look.retract.min(clearance);
         }
@@ -458,7 +475,7 @@ fn look(step: &Step, ends: [Option<Clearance>; 2], around: &Surroundings, blank:
 
 impl FlankVerdict {
     /// The verdict on a program without moves.
-    fn of_nothing() -> Self {
+    fn empty() -> Self {
         Self {
             channels: 0,
             positions: 0,
@@ -469,7 +486,7 @@ impl FlankVerdict {
             min_hub_clearance: f64::NAN,
             min_blade_clearance: f64::NAN,
             min_retract_clearance: f64::NAN,
-            max_axis_change: 0.0,
+            max_axis_change_rad: 0.0,
             max_overcut: 0.0,
             max_undercut: f64::NAN,
             uncovered: Uncovered::default(),
@@ -479,19 +496,19 @@ impl FlankVerdict {
         }
     }
 
-    fn add(&mut self, step: &Step, look: &Look) {
+    fn add(&mut self, step: &CutterStep, look: &StepResult) {
         let length = step.length();
         match step.feed {
             Some(feed) => {
                 self.cut_length += length;
                 self.time_estimate += length / feed.max(1e-6) * 60.0;
-                self.max_axis_change = self.max_axis_change.max(step.turn());
+                self.max_axis_change_rad = self.max_axis_change_rad.max(step.turn());
                 self.min_hub_clearance = self.min_hub_clearance.min(look.clearance.hub);
                 self.min_blade_clearance = self.min_blade_clearance.min(look.clearance.blade);
             }
             None => {
                 self.rapid_length += length;
-                self.time_estimate += length / RAPID_FEED * 60.0;
+                self.time_estimate += length / RAPID_MM_PER_MIN * 60.0;
                 self.min_retract_clearance = self.min_retract_clearance.min(look.retract);
             }
         }

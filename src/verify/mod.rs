@@ -10,40 +10,40 @@ mod summary;
 
 use rayon::prelude::*;
 
-pub use fault::{Fault, FaultKind, counted};
-use fault::{Finding, beyond_machine, near_blade, near_hub, other_tool, rapid_near_blank, without_feed};
+pub use fault::{Fault, FaultKind, count_by_kind};
+use fault::{Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank, tool_mismatch};
 pub use flank::{FlankVerdict, FlankVerifier, Uncovered, is_flank, verify_flank};
 use plunges::named_sections;
-pub use plunges::{Cut, Rapid, cuts_of};
+pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
 
 use crate::formats::apt::ClProgram;
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
-use crate::part::setup::Stock;
-use crate::part::{AxisPolicy, Feed, Tool};
+use crate::part::setup::AllowanceSetup;
+use crate::part::{AxisPolicy, CutDirection, Tool};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::clearance::FinishedPart;
-use crate::plunge::contact::{BlankTop, Column, Columns, core_contact};
-use crate::plunge::flight::Flight;
+use crate::plunge::contact::{BlankTop, Columns, PlungeColumn, core_contact};
+use crate::plunge::flight::LinkMove;
 use crate::plunge::retract::{NearBottom, RetractSurface};
 use crate::plunge::{CoreContact, PlungePlan, Position, SectionPlan};
 
 /// Tolerance of distances in a program with six decimals, mm.
 const PROGRAM_TOLERANCE: f64 = 2e-6;
 /// Turn of the axis above which its direction in a rapid is ambiguous, rad.
-const OPPOSITE: f64 = 175.0 * std::f64::consts::PI / 180.0;
+const MAX_RAPID_TURN_RAD: f64 = 175.0 * std::f64::consts::PI / 180.0;
 /// Depth of the tool in the blank that is tolerated in a rapid as rounding, mm.
 const TOOL_TOLERANCE: f64 = 0.01;
 
 /// Result of checking a plunge program.
 #[derive(Clone, Debug)]
-pub struct Verdict {
+pub struct PlungeVerdict {
     /// The program as a plan in the frame of channel 1, with every cut measured. Cuts of other channels are
     /// rotated into channel 1.
     pub plan: PlungePlan,
     /// Number of pitches by which each position is ahead of channel 1.
-    pub turns: Vec<i64>,
+    pub channel_offsets: Vec<i64>,
     /// Number of channels with cuts.
     pub channels: usize,
     /// Deepest plunge: from its bottom to the top of the blank above it, mm.
@@ -53,7 +53,7 @@ pub struct Verdict {
 }
 
 /// Least number of cuts in a channel that counts, as a share of that in the channel with the most.
-const LEAST_SHARE: f64 = 0.1;
+const MIN_CHANNEL_SHARE: f64 = 0.1;
 
 /// Measurements of one cut.
 struct Measured {
@@ -81,7 +81,7 @@ pub fn verify(
     channel: &Channel,
     setup: &Setup,
     program: &ClProgram,
-) -> Result<Verdict, Fault> {
+) -> Result<PlungeVerdict, Fault> {
     let mut cuts = cuts_of(program, setup)?;
     let Some(first_line) = cuts.first().map(|cut| cut.line) else {
         let what =
@@ -92,10 +92,11 @@ pub fn verify(
         Some(sections) => sections,
         None => sections_of(part, &cuts),
     };
-    let blank = Blank::of(part, setup.stock.inlet_extension);
+    let blank = Blank::of(part, setup.allowances.inlet_extension);
     let top = BlankTop::new(&blank);
     let finished = FinishedPart::new(part, &channel.sides);
-    let columns: Columns = cuts.iter().map(|c| Column::new(c.cutter, c.tool.core_radius(), &top)).collect();
+    let columns: Columns =
+        cuts.iter().map(|c| PlungeColumn::new(c.cutter, c.tool.core_radius(), &top)).collect();
     let turns: Vec<i64> = cuts.iter().map(|c| channel_of(part, channel, &c.cutter.tip)).collect();
 
     let measured: Vec<Measured> = (0..cuts.len())
@@ -104,18 +105,18 @@ pub fn verify(
             let cut = &cuts[k];
             let back = -part.pitch() * turns[k] as f64;
             let worst = |f: &dyn Fn(&CutterSolid) -> f64| {
-                cut.swept.iter().map(|c| f(&turned(c, back))).fold(f64::INFINITY, f64::min)
+                cut.swept.iter().map(|c| f(&rotate_cutter(c, back))).fold(f64::INFINITY, f64::min)
             };
             let earlier = columns.before(k);
-            let whole = Column::new(cut.cutter, cut.tool.radius(), &top);
+            let whole = PlungeColumn::new(cut.cutter, cut.tool.radius(), &top);
             let deep = whole.top > cut.tool.overhang;
-            let (retract, rapids) = rapids_of(cut, &blank, &setup.stock);
+            let (retract, rapids) = check_rapids(cut, &blank, &setup.allowances);
             Measured {
                 contact: core_contact(&columns.as_slice()[k], earlier, &blank),
                 hub: worst(&|c| finished.hub_clearance(c)),
                 blade: worst(&|c| finished.blade_clearance(c)),
                 retract,
-                in_blank: reaches_into(&cut.cutter, &blank),
+                in_blank: bottom_in_blank(&cut.cutter, &blank),
                 top: whole.top,
                 engaged: if deep { core_contact(&whole, earlier, &blank).depth } else { 0.0 },
                 rapids,
@@ -128,17 +129,17 @@ pub fn verify(
         sections,
         positions: Vec::with_capacity(cuts.len()),
         dropped: Vec::new(),
-        rounds: 0,
-        settled: true,
+        iterations: 0,
+        converged: true,
     };
     let mut faults = Vec::new();
     for (k, (cut, seen)) in cuts.iter().zip(measured.iter()).enumerate() {
-        let here = turned(&cut.cutter, -part.pitch() * turns[k] as f64);
+        let here = rotate_cutter(&cut.cutter, -part.pitch() * turns[k] as f64);
         let s = part.hub.s_at(part.hub.curve().project(Meridional::of(&here.tip)).0);
         let contact = seen.contact;
         let found = [
-            near_hub(seen.hub, &setup.stock, PROGRAM_TOLERANCE),
-            near_blade(seen.blade, &setup.stock, PROGRAM_TOLERANCE),
+            near_hub(seen.hub, &setup.allowances, PROGRAM_TOLERANCE),
+            near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE),
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| {
                 let what = format!(
@@ -161,12 +162,12 @@ pub fn verify(
             row: cut.row,
             s,
             lambda: f64::NAN,
-            alpha: f64::NAN,
+            alpha_rad: f64::NAN,
             contact_point: here.tip,
             contact,
             lift: 0.0,
             blocked: None,
-            held: None,
+            limited_by: None,
             hub_clearance: seen.hub,
             blade_clearance: seen.blade,
             retract_clearance: seen.retract,
@@ -178,22 +179,22 @@ pub fn verify(
         faults.push(Finding::new(FaultKind::CutsNothing, None, what).at(first_line));
     }
     let without: Vec<usize> = cuts.iter().filter(|cut| !cut.has_feed).map(|cut| cut.line).collect();
-    faults.extend(without_feed(&without));
+    faults.extend(missing_feed(&without));
     for index in 0..program.tools.len() {
         let first = cuts.iter().find(|cut| cut.tool_index == index);
-        faults.extend(first.and_then(|cut| other_tool(cut.line, &cut.tool, setup)));
+        faults.extend(first.and_then(|cut| tool_mismatch(cut.line, &cut.tool, setup)));
     }
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
-    let channels = channels_worked_in(&turns);
-    Ok(Verdict { plan, turns, channels, deepest_plunge, faults })
+    let channels = count_channels(&turns);
+    Ok(PlungeVerdict { plan, channel_offsets: turns, channels, deepest_plunge, faults })
 }
 
 /// Whether the bottom of a cutter is in the blank: its centre, or a sample of its rim.
-fn reaches_into(cutter: &CutterSolid, blank: &Blank) -> bool {
+fn bottom_in_blank(cutter: &CutterSolid, blank: &Blank) -> bool {
     let within = |p: &Point| blank.depth(Meridional::of(p)) > 0.0;
     let rim = Circle::new(&cutter.tip, &cutter.axis, cutter.radius);
-    let on_rim = |i: u32| rim.at((std::f64::consts::FRAC_PI_6 * f64::from(i)).sin_cos()).0;
+    let on_rim = |i: u32| rim.point_and_derivative((std::f64::consts::FRAC_PI_6 * f64::from(i)).sin_cos()).0;
     within(&cutter.tip) || (0..12).any(|i| within(&on_rim(i)))
 }
 
@@ -208,7 +209,7 @@ fn too_deep(depth: f64, tool: &Tool) -> Finding {
 }
 
 /// Least distance of the bottom to the blank in the rapids of a cut, mm, and the faults of these rapids.
-fn rapids_of(cut: &Cut, blank: &Blank, stock: &Stock) -> (f64, Vec<Fault>) {
+fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (f64, Vec<Fault>) {
     let surface = RetractSurface::new(blank, cut.tool.corner_radius);
     let mut least = f64::INFINITY;
     let mut faults = Vec::new();
@@ -216,12 +217,12 @@ fn rapids_of(cut: &Cut, blank: &Blank, stock: &Stock) -> (f64, Vec<Fault>) {
         let near = |(tip, axis): (Point, Vector)| NearBottom::of(&cut.tool.placed(tip, axis), blank);
         let end = near(rapid.to);
         let mut clearance = end.clearance;
-        if let Some(from) = rapid.from.filter(|_| !rapid.is_way_out()) {
-            let flight = Flight { tool: &cut.tool, blank, from, to: rapid.to };
+        if let Some(from) = rapid.from.filter(|_| !rapid.is_retract()) {
+            let flight = LinkMove { tool: &cut.tool, blank, from, to: rapid.to };
             clearance = clearance.min(flight.clearance([&near(from), &end], stock.safety_distance));
-            let (turn, depth) = (from.1.angle(&rapid.to.1), flight.depth_of_tool(&surface));
+            let (turn, depth) = (from.1.angle(&rapid.to.1), flight.max_tool_depth(&surface));
             let found = [
-                (turn > OPPOSITE).then(|| {
+                (turn > MAX_RAPID_TURN_RAD).then(|| {
                     let what = format!(
                         "turns the axis by {:.0}° in one rapid, in an ambiguous direction; add intermediate \
                          positions",
@@ -247,15 +248,15 @@ fn rapids_of(cut: &Cut, blank: &Blank, stock: &Stock) -> (f64, Vec<Fault>) {
 
 /// Number of channels with cuts. A few cuts over leaning blades are assigned to a neighbouring channel; they
 /// do not count.
-fn channels_worked_in(turns: &[i64]) -> usize {
+fn count_channels(turns: &[i64]) -> usize {
     let mut sorted = turns.to_vec();
     sorted.sort_unstable();
     let counts: Vec<usize> = sorted.chunk_by(|a, b| a == b).map(<[i64]>::len).collect();
     let most = counts.iter().copied().max().unwrap_or(0);
-    counts.iter().filter(|&&count| count as f64 >= LEAST_SHARE * most as f64).count()
+    counts.iter().filter(|&&count| count as f64 >= MIN_CHANNEL_SHARE * most as f64).count()
 }
 
-fn turned(cutter: &CutterSolid, angle: f64) -> CutterSolid {
+fn rotate_cutter(cutter: &CutterSolid, angle: f64) -> CutterSolid {
     CutterSolid { tip: rotate_z(&cutter.tip, angle), axis: rotate_vector_z(&cutter.axis, angle), ..*cutter }
 }
 
@@ -270,13 +271,13 @@ fn channel_of(part: &Impeller, channel: &Channel, tip: &Point) -> i64 {
 }
 
 /// The cuts between two tool changes as sections, each with its tool and range of s.
-fn sections_of(part: &Impeller, cuts: &[Cut]) -> Vec<SectionPlan> {
+fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<SectionPlan> {
     let count = cuts.iter().map(|c| c.section + 1).max().unwrap_or(0);
     (0..count)
         .filter_map(|index| {
-            let ours: Vec<&Cut> = cuts.iter().filter(|c| c.section == index).collect();
+            let ours: Vec<&ProgramCut> = cuts.iter().filter(|c| c.section == index).collect();
             let tool: Tool = ours.first()?.tool.clone();
-            let s = |c: &&Cut| {
+            let s = |c: &&ProgramCut| {
                 part.hub.s_at(part.hub.curve().project(Meridional::of(&c.cutter.tip)).0).clamp(0.0, 1.0)
             };
             let (first, last) = (s(ours.first()?), s(ours.last()?));
@@ -284,7 +285,7 @@ fn sections_of(part: &Impeller, cuts: &[Cut]) -> Vec<SectionPlan> {
                 tool,
                 from: ours.iter().map(s).fold(0.0, f64::max),
                 to: ours.iter().map(s).fold(1.0, f64::min),
-                feed: if last <= first { Feed::Inward } else { Feed::Outward },
+                feed: if last <= first { CutDirection::Inward } else { CutDirection::Outward },
                 rows: ours.iter().map(|c| c.row + 1).max().unwrap_or(0),
                 rest: false,
                 added: None,

@@ -8,7 +8,7 @@ use crate::plunge::SectionPlan;
 
 /// One move under feed, with the rapids around it.
 #[derive(Clone, Debug)]
-pub struct Cut {
+pub struct ProgramCut {
     /// Line of the program.
     pub line: usize,
     /// The tool.
@@ -46,7 +46,7 @@ pub struct Rapid {
 
 impl Rapid {
     /// Whether the cutter only retracts along its own axis, or does not move.
-    pub fn is_way_out(&self) -> bool {
+    pub fn is_retract(&self) -> bool {
         let Some((from, axis)) = self.from else { return true };
         let travel = self.to.0 - from;
         is_axial(&travel, &axis, &self.to.1) && travel.dot(&self.to.1) >= 0.0
@@ -69,9 +69,9 @@ const MAX_SAMPLES: usize = 200;
 ///
 /// # Errors
 /// When a cut comes before any tool, or a tool has no diameter; the fault names the line.
-pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
+pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<ProgramCut>, Fault> {
     let tools: Vec<Tool> = program.tools.iter().map(|t| tool_of(t, setup)).collect();
-    let mut cuts: Vec<Cut> = Vec::new();
+    let mut cuts: Vec<ProgramCut> = Vec::new();
     let mut rapids: Vec<Rapid> = Vec::new();
     let mut section = 0;
     let mut row = 0;
@@ -129,7 +129,7 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
                 {
                     row += 1;
                 }
-                cuts.push(Cut {
+                cuts.push(ProgramCut {
                     line: step.line,
                     tool: tool.clone(),
                     tool_index: number,
@@ -157,7 +157,7 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<Cut>, Fault> {
 pub(super) fn named_sections(
     program: &ClProgram,
     setup: &Setup,
-    cuts: &mut [Cut],
+    cuts: &mut [ProgramCut],
 ) -> Option<Vec<SectionPlan>> {
     let mut tools: Vec<Option<usize>> = vec![None; program.sections.len()];
     let moves = &program.moves;
@@ -209,7 +209,7 @@ pub(super) fn tool_of(tool: &ClTool, setup: &Setup) -> Tool {
         corner_radius: tool.corner_radius,
         insert_width: insert_width.min(tool.diameter / 2.0),
         overhang: tool.overhang.or(known.map(|t| t.overhang)).unwrap_or(4.0 * tool.diameter),
-        plunge_feed: tool.feed.or(known.map(|t| t.plunge_feed)).unwrap_or(300.0),
-        spindle: tool.spindle.or(known.map(|t| t.spindle)).unwrap_or(1200.0),
+        plunge_feed: tool.feed_mm_per_min.or(known.map(|t| t.plunge_feed)).unwrap_or(300.0),
+        spindle: tool.spindle_rpm.or(known.map(|t| t.spindle)).unwrap_or(1200.0),
     }
 }

@@ -1,24 +1,24 @@
 //! Report on a plunge program: of the one that `plan` writes, and of any that `verify` reads.
 
 use super::summary::{Floors, Summary, Travel};
-use super::{Fault, Verdict, verify};
+use super::{Fault, PlungeVerdict, verify};
 use crate::formats::apt::ClProgram;
 use crate::geometry::{rotate_vector_z, rotate_z};
 use crate::part::{Blank, Channel, Impeller, Setup};
 use crate::plunge::{PlungePlan, Position};
-use crate::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
+use crate::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 
 /// Tolerance within which plunges of two channels count as equal, mm: a program has six decimals.
-const SAME: f64 = 1e-5;
+const SAME_TOLERANCE: f64 = 1e-5;
 /// Uncut share of the reachable floor above which a note is added.
-const MUCH_UNCUT: f64 = 0.1;
+const MAX_UNCUT_SHARE: f64 = 0.1;
 
 /// A checked plunge program. Counts, lengths and times are of the whole program; figures of the floor are
 /// over all channels with cuts.
 #[derive(Clone, Debug)]
 pub struct PlungeReport {
     /// The measured cuts, and all faults.
-    pub verdict: Verdict,
+    pub verdict: PlungeVerdict,
     /// Figures of the whole program.
     pub summary: Summary,
     /// Figures of each section of the verdict's plan.
@@ -39,19 +39,19 @@ pub fn report_plunges(
     cells: usize,
 ) -> Result<PlungeReport, Fault> {
     let verdict = verify(part, channel, setup, program)?;
-    let blank = Blank::of(part, setup.stock.inlet_extension);
-    let stretches = stretches_of(&verdict.plan);
-    let source = FloorSource { part, channel, blank: &blank, stock: &setup.stock, cutters: &stretches };
+    let blank = Blank::of(part, setup.allowances.inlet_extension);
+    let stretches = stretches_of_plan(&verdict.plan);
+    let source = FloorSource { part, channel, blank: &blank, stock: &setup.allowances, cutters: &stretches };
     let grid = FloorGrid::new(&source, cells);
     let fields = fields_of(part, &verdict, &grid);
     let heights: Vec<(&[f32], usize)> = fields.iter().map(|(h, n)| (h.as_slice(), *n)).collect();
     let floors = Floors { grid: &grid, heights: &heights };
     let plan = &verdict.plan;
-    let summary = Summary::over(plan, &floors, &Travel::of(program), None);
-    let section = |index| Summary::over(plan, &floors, &Travel::default(), Some(index));
+    let summary = Summary::summarize(plan, &floors, &Travel::of(program), None);
+    let section = |index| Summary::summarize(plan, &floors, &Travel::default(), Some(index));
     let sections = (0..plan.sections.len()).map(section).collect();
     let mut notes = Vec::new();
-    if summary.uncut_share > MUCH_UNCUT {
+    if summary.uncut_share > MAX_UNCUT_SHARE {
         notes.push(format!("{:.1} % of the reachable floor stays uncut", 100.0 * summary.uncut_share));
     }
     Ok(PlungeReport { verdict, summary, sections, notes })
@@ -59,8 +59,8 @@ pub fn report_plunges(
 
 /// Heights of the floor after the program, once per group of equal channels, and the number of channels in
 /// the group.
-fn fields_of(part: &Impeller, verdict: &Verdict, grid: &FloorGrid) -> Vec<(Vec<f32>, usize)> {
-    let mut numbers = verdict.turns.clone();
+fn fields_of(part: &Impeller, verdict: &PlungeVerdict, grid: &FloorGrid) -> Vec<(Vec<f32>, usize)> {
+    let mut numbers = verdict.channel_offsets.clone();
     numbers.sort_unstable();
     let counts: Vec<(i64, usize)> =
         numbers.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect();
@@ -71,29 +71,29 @@ fn fields_of(part: &Impeller, verdict: &Verdict, grid: &FloorGrid) -> Vec<(Vec<f
     worked_in.truncate(verdict.channels);
     worked_in.sort_unstable();
     let around: Vec<Vec<Position>> =
-        worked_in.iter().map(|&(number, _)| around(part, verdict, number)).collect();
+        worked_in.iter().map(|&(number, _)| plunges_around(part, verdict, number)).collect();
     let mut kinds: Vec<(usize, usize)> = Vec::new();
     for (index, ours) in around.iter().enumerate() {
-        match kinds.iter_mut().find(|(first, _)| same(&around[*first], ours)) {
+        match kinds.iter_mut().find(|(first, _)| same_plunges(&around[*first], ours)) {
             Some((_, times)) => *times += 1,
             None => kinds.push((index, 1)),
         }
     }
     let field = |(index, times): (usize, usize)| {
         let plan = PlungePlan { positions: around[index].clone(), ..verdict.plan.clone() };
-        (residual_field(grid, &cutters_of(&plan)).heights, times)
+        (residual_field(grid, &field_cutters(&plan)).heights, times)
     };
     kinds.into_iter().map(field).collect()
 }
 
 /// The plunges that may reach the floor of the channel `number` pitches ahead of channel 1, rotated into
 /// channel 1: its own, then those of its neighbours.
-fn around(part: &Impeller, verdict: &Verdict, number: i64) -> Vec<Position> {
+fn plunges_around(part: &Impeller, verdict: &PlungeVerdict, number: i64) -> Vec<Position> {
     let count = part.blade_count as i64;
     let mut found = Vec::new();
     for ahead in if count > 2 { [0, -1, 1].as_slice() } else { [0, 1].as_slice() } {
         let angle = part.pitch() * *ahead as f64;
-        let theirs = verdict.turns.iter().zip(&verdict.plan.positions);
+        let theirs = verdict.channel_offsets.iter().zip(&verdict.plan.positions);
         let theirs = theirs.filter(|(turn, _)| (*turn - number - ahead).rem_euclid(count) == 0);
         found.extend(theirs.map(|(_, p)| Position {
             tip: rotate_z(&p.tip, angle),
@@ -105,9 +105,11 @@ fn around(part: &Impeller, verdict: &Verdict, number: i64) -> Vec<Position> {
 }
 
 /// Whether two lists of plunges are equal except for rounding.
-fn same(a: &[Position], b: &[Position]) -> bool {
+fn same_plunges(a: &[Position], b: &[Position]) -> bool {
     a.len() == b.len()
         && a.iter().zip(b).all(|(a, b)| {
-            a.section == b.section && (a.tip - b.tip).amax() < SAME && (a.axis - b.axis).amax() < 1e-3 * SAME
+            a.section == b.section
+                && (a.tip - b.tip).amax() < SAME_TOLERANCE
+                && (a.axis - b.axis).amax() < 1e-3 * SAME_TOLERANCE
         })
 }

@@ -1,7 +1,7 @@
 //! Key figures of a plan, or of one section of it.
 
 use crate::formats::apt::{ClProgram, Motion};
-use crate::plunge::choice::estimate::RAPID_FEED;
+use crate::plunge::choice::estimate::RAPID_MM_PER_MIN;
 use crate::plunge::{PlungePlan, Position};
 use crate::residual::statistics::statistics_of_channels;
 use crate::residual::{FloorGrid, ResidualField};
@@ -12,7 +12,7 @@ pub struct Summary {
     /// Number of positions.
     pub positions: usize,
     /// Interfering plunges: positions whose core meets stock.
-    pub interferential: usize,
+    pub interfering: usize,
     /// Deepest contact of a core with stock.
     pub max_contact_depth: f64,
     /// Mean residual stock on the reachable floor that was cut.
@@ -25,7 +25,7 @@ pub struct Summary {
     pub uncut_share: f64,
     /// Share of the whole floor that is inaccessible to every cutter; all other figures of the floor exclude
     /// it.
-    pub unreachable_share: f64,
+    pub inaccessible_share: f64,
     /// Least distance of the cutter to the finished hub.
     pub min_hub_clearance: f64,
     /// Least distance of the cutter to the finished blades.
@@ -33,12 +33,12 @@ pub struct Summary {
     /// Least distance of the bottom at the retract point to the blank.
     pub min_retract_clearance: f64,
     /// Largest angle between neighbouring axes of a row, rad.
-    pub max_axis_change: f64,
+    pub max_axis_change_rad: f64,
     /// Cutting length, mm.
     pub cut_length: f64,
     /// Rapid length, mm.
     pub rapid_length: f64,
-    /// Estimated time, s: cuts at their feed rates and rapids at [`RAPID_FEED`], without tool changes and
+    /// Estimated time, s: cuts at their feed rates and rapids at [`RAPID_MM_PER_MIN`], without tool changes and
     /// accelerations.
     pub time_estimate: f64,
     /// Positions blocked by the blades, including those that were left out.
@@ -58,19 +58,24 @@ impl Summary {
     /// Figures of the whole plan.
     pub fn of(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField) -> Self {
         let program = ClProgram::of_plan("", plan);
-        Self::over(plan, &Floors { grid, heights: &[(&field.heights, 1)] }, &Travel::of(&program), None)
+        Self::summarize(plan, &Floors { grid, heights: &[(&field.heights, 1)] }, &Travel::of(&program), None)
     }
 
     /// Figures of section `index` of the plan: its positions, and the floor between its borders. Lengths and
     /// time are 0, as only those of the whole program are computed.
     pub fn of_section(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField, index: usize) -> Self {
         let floors = Floors { grid, heights: &[(&field.heights, 1)] };
-        Self::over(plan, &floors, &Travel::default(), Some(index))
+        Self::summarize(plan, &floors, &Travel::default(), Some(index))
     }
 
     /// Figures of a plan read from a program, or of one section of it; `floors` is the state after the
     /// program.
-    pub(super) fn over(plan: &PlungePlan, floors: &Floors, travel: &Travel, section: Option<usize>) -> Self {
+    pub(super) fn summarize(
+        plan: &PlungePlan,
+        floors: &Floors,
+        travel: &Travel,
+        section: Option<usize>,
+    ) -> Self {
         let ours = |p: &&Position| section.is_none_or(|s| p.section == s);
         let positions: Vec<&Position> = plan.positions.iter().filter(ours).collect();
         let least = |f: &dyn Fn(&Position) -> f64| {
@@ -85,17 +90,17 @@ impl Summary {
             .filter(|pair| (pair[0].section, pair[0].row) == (pair[1].section, pair[1].row));
         Self {
             positions: positions.len(),
-            interferential: positions.iter().filter(|p| p.contact.interferes()).count(),
+            interfering: positions.iter().filter(|p| p.contact.interferes()).count(),
             max_contact_depth: positions.iter().map(|p| p.contact.depth).fold(0.0, f64::max),
             residual_mean: f64::from(layer.mean),
             residual_p95: f64::from(layer.p95),
             residual_max: f64::from(layer.max),
             uncut_share: f64::from(layer.uncut_share),
-            unreachable_share: f64::from(layer.unreachable_share),
+            inaccessible_share: f64::from(layer.unreachable_share),
             min_hub_clearance: least(&|p| p.hub_clearance),
             min_blade_clearance: least(&|p| p.blade_clearance),
             min_retract_clearance: least(&|p| p.retract_clearance),
-            max_axis_change: turns.map(|pair| pair[0].axis.angle(&pair[1].axis)).fold(0.0, f64::max),
+            max_axis_change_rad: turns.map(|pair| pair[0].axis.angle(&pair[1].axis)).fold(0.0, f64::max),
             cut_length: travel.cut,
             rapid_length: travel.rapid,
             time_estimate: travel.time,
@@ -106,7 +111,7 @@ impl Summary {
 }
 
 /// Feed rate assumed for a cut without one, mm/min.
-const UNKNOWN_FEED: f64 = 300.0;
+const DEFAULT_FEED_MM_PER_MIN: f64 = 300.0;
 
 /// Lengths and time of the moves of a program, without those to and from a tool change.
 #[derive(Clone, Copy, Debug, Default)]
@@ -129,12 +134,12 @@ impl Travel {
             match pair[1].motion {
                 Motion::Rapid => {
                     travel.rapid += length;
-                    travel.time += length / RAPID_FEED * 60.0;
+                    travel.time += length / RAPID_MM_PER_MIN * 60.0;
                 }
                 Motion::Feed(feed) => {
                     travel.cut += length;
-                    let known = program.tools.get(tool).and_then(|tool| tool.feed);
-                    travel.time += length / feed.or(known).unwrap_or(UNKNOWN_FEED) * 60.0;
+                    let known = program.tools.get(tool).and_then(|tool| tool.feed_mm_per_min);
+                    travel.time += length / feed.or(known).unwrap_or(DEFAULT_FEED_MM_PER_MIN) * 60.0;
                 }
             }
         }

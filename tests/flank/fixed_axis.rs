@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use vanecut::flank::fixed_axis::{
-    Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Obstacle, Unreachable,
+    AxisObstacle, Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Unreachable,
 };
 use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Circle, CutterSolid, Meridional, Vector};
@@ -14,8 +14,8 @@ use vanecut::plunge::slotting::DepthSurface;
 const LIMITS: FixedAxisLimits = FixedAxisLimits {
     hub_allowance: 0.5,
     blade_allowance: 0.5,
-    standing: 3.0,
-    max_tilt: 60.0 * std::f64::consts::PI / 180.0,
+    stock_height: 3.0,
+    max_tilt_rad: 60.0 * std::f64::consts::PI / 180.0,
 };
 
 fn part_at(path: &str) -> Impeller {
@@ -91,10 +91,12 @@ fn is_free(
         ..*cutter
     };
     // Samples the end face of the holder in rings against the stock of the current layer and below.
-    let top = hub.project(Meridional::of(&contact.point)).1 + LIMITS.standing;
+    let top = hub.project(Meridional::of(&contact.point)).1 + LIMITS.stock_height;
     let in_stock = |ring: usize, k: usize| {
         let circle = Circle::new(&holder.tip, &holder.axis, holder.radius * ring as f64 / 3.0);
-        let at = Meridional::of(&circle.at((std::f64::consts::TAU * k as f64 / 36.0).sin_cos()).0);
+        let at = Meridional::of(
+            &circle.point_and_derivative((std::f64::consts::TAU * k as f64 / 36.0).sin_cos()).0,
+        );
         blank.clearance(at, &mut None) < 0.0 && hub.project(at).1 < top
     };
     finished.clears(cutter, LIMITS.blade_allowance)
@@ -127,7 +129,7 @@ fn fewest_runs(
     }
     let free = |contact: &Contact, axis: &Vector| {
         let tip = tool.tip_at_contact(&contact.point, &contact.normal, axis);
-        axis.angle(&contact.normal) <= LIMITS.max_tilt
+        axis.angle(&contact.normal) <= LIMITS.max_tilt_rad
             && is_free(part, &finished, tool, contact, &tool.placed(tip, *axis))
     };
     let mut runs = 1;
@@ -168,7 +170,7 @@ fn check(
                 continue;
             }
             let run = runs.first().unwrap_or_else(|| panic!("contact {j} of station {k} is left out"));
-            assert!(run.axis.angle(&contact.normal) <= LIMITS.max_tilt + 1e-9);
+            assert!(run.axis.angle(&contact.normal) <= LIMITS.max_tilt_rad + 1e-9);
             let cutter = tool.placed(search.tip(contact, &run.axis, layer), run.axis);
             assert!(
                 is_free(part, &finished, tool, contact, &cutter),
@@ -262,6 +264,6 @@ fn what_has_no_axis_is_named_with_its_reason() {
     let stations = stations(&part, &channel, passage, &tool, 0.0, (0.4, 0.6, 6), 6);
     let found = check(&part, &channel, &tool, &layer, &stations);
     assert!(!found.unreachable.is_empty(), "a holder in the passage");
-    let holder = |u: &Unreachable| matches!(u.why, Obstacle::Holder | Obstacle::Stock);
+    let holder = |u: &Unreachable| matches!(u.why, AxisObstacle::Holder | AxisObstacle::Stock);
     assert!(found.unreachable.iter().any(holder), "{:?}", found.unreachable);
 }

@@ -3,15 +3,15 @@
 
 use std::path::{Path, PathBuf};
 
-use vanecut::flank::border::Borders;
-use vanecut::flank::chart::{Chart, WallName};
+use vanecut::flank::border::LayerWalls;
+use vanecut::flank::chart::{LayerChart, WallName};
 use vanecut::flank::choice::choose_tool;
-use vanecut::flank::curves::{CurveSource, FlankCurves, FlankError};
-use vanecut::flank::layer::{Layer, LayerPoint};
+use vanecut::flank::curves::{FlankError, FlankLayout, LayoutInputs};
+use vanecut::flank::layer::{LayerPoint, LayerSurface};
 use vanecut::formats::read_part;
 use vanecut::formats::tool_library::flank_cutters;
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, FlankScheme, Impeller, Setup, Tool};
+use vanecut::part::{Channel, FlankStrategy, Impeller, Setup, Tool};
 
 fn open(path: &Path) -> Impeller {
     Impeller::build(&read_part(path).expect("readable")).expect("an impeller")
@@ -33,15 +33,15 @@ fn parts() -> Vec<Impeller> {
     parts
 }
 
-fn planned(part: &Impeller, setup: &Setup) -> Result<(FlankCurves, Tool), FlankError> {
+fn planned(part: &Impeller, setup: &Setup) -> Result<(FlankLayout, Tool), FlankError> {
     let channel = Channel::of(part);
     let chosen = choose_tool(part, &channel, setup, flank_cutters()).map_err(FlankError::Setup)?;
-    let source = CurveSource { part, channel: &channel, setup, tool: &chosen.tool };
+    let source = LayoutInputs { part, channel: &channel, setup, tool: &chosen.tool };
     Ok((source.plan(&Monitor::default())?, chosen.tool))
 }
 
 /// Length of the shortest path over the layer between two points, mm: minimised over chains of points.
-fn shortest(layer: &Layer, a: LayerPoint, b: LayerPoint) -> f64 {
+fn shortest(layer: &LayerSurface, a: LayerPoint, b: LayerPoint) -> f64 {
     const LINKS: usize = 24;
     let mut chain: Vec<LayerPoint> = (0..=LINKS).map(|k| a.lerp(b, k as f64 / LINKS as f64)).collect();
     let mut pull = 0.5;
@@ -50,7 +50,7 @@ fn shortest(layer: &Layer, a: LayerPoint, b: LayerPoint) -> f64 {
             .windows(2)
             .map(|p| {
                 let middle = p[0].lerp(p[1], 0.5);
-                [(p[0], middle), (middle, p[1])].map(|(p, q)| layer.step(p, q)).iter().sum::<f64>()
+                [(p[0], middle), (middle, p[1])].map(|(p, q)| layer.segment_length(p, q)).iter().sum::<f64>()
             })
             .sum::<f64>()
     };
@@ -90,8 +90,8 @@ fn shortest(layer: &Layer, a: LayerPoint, b: LayerPoint) -> f64 {
 fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
     let part = sample("impeller9x9.toml");
     let channel = Channel::of(&part);
-    let layer = Layer::at_height(&part, 6.0).expect("a layer");
-    let borders = Borders::of(&part, &channel, &layer, 20.0, 0.0).expect("walls");
+    let layer = LayerSurface::at_height(&part, 6.0).expect("a layer");
+    let borders = LayerWalls::of(&part, &channel, &layer, 20.0, 0.0).expect("walls");
     for (wall, length) in [(&borders.low, 5.5), (&borders.low, 21.0), (&borders.high, 12.0)] {
         let offset = wall.offset(&layer, length);
         let inside: Vec<LayerPoint> =
@@ -103,7 +103,7 @@ fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
             let dense =
                 wall.points.windows(2).flat_map(|w| (0..8).map(move |k| w[0].lerp(w[1], f64::from(k) / 8.0)));
             let mut places: Vec<LayerPoint> = dense.collect();
-            places.sort_by(|a, b| layer.step(*a, *p).total_cmp(&layer.step(*b, *p)));
+            places.sort_by(|a, b| layer.segment_length(*a, *p).total_cmp(&layer.segment_length(*b, *p)));
             let least =
                 places.iter().take(30).map(|&q| shortest(&layer, *p, q)).fold(f64::INFINITY, f64::min);
             assert!((least - length).abs() < 0.02, "{length} mm asked, {least} found at {p:?}");
@@ -115,16 +115,19 @@ fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
 fn a_chart_knows_distances_between_its_nodes() {
     let part = sample("impeller9x9.toml");
     let channel = Channel::of(&part);
-    let layer = Layer::at_height(&part, 0.5).expect("a layer");
-    let borders = Borders::of(&part, &channel, &layer, 20.0, 0.0).expect("walls");
-    let chart = Chart::new(&layer, &borders, 5.5, 3.0, 0.5, 5.0);
+    let layer = LayerSurface::at_height(&part, 0.5).expect("a layer");
+    let borders = LayerWalls::of(&part, &channel, &layer, 20.0, 0.0).expect("walls");
+    let chart = LayerChart::new(&layer, &borders, 5.5, 3.0, 0.5, 5.0);
     let walls = [(WallName::Low, &borders.low), (WallName::High, &borders.high)];
     let mut looked = 0;
     for node in chart.free_nodes().iter().step_by(997) {
         for (name, wall) in walls {
             let known = chart.distance(name, node.point);
-            let straight =
-                wall.points.iter().map(|&q| layer.step(q, node.point)).fold(f64::INFINITY, f64::min);
+            let straight = wall
+                .points
+                .iter()
+                .map(|&q| layer.segment_length(q, node.point))
+                .fold(f64::INFINITY, f64::min);
             if known > 12.0 || !known.is_finite() {
                 continue;
             }
@@ -142,9 +145,9 @@ fn the_schemes_shorten_the_wheel_of_the_paper_as_published() {
     let (curves, tool) = planned(&part, &Setup::default()).expect("a plan");
     assert_eq!(curves.layers.len(), 9, "layers at the inlet");
     assert_eq!(tool.diameter, 10.0);
-    let length = |scheme: FlankScheme| curves.totals[scheme as usize].length;
-    let layers = length(FlankScheme::Layers) / length(FlankScheme::Isoparametric);
-    let regions = length(FlankScheme::Regions) / length(FlankScheme::Layers);
+    let length = |scheme: FlankStrategy| curves.totals[scheme as usize].length;
+    let layers = length(FlankStrategy::Layers) / length(FlankStrategy::Isoparametric);
+    let regions = length(FlankStrategy::Regions) / length(FlankStrategy::Layers);
     assert!((0.48..=0.52).contains(&layers), "new layers: {layers}");
     assert!((0.76..=0.82).contains(&regions), "new regions: {regions}");
     assert!((0.37..=0.42).contains(&(layers * regions)), "together: {}", layers * regions);
@@ -154,13 +157,13 @@ fn the_schemes_shorten_the_wheel_of_the_paper_as_published() {
 fn balanced_curves_leave_no_wide_gap_and_no_more_length_than_seams_ask_for() {
     for part in parts() {
         let (curves, _) = planned(&part, &Setup::default()).expect("a plan");
-        let length = curves.totals[FlankScheme::Balanced as usize].length;
+        let length = curves.totals[FlankStrategy::Balanced as usize].length;
         let bound = curves.floor_length + 0.55 * curves.seam_length;
         assert!(length <= 1.01 * bound, "{}: {length} mm, at most {bound}", part.name);
-        let wide = curves.wide_share(FlankScheme::Balanced);
+        let wide = curves.wide_share(FlankStrategy::Balanced);
         assert!(wide < 1e-4, "{}: {wide} of the area is wide", part.name);
         // The same measure finds the gaps that `regions` leaves in the middle between the fans of both walls.
-        let fans = curves.wide_share(FlankScheme::Regions);
+        let fans = curves.wide_share(FlankStrategy::Regions);
         assert!((0.005..0.1).contains(&fans), "{}: {fans} of the fans' area is wide", part.name);
     }
 }
@@ -170,19 +173,19 @@ fn every_place_between_balanced_curves_is_near_one() {
     let part = sample("impeller9x9.toml");
     let channel = Channel::of(&part);
     let (curves, tool) = planned(&part, &Setup::default()).expect("a plan");
-    let clear = tool.radius() + Setup::default().stock.blade_allowance;
+    let clear = tool.radius() + Setup::default().allowances.blade_allowance;
     for found in [&curves.layers[0], &curves.layers[4], &curves.layers[8]] {
         let layer = &found.layer;
-        let borders = Borders::of(&part, &channel, layer, 20.0, tool.corner_radius).expect("walls");
-        let chart = Chart::new(layer, &borders, clear, found.interval, 0.3, 0.0);
+        let borders = LayerWalls::of(&part, &channel, layer, 20.0, tool.corner_radius).expect("walls");
+        let chart = LayerChart::new(layer, &borders, clear, found.stepover, 0.3, 0.0);
         // Points of the passes at most an eighth of a millimetre apart, and random points between the walls,
         // which are not nodes of the plan's chart.
         let dense: Vec<LayerPoint> = found
-            .curves
+            .pass_curves
             .iter()
             .flat_map(|c| c.points.windows(2))
             .flat_map(|w| {
-                let count = (8.0 * layer.step(w[0], w[1])).ceil().max(1.0) as usize;
+                let count = (8.0 * layer.segment_length(w[0], w[1])).ceil().max(1.0) as usize;
                 (0..=count).map(move |k| w[0].lerp(w[1], k as f64 / count as f64))
             })
             .collect();
@@ -196,13 +199,13 @@ fn every_place_between_balanced_curves_is_near_one() {
             let x = layer.from + (layer.to - layer.from) * random();
             let (a, b) = (borders.low.y_at(x), borders.high.y_at(x));
             let p = LayerPoint { x, y: a + (b - a) * random() };
-            if chart.freedom(p) < 0.02 {
+            if chart.wall_margin(p) < 0.02 {
                 continue;
             }
             looked += 1;
-            let near = dense.iter().map(|&q| layer.step(p, q)).fold(f64::INFINITY, f64::min);
+            let near = dense.iter().map(|&q| layer.segment_length(p, q)).fold(f64::INFINITY, f64::min);
             assert!(
-                near <= 0.515 * found.interval,
+                near <= 0.515 * found.stepover,
                 "{near} mm from a curve at {p:?}, height {}",
                 layer.height
             );
@@ -215,18 +218,24 @@ fn curves_keep_clear_of_all_walls() {
     for part in parts() {
         let channel = Channel::of(&part);
         let setup = Setup::default();
-        for scheme in [FlankScheme::Regions, FlankScheme::Balanced] {
+        for scheme in [FlankStrategy::Regions, FlankStrategy::Balanced] {
             let mut setup = setup.clone();
-            setup.flank.scheme = scheme;
+            setup.flank.strategy = scheme;
             let (curves, tool) = planned(&part, &setup).expect("a plan");
-            let clear = tool.radius() + setup.stock.blade_allowance;
+            let clear = tool.radius() + setup.allowances.blade_allowance;
             for found in curves.layers.iter().step_by(3) {
                 let layer = &found.layer;
-                let borders = Borders::of(&part, &channel, layer, 20.0, tool.corner_radius).expect("walls");
-                let chart = Chart::new(layer, &borders, clear, found.interval, 0.4, 0.0);
-                for p in found.curves.iter().flat_map(|c| &c.points) {
+                let borders =
+                    LayerWalls::of(&part, &channel, layer, 20.0, tool.corner_radius).expect("walls");
+                let chart = LayerChart::new(layer, &borders, clear, found.stepover, 0.4, 0.0);
+                for p in found.pass_curves.iter().flat_map(|c| &c.points) {
                     if (layer.from..=layer.to).contains(&p.x) {
-                        assert!(chart.freedom(*p) > -0.06, "{}: {p:?} {}", part.name, chart.freedom(*p));
+                        assert!(
+                            chart.wall_margin(*p) > -0.06,
+                            "{}: {p:?} {}",
+                            part.name,
+                            chart.wall_margin(*p)
+                        );
                     }
                 }
             }
@@ -257,7 +266,7 @@ fn what_cannot_be_planned_is_said_in_a_line() {
     assert!(fault(&|s| s.flank.layer_depth = 0.0).contains("more than 0"));
     assert!(fault(&|s| s.flank.layer_depth = 40.0).contains("deeper than the channel"));
     assert!(fault(&|s| s.flank.layer_depth = 1e-9).contains("layers"));
-    assert!(fault(&|s| s.flank.allowed_error = 0.0).contains("stepover"));
+    assert!(fault(&|s| s.flank.scallop_height = 0.0).contains("stepover"));
     assert!(fault(&|s| s.flank.tool = Some(9999)).contains("9999"));
     assert!(fault(&|s| s.tools = vec![tool(60.0)]).contains("no cutter fits"));
     let thick = fault(&|s| {
@@ -275,6 +284,6 @@ fn a_cancelled_plan_says_so() {
     let tool = &flank_cutters()[24];
     let monitor = Monitor::default();
     monitor.cancel();
-    let source = CurveSource { part: &part, channel: &channel, setup: &setup, tool };
+    let source = LayoutInputs { part: &part, channel: &channel, setup: &setup, tool };
     assert!(matches!(source.plan(&monitor), Err(FlankError::Cancelled(_))));
 }

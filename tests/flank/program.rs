@@ -9,7 +9,7 @@ use vanecut::formats::flank_file::{is_flank, read_flank_bytes, write_flank};
 use vanecut::formats::read_part;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, FlankScheme, Impeller, Setup};
+use vanecut::part::{Channel, FlankStrategy, Impeller, Setup};
 use vanecut::verify::verify_flank;
 
 fn request(name: &str, change: impl FnOnce(&mut Setup)) -> FlankRequest {
@@ -27,12 +27,12 @@ fn planned(request: &FlankRequest) -> FlankOutcome {
 #[test]
 fn verify_finds_no_fault_in_the_programs() {
     for (name, scheme, depth) in [
-        ("impeller9x9.toml", FlankScheme::Balanced, 3.0),
-        ("impeller9x9.toml", FlankScheme::Isoparametric, 6.0),
-        ("pump6.toml", FlankScheme::Regions, 5.0),
+        ("impeller9x9.toml", FlankStrategy::Balanced, 3.0),
+        ("impeller9x9.toml", FlankStrategy::Isoparametric, 6.0),
+        ("pump6.toml", FlankStrategy::Regions, 5.0),
     ] {
         let outcome = planned(&request(name, |setup| {
-            setup.flank.scheme = scheme;
+            setup.flank.strategy = scheme;
             setup.flank.layer_depth = depth;
         }));
         let plan = &outcome.plan;
@@ -41,13 +41,13 @@ fn verify_finds_no_fault_in_the_programs() {
         let channel = Channel::of(&outcome.part);
         let verdict = verify_flank(&outcome.part, &channel, &outcome.setup, &program).expect("judged");
         assert!(verdict.faults.is_empty(), "{name} {scheme:?}: {:?}", verdict.faults.first());
-        if scheme == FlankScheme::Balanced {
+        if scheme == FlankStrategy::Balanced {
             // Only the ball's fillet beside the walls remains, no gap between passes or beside a nose.
             assert!(verdict.uncovered.gap < 0.005, "{name}: {:?}", verdict.uncovered);
             assert!(verdict.max_undercut < 0.03, "{name}: {} mm left on a wall", verdict.max_undercut);
         }
-        let lost: f64 = plan.left_out.iter().map(|l| l.length).sum();
-        let whole = plan.curves.totals[scheme as usize].length;
+        let lost: f64 = plan.uncut.iter().map(|l| l.length).sum();
+        let whole = plan.layout.totals[scheme as usize].length;
         assert!(lost < 0.03 * whole, "{name} {scheme:?}: {lost} of {whole} mm are left out");
     }
 }
@@ -74,19 +74,19 @@ fn a_program_cuts_from_the_top_down_and_flies_only_above() {
 fn every_curve_has_one_feed_by_what_stands_beside_it() {
     let outcome = planned(&request("impeller9x9.toml", |setup| {
         setup.flank.layer_depth = 6.0;
-        setup.flank.feed = Some(1000.0);
-        setup.flank.slot_feed = Some(500.0);
-        setup.flank.wall_feed = Some(700.0);
-        setup.flank.ramp_feed = Some(200.0);
+        setup.flank.feed_mm_per_min = Some(1000.0);
+        setup.flank.slot_feed_mm_per_min = Some(500.0);
+        setup.flank.wall_feed_mm_per_min = Some(700.0);
+        setup.flank.ramp_feed_mm_per_min = Some(200.0);
     }));
     let moves = &outcome.plan.moves;
     let cuts = || moves.iter().filter(|m| m.kind == MoveKind::Cut);
     assert!(
-        cuts().all(|m| !m.wall || m.feed == 700.0 || m.feed == 500.0),
+        cuts().all(|m| !m.along_wall || m.feed_mm_per_min == 700.0 || m.feed_mm_per_min == 500.0),
         "walls are cut no faster than they may be"
     );
-    assert!(cuts().all(|m| m.wall || m.feed != 700.0), "only walls have their feed");
-    let at = |feed: f64| cuts().filter(|m| m.feed == feed).count();
+    assert!(cuts().all(|m| m.along_wall || m.feed_mm_per_min != 700.0), "only walls have their feed");
+    let at = |feed: f64| cuts().filter(|m| m.feed_mm_per_min == feed).count();
     assert_eq!(at(1000.0) + at(500.0) + at(700.0), cuts().count(), "no other feeds");
     assert!(
         at(1000.0) > at(500.0),
@@ -95,11 +95,14 @@ fn every_curve_has_one_feed_by_what_stands_beside_it() {
         at(500.0)
     );
     // The first pass of a layer has stock on both sides.
-    for layer in 0..outcome.plan.curves.layers.len() {
-        let first = cuts().find(|m| m.layer == layer && !m.wall).map(|m| m.feed);
+    for layer in 0..outcome.plan.layout.layers.len() {
+        let first = cuts().find(|m| m.layer == layer && !m.along_wall).map(|m| m.feed_mm_per_min);
         assert_eq!(first, Some(500.0), "layer {layer}");
     }
-    assert!(moves.iter().any(|m| m.kind == MoveKind::Approach && m.feed == 200.0), "it ramps somewhere");
+    assert!(
+        moves.iter().any(|m| m.kind == MoveKind::Approach && m.feed_mm_per_min == 200.0),
+        "it ramps somewhere"
+    );
     // The program and its time use the same feed rates.
     let text = write_apt(&ClProgram::of_flank(&outcome.part.name, &outcome.plan.tool, moves));
     for feed in ["FEDRAT/1000", "FEDRAT/500", "FEDRAT/700", "FEDRAT/200"] {
@@ -108,7 +111,7 @@ fn every_curve_has_one_feed_by_what_stands_beside_it() {
     let time: f64 = moves
         .windows(2)
         .filter(|w| w[1].kind == MoveKind::Cut)
-        .map(|w| 60.0 * (w[1].tip - w[0].tip).norm() / w[1].feed)
+        .map(|w| 60.0 * (w[1].tip - w[0].tip).norm() / w[1].feed_mm_per_min)
         .sum();
     assert!((time - outcome.plan.times.cut_time).abs() < 1e-6 * time);
 }
@@ -122,19 +125,24 @@ fn a_flank_file_reads_back_and_damage_is_told() {
     assert!(is_flank(text.as_bytes()));
     let stored = read_flank_bytes("f.json", text.as_bytes()).expect("it reads its own file");
     assert_eq!(stored.moves.len(), outcome.plan.moves.len());
-    assert_eq!(stored.layers, outcome.plan.curves.layers.len());
+    assert_eq!(stored.layers, outcome.plan.layout.layers.len());
     assert_eq!(stored.setup.flank, outcome.setup.flank);
     assert_eq!(stored.walls.len(), outcome.plan.walls.len());
     let most = stored.walls.iter().map(|w| w.map.max_undercut()).fold(0.0, f64::max);
     assert!((most - outcome.plan.max_undercut()).abs() < 1e-6, "the map holds the figure: {most}");
     for (a, b) in stored.moves.iter().zip(&outcome.plan.moves) {
         assert!((a.tip - b.tip).norm() < 1e-5 && a.axis.angle(&b.axis) < 1e-6 && a.kind == b.kind);
-        assert!((a.feed - b.feed).abs() < 1e-2, "{} {}", a.feed, b.feed);
+        assert!(
+            (a.feed_mm_per_min - b.feed_mm_per_min).abs() < 1e-2,
+            "{} {}",
+            a.feed_mm_per_min,
+            b.feed_mm_per_min
+        );
     }
     // Files of older versions have one feed rate.
     let at = text.rfind(",\"feeds\":[").expect("feeds come last");
     let old = read_flank_bytes("f.json", format!("{}}}\n", &text[..at]).as_bytes()).expect("an older file");
-    assert!(old.moves.iter().all(|m| m.kind == MoveKind::Rapid || m.feed == old.feed));
+    assert!(old.moves.iter().all(|m| m.kind == MoveKind::Rapid || m.feed_mm_per_min == old.feed_mm_per_min));
     let newer = text.replacen("\"vanecut_flank\":1", "\"vanecut_flank\":7", 1);
     assert!(read_flank_bytes("f.json", newer.as_bytes()).unwrap_err().to_string().contains("newer"));
     assert!(read_flank_bytes("f.json", &text.as_bytes()[..text.len() / 2]).is_err());
@@ -145,13 +153,13 @@ fn only_stale_stages_are_planned_again_and_to_the_same_end() {
     let job = FlankJob::default();
     let mut request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 6.0);
     let first = job.run(&request, &Monitor::default()).expect("a plan");
-    request.setup.flank.feed = Some(900.0);
+    request.setup.flank.feed_mm_per_min = Some(900.0);
     let second = job.run(&request, &Monitor::default()).expect("a plan");
-    assert!(Arc::ptr_eq(&first.plan.curves, &second.plan.curves), "curves do not depend on the feed");
+    assert!(Arc::ptr_eq(&first.plan.layout, &second.plan.layout), "curves do not depend on the feed");
     assert!(Arc::ptr_eq(&first.plan.walls, &second.plan.walls));
-    request.setup.flank.allowed_error = 0.1;
+    request.setup.flank.scallop_height = 0.1;
     let third = job.run(&request, &Monitor::default()).expect("a plan");
-    assert!(!Arc::ptr_eq(&second.plan.curves, &third.plan.curves));
+    assert!(!Arc::ptr_eq(&second.plan.layout, &third.plan.layout));
     assert!(Arc::ptr_eq(&second.plan.walls, &third.plan.walls), "walls do not depend on the error");
     let fresh = planned(&request);
     assert_eq!(fresh.plan.moves.len(), third.plan.moves.len());

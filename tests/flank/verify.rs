@@ -44,7 +44,7 @@ fn made(inner: usize) -> Made {
         spindle: 5000.0,
     };
     let setup = Setup::default();
-    let stock = &setup.stock;
+    let stock = &setup.allowances;
     let milling = WallMilling {
         tool: &tool,
         blade_allowance: stock.blade_allowance,
@@ -58,7 +58,7 @@ fn made(inner: usize) -> Made {
     let axes = [0, 1].map(|wall| {
         let fit = WallFit::new(&finished, &channel.full, wall, &milling, std::slice::from_ref(&layer))
             .expect("a wall");
-        fit.axes(fit.swept(0.0))
+        fit.axes(fit.sweep(0.0))
     });
     let walls = [0, 1].map(|wall| -> Vec<Place> {
         let tip = |s: &WallStation| Some((s.tip?, s.axis));
@@ -114,8 +114,8 @@ impl Made {
             corner_radius: t.corner_radius,
             insert_width: Some(t.insert_width),
             overhang: Some(t.overhang),
-            feed: Some(t.plunge_feed),
-            spindle: Some(t.spindle),
+            feed_mm_per_min: Some(t.plunge_feed),
+            spindle_rpm: Some(t.spindle),
         };
         ClProgram { part: self.part.name.clone(), tools: vec![tool], moves, ..ClProgram::default() }
     }
@@ -132,7 +132,7 @@ impl Made {
 }
 
 fn shown(verdict: &FlankVerdict) -> Vec<String> {
-    verdict.faults.iter().take(8).map(|f| format!("{}: {}", f.line, f.what)).collect()
+    verdict.faults.iter().take(8).map(|f| format!("{}: {}", f.line, f.message)).collect()
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn a_good_program_has_no_fault_and_leaves_the_fewer_strips_the_more_passes() {
 fn a_holder_that_comes_into_stock_is_found_and_one_above_cut_stock_is_not() {
     let mut made = made(30);
     let with_holder = |verdict: &FlankVerdict, what: &str| {
-        verdict.faults.iter().filter(|f| f.what.contains("holder") && f.what.contains(what)).count()
+        verdict.faults.iter().filter(|f| f.message.contains("holder") && f.message.contains(what)).count()
     };
     let middle: Vec<Place> = made.inner[15][60..140].to_vec();
     // With a long cutter, the holder stays far above the part.
@@ -198,7 +198,7 @@ fn gouges_are_found_also_between_positions() {
     let verdict = made.verdict(&deep);
     assert!((verdict.max_overcut - 0.1).abs() < 0.01, "{} mm over", verdict.max_overcut);
     assert!((1..=3).contains(&verdict.faults.len()), "{:#?}", shown(&verdict));
-    assert!(verdict.faults.iter().all(|f| f.what.contains("mm of a blade")), "{:#?}", shown(&verdict));
+    assert!(verdict.faults.iter().all(|f| f.message.contains("mm of a blade")), "{:#?}", shown(&verdict));
     // Every position is correct, but straight moves between distant ones cut the convex wall.
     let over: Vec<f64> = made
         .walls
@@ -217,7 +217,7 @@ fn gouges_are_found_also_between_positions() {
     });
     let verdict = made.verdict(&low);
     assert!(verdict.min_hub_clearance < 0.35, "{}", verdict.min_hub_clearance);
-    assert!(verdict.faults.iter().any(|f| f.what.contains("mm of the hub")), "{:#?}", shown(&verdict));
+    assert!(verdict.faults.iter().any(|f| f.message.contains("mm of the hub")), "{:#?}", shown(&verdict));
 }
 
 #[test]
@@ -225,7 +225,7 @@ fn a_short_tool_runs_its_holder_into_the_part() {
     let mut made = made(0);
     made.tool.overhang = 15.0;
     let verdict = made.verdict(&made.program(&made.walls, |_| {}));
-    assert!(verdict.faults.iter().any(|f| f.what.contains("holder")), "{:#?}", shown(&verdict));
+    assert!(verdict.faults.iter().any(|f| f.message.contains("holder")), "{:#?}", shown(&verdict));
 }
 
 #[test]
@@ -242,7 +242,7 @@ fn rapids_through_stock_are_found_and_those_through_cut_space_allowed() {
     };
     // The first pass still has stock; the second, along the same path, has none.
     let first = made.verdict(&rapid(0));
-    assert!(first.faults.iter().any(|f| f.what.contains("rapid through stock")), "{:#?}", shown(&first));
+    assert!(first.faults.iter().any(|f| f.message.contains("rapid through stock")), "{:#?}", shown(&first));
     let second = made.verdict(&rapid(1));
     assert!(second.faults.is_empty(), "{:#?}", shown(&second));
     // A rapid straight down into uncut stock.
@@ -254,7 +254,7 @@ fn rapids_through_stock_are_found_and_those_through_cut_space_allowed() {
         begun.append(&mut moves.split_off(k));
         *moves = begun;
     }));
-    assert!(down.faults.iter().any(|f| f.what.contains("rapid through stock")), "{:#?}", shown(&down));
+    assert!(down.faults.iter().any(|f| f.message.contains("rapid through stock")), "{:#?}", shown(&down));
     // A rapid across, too low.
     let low = made.verdict(&made.program(passes.iter().copied(), |moves| {
         let length = moves.len() / 2;

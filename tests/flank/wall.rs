@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use vanecut::flank::layer::Layer;
+use vanecut::flank::layer::LayerSurface;
 use vanecut::flank::wall::{WallAxes, WallFit, WallMilling, WallStation};
 use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, frame_about};
@@ -55,7 +55,9 @@ fn walls(channel: &Channel) -> Vec<(&Passage, usize)> {
 /// The layers of a channel, `depth` mm each, hub first, extrapolated beyond its ends.
 fn layers_of(part: &Impeller, depth: f64) -> Vec<MeridionalCurve> {
     let heights = (0..).map(|k| (depth * f64::from(k)).max(ALLOWANCE));
-    heights.map_while(|height| Some(Layer::at_height(part, height)?.run_on(25.0, 0.5))).collect()
+    heights
+        .map_while(|height| Some(LayerSurface::at_height(part, height)?.extended_meridian(25.0, 0.5)))
+        .collect()
 }
 
 /// Drop-cutter surfaces of these layers.
@@ -73,7 +75,7 @@ fn fitted_on(
     let (finished, milling) = (FinishedPart::new(part, &channel.sides), milling(tool));
     let fitted = |(passage, wall)| {
         let fit = WallFit::new(&finished, passage, wall, &milling, rests).expect("a wall");
-        fit.axes(fit.swept(tolerance))
+        fit.axes(fit.sweep(tolerance))
     };
     walls(channel).into_iter().map(fitted).collect()
 }
@@ -238,7 +240,7 @@ fn without_tolerance_nothing_is_cut_too_deep_and_a_bow_is_what_remains() {
                 assert!(axes.max_overcut < 1e-6, "{name} {k}: {} mm over", axes.max_overcut);
                 let wall = [BladeWall::Suction, BladeWall::Pressure][usize::from(k == 1 || k == 2)];
                 let blade = if k < 2 { &part.main } else { &part.splitters[0] };
-                let gap = WallEnvelope::of(blade, wall, 40).greatest_gap();
+                let gap = WallEnvelope::of(blade, wall, 40).max_gap();
                 assert!(
                     axes.max_undercut < 1.05 * gap + 0.02,
                     "{name} {k}: {} mm under, the envelope leaves {gap}",

@@ -10,7 +10,7 @@ use vanecut::formats::part_file::{read_part, read_part_bytes};
 use vanecut::formats::tool_library::flank_cutters;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, FlankScheme, Impeller, Setup, Tool};
+use vanecut::part::{Channel, FlankStrategy, Impeller, Setup, Tool};
 use vanecut::verify::{FlankVerdict, verify_flank};
 
 /// A pump with five nearly cylindrical blades that overlap far: blade angles at the leading edge are 70° from
@@ -71,16 +71,16 @@ fn no_program_is_written_that_verify_faults() {
         let (part, plan) = (&outcome.part, &outcome.plan);
         assert!(plan.faults.is_empty(), "{}: {:?}", part.name, plan.faults);
         assert!(plan.times.cut_length > 1000.0, "{}: {:?}", part.name, plan.times);
-        let left: f64 = plan.left_out.iter().map(|l| l.length).sum();
-        let all = plan.curves.totals[FlankScheme::Balanced as usize].length;
+        let left: f64 = plan.uncut.iter().map(|l| l.length).sum();
+        let all = plan.layout.totals[FlankStrategy::Balanced as usize].length;
         assert!(left < 0.5 * all, "{}: {left} of {all} mm left out", part.name);
-        assert!(plan.left_out.iter().all(|l| l.length > 0.0 && !l.why.is_empty()));
+        assert!(plan.uncut.iter().all(|l| l.length > 0.0 && !l.why.is_empty()));
         let verdict = verdict(outcome);
         assert_eq!(outcome.max_overcut(), verdict.max_overcut, "{}: as verify says", part.name);
         let shown: Vec<_> = verdict.faults.iter().take(5).collect();
         assert!(verdict.faults.is_empty(), "{}: {shown:#?}", part.name);
         assert!(verdict.max_overcut <= 0.005, "{}: {} mm over", part.name, verdict.max_overcut);
-        let turn = verdict.max_axis_change.to_degrees();
+        let turn = verdict.max_axis_change_rad.to_degrees();
         assert!(turn <= 5.0, "{}: axes turn by {turn}° a move", part.name);
     }
 }
@@ -88,21 +88,21 @@ fn no_program_is_written_that_verify_faults() {
 #[test]
 fn the_mouth_between_overlapping_blades_is_covered() {
     let outcome = &*OVERLAPPING_PLAN;
-    let of = |scheme: FlankScheme| outcome.plan.curves.totals[scheme as usize];
+    let of = |scheme: FlankStrategy| outcome.plan.layout.totals[scheme as usize];
     // The chart does not resolve the ends of arcs around a nose.
-    let gap = of(FlankScheme::Balanced).coverage.largest_gap;
+    let gap = of(FlankStrategy::Balanced).coverage.largest_gap;
     assert!(gap < 1.2, "{gap} intervals");
-    assert!(of(FlankScheme::Layers).length <= of(FlankScheme::Isoparametric).length);
+    assert!(of(FlankStrategy::Layers).length <= of(FlankStrategy::Isoparametric).length);
 }
 
 #[test]
 fn a_channel_without_room_is_told_with_values_that_work() {
     let part = overlapping();
     let mut setup = Setup::default();
-    setup.stock.blade_allowance = 40.0;
+    setup.allowances.blade_allowance = 40.0;
     let error = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect_err("no room");
     assert!(!error.to_string().contains("D -"), "{error}");
-    setup.stock.blade_allowance = 5.0;
+    setup.allowances.blade_allowance = 5.0;
     let chosen = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect("a cutter");
     assert!(chosen.tool.diameter < 4.0, "{:?}", chosen);
 }

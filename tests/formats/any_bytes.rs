@@ -374,7 +374,7 @@ fn a_plan_file_from_before_plunges_could_stop_short_is_read() {
     let old = read_plan_bytes("a", file.to_string().as_bytes()).unwrap().plan;
     assert_eq!(old.positions.len(), whole.positions.len());
     for (old, new) in old.positions.iter().zip(&whole.positions) {
-        assert_eq!((old.tip, old.axis, old.lift, old.held), (new.tip, new.axis, 0.0, None));
+        assert_eq!((old.tip, old.axis, old.lift, old.limited_by), (new.tip, new.axis, 0.0, None));
     }
 }
 

@@ -71,7 +71,7 @@ fn edited(edit: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Result<Vec<NamedMesh>,
 fn is_clear(error: &InputError) {
     let text = error.to_string();
     assert!(text.starts_with("a.gl") && !text.contains('\n') && text.len() < 400, "{text}");
-    assert!(!error.what.is_empty() && !error.cure.is_empty(), "{text}");
+    assert!(!error.message.is_empty() && !error.help.is_empty(), "{text}");
 }
 
 type Edit = fn(&mut Value, &mut Vec<u8>);
@@ -258,7 +258,7 @@ fn unusual_meshes_are_read_as_meant() {
 static WHEEL: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller9x9.toml");
     let part = Impeller::build(&read_part(&path).unwrap()).unwrap();
-    let coarse = Fineness { chord_error: 0.5, most_triangles: 20_000 };
+    let coarse = Fineness { chord_error: 0.5, max_triangles: 20_000 };
     GltfScene::of_part(&part, &Tessellation::new(&part, &coarse)).glb()
 });
 

@@ -13,7 +13,7 @@ use vanecut::formats::{read_part, read_part_bytes};
 use vanecut::geometry::{Point, Vector, rotate_z};
 use vanecut::job::{PlanRequest, PolicyResult, run};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
-use vanecut::mesh::{MeshOptions, NamedMesh, Role, TriangleMesh, Unit, describe};
+use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, Role, TriangleMesh, describe};
 use vanecut::monitor::Monitor;
 use vanecut::part::{AxisPolicy, Blade, BladeSide, Impeller, Rotation, Setup, SideProbe};
 use vanecut::plunge::{PlungePlan, Position};
@@ -51,7 +51,7 @@ fn turning(part: &Impeller) -> MeshOptions {
 }
 
 fn back(meshes: Vec<NamedMesh>, options: &MeshOptions) -> Impeller {
-    let description = describe("back", meshes, Unit::Millimetre, options).expect("a part");
+    let description = describe("back", meshes, LengthUnit::Millimetre, options).expect("a part");
     Impeller::build(&description).expect("an impeller")
 }
 
@@ -267,7 +267,7 @@ fn minimal_plans_of_own_files_leave_as_much() {
         assert!(100 * a.positions.abs_diff(b.positions) <= a.positions, "{name}");
         assert!(mean < 0.005 && p95 < 0.03, "{name}: {mean}, {p95} mm");
         assert!((a.uncut_share - b.uncut_share).abs() < 1e-3, "{name}");
-        assert_eq!((a.interferential, b.interferential), (0, 0), "{name}");
+        assert_eq!((a.interfering, b.interfering), (0, 0), "{name}");
     }
 }
 
@@ -315,7 +315,7 @@ fn a_body_whose_blades_hang_together_is_refused_with_what_to_separate() {
     let mut body = Body::default().of(&part);
     body.join_blades(&part);
     let meshes = vec![named("Solid1".into(), 0, body.whole())];
-    let error = describe("back", meshes, Unit::Millimetre, &MeshOptions::default())
+    let error = describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default())
         .map(|_| ())
         .unwrap_err()
         .to_string();
@@ -328,7 +328,8 @@ fn one_blade_is_enough_with_the_number_of_blades_and_needs_no_shroud() {
     let mut meshes = separate(&part);
     meshes.truncate(4);
     meshes.remove(1);
-    let error = describe("back", meshes.clone(), Unit::Millimetre, &MeshOptions::default()).unwrap_err();
+    let error =
+        describe("back", meshes.clone(), LengthUnit::Millimetre, &MeshOptions::default()).unwrap_err();
     assert!(error.to_string().contains("--blades N"), "{error}");
     same(&part, &back(meshes, &MeshOptions { blades: Some(9), ..turning(&part) }), 0.02);
 }
@@ -371,7 +372,7 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
         meshes
     };
     let build = |meshes, options: &MeshOptions| {
-        Impeller::build(&describe("back", meshes, Unit::Metre, options).expect("a part"))
+        Impeller::build(&describe("back", meshes, LengthUnit::Metre, options).expect("a part"))
             .expect("an impeller")
     };
     // Rotation axis along x, and along an oblique axis off the origin.
@@ -381,9 +382,9 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
     assert_eq!(tilted.blade_count, 6);
     assert!((tilted.rim_radius() - part.rim_radius()).abs() < 0.02, "{}", tilted.rim_radius());
     // Millimetres in a file of metres.
-    let huge = describe("back", separate(&part), Unit::Metre, &MeshOptions::default()).unwrap_err();
+    let huge = describe("back", separate(&part), LengthUnit::Metre, &MeshOptions::default()).unwrap_err();
     assert!(huge.to_string().contains("--unit mm"), "{huge}");
-    let options = MeshOptions { unit: Some(Unit::Millimetre), ..turning(&part) };
+    let options = MeshOptions { unit: Some(LengthUnit::Millimetre), ..turning(&part) };
     same(&part, &build(separate(&part), &options), 0.02);
     // Names that do not indicate roles.
     let mut meshes = separate(&part);
@@ -393,7 +394,7 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
     let mut roles = vec![("body0".to_owned(), Role::Hub), ("Body1".to_owned(), Role::Shroud)];
     let wrong = MeshOptions { roles: roles.clone(), ..MeshOptions::default() };
     assert!(
-        describe("back", meshes.clone(), Unit::Millimetre, &wrong)
+        describe("back", meshes.clone(), LengthUnit::Millimetre, &wrong)
             .unwrap_err()
             .to_string()
             .contains("NODE=blade")
@@ -414,6 +415,7 @@ fn what_is_no_hub_is_refused_with_its_place() {
     for p in &mut meshes[0].mesh.points {
         p.z += 0.01 * p.x;
     }
-    let error = describe("back", meshes, Unit::Millimetre, &MeshOptions::default()).unwrap_err().to_string();
+    let error =
+        describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default()).unwrap_err().to_string();
     assert!(error.contains("the hub is not a surface of revolution") && error.contains("at z ="), "{error}");
 }

@@ -173,7 +173,7 @@ fn check(result: Result<(), InputError>) {
     if let Err(error) = result {
         let text = error.to_string();
         assert!(!text.contains('\n') && text.len() < 500, "a fault is one short line: {text}");
-        assert!(!error.what.is_empty() && !error.cure.is_empty(), "a fault says what and what to do");
+        assert!(!error.message.is_empty() && !error.help.is_empty(), "a fault says what and what to do");
     }
 }
 

@@ -82,7 +82,7 @@ fn corners_lie_on_the_surfaces_and_triangles_within_the_chord_error() {
             }
             let mut worst: Vec<_> = worst.into_iter().collect();
             worst.sort_by(|a, b| a.0.cmp(b.0));
-            println!("{name} at {chord_error}: {} triangles, {worst:.4?}", t.triangles());
+            println!("{name} at {chord_error}: {} triangles, {worst:.4?}", t.triangle_count());
         }
     }
 }
@@ -171,8 +171,8 @@ fn normals_point_where_the_surfaces_do() {
 #[test]
 fn too_many_triangles_make_it_coarser_and_it_says_so() {
     let part = sample("pump6.toml");
-    let asked = Fineness { chord_error: 1e-4, most_triangles: 40_000 };
+    let asked = Fineness { chord_error: 1e-4, max_triangles: 40_000 };
     let t = Tessellation::new(&part, &asked);
-    assert!(t.triangles() <= 40_000, "{} triangles", t.triangles());
+    assert!(t.triangle_count() <= 40_000, "{} triangles", t.triangle_count());
     assert!(t.chord_error > 1e-3, "chord error {}", t.chord_error);
 }

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use vanecut::assess::Assessment;
-use vanecut::assess::passage::{PassageMeasure, Place};
-use vanecut::assess::reach::{ReachLimits, ReachMap, Sides, Stretch};
+use vanecut::assess::passage::{PassageKind, PassageMeasure};
+use vanecut::assess::reach::{ReachLimits, ReachMap, ReachSection, ReachSides};
 use vanecut::formats::read_part;
 use vanecut::part::{
     BladeDescription, Channel, CurveDescription, Impeller, Meridional, PartDescription, SideProbe, Tool,
 };
 
 const LIMITS: ReachLimits =
-    ReachLimits { hub_allowance: 0.5, blade_allowance: 0.5, max_tilt: std::f64::consts::FRAC_PI_4 };
+    ReachLimits { hub_allowance: 0.5, blade_allowance: 0.5, max_tilt_rad: std::f64::consts::FRAC_PI_4 };
 
 fn open(path: &Path) -> Impeller {
     Impeller::build(&read_part(path).expect("readable")).expect("an impeller")
@@ -59,11 +59,11 @@ fn shape_of_a_real_compressor() {
     near(found.twisting(), main.twisting(), 0.0, "twisting of the part");
     for (blade, wanted) in [(main, [84.8, 81.5, 77.7]), (splitter, [85.3, 82.9, 79.1])] {
         for (twist, wanted) in blade.shape.hub_mid_tip().iter().zip(wanted) {
-            near(twist.largest_tangent.to_degrees(), wanted, 0.35, "largest tangent");
+            near(twist.max_tangent_rad.to_degrees(), wanted, 0.35, "largest tangent");
         }
         assert!(blade.envelope_gap() < 1e-9, "ruled walls have no gap: {}", blade.envelope_gap());
     }
-    assert!(found.bending() < 1e-9, "ruled blades do not bend: {}", found.bending());
+    assert!(found.max_bow() < 1e-9, "ruled blades do not bend: {}", found.max_bow());
 }
 
 #[test]
@@ -72,13 +72,15 @@ fn passages_of_a_real_compressor() {
     let found = assessed(&part);
     near(found.depth(), 65.35, 0.05, "depth");
     near(found.depths.iter().map(|d| d.1).fold(f64::INFINITY, f64::min), 13.6, 0.06, "least depth");
-    let full = found.passage(Place::Full).expect("the channel");
+    let full = found.passage(PassageKind::Full).expect("the channel");
     let ((hub_least, hub_most), (tip_least, tip_most)) = (range(full, 0), range(full, 2));
     near(hub_least, 19.11, 0.02, "width at the hub");
     near(hub_most, 80.7, 0.1, "width at the hub");
     near(tip_least, 32.4, 0.1, "width at the tip");
     near(tip_most, 78.1, 0.4, "width at the tip");
-    for (place, hub, tip) in [(Place::BesideSuction, 15.48, 27.36), (Place::BesidePressure, 14.57, 25.17)] {
+    for (place, hub, tip) in
+        [(PassageKind::BesideSuction, 15.48, 27.36), (PassageKind::BesidePressure, 14.57, 25.17)]
+    {
         let beside = found.passage(place).expect("a passage beside the splitter");
         near(range(beside, 0).0, hub, 0.06, "width beside the splitter at the hub");
         near(range(beside, 2).0, tip, 0.08, "width beside the splitter at the tip");
@@ -98,17 +100,17 @@ fn largest_cutters_of_a_real_compressor() {
     let blade = &part.splitters[0];
     let cases: [(_, _, &[(f64, f64)]); 3] = [
         (
-            Place::Full,
+            PassageKind::Full,
             [&part.main.suction, &next.pressure],
             &[(0.0, 21.1), (0.1, 20.6), (0.2, 25.1), (0.3, 30.8)],
         ),
         (
-            Place::BesideSuction,
+            PassageKind::BesideSuction,
             [&part.main.suction, &blade.pressure],
             &[(0.35, 15.5), (0.55, 22.3), (0.75, 31.2), (0.95, 41.2)],
         ),
         (
-            Place::BesidePressure,
+            PassageKind::BesidePressure,
             [&blade.suction, &next.pressure],
             &[(0.35, 15.1), (0.55, 22.2), (0.75, 31.2), (0.95, 41.3)],
         ),
@@ -170,7 +172,7 @@ fn a_channel_between_parallel_walls_has_their_distance() {
     let part = parallel_walls(24.0);
     let found = assessed(&part);
     // At the ends, the nearest point of the other wall's plane may be beyond the edge of that wall.
-    let full = found.passage(Place::Full).expect("the channel");
+    let full = found.passage(PassageKind::Full).expect("the channel");
     for station in full.widths.iter().filter(|w| (0.02..=0.98).contains(&w.s)) {
         for width in station.width {
             near(width.expect("measured"), 24.0, 1e-6, "width");
@@ -180,7 +182,7 @@ fn a_channel_between_parallel_walls_has_their_distance() {
     for cutter in full.cutters.iter().filter(|c| (0.1..=0.9).contains(&c.s)) {
         near(cutter.diameter, 24.0, 0.02, "largest cutter");
     }
-    assert!(found.bending() < 1e-9, "flat walls do not bend");
+    assert!(found.max_bow() < 1e-9, "flat walls do not bend");
 }
 
 fn tool(diameter: f64, overhang: f64) -> Tool {
@@ -196,7 +198,7 @@ fn tool(diameter: f64, overhang: f64) -> Tool {
 }
 
 fn reach(part: &Impeller, tool: &Tool) -> ReachMap {
-    ReachMap::new(part, &Channel::of(part), &[Stretch { from: 1.0, to: 0.0, tool }], &LIMITS)
+    ReachMap::new(part, &Channel::of(part), &[ReachSection { from: 1.0, to: 0.0, tool }], &LIMITS)
 }
 
 #[test]
@@ -227,7 +229,7 @@ fn a_short_overhang_leaves_what_the_holder_cannot_follow() {
     let part = sample("pump6.toml");
     let (long, short) = (reach(&part, &tool(12.0, 80.0)), reach(&part, &tool(12.0, 30.0)));
     let all = |map: &ReachMap| {
-        [map.share(|s| s.any), map.share(|s| s.outlet), map.share(|s| s.inlet), map.share(Sides::both)]
+        [map.share(|s| s.any), map.share(|s| s.outlet), map.share(|s| s.inlet), map.share(ReachSides::both)]
     };
     let (long, short) = (all(&long), all(&short));
     assert!(long[0] > 0.95, "{long:?}");

@@ -7,7 +7,7 @@ use vanecut::geometry::{
 };
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::setup::Stock;
+use vanecut::part::setup::AllowanceSetup;
 use vanecut::part::{
     AxisPolicy, BladeDescription, Blank, Channel, CurveDescription, Impeller, PartDescription, Setup,
     SideProbe,
@@ -15,13 +15,13 @@ use vanecut::part::{
 use vanecut::plunge::Planner;
 use vanecut::plunge::clearance::FinishedPart;
 use vanecut::residual::{
-    CutterStretch, FloorGrid, FloorSource, cutters_of, residual_field, stretches_of_setup,
+    CutterStretch, FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_setup,
 };
 
 const CELLS: usize = 400;
 
-fn stock() -> Stock {
-    Setup::default().stock
+fn stock() -> AllowanceSetup {
+    Setup::default().allowances
 }
 
 fn sample(name: &str, text: &[u8]) -> Impeller {
@@ -239,7 +239,7 @@ fn the_corner_beside_a_flat_wall_is_as_wide_as_geometry_says() {
     let part = disc(lean);
     let channel = Channel::of(&part);
     let grid = floor(&part, &channel, &everywhere(radius));
-    let Stock { hub_allowance, blade_allowance, .. } = stock();
+    let AllowanceSetup { hub_allowance, blade_allowance, .. } = stock();
     let row = CELLS / 2;
     // Height of the point of the bottom edge nearest to the wall, with the cutter on the hub's allowance.
     let corner = hub_allowance + 2.0 * radius * lean.sin();
@@ -317,7 +317,7 @@ fn no_plan_cuts_what_is_out_of_reach() {
     assert!((0..CELLS * CELLS).filter(out).count() > CELLS * CELLS / 50);
     for policy in [AxisPolicy::Conventional, AxisPolicy::Minimal] {
         let plan = planner.plan(policy, &Monitor::default()).expect("a plan");
-        let heights = residual_field(&grid, &cutters_of(&plan)).heights;
+        let heights = residual_field(&grid, &field_cutters(&plan)).heights;
         let cut = |k: &usize| heights[*k] < grid.blank_heights[*k] - 0.02;
         let count = (0..CELLS * CELLS).filter(|k| out(k) && cut(k)).count();
         // Beside the nose, where the wall is extrapolated, the border may be off by a cell.

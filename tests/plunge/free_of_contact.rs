@@ -36,7 +36,7 @@ fn faults(part: &Impeller, setup: &Setup, result: &PolicyResult) -> Vec<String> 
     let text = write_apt(&ClProgram::of_plan(&part.name, &result.plan));
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
     let verdict = verify(part, &Channel::of(part), setup, &program).expect("can be judged");
-    verdict.faults.into_iter().map(|fault| format!("line {}: {}", fault.line, fault.what)).collect()
+    verdict.faults.into_iter().map(|fault| format!("line {}: {}", fault.line, fault.message)).collect()
 }
 
 /// Checks the invariants of plans that are free of contact.
@@ -44,26 +44,30 @@ fn check(name: &str, part: &Impeller, outcome: &PlanOutcome) {
     for policy in [AxisPolicy::Minimal, AxisPolicy::Staircase] {
         let result = result(outcome, policy);
         assert!(!result.plan.positions.is_empty(), "{name} {policy:?}: cuts something");
-        assert_eq!(result.summary.interferential, 0, "{name} {policy:?}: the core is free");
+        assert_eq!(result.summary.interfering, 0, "{name} {policy:?}: the core is free");
         let faults = faults(part, &outcome.setup, result);
         assert!(faults.is_empty(), "{name} {policy:?}: {faults:#?}");
     }
     let minimal = &result(outcome, AxisPolicy::Minimal).summary;
-    let limit = outcome.setup.plunge.max_axis_change;
-    assert!(minimal.max_axis_change <= limit + 1e-9, "{name}: axes turn by {}", minimal.max_axis_change);
+    let limit = outcome.setup.plunge.max_axis_change_rad;
+    assert!(
+        minimal.max_axis_change_rad <= limit + 1e-9,
+        "{name}: axes turn by {}",
+        minimal.max_axis_change_rad
+    );
 }
 
 /// Residual stock of `minimal` above the allowance as a share of that of `monotone`, for sections where
 /// `monotone` is free of contact: section, mean and 95th percentile.
 fn shares_of_monotone(outcome: &PlanOutcome) -> Vec<(usize, f64, f64)> {
-    let allowance = outcome.setup.stock.hub_allowance;
+    let allowance = outcome.setup.allowances.hub_allowance;
     let share = |ours: f64, theirs: f64| (ours - allowance) / (theirs - allowance);
     let of_section = |index: usize| {
         let [monotone, minimal] = [AxisPolicy::Monotone, AxisPolicy::Minimal].map(|policy| {
             let result = result(outcome, policy);
             Summary::of_section(&result.plan, &outcome.grid, &result.field, index)
         });
-        (monotone.interferential == 0).then(|| {
+        (monotone.interfering == 0).then(|| {
             let mean = share(minimal.residual_mean, monotone.residual_mean);
             (index, mean, share(minimal.residual_p95, monotone.residual_p95))
         })
@@ -80,7 +84,7 @@ fn samples_are_freed_and_less_is_left() {
         let [monotone, staircase, minimal] =
             [AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Minimal]
                 .map(|p| &result(&outcome, p).summary);
-        assert!(outcome.before.summary.interferential > 100, "{name}: what shops do today interferes");
+        assert!(outcome.before.summary.interfering > 100, "{name}: what shops do today interferes");
         for (index, mean, p95) in shares_of_monotone(&outcome) {
             for (what, limit, share) in [("mean", 0.4, mean), ("95 %", 0.5, p95)] {
                 // The field is accurate to a hundredth.
@@ -224,9 +228,9 @@ fn made_plans(seed: u64, count: usize, stacking: Stacking, field_cells: usize) -
     for wheel in 0..count {
         let part = made_wheel(&mut dice, stacking);
         let mut setup = Setup::default();
-        setup.stock.hub_allowance = dice.between(0.1, 0.8);
-        setup.stock.blade_allowance = dice.between(0.1, 0.8);
-        setup.plunge.max_axis_change = dice.between(3.0, 9.0).to_radians();
+        setup.allowances.hub_allowance = dice.between(0.1, 0.8);
+        setup.allowances.blade_allowance = dice.between(0.1, 0.8);
+        setup.plunge.max_axis_change_rad = dice.between(3.0, 9.0).to_radians();
         let request = PlanRequest {
             part: part.clone().into(),
             setup,
@@ -321,8 +325,9 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
     let radius = cutter.radius();
     let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
     setup.plunge.rest = false;
-    setup.plunge.max_axis_change = 8.67f64.to_radians();
-    setup.plunge.sections = vec![SectionSetup { tool: 1, from: 1.0, to: 0.8, feed: None, rest: false }];
+    setup.plunge.max_axis_change_rad = 8.67f64.to_radians();
+    setup.plunge.sections =
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.8, cut_direction: None, rest: false }];
     let outcome = compared(&part, &setup);
     check("deep", &part, &outcome);
     let minimal = result(&outcome, AxisPolicy::Minimal);
@@ -331,7 +336,7 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
     let excess = |policy: AxisPolicy| {
         let result = result(&outcome, policy);
         let section = Summary::of_section(&result.plan, &outcome.grid, &result.field, 0);
-        section.residual_mean - outcome.setup.stock.hub_allowance
+        section.residual_mean - outcome.setup.allowances.hub_allowance
     };
     let share = excess(AxisPolicy::Minimal) / excess(AxisPolicy::Monotone);
     assert!(share < 0.58, "{share} of what monotone leaves");

@@ -21,7 +21,7 @@ fn case(name: &str, policy: AxisPolicy) -> Case {
     let channel = Channel::of(&part);
     let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     let plan = Planner::new(&part, &channel, &setup).plan(policy, &Monitor::default()).expect("plans");
-    let blank = Blank::of(&part, setup.stock.inlet_extension);
+    let blank = Blank::of(&part, setup.allowances.inlet_extension);
     Case { part, setup, blank, plan }
 }
 
@@ -29,7 +29,7 @@ fn case(name: &str, policy: AxisPolicy) -> Case {
 fn lines_lie_where_they_say() {
     let Case { part, setup, blank, plan } = case("impeller532", AxisPolicy::Conventional);
     for k in (0..plan.positions.len()).step_by(23) {
-        let view = section_view(&part, &blank, setup.stock.hub_allowance, &plan, k).expect("exists");
+        let view = section_view(&part, &blank, setup.allowances.hub_allowance, &plan, k).expect("exists");
         let space = |[x, y]: [f64; 2]| -> Point { view.tip + view.feed * x + view.axis * y };
         assert!(view.axis.dot(&view.feed).abs() < 1e-9, "a right angle");
         // At the rim, part of the view is beyond the hub.

@@ -7,14 +7,14 @@ use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Meridional, Vector, frame_about};
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::setup::{Feed, SectionSetup};
+use vanecut::part::setup::{CutDirection, SectionSetup};
 use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Machine, Setup};
 use vanecut::plunge::clearance::FinishedPart;
-use vanecut::plunge::contact::{BlankTop, Column, Columns, core_contact};
+use vanecut::plunge::contact::{BlankTop, Columns, PlungeColumn, core_contact};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
 use vanecut::plunge::slotting::DepthSurface;
-use vanecut::plunge::{KnownSections, Planner, PlungePlan};
+use vanecut::plunge::{Planner, PlungePlan, SectionCache};
 use vanecut::verify::verify;
 
 fn sample(name: &str) -> Impeller {
@@ -39,7 +39,7 @@ fn monotone_finds_the_place_the_walk_finds() {
     let tool = &setup.tools[0];
     let hub = DepthSurface::new(part.hub.curve(), 0.5 + tool.corner_radius);
     let finished = std::sync::Arc::new(FinishedPart::new(&part, &channel.sides));
-    let lane = Lane::new(&part, &channel.full, finished, tool, &setup.stock);
+    let lane = Lane::new(&part, &channel.full, finished, tool, &setup.allowances);
     for lambda in [0.0, 0.5, 1.0] {
         let maker = RowMaker {
             part: &part,
@@ -47,7 +47,7 @@ fn monotone_finds_the_place_the_walk_finds() {
             hub: &hub,
             tool,
             lambda,
-            inward: 1.0,
+            direction_sign: 1.0,
             step_limit: 7.8,
             monitor: &Monitor::default(),
         };
@@ -57,7 +57,7 @@ fn monotone_finds_the_place_the_walk_finds() {
             .expect("nothing refuses it");
         for k in [1, 4, 8] {
             let (before, here) = (&row[k - 1], &row[k]);
-            assert!(here.blocked.is_none() && here.alpha > before.alpha, "position {k} grows");
+            assert!(here.blocked.is_none() && here.alpha_rad > before.alpha_rad, "position {k} grows");
             let moved = here.s_shroud_conventional - here.ends.s_shroud;
             let mut steps = 0;
             loop {
@@ -65,7 +65,7 @@ fn monotone_finds_the_place_the_walk_finds() {
                 let s_shroud = here.s_shroud_conventional - amount;
                 let draft = maker.draft(here.ends.s_hub, s_shroud).expect("clear of the walls");
                 let walked = maker.exact(&draft).expect("clear of its wall");
-                if walked.alpha > before.alpha {
+                if walked.alpha_rad > before.alpha_rad {
                     assert!(
                         (amount - moved).abs() <= 1.1e-5,
                         "row {lambda}, position {k}: solved {moved}, walked {amount}"
@@ -80,7 +80,7 @@ fn monotone_finds_the_place_the_walk_finds() {
 }
 
 /// Height of stock in a core, mm, by brute force over many points.
-fn contact_by_points(column: &Column, earlier: &[Column], blank: &Blank) -> f64 {
+fn contact_by_points(column: &PlungeColumn, earlier: &[PlungeColumn], blank: &Blank) -> f64 {
     let (e1, e2) = frame_about(&column.cutter.axis);
     let mut highest = 0.0f64;
     for ring in 0..=16 {
@@ -117,7 +117,7 @@ fn contact_agrees_with_many_points() {
             .iter()
             .map(|p| {
                 let tool = &plan.sections[p.section].tool;
-                Column::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
+                PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
             })
             .collect();
         for k in (3..plan.positions.len()).step_by(57) {
@@ -125,7 +125,7 @@ fn contact_agrees_with_many_points() {
             let exact = core_contact(column, columns.before(k), &blank);
             assert_eq!(exact, plan.positions[k].contact, "the plan tells the truth of position {k}");
             // Only neighbours can matter; brute force over all plunges would take minutes.
-            let near: Vec<Column> = columns.as_slice()[..k]
+            let near: Vec<PlungeColumn> = columns.as_slice()[..k]
                 .iter()
                 .filter(|c| (c.cutter.tip - column.cutter.tip).norm() < 60.0)
                 .copied()
@@ -147,9 +147,9 @@ fn plans_hold_their_allowances_on_all_samples() {
         let part = sample(name);
         for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
             let (setup, plan) = planned(&part, &Setup::default(), policy);
-            assert!(plan.settled && !plan.positions.is_empty(), "{name} settles");
+            assert!(plan.converged && !plan.positions.is_empty(), "{name} settles");
             for (k, p) in plan.positions.iter().enumerate() {
-                let stock = &setup.stock;
+                let stock = &setup.allowances;
                 assert!(p.hub_clearance >= stock.hub_allowance - 1e-3, "{name} {k}: hub {}", p.hub_clearance);
                 assert!(
                     p.blade_clearance >= stock.blade_allowance - 1e-3,
@@ -196,8 +196,13 @@ fn rows_may_be_cut_outwards_and_corners_rounded() {
         tool.corner_radius = 0.8;
     }
     let tool = setup.tools.last().expect("tools").number;
-    setup.plunge.sections =
-        vec![SectionSetup { tool, from: 0.4, to: 0.0, feed: Some(Feed::Outward), rest: false }];
+    setup.plunge.sections = vec![SectionSetup {
+        tool,
+        from: 0.4,
+        to: 0.0,
+        cut_direction: Some(CutDirection::Outward),
+        rest: false,
+    }];
     let (_, plan) = planned(&part, &setup, AxisPolicy::Monotone);
     let first_row: Vec<_> = plan.positions.iter().filter(|p| p.row == 0).collect();
     assert!(first_row.windows(2).all(|w| w[1].s > w[0].s), "rows run from inlet to outlet");
@@ -233,7 +238,7 @@ fn axes_stay_within_what_the_machine_reaches() {
     let tilt = |axis: &Vector| axis.angle(&part.out_of_inlet());
     let steepest = free.positions.iter().map(|p| tilt(&p.axis)).fold(0.0, f64::max);
     let limit = steepest - 4f64.to_radians();
-    let setup = Setup { machine: Machine { max_axis_tilt: limit }, ..Setup::default() };
+    let setup = Setup { machine: Machine { max_axis_tilt_rad: limit }, ..Setup::default() };
     let (setup, held) = planned(&part, &setup, AxisPolicy::Minimal);
     assert!(held.positions.iter().all(|p| tilt(&p.axis) <= limit + 1e-9), "none is tilted further");
     assert!(held.positions.len() * 2 > free.positions.len(), "and most of the floor is still cut");
@@ -243,7 +248,7 @@ fn axes_stay_within_what_the_machine_reaches() {
         let text = write_apt(&ClProgram::of_plan(&part.name, plan));
         let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("a program");
         let verdict = verify(&part, &Channel::of(&part), setup, &program).expect("a verdict");
-        verdict.faults.iter().filter(|fault| fault.what.contains("tilts the axis")).count()
+        verdict.faults.iter().filter(|fault| fault.message.contains("tilts the axis")).count()
     };
     assert_eq!(beyond(&held, &setup), 0);
     assert!(beyond(&free, &setup) > 0, "the plan that knows no machine is refused");
@@ -256,16 +261,17 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
         let part = sample(name);
         let channel = Channel::of(&part);
         let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
-        let mut known = KnownSections::default();
-        let nothing = Planner::new(&part, &channel, &setup).carried(AxisPolicy::Minimal, &known, &monitor);
+        let mut known = SectionCache::default();
+        let nothing = Planner::new(&part, &channel, &setup).warm_start(AxisPolicy::Minimal, &known, &monitor);
         assert_eq!(nothing, Ok(None), "no plan was there before");
         let found =
-            Planner::new(&part, &channel, &setup).plan_knowing(AxisPolicy::Minimal, &mut known, &monitor);
+            Planner::new(&part, &channel, &setup).plan_cached(AxisPolicy::Minimal, &mut known, &monitor);
         let found = found.expect("a plan");
-        setup.stock.hub_allowance += 0.2;
-        setup.stock.blade_allowance += 0.1;
+        setup.allowances.hub_allowance += 0.2;
+        setup.allowances.blade_allowance += 0.1;
         let planner = Planner::new(&part, &channel, &setup);
-        let carried = planner.carried(AxisPolicy::Minimal, &known, &monitor).expect("a plan").expect("known");
+        let carried =
+            planner.warm_start(AxisPolicy::Minimal, &known, &monitor).expect("a plan").expect("known");
         // Beside walls, a larger allowance makes some plunges impossible.
         let kept = carried.positions.len() as f64 / found.positions.len() as f64;
         assert!(
@@ -274,19 +280,19 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
         );
         for position in &carried.positions {
             assert!(!position.contact.interferes(), "{name}: {} of contact", position.contact.depth);
-            assert!(position.hub_clearance >= setup.stock.hub_allowance - 1e-6, "{name}: hub");
-            assert!(position.blade_clearance >= setup.stock.blade_allowance - 1e-6, "{name}: blades");
-            assert!(position.retract_clearance >= setup.stock.safety_distance - 1e-6, "{name}: retract");
+            assert!(position.hub_clearance >= setup.allowances.hub_allowance - 1e-6, "{name}: hub");
+            assert!(position.blade_clearance >= setup.allowances.blade_allowance - 1e-6, "{name}: blades");
+            assert!(position.retract_clearance >= setup.allowances.safety_distance - 1e-6, "{name}: retract");
         }
         // A stopped plan does not replace the complete one: the warm start still uses that.
         let stopped = Monitor::default();
         stopped.cancel();
-        assert!(planner.plan_knowing(AxisPolicy::Minimal, &mut known, &stopped).is_err());
-        assert_eq!(planner.carried(AxisPolicy::Minimal, &known, &monitor), Ok(Some(carried)), "{name}");
+        assert!(planner.plan_cached(AxisPolicy::Minimal, &mut known, &stopped).is_err());
+        assert_eq!(planner.warm_start(AxisPolicy::Minimal, &known, &monitor), Ok(Some(carried)), "{name}");
         // Axes of another cutter are not reused.
         setup.tools[0].diameter *= 0.9;
         let planner = Planner::new(&part, &channel, &setup);
-        assert_eq!(planner.carried(AxisPolicy::Minimal, &known, &monitor), Ok(None), "{name}");
+        assert_eq!(planner.warm_start(AxisPolicy::Minimal, &known, &monitor), Ok(None), "{name}");
     }
 }
 
@@ -298,17 +304,17 @@ fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     let sections = setup.plunge.sections.len();
     assert!(sections >= 2);
     let monitor = Monitor::default();
-    let mut known = KnownSections::default();
+    let mut known = SectionCache::default();
     let mut held = |setup: &Setup| -> (usize, PlungePlan) {
-        let holding = known.holding(setup).expect("tools");
+        let holding = known.valid_prefix(setup).expect("tools");
         let planner = Planner::new(&part, &channel, setup);
-        let plan = planner.plan_knowing(AxisPolicy::Monotone, &mut known, &monitor).expect("a plan");
+        let plan = planner.plan_cached(AxisPolicy::Monotone, &mut known, &monitor).expect("a plan");
         assert_eq!(plan, planner.plan(AxisPolicy::Monotone, &monitor).expect("a plan"), "as from scratch");
         (holding, plan)
     };
     assert_eq!(held(&setup).0, 0);
 
-    setup.stock.safety_distance = 5.0;
+    setup.allowances.safety_distance = 5.0;
     setup.tools[0].plunge_feed = 111.0;
     let (holding, higher) = held(&setup);
     assert_eq!(holding, sections, "nothing that cuts has changed");
@@ -319,7 +325,7 @@ fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     setup.plunge.sections[0].to += 0.05;
     setup.plunge.sections[1].from += 0.05;
     assert_eq!(held(&setup).0, 0, "a border moved");
-    setup.stock.hub_allowance = 0.7;
+    setup.allowances.hub_allowance = 0.7;
     assert_eq!(held(&setup).0, 0, "another allowance");
     setup.plunge.sections.pop();
     assert_eq!(held(&setup).0, sections - 1, "a section less");

@@ -31,7 +31,7 @@ fn planned(name: &str, policy: AxisPolicy) -> PlanOutcome {
 
 /// The program of a plan, written to a file and read back.
 fn written(outcome: &PlanOutcome, channels: usize) -> ClProgram {
-    let (part, stock) = (&outcome.part, &outcome.setup.stock);
+    let (part, stock) = (&outcome.part, &outcome.setup.allowances);
     let blank = Blank::of(part, stock.inlet_extension);
     let one = &outcome.after.plan;
     let plan = plan_channels(one, part, &blank, stock.safety_distance, channels, &Monitor::default());
@@ -61,9 +61,9 @@ fn programs_of_whole_wheels_have_no_fault() {
             ("cut", plan.cut_length, program.cut_length, 1e-2),
             ("rapid", plan.rapid_length, program.rapid_length, 1e-2),
             ("time", plan.time_estimate, program.time_estimate, 1e-2),
-            ("axis", plan.max_axis_change, program.max_axis_change, 1e-7),
+            ("axis", plan.max_axis_change_rad, program.max_axis_change_rad, 1e-7),
             ("uncut", plan.uncut_share, program.uncut_share, 5e-5),
-            ("unreachable", plan.unreachable_share, program.unreachable_share, 1e-6),
+            ("unreachable", plan.inaccessible_share, program.inaccessible_share, 1e-6),
             ("mean", plan.residual_mean, program.residual_mean, 1e-4),
             ("p95", plan.residual_p95, program.residual_p95, 1e-3),
             ("retract", plan.min_retract_clearance, program.min_retract_clearance, 5e-4),

@@ -73,7 +73,7 @@ fn every_chosen_tool_fits_the_samples() {
                 let passages =
                     if beside { &channel.beside_splitter[..] } else { std::slice::from_ref(&channel.full) };
                 for passage in passages {
-                    let width = PassageWidth::new(&part, passage).narrowest(s);
+                    let width = PassageWidth::new(&part, passage).min_width(s);
                     // 1 mm less, because passages may be narrower between the stations that the choice
                     // examines.
                     assert!(
@@ -141,11 +141,11 @@ fn a_cutter_that_fits_part_of_its_section_is_planned_there() {
     let part = sample("impeller532.toml");
     // Wider than the channel at the leading edge, but much narrower than at the rim.
     let mut setup = Setup { tools: vec![tool(1, 30.0)], ..Setup::default() };
-    let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, feed: None, rest: false };
+    let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, cut_direction: None, rest: false };
     setup.plunge.sections = vec![section];
     let channel = Channel::of(&part);
-    let width = PassageWidth::new(&part, &channel.full).narrowest(0.0);
-    assert!(width < 30.0 + 2.0 * setup.stock.blade_allowance, "too narrow at the leading edge: {width}");
+    let width = PassageWidth::new(&part, &channel.full).min_width(0.0);
+    assert!(width < 30.0 + 2.0 * setup.allowances.blade_allowance, "too narrow at the leading edge: {width}");
     let request = PlanRequest {
         part: part.into(),
         setup,
@@ -169,13 +169,13 @@ fn defaults_follow_the_size_of_the_wheel() {
     for scale in [2.0, 10.0, 40.0, 100.0] {
         let part = wheel(scale);
         let setup = Setup::for_part(&part);
-        let stock = &setup.stock;
+        let stock = &setup.allowances;
         assert!(stock.safety_distance > before, "scale {scale}: {stock:?}");
         before = stock.safety_distance;
         assert!(stock.blade_allowance > 0.0 && stock.hub_allowance > 0.0, "scale {scale}: {stock:?}");
         let channel = Channel::of(&part);
         let narrowest = PassageWidth::new(&part, &channel.full);
-        let width = (0..=20).map(|i| narrowest.narrowest(f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
+        let width = (0..=20).map(|i| narrowest.min_width(f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
         assert!(stock.blade_allowance <= 0.11 * width, "scale {scale}: {stock:?} in {width} mm");
         // The defaults find cutters on wheels of every size.
         assert!(!diameters(&chosen(&part, &setup)).is_empty(), "scale {scale}");
@@ -207,8 +207,8 @@ fn tiny_and_huge_wheels_find_cutters_too() {
     let mut before = 0.0;
     for scale in [1.0, 10.0, 100.0, 500.0] {
         let mut setup = Setup::default();
-        setup.stock.blade_allowance = 0.01 * scale;
-        setup.stock.hub_allowance = 0.01 * scale;
+        setup.allowances.blade_allowance = 0.01 * scale;
+        setup.allowances.hub_allowance = 0.01 * scale;
         let found = diameters(&chosen(&wheel(scale), &setup));
         assert!(found[0] > before, "scale {scale}: {found:?}");
         before = found[0];

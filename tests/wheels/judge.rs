@@ -5,7 +5,7 @@ use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
-use vanecut::residual::{FloorGrid, FloorSource, cutters_of, residual_field, stretches_of};
+use vanecut::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 use vanecut::verify::{verify, verify_flank};
 
 /// Largest share of the accessible floor that may remain uncut without a reason.
@@ -54,14 +54,14 @@ fn program_text(part: &Impeller, result: &PolicyResult) -> String {
 fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: &mut Vec<String>) {
     let policy = result.plan.policy;
     let mut wrong = |what: String| faults.push(format!("{policy:?}: {what}"));
-    let (summary, stock) = (&result.summary, &outcome.setup.stock);
+    let (summary, stock) = (&result.summary, &outcome.setup.allowances);
     if summary.positions == 0 {
         wrong("cuts nothing".to_owned());
     }
     // The other policies do not avoid interfering plunges.
     let is_free = matches!(policy, AxisPolicy::Minimal | AxisPolicy::Staircase);
-    if is_free && summary.interferential > 0 {
-        wrong(format!("{} plunges interfere", summary.interferential));
+    if is_free && summary.interfering > 0 {
+        wrong(format!("{} plunges interfere", summary.interfering));
     }
     let clearances = [
         ("hub", summary.min_hub_clearance, stock.hub_allowance),
@@ -86,16 +86,16 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
     let channel = Channel::of(part);
     let verdict = match verify(part, &channel, &outcome.setup, &program) {
         Ok(verdict) => verdict,
-        Err(fault) => return wrong(format!("its program cannot be judged: {}", fault.what)),
+        Err(fault) => return wrong(format!("its program cannot be judged: {}", fault.message)),
     };
     if let (true, Some(fault)) = (is_free, verdict.faults.first()) {
-        wrong(format!("{} faults, line {}: {}", verdict.faults.len(), fault.line, fault.what));
+        wrong(format!("{} faults, line {}: {}", verdict.faults.len(), fault.line, fault.message));
     }
     let blank = Blank::of(part, stock.inlet_extension);
-    let cutters = stretches_of(&verdict.plan);
+    let cutters = stretches_of_plan(&verdict.plan);
     let source = FloorSource { part, channel: &channel, blank: &blank, stock, cutters: &cutters };
     let grid = FloorGrid::new(&source, CELLS);
-    let field = residual_field(&grid, &cutters_of(&verdict.plan));
+    let field = residual_field(&grid, &field_cutters(&verdict.plan));
     let found = Summary::of(&verdict.plan, &grid, &field);
     for ((name, planned), (_, verified)) in figures(summary).into_iter().zip(figures(&found)) {
         let same = (planned - verified).abs() <= SAME * planned.abs().max(1.0);
@@ -110,7 +110,7 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
 fn figures(summary: &Summary) -> [(&'static str, f64); 5] {
     [
         ("positions", summary.positions as f64),
-        ("interfering", summary.interferential as f64),
+        ("interfering", summary.interfering as f64),
         ("contact depth", summary.max_contact_depth),
         ("hub clearance", summary.min_hub_clearance),
         ("blade clearance", summary.min_blade_clearance),
@@ -135,7 +135,7 @@ fn flank_faults(part: &Impeller) -> Vec<String> {
     let verdict = read_apt_bytes("flank.apt", text(&outcome).as_bytes())
         .map_err(|error| error.to_string())
         .and_then(|program| {
-            verify_flank(part, &Channel::of(part), &outcome.setup, &program).map_err(|fault| fault.what)
+            verify_flank(part, &Channel::of(part), &outcome.setup, &program).map_err(|fault| fault.message)
         });
     match verdict {
         Err(error) => faults.push(format!("flank: its program cannot be judged: {error}")),
@@ -145,7 +145,7 @@ fn flank_faults(part: &Impeller) -> Vec<String> {
                     "flank: {} faults, line {}: {}",
                     verdict.faults.len(),
                     fault.line,
-                    fault.what
+                    fault.message
                 ));
             }
         }

@@ -43,7 +43,7 @@ fn every_kind_of_wheel_opens() {
 
 #[test]
 fn no_cutter_is_wider_than_the_passage_it_stands_in() {
-    let limits = ReachLimits { hub_allowance: 0.1, blade_allowance: 0.1, max_tilt: 0.5 };
+    let limits = ReachLimits { hub_allowance: 0.1, blade_allowance: 0.1, max_tilt_rad: 0.5 };
     for index in 0..20 {
         let wheel = make::wheel(1, index);
         let (name, part) = (&wheel.description.name, open(&wheel));
@@ -53,7 +53,7 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
         assert!(largest > 0.0 && largest.is_finite(), "{name}: largest cutter {largest}");
         for passage in &found.passages {
             for cutter in &passage.cutters {
-                let place = format!("{name}, {:?} at s = {:.2}", passage.place, cutter.s);
+                let place = format!("{name}, {:?} at s = {:.2}", passage.kind, cutter.s);
                 assert!(
                     cutter.diameter <= cutter.section_width + 1e-6,
                     "{place}: D {} in a passage {} wide",
@@ -65,7 +65,7 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
             }
         }
         let flat = name.ends_with("cylindrical");
-        let turn = found.blades[0].shape.turn.to_degrees();
+        let turn = found.blades[0].shape.normal_turn_rad.to_degrees();
         assert!(!flat || turn < 3.0, "{name}: cylindrical blades turn by {turn}°");
     }
 }

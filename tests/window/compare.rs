@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::look::{Across, Arrangement};
+use vanecut::app::look::{Arrangement, PlaneOrientation};
 use vanecut::app::planned::Side;
 use vanecut::part::AxisPolicy;
 
@@ -38,7 +38,7 @@ fn both_sides_share_one_camera_and_one_scale() {
     window.drop_at(right.center() + egui::vec2(40.0, 10.0));
     window.run_steps(3);
     let after = window.state().camera().expect("a camera");
-    assert!((after.yaw - before.yaw).abs() > 0.1, "a drag on either side turns both");
+    assert!((after.yaw_rad - before.yaw_rad).abs() > 0.1, "a drag on either side turns both");
     let field = window.get_by_role_and_label(Role::SpinButton, "Scale maximum");
     field.set_value_accesskit(2.0);
     window.run_steps(3);
@@ -109,7 +109,7 @@ fn the_cube_turns_the_wheel_and_p_makes_rays_parallel() {
     window.get_by_label("View from −Z").click();
     window.run_steps(3);
     let camera = window.state().camera().expect("a camera");
-    assert_ne!(before.pitch, camera.pitch);
+    assert_ne!(before.pitch_rad, camera.pitch_rad);
     assert!(camera.basis().2.z < -0.99, "looking along Z: {:?}", camera.basis().2);
     window.key_press(egui::Key::P);
     window.run_steps(3);
@@ -126,7 +126,7 @@ fn a_section_plane_cuts_the_part_open() {
     assert!(window.state().state().look.section.is_some());
     snapshot_view(&mut window, "section_plane");
     // Seen along its normal: hub and blades are filled where the plane cuts them.
-    window.state_mut().look_mut().section.as_mut().expect("a plane").across = Across::X;
+    window.state_mut().look_mut().section.as_mut().expect("a plane").across = PlaneOrientation::X;
     window.get_by_label("View from +X").click();
     window.key_press(egui::Key::F);
     window.run_steps(4);

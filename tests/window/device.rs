@@ -6,7 +6,7 @@ use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
 use vanecut::app::App;
 use vanecut::app::dialogs::Purpose;
 use vanecut::app::engine::Engine;
-use vanecut::app::handover::WayOut;
+use vanecut::app::handover::RecoverySlot;
 use vanecut::formats::project_file::read_project;
 
 use crate::fake;
@@ -104,10 +104,10 @@ fn a_device_that_is_lost_leaves_the_work_intact_and_says_so() {
 fn a_window_whose_device_is_lost_closes_and_the_next_one_is_as_it_was() {
     let folder = tempfile::tempdir().expect("a folder");
     let (engine, _) = fake::engine();
-    let way_out = WayOut::default();
+    let way_out = RecoverySlot::default();
     let (mut lost, device) = sample_on_a_device(engine.clone());
     lost.state_mut().set_home(folder.path().join("home"));
-    lost.state_mut().leave_by(way_out.clone());
+    lost.state_mut().set_recovery_slot(way_out.clone());
     lost.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);
     lost.run_steps(6);
     settle(&mut lost);
@@ -129,7 +129,7 @@ fn a_window_whose_device_is_lost_closes_and_the_next_one_is_as_it_was() {
         .wgpu_setup(vulkan())
         .build_eframe(move |cc| App::resumed(cc, engine, left));
     again.run_steps(4);
-    let said = again.state().state().problems[0].what.clone();
+    let said = again.state().state().problems[0].message.clone();
     assert!(said.contains("The graphics device was lost"), "{said}");
     assert!(again.query_all_by_label(&said).next().is_some(), "and it is on the screen");
     again.get_by_label("3D view");

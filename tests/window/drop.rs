@@ -65,7 +65,7 @@ fn part_setup_and_project_open_where_they_are_dropped() {
     first.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
     settle(&mut first);
     drop_on(&mut first, &[&machine]);
-    let tilt = first.state().state().document.edited.setup.machine.max_axis_tilt.to_degrees();
+    let tilt = first.state().state().document.edited.setup.machine.max_axis_tilt_rad.to_degrees();
     assert!((tilt - 80.0).abs() < 1e-9, "a setup that knows nothing but the machine: {tilt}");
 
     let mut second = window(engine.clone());
@@ -88,7 +88,7 @@ fn a_dropped_part_asks_before_unsaved_work_is_lost_and_a_strange_file_is_named()
     let mut window = with_sample(engine);
     drop_on(&mut window, &[&strange]);
     let problems = window.state().state().problems.clone();
-    assert!(problems.iter().any(|p| p.what.contains("letter.txt")), "{problems:?}");
+    assert!(problems.iter().any(|p| p.message.contains("letter.txt")), "{problems:?}");
     assert_eq!(part_name(&window).as_deref(), Some("impeller532"), "what was open stays");
 
     window.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Step").set_value_accesskit(5.0);

@@ -9,10 +9,10 @@ use vanecut::geometry::Vector;
 use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, Summary};
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::{Channel, Passage};
-use vanecut::part::setup::{Feed, SectionSetup};
+use vanecut::part::setup::{CutDirection, SectionSetup};
 use vanecut::part::{AxisPolicy, Impeller, Tool};
 use vanecut::plunge::sections::SetupFault;
-use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan, Stopped};
+use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan, StopReason};
 use vanecut::residual::{FloorGrid, ResidualField};
 
 /// Number of interfering plunges of the conventional plan at the automatic step.
@@ -44,12 +44,12 @@ fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
     let plan = &mut outcome.after.plan;
     plan.positions.retain(|position| position.row == 0);
     plan.sections[0].rows = 1;
-    plan.sections[0].added = Some((0, Stopped::Cancelled));
+    plan.sections[0].added = Some((0, StopReason::Cancelled));
     outcome
 }
 
 fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
-    if request.setup.stock.hub_allowance > 10.0 {
+    if request.setup.allowances.hub_allowance > 10.0 {
         let what = "the hub allowance of 12 mm leaves no channel at s 0.31".to_owned();
         return Err(SetupFault::new(what, "make it smaller").into());
     }
@@ -79,8 +79,13 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     };
     let mut setup = request.setup.clone();
     setup.tools = vec![tool.clone()];
-    setup.plunge.sections =
-        vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, feed: Some(Feed::Inward), rest: false }];
+    setup.plunge.sections = vec![SectionSetup {
+        tool: 1,
+        from: 1.0,
+        to: 0.5,
+        cut_direction: Some(CutDirection::Inward),
+        rest: false,
+    }];
     Ok(PlanOutcome {
         reasons: vec![None],
         part: Arc::clone(part),
@@ -120,12 +125,12 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
                 row,
                 s,
                 lambda,
-                alpha: (2.0 + 0.4 * k as f64).to_radians() * if conventional { -1.0 } else { 1.0 },
+                alpha_rad: (2.0 + 0.4 * k as f64).to_radians() * if conventional { -1.0 } else { 1.0 },
                 contact_point: tip,
                 contact: CoreContact { depth: if interferes { 2.56 } else { 0.0 }, area_share: 0.2 },
                 lift: 0.0,
                 blocked: (!conventional && row == 1 && k == 1).then_some(Blocked::Walls),
-                held: None,
+                limited_by: None,
                 hub_clearance: 0.5,
                 blade_clearance: 0.5,
                 retract_clearance: 2.0,
@@ -136,29 +141,36 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
         tool: tool.clone(),
         from: 1.0,
         to: 0.5,
-        feed: Feed::Inward,
+        feed: CutDirection::Inward,
         rows: 2,
         rest: false,
         added: None,
     };
-    PlungePlan { policy, sections: vec![section], positions, dropped: Vec::new(), rounds: 2, settled: true }
+    PlungePlan {
+        policy,
+        sections: vec![section],
+        positions,
+        dropped: Vec::new(),
+        iterations: 2,
+        converged: true,
+    }
 }
 
 fn summary(plan: &PlungePlan, mean: f64) -> Summary {
     let faults = plan.positions.iter().filter(|p| p.contact.interferes()).count();
     Summary {
         positions: plan.positions.len(),
-        interferential: faults,
+        interfering: faults,
         max_contact_depth: if faults > 0 { 2.56 } else { 0.0 },
         residual_mean: mean,
         residual_p95: 1.6 * mean,
         residual_max: 2.0 * mean,
         uncut_share: 0.012,
-        unreachable_share: 0.0,
+        inaccessible_share: 0.0,
         min_hub_clearance: 0.5,
         min_blade_clearance: 0.5,
         min_retract_clearance: 2.0,
-        max_axis_change: 0.02,
+        max_axis_change_rad: 0.02,
         cut_length: 2000.0,
         rapid_length: 4000.0,
         time_estimate: 1080.0,

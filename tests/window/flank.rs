@@ -2,7 +2,7 @@
 
 use egui_kittest::kittest::Queryable;
 use vanecut::app::dialogs::Purpose;
-use vanecut::part::FlankScheme;
+use vanecut::part::FlankStrategy;
 
 use crate::fake;
 use crate::harness::{settle, snapshot_view, with_sample, words};
@@ -16,7 +16,7 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(2);
     settle(&mut window);
     let planned = window.state().state().results.flank.clone().expect("planned");
-    assert_eq!(planned.plan.curves.scheme, FlankScheme::Balanced);
+    assert_eq!(planned.plan.layout.strategy, FlankStrategy::Balanced);
     assert!(window.state().state().look.flank.shown, "what was asked for is shown");
     assert!(!window.state().state().flank_is_stale());
     window.key_press(egui::Key::Num4);
@@ -32,7 +32,7 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Residual on walls");
-    window.get_by_label(&vanecut::app::overlay::signed(most, most));
+    window.get_by_label(&vanecut::app::overlay::format_signed(most, most));
     snapshot_view(&mut window, "flank_walls");
     // The value under the cursor has a sign: above or below the allowance.
     let view = window.get_by_label("3D view").rect();

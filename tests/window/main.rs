@@ -221,7 +221,7 @@ fn the_mouse_turns_shifts_and_zooms() {
     let start = window.state().camera().expect("a camera");
     drag(&mut window);
     let turned = window.state().camera().expect("a camera");
-    assert!((turned.yaw - start.yaw).abs() > 0.1, "a drag turns");
+    assert!((turned.yaw_rad - start.yaw_rad).abs() > 0.1, "a drag turns");
     window.hover_at(rect.center());
     window.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
@@ -246,7 +246,11 @@ fn the_mouse_turns_shifts_and_zooms() {
     window.event(middle(end, false));
     window.run_steps(3);
     let shifted = window.state().camera().expect("a camera");
-    assert_eq!((shifted.yaw, shifted.pitch), (zoomed.yaw, zoomed.pitch), "the middle button does not turn");
+    assert_eq!(
+        (shifted.yaw_rad, shifted.pitch_rad),
+        (zoomed.yaw_rad, zoomed.pitch_rad),
+        "the middle button does not turn"
+    );
     assert!(shifted.target.distance(zoomed.target) > 1.0, "it shifts");
 
     // The harness clock advances by a quarter of a second per event.
@@ -262,7 +266,11 @@ fn the_mouse_turns_shifts_and_zooms() {
     }
     window.run_steps(3);
     let centred = window.state().camera().expect("a camera");
-    assert_eq!((centred.yaw, centred.pitch), (shifted.yaw, shifted.pitch), "a double click does not turn");
+    assert_eq!(
+        (centred.yaw_rad, centred.pitch_rad),
+        (shifted.yaw_rad, shifted.pitch_rad),
+        "a double click does not turn"
+    );
     assert_ne!(centred.target, shifted.target, "it centres what is under the cursor");
 }
 

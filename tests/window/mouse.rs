@@ -38,15 +38,15 @@ fn drag(window: &mut Window, with: PointerButton, modifiers: Modifiers) -> (Came
 }
 
 fn turned((a, b): (Camera, Camera)) -> bool {
-    (a.yaw - b.yaw).abs() > 0.05
+    (a.yaw_rad - b.yaw_rad).abs() > 0.05
 }
 
 fn moved((a, b): (Camera, Camera)) -> bool {
-    (a.yaw, a.pitch) == (b.yaw, b.pitch) && a.target.distance(b.target) > 1.0
+    (a.yaw_rad, a.pitch_rad) == (b.yaw_rad, b.pitch_rad) && a.target.distance(b.target) > 1.0
 }
 
 fn nearer((a, b): (Camera, Camera)) -> bool {
-    (a.yaw, a.pitch) == (b.yaw, b.pitch) && b.distance < 0.95 * a.distance
+    (a.yaw_rad, a.pitch_rad) == (b.yaw_rad, b.pitch_rad) && b.distance < 0.95 * a.distance
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn a_right_click_offers_what_can_be_done_with_the_position_there() {
     snapshot_view(&mut window, "right_click");
     window.get_by_role_and_label(Role::Button, "Simulate to here").click();
     window.run_steps(4);
-    assert_eq!(window.state().state().look.cut, Some(k + 1), "cut until there");
+    assert_eq!(window.state().state().look.cut_count, Some(k + 1), "cut until there");
     assert!(window.query_by_label("Simulate to here").is_none(), "the menu is gone");
 
     window.state_mut().look_mut().filter = Filter::Interferential;
@@ -170,7 +170,7 @@ fn beside_the_cutters_a_right_click_offers_views_and_layers() {
     window.get_by_label_contains("Top view").click();
     window.run_steps(3);
     let camera = window.state().camera().expect("a camera");
-    assert!(camera.pitch.abs() > 1.3, "along the axis: {}", camera.pitch);
+    assert!(camera.pitch_rad.abs() > 1.3, "along the axis: {}", camera.pitch_rad);
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn a_project_opens_as_it_was_saved() {
     assert!(!document.is_unsaved() && document.path.as_deref() == Some(path.as_path()));
     let again = second.state().camera().expect("a camera");
     assert!(
-        (again.yaw - camera.yaw).abs() < 1e-5 && (again.distance - camera.distance).abs() < 1e-2,
+        (again.yaw_rad - camera.yaw_rad).abs() < 1e-5 && (again.distance - camera.distance).abs() < 1e-2,
         "the view"
     );
     let state = second.state().state();
@@ -86,13 +86,13 @@ fn a_part_that_changed_since_is_noticed() {
     second.state_mut().open_path(path.clone());
     settle(&mut second);
     let problems = second.state().state().problems.clone();
-    assert!(problems.iter().any(|p| p.what.contains("the part changed")), "{problems:?}");
+    assert!(problems.iter().any(|p| p.message.contains("the part changed")), "{problems:?}");
     std::fs::remove_file(&part).expect("removes");
     let mut third = window(engine);
     third.state_mut().open_path(path);
     settle(&mut third);
     let problems = third.state().state().problems.clone();
-    assert!(problems.iter().any(|p| p.what.contains("wheel.toml") && !p.cure.is_empty()), "{problems:?}");
+    assert!(problems.iter().any(|p| p.message.contains("wheel.toml") && !p.help.is_empty()), "{problems:?}");
 }
 
 #[test]

@@ -21,9 +21,9 @@ fn the_count_of_interferential_positions_falls_to_none() {
     let planned = state.results.planned.as_ref().expect("planned");
     assert_eq!(planned.outcome.setup.plunge.step, Some(7.0), "planned with the step of the field");
     let [before, after] = [&planned.outcome.before.summary, &planned.outcome.after.summary];
-    assert!(before.interferential > 0, "the conventional plan interferes");
-    assert_eq!(after.interferential, 0, "the one by our policy does not");
-    let verdict = format!("Interfering {} to 0", before.interferential);
+    assert!(before.interfering > 0, "the conventional plan interferes");
+    assert_eq!(after.interfering, 0, "the one by our policy does not");
+    let verdict = format!("Interfering {} to 0", before.interfering);
     window.get_by_label(&verdict);
 }
 
@@ -43,6 +43,6 @@ fn conventional_as_the_policy_repairs_nothing() {
     window.step();
     settle(&mut window);
     let planned = window.state().state().results.planned.clone().expect("planned");
-    let [before, after] = [&planned.outcome.before, &planned.outcome.after].map(|r| r.summary.interferential);
+    let [before, after] = [&planned.outcome.before, &planned.outcome.after].map(|r| r.summary.interfering);
     assert_eq!(before, after, "both sides are the conventional plan");
 }

@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::look::{Column, Filter};
+use vanecut::app::look::{Filter, TableColumn};
 use vanecut::app::planned::Side;
 
 use crate::fake;
@@ -27,7 +27,7 @@ fn a_click_on_a_head_sorts_and_a_second_one_turns_the_order() {
     window.get_by_label("Sort by contact").click();
     window.run_steps(3);
     let state = window.state().state();
-    assert_eq!(state.look.sort.column, Column::Contact);
+    assert_eq!(state.look.sort.column, TableColumn::Contact);
     let plan = state.shown().expect("planned").plan();
     let rows = state.rows();
     let depth = |row: usize| plan.positions[rows[row]].contact.depth;
@@ -116,7 +116,7 @@ fn hidden_cutters_cannot_be_picked() {
     settle(&mut window);
     let rect = window.get_by_label("3D view").rect();
     let camera = window.state().camera().expect("a camera");
-    let position = &window.state().state().on(Side::After).expect("planned").plan().positions[8];
+    let position = &window.state().state().shown_on(Side::After).expect("planned").plan().positions[8];
     let inside = position.tip + position.axis * 3.0;
     let point = glam::vec3(inside.x as f32, inside.y as f32, inside.z as f32);
     let pixel = camera.project(point, glam::vec2(rect.width(), rect.height())).expect("in front");

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use vanecut::app::dialogs::Purpose;
 use vanecut::app::engine::PartSource;
 use vanecut::formats::GltfScene;
-use vanecut::formats::project_file::{PartPlace, read_project};
+use vanecut::formats::project_file::{PartLocation, read_project};
 use vanecut::formats::read_part_bytes;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::part::Impeller;
@@ -109,7 +109,7 @@ fn nodes_without_names_are_told_apart_by_hand() {
     first.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
     settle(&mut first);
     let stored = read_project(&project).expect("reads").part;
-    assert_eq!(stored, PartPlace::Mesh { file: path, choices: said.clone() });
+    assert_eq!(stored, PartLocation::Mesh { file: path, choices: said.clone() });
     let mut second = window(engine);
     second.state_mut().open_path(project);
     settle(&mut second);

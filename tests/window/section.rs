@@ -52,25 +52,25 @@ fn the_timeline_shows_the_stock_as_it_is_then() {
     window.run_steps(2);
     settle(&mut window);
     let look = &window.state().state().look;
-    assert_eq!((look.cut, look.selected), (Some(10), Some(9)), "what was cut last is selected");
+    assert_eq!((look.cut_count, look.selected), (Some(10), Some(9)), "what was cut last is selected");
     window.get_by_label(&format!("10 of {count}"));
     snapshot_view(&mut window, "timeline");
     window.key_press(egui::Key::ArrowRight);
     window.run_steps(2);
-    assert_eq!(window.state().state().look.cut, Some(11), "one more");
+    assert_eq!(window.state().state().look.cut_count, Some(11), "one more");
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::ArrowLeft);
     window.run_steps(2);
-    assert_eq!(window.state().state().look.cut, Some(0), "it ends at the blank");
+    assert_eq!(window.state().state().look.cut_count, Some(0), "it ends at the blank");
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::ArrowRight);
     window.run_steps(2);
-    assert_eq!(window.state().state().look.cut, Some(count), "and at the end");
+    assert_eq!(window.state().state().look.cut_count, Some(count), "and at the end");
     window.run_steps(4);
     window.get_by_label(&format!("Position {}", count - 2)).click();
     window.run_steps(3);
-    assert_eq!(window.state().state().look.cut, Some(count - 2), "the table moves it too");
+    assert_eq!(window.state().state().look.cut_count, Some(count - 2), "the table moves it too");
     window.get_by_role_and_label(Role::Button, "Go to end").click();
     window.run_steps(2);
-    assert_eq!(window.state().state().look.cut, None);
+    assert_eq!(window.state().state().look.cut_count, None);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn play_runs_to_the_end_and_rests_there() {
         window.step();
     }
     let look = &window.state().state().look;
-    assert_eq!((look.playing, look.cut), (None, Some(count)), "the end");
+    assert_eq!((look.playing, look.cut_count), (None, Some(count)), "the end");
     window.key_press(egui::Key::Space);
     window.step();
     window.step();
@@ -94,6 +94,6 @@ fn play_runs_to_the_end_and_rests_there() {
     window.key_press(egui::Key::Space);
     window.step();
     window.step();
-    let cut = window.state().state().look.cut;
+    let cut = window.state().state().look.cut_count;
     assert!(window.state().state().look.playing.is_none() && cut < Some(count), "and stops: {cut:?}");
 }

@@ -8,7 +8,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::engine::Engine;
 use vanecut::app::planned::Side;
-use vanecut::job::{Listener, PlanJob, PlanRequest, Stage};
+use vanecut::job::{Listener, PlanJob, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
 use vanecut::part::AxisPolicy;
 use vanecut::plunge::PlungePlan;
@@ -21,14 +21,14 @@ fn held_back() -> (Engine, Arc<AtomicUsize>) {
     let (job, gate) = (PlanJob::default(), Arc::clone(&allowed));
     let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
         let told = AtomicUsize::new(0);
-        let listen = |stage: Stage| {
+        let listen = |stage: PlanStage| {
             let number = told.fetch_add(1, Ordering::SeqCst) + 1;
-            listener.tell(|| stage);
+            listener.notify(|| stage);
             while number >= gate.load(Ordering::SeqCst) && !monitor.is_cancelled() {
                 std::thread::sleep(Duration::from_millis(1));
             }
         };
-        job.run_telling(request, monitor, Listener::new(&listen))
+        job.run_with_listener(request, monitor, Listener::new(&listen))
     };
     (Engine { plan: Arc::new(plan), ..Engine::default() }, allowed)
 }
@@ -43,8 +43,8 @@ fn until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
 }
 
 fn coming(window: &Window) -> Option<(AxisPolicy, bool, usize)> {
-    let cutters = window.state().state().coming_on(Side::After)?;
-    Some((cutters.plan.policy, cutters.judged, cutters.plan.positions.len()))
+    let cutters = window.state().state().preview_on(Side::After)?;
+    Some((cutters.plan.policy, cutters.is_checked, cutters.plan.positions.len()))
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     window.get_by_label(&format!("New min. stock, axes as before: none of {carried} interferes"));
     window.get_by_label("Out of date");
     snapshot_view(&mut window, "carried");
-    let on = |window: &Window, side: Side| window.state().state().coming_on(side).map(|c| c.plan.policy);
+    let on = |window: &Window, side: Side| window.state().state().preview_on(side).map(|c| c.plan.policy);
     assert_eq!(on(&window, Side::Before), None, "nothing is known of the conventional plan");
 
     allowed.store(3, Ordering::SeqCst);
@@ -75,14 +75,14 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     window.get_by_label("Before").click();
     window.step();
     let cutters = |window: &Window| {
-        let cutters = window.state().state().coming_on(Side::Before)?;
-        Some((cutters.plan.policy, cutters.judged, cutters.plan.positions.len()))
+        let cutters = window.state().state().preview_on(Side::Before)?;
+        Some((cutters.plan.policy, cutters.is_checked, cutters.plan.positions.len()))
     };
     let (policy, judged, positions) = cutters(&window).expect("cutters");
     assert_eq!((policy, judged), (AxisPolicy::Conventional, false));
     let tip = |plan: &PlungePlan| plan.positions[positions / 2].tip;
     let new =
-        window.state().state().coming_on(Side::Before).map(|cutters| tip(&cutters.plan)).expect("cutters");
+        window.state().state().preview_on(Side::Before).map(|cutters| tip(&cutters.plan)).expect("cutters");
     assert!((new - tip(&old.outcome.before.plan)).norm() > 0.15, "0.2 mm higher above the hub");
     window.step();
     window.get_by_label(&format!("New isoparametric: {positions} positions, not checked yet"));
@@ -93,7 +93,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     allowed.store(4, Ordering::SeqCst);
     until(&mut window, "contact", |window| cutters(window).is_some_and(|(_, judged, _)| judged));
     window.step();
-    let faults = window.state().state().coming_on(Side::Before).and_then(|c| c.interferential());
+    let faults = window.state().state().preview_on(Side::Before).and_then(|c| c.interfering_count());
     let faults = faults.expect("judged");
     assert!(faults > 0, "conventional axes interfere here");
     window.get_by_label(&format!("New isoparametric: {faults} of {positions} interfere"));
@@ -103,15 +103,15 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     until(&mut window, "the conventional plan", |window| !window.state().state().is_stale(Side::Before));
     let state = window.state().state();
     assert!(state.is_stale(Side::After), "the plan by the policy is not there yet");
-    let shown = state.on(Side::Before).expect("the conventional plan").plan();
+    let shown = state.shown_on(Side::Before).expect("the conventional plan").plan();
     assert_eq!((shown.policy, shown.positions.len()), (AxisPolicy::Conventional, positions));
-    assert!(Arc::ptr_eq(state.before_edit(Side::After).expect("old").planned, &old));
+    assert!(Arc::ptr_eq(state.last_whole_plan(Side::After).expect("old").planned, &old));
 
     allowed.store(usize::MAX, Ordering::SeqCst);
     settle(&mut window);
     let state = window.state().state();
-    assert!(!state.out_of_date() && state.results.coming.is_none());
-    assert_eq!(state.on(Side::Before).expect("planned").plan().positions.len(), positions);
+    assert!(!state.out_of_date() && state.results.preview.is_none());
+    assert_eq!(state.shown_on(Side::Before).expect("planned").plan().positions.len(), positions);
     assert!(window.query_by_label("Out of date").is_none());
 }
 
@@ -129,7 +129,10 @@ fn a_plan_that_is_cancelled_half_way_leaves_the_one_before() {
     settle(&mut window);
     assert_eq!(coming(&window), None, "nothing half-done stays");
     let state = window.state().state();
-    assert!(Arc::ptr_eq(state.on(Side::Before).expect("a plan").planned, &old), "the plan before is shown");
+    assert!(
+        Arc::ptr_eq(state.shown_on(Side::Before).expect("a plan").planned, &old),
+        "the plan before is shown"
+    );
     window.get_by_label("Out of date");
 }
 

@@ -119,7 +119,7 @@ fn the_tilt_of_the_machine_is_a_field_that_can_be_undone() {
     let mut window = with_sample(engine);
     window.run_steps(6);
     let tilt = |window: &crate::harness::Window| {
-        window.state().state().document.edited.setup.machine.max_axis_tilt.to_degrees()
+        window.state().state().document.edited.setup.machine.max_axis_tilt_rad.to_degrees()
     };
     assert!((tilt(&window) - 180.0).abs() < 1e-9, "no limit by default");
     window.get_by_role_and_label(Role::SpinButton, "Max machine tilt").set_value_accesskit(75.0);
@@ -127,7 +127,10 @@ fn the_tilt_of_the_machine_is_a_field_that_can_be_undone() {
     settle(&mut window);
     assert!((tilt(&window) - 75.0).abs() < 1e-9, "the field edits the setup");
     let planned = window.state().state().results.planned.clone().expect("planned");
-    assert!((planned.setup.machine.max_axis_tilt.to_degrees() - 75.0).abs() < 1e-9, "and that is planned");
+    assert!(
+        (planned.setup.machine.max_axis_tilt_rad.to_degrees() - 75.0).abs() < 1e-9,
+        "and that is planned"
+    );
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(2);
     assert!((tilt(&window) - 180.0).abs() < 1e-9, "undone");

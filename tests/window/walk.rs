@@ -140,8 +140,8 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     window.run_steps(2);
     settle(&mut window);
     let flank = window.state().state().results.flank.clone().expect("planned");
-    let figures = &flank.plan.curves.totals;
-    let ratio = figures[flank.plan.curves.scheme as usize].length / figures[0].length;
+    let figures = &flank.plan.layout.totals;
+    let ratio = figures[flank.plan.layout.strategy as usize].length / figures[0].length;
     assert!(ratio < 0.5, "shorter than the isoparametric curves: {ratio}");
     window.get_by_label(&format!("{ratio:.3}"));
     window.get_by_label("region").click_accesskit();
@@ -191,6 +191,11 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     assert_eq!(state.document.edited, edited, "setup and sets");
     assert!(!state.document.is_unsaved());
     let again = window.state().camera().expect("a camera");
-    assert!(again.target.distance(camera.target) < 1e-2 && (again.yaw - camera.yaw).abs() < 1e-4, "the view");
-    assert!((again.distance - camera.distance).abs() < 1e-2 && (again.pitch - camera.pitch).abs() < 1e-4);
+    assert!(
+        again.target.distance(camera.target) < 1e-2 && (again.yaw_rad - camera.yaw_rad).abs() < 1e-4,
+        "the view"
+    );
+    assert!(
+        (again.distance - camera.distance).abs() < 1e-2 && (again.pitch_rad - camera.pitch_rad).abs() < 1e-4
+    );
 }

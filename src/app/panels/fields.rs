@@ -8,7 +8,7 @@ use super::super::{number, theme};
 
 /// Description of a number field.
 #[derive(Clone, Copy, Debug)]
-pub struct Spec {
+pub struct FieldSpec {
     /// Name, sentence case.
     pub label: &'static str,
     /// Tooltip: meaning.
@@ -16,9 +16,9 @@ pub struct Spec {
     /// Unit shown after the number, with a leading space if there is one.
     pub unit: &'static str,
     /// Minimum.
-    pub least: f64,
+    pub min: f64,
     /// Maximum.
-    pub greatest: f64,
+    pub max: f64,
     /// Change per dragged point.
     pub speed: f64,
     /// Maximum number of decimals.
@@ -27,24 +27,24 @@ pub struct Spec {
     pub slide: Option<(f64, f64)>,
 }
 
-impl Spec {
+impl FieldSpec {
     /// A length in mm.
     pub const fn mm(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        Self { label, tip, unit: " mm", least, greatest, speed: 0.05, decimals: 3, slide: None }
+        Self { label, tip, unit: " mm", min: least, max: greatest, speed: 0.05, decimals: 3, slide: None }
     }
 
     /// An angle in degrees.
     pub const fn degrees(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        Self { label, tip, unit: "°", least, greatest, speed: 0.1, decimals: 2, slide: None }
+        Self { label, tip, unit: "°", min: least, max: greatest, speed: 0.1, decimals: 2, slide: None }
     }
 
     /// A whole number with a unit.
     pub const fn plain(label: &'static str, unit: &'static str, greatest: f64) -> Self {
-        Self { label, tip: "", unit, least: 1.0, greatest, speed: 1.0, decimals: 0, slide: None }
+        Self { label, tip: "", unit, min: 1.0, max: greatest, speed: 1.0, decimals: 0, slide: None }
     }
 }
 
-impl Spec {
+impl FieldSpec {
     /// Adds a slider under the box.
     pub const fn sliding(self, low: f64, high: f64) -> Self {
         Self { slide: Some((low, high)), ..self }
@@ -52,7 +52,7 @@ impl Spec {
 }
 
 /// Number with unit, without trailing zeros.
-fn show(value: f64, spec: &Spec) -> String {
+fn show(value: f64, spec: &FieldSpec) -> String {
     let mut text = format!("{value:.*}", spec.decimals);
     if text.contains('.') {
         text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
@@ -61,15 +61,15 @@ fn show(value: f64, spec: &Spec) -> String {
 }
 
 /// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too.
-pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &Spec, automatic: Option<&str>) -> Response {
-    let least = if automatic.is_some() { 0.0 } else { spec.least };
+pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Option<&str>) -> Response {
+    let least = if automatic.is_some() { 0.0 } else { spec.min };
     let unit = spec.unit;
     let words = automatic.map(str::to_owned);
     let parser_words = words.clone();
     let spec_copy = *spec;
     let mut field = DragValue::new(value)
         .speed(spec.speed)
-        .range(least..=spec.greatest)
+        .range(least..=spec.max)
         // An out-of-range value from a file is kept until it is edited.
         .clamp_existing_to_range(false)
         .custom_formatter(move |v, _| match &words {
@@ -88,36 +88,35 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &Spec, automatic: Option<&
     if spec.tip.is_empty() {
         return response;
     }
-    let limits =
-        format!("{}\n{} to {}", spec.tip, show(least.max(spec.least), spec), show(spec.greatest, spec));
+    let limits = format!("{}\n{} to {}", spec.tip, show(least.max(spec.min), spec), show(spec.max, spec));
     response.on_hover_text(limits)
 }
 
 /// A form row with label, box, dot and slider; `true` when the value changed.
-pub fn row(ui: &mut Ui, value: &mut f64, default: f64, spec: &Spec) -> bool {
+pub fn number_row(ui: &mut Ui, value: &mut f64, default: f64, spec: &FieldSpec) -> bool {
     labelled(ui, value, Some(default), spec, None)
 }
 
-/// Like [`row`], for a value without a default.
-pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &Spec) -> bool {
+/// Like [`number_row`], for a value without a default.
+pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) -> bool {
     labelled(ui, value, None, spec, None)
 }
 
-/// Like [`row`], for an optional value: 0 means automatic. `now`: the automatic value, which the slider then
+/// Like [`number_row`], for an optional value: 0 means automatic. `now`: the automatic value, which the slider then
 /// shows.
-pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &Spec, now: Option<f64>) -> bool {
+pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now: Option<f64>) -> bool {
     let mut number = value.unwrap_or(0.0);
     let changed = labelled(ui, &mut number, Some(0.0), spec, Some(("auto", now)));
     if changed {
-        *value = (number > 0.0).then(|| number.max(spec.least));
+        *value = (number > 0.0).then(|| number.max(spec.min));
     }
     changed
 }
 
-/// Like [`row`], for an angle stored in radians and shown in degrees.
-pub fn angle_row(ui: &mut Ui, radians: &mut f64, default: f64, spec: &Spec) -> bool {
-    let mut degrees = round(radians.to_degrees());
-    let changed = row(ui, &mut degrees, round(default.to_degrees()), spec);
+/// Like [`number_row`], for an angle stored in radians and shown in degrees.
+pub fn angle_row(ui: &mut Ui, radians: &mut f64, default: f64, spec: &FieldSpec) -> bool {
+    let mut degrees = round_degrees(radians.to_degrees());
+    let changed = number_row(ui, &mut degrees, round_degrees(default.to_degrees()), spec);
     if changed {
         *radians = degrees.to_radians();
     }
@@ -125,7 +124,7 @@ pub fn angle_row(ui: &mut Ui, radians: &mut f64, default: f64, spec: &Spec) -> b
 }
 
 /// Description of a list field: label, options, and name and meaning of each option.
-pub struct Choice<T: 'static> {
+pub struct ChoiceSpec<T: 'static> {
     /// Name, sentence case.
     pub label: &'static str,
     /// Tooltip: effect of the choice.
@@ -139,7 +138,7 @@ pub struct Choice<T: 'static> {
 }
 
 /// A form row with label, list and dot.
-pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, choice: &Choice<T>) {
+pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, choice: &ChoiceSpec<T>) {
     let label = ui.label(choice.label).on_hover_text(choice.tip);
     ui.horizontal(|ui| {
         ComboBox::from_id_salt(choice.label)
@@ -160,7 +159,7 @@ pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, c
 }
 
 /// Rounds away the error of a conversion to radians and back: 5° becomes 5.000000000000001°.
-fn round(degrees: f64) -> f64 {
+fn round_degrees(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
 }
 
@@ -169,7 +168,7 @@ fn labelled(
     ui: &mut Ui,
     value: &mut f64,
     default: Option<f64>,
-    spec: &Spec,
+    spec: &FieldSpec,
     automatic: Option<(&str, Option<f64>)>,
 ) -> bool {
     let before = *value;
@@ -211,11 +210,11 @@ pub fn slider(
     let response = ui.add(Slider::new(&mut at, range).show_value(false).step_by(step));
     // Snapping to the nearest step does not count as a move.
     let moved = response.changed() && (at - start).abs() > 0.5 * step;
-    (response, moved.then(|| round(at)))
+    (response, moved.then(|| round_degrees(at)))
 }
 
 /// Step of a field's slider: a round value that suits its range.
-fn step_of(spec: &Spec) -> f64 {
+fn step_of(spec: &FieldSpec) -> f64 {
     match spec.slide {
         Some((low, high)) if high - low > 20.0 => 0.5,
         Some((low, high)) if high - low > 4.0 => 0.1,

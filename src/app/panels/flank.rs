@@ -8,53 +8,54 @@ use crate::flank::chart::Region;
 use crate::gpu::flank::{FlankColours, RAPID_COLOUR, REGION_COLOURS, feed_range};
 use crate::job::flank::FlankOutcome;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
-use crate::part::{FlankScheme, Setup};
+use crate::part::{FlankStrategy, Setup};
 
 use super::super::command::Command;
 use super::super::look::FlankLook;
-use super::fields::{self, Choice, Spec};
-use super::verdict::duration;
+use super::fields::{self, ChoiceSpec, FieldSpec};
+use super::verdict::format_duration;
 
-const DEPTH: Spec =
-    Spec::mm("Layer depth", "Axial depth (ap) of a layer, from the hub up", 0.1, 100.0).sliding(0.5, 10.0);
-const ERROR: Spec =
-    Spec::mm("Scallop height", "Maximum scallop height between passes", 0.001, 10.0).sliding(0.02, 1.0);
-const EXTENSION: Spec =
-    Spec::mm("Lead-in/out", "Length of passes beyond the leading and trailing edge", 0.0, 200.0);
+const DEPTH: FieldSpec =
+    FieldSpec::mm("Layer depth", "Axial depth (ap) of a layer, from the hub up", 0.1, 100.0)
+        .sliding(0.5, 10.0);
+const ERROR: FieldSpec =
+    FieldSpec::mm("Scallop height", "Maximum scallop height between passes", 0.001, 10.0).sliding(0.02, 1.0);
+const EXTENSION: FieldSpec =
+    FieldSpec::mm("Lead-in/out", "Length of passes beyond the leading and trailing edge", 0.0, 200.0);
 
 /// Feed rates by engagement.
-const FEED: Spec = feed("Feed rate", "Feed rate of passes beside a pass that is already cut");
-const SLOT_FEED: Spec = feed("Slotting feed", "Feed rate of passes with stock on both sides");
-const WALL_FEED: Spec = feed("Wall feed", "Feed rate of the passes that finish the walls");
-const RAMP_FEED: Spec = feed("Ramp feed", "Feed rate of ramps down into stock");
+const FEED: FieldSpec = feed("Feed rate", "Feed rate of passes beside a pass that is already cut");
+const SLOT_FEED: FieldSpec = feed("Slotting feed", "Feed rate of passes with stock on both sides");
+const WALL_FEED: FieldSpec = feed("Wall feed", "Feed rate of the passes that finish the walls");
+const RAMP_FEED: FieldSpec = feed("Ramp feed", "Feed rate of ramps down into stock");
 
-const fn feed(label: &'static str, tip: &'static str) -> Spec {
-    Spec { tip, ..Spec::plain(label, " mm/min", 20_000.0) }
+const fn feed(label: &'static str, tip: &'static str) -> FieldSpec {
+    FieldSpec { tip, ..FieldSpec::plain(label, " mm/min", 20_000.0) }
 }
 
 /// Label of a strategy.
-pub fn scheme_label(scheme: FlankScheme) -> &'static str {
+pub fn scheme_label(scheme: FlankStrategy) -> &'static str {
     match scheme {
-        FlankScheme::Isoparametric => "Isoparametric",
-        FlankScheme::Layers => "Layers",
-        FlankScheme::Regions => "Regions",
-        FlankScheme::Balanced => "Balanced",
+        FlankStrategy::Isoparametric => "Isoparametric",
+        FlankStrategy::Layers => "Layers",
+        FlankStrategy::Regions => "Regions",
+        FlankStrategy::Balanced => "Balanced",
     }
 }
 
-fn scheme_tip(scheme: FlankScheme) -> &'static str {
+fn scheme_tip(scheme: FlankStrategy) -> &'static str {
     match scheme {
-        FlankScheme::Isoparametric => "Layers and passes through the whole channel: the baseline",
-        FlankScheme::Layers => "Layers of constant depth, isoparametric passes region by region",
-        FlankScheme::Regions => "Offsets of both walls that meet in the middle, as published",
-        FlankScheme::Balanced => "The fewest offsets that keep every gap within the stepover",
+        FlankStrategy::Isoparametric => "Layers and passes through the whole channel: the baseline",
+        FlankStrategy::Layers => "Layers of constant depth, isoparametric passes region by region",
+        FlankStrategy::Regions => "Offsets of both walls that meet in the middle, as published",
+        FlankStrategy::Balanced => "The fewest offsets that keep every gap within the stepover",
     }
 }
 
-const SCHEME: Choice<FlankScheme> = Choice {
+const SCHEME: ChoiceSpec<FlankStrategy> = ChoiceSpec {
     label: "Strategy",
     tip: "Layout of the passes in a layer",
-    all: &FlankScheme::ALL,
+    all: &FlankStrategy::ALL,
     name: scheme_label,
     meaning: scheme_tip,
 };
@@ -78,16 +79,31 @@ pub fn show(
 ) -> Option<Command> {
     let default = &defaults.flank;
     Grid::new("flank fields").num_columns(2).min_col_width(92.0).spacing([8.0, 4.0]).show(ui, |ui| {
-        fields::choice_row(ui, &mut setup.flank.scheme, default.scheme, &SCHEME);
-        fields::row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
-        fields::row(ui, &mut setup.flank.allowed_error, default.allowed_error, &ERROR);
-        let now = planned.map(|p| p.setup.flank.extension_of(&p.plan.tool));
-        fields::optional_row(ui, &mut setup.flank.extension, &EXTENSION, now);
+        fields::choice_row(ui, &mut setup.flank.strategy, default.strategy, &SCHEME);
+        fields::number_row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
+        fields::number_row(ui, &mut setup.flank.scallop_height, default.scallop_height, &ERROR);
+        let now = planned.map(|p| p.setup.flank.lead_in_out_for(&p.plan.tool));
+        fields::optional_row(ui, &mut setup.flank.lead_in_out, &EXTENSION, now);
         let feeds = planned.map(|p| p.plan.feeds);
-        fields::optional_row(ui, &mut setup.flank.feed, &FEED, feeds.map(|f| f.step));
-        fields::optional_row(ui, &mut setup.flank.slot_feed, &SLOT_FEED, feeds.map(|f| f.slot));
-        fields::optional_row(ui, &mut setup.flank.wall_feed, &WALL_FEED, feeds.map(|f| f.wall));
-        fields::optional_row(ui, &mut setup.flank.ramp_feed, &RAMP_FEED, feeds.map(|f| f.ramp));
+        fields::optional_row(ui, &mut setup.flank.feed_mm_per_min, &FEED, feeds.map(|f| f.step_mm_per_min));
+        fields::optional_row(
+            ui,
+            &mut setup.flank.slot_feed_mm_per_min,
+            &SLOT_FEED,
+            feeds.map(|f| f.slot_mm_per_min),
+        );
+        fields::optional_row(
+            ui,
+            &mut setup.flank.wall_feed_mm_per_min,
+            &WALL_FEED,
+            feeds.map(|f| f.wall_mm_per_min),
+        );
+        fields::optional_row(
+            ui,
+            &mut setup.flank.ramp_feed_mm_per_min,
+            &RAMP_FEED,
+            feeds.map(|f| f.ramp_mm_per_min),
+        );
     });
     let mut asked = None;
     ui.horizontal(|ui| {
@@ -120,7 +136,7 @@ pub fn show(
 
 /// Colour key of the passes.
 fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
-    let layers = plan.curves.layers.len();
+    let layers = plan.layout.layers.len();
     let patch = |ui: &mut Ui, rgb: Rgb, words: &str| {
         let (at, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
         let [r, g, b] = rgb.map(|x| (x * 255.0).round() as u8);
@@ -137,7 +153,7 @@ fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
             }
         }
         FlankColours::Region => {
-            let curves = || plan.curves.layers.iter().flat_map(|layer| &layer.curves);
+            let curves = || plan.layout.layers.iter().flat_map(|layer| &layer.pass_curves);
             let divided = curves().any(|curve| curve.region != Region::Inlet);
             for (region, rgb) in REGION_COLOURS {
                 let words = match region {
@@ -163,7 +179,7 @@ fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
 }
 
 fn table(ui: &mut Ui, outcome: &FlankOutcome) {
-    let (plan, curves) = (&outcome.plan, &outcome.plan.curves);
+    let (plan, curves) = (&outcome.plan, &outcome.plan.layout);
     Grid::new("schemes").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for (name, tip) in [
             ("Strategy", "Layout of the passes in a layer"),
@@ -174,13 +190,13 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
             ui.label(RichText::new(name).weak()).on_hover_text(tip);
         }
         ui.end_row();
-        for scheme in FlankScheme::ALL {
+        for scheme in FlankStrategy::ALL {
             let figures = &curves.totals[scheme as usize];
             let name = RichText::new(scheme_label(scheme));
-            ui.label(if scheme == curves.scheme { name.strong() } else { name });
+            ui.label(if scheme == curves.strategy { name.strong() } else { name });
             ui.label(format!("{:.2}", 1e-3 * figures.length));
             ui.label(format!("{:.3}", figures.length / curves.totals[0].length));
-            let measured = scheme != FlankScheme::Isoparametric || scheme == curves.scheme;
+            let measured = scheme != FlankStrategy::Isoparametric || scheme == curves.strategy;
             ui.label(if measured {
                 format!("{:.2} %", 100.0 * curves.wide_share(scheme))
             } else {
@@ -196,9 +212,9 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         1e-3 * curves.floor_length,
         outcome.max_overcut(),
         plan.max_undercut(),
-        duration(plan.times.total()),
+        format_duration(plan.times.total()),
     ));
-    let lost: f64 = plan.left_out.iter().map(|stretch| stretch.length).sum();
+    let lost: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
     if lost > 0.0 {
         ui.label(format!("{lost:.0} mm of passes are skipped: no axis reaches them"));
     }

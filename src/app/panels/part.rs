@@ -6,11 +6,11 @@ use egui::{Grid, RichText, Ui};
 
 use super::super::command::Command;
 use super::super::engine::{PartSource, Sample};
-use super::super::state::State;
+use super::super::state::AppState;
 
 /// Action that the panel requests.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wish {
+pub enum PartAction {
     /// Run a command.
     Command(Command),
     /// Open this part.
@@ -18,21 +18,21 @@ pub enum Wish {
     /// Open this file.
     OpenFile(PathBuf),
     /// Discard a recovery copy.
-    GiveUp(PathBuf),
+    DiscardRecovery(PathBuf),
 }
 
 /// Draws the panel; returns the requested action.
-pub fn show(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wish> {
+pub fn show(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAction> {
     let mut wish = None;
     ui.horizontal(|ui| {
         let open = ui.button(Command::OpenPart.label());
         let tip = Command::OpenPart.tip_with_keys(ui.ctx());
         if open.on_hover_text(tip).clicked() {
-            wish = Some(Wish::Command(Command::OpenPart));
+            wish = Some(PartAction::Command(Command::OpenPart));
         }
         ui.menu_button("Samples", |ui| {
             if let Some(source) = sample_buttons(ui, samples) {
-                wish = Some(Wish::Open(source));
+                wish = Some(PartAction::Open(source));
                 ui.close();
             }
         });
@@ -75,7 +75,7 @@ pub fn sample_buttons(ui: &mut Ui, samples: &[Sample]) -> Option<PartSource> {
 }
 
 /// Draws the start page in the middle of the window; returns the requested action.
-pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wish> {
+pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAction> {
     let mut wish = None;
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.18).max(8.0));
@@ -89,10 +89,10 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
                 let room = (ui.available_width() - 190.0).max(0.0) / 2.0;
                 ui.add_space(room);
                 if ui.button("Recover").on_hover_text(path.display().to_string()).clicked() {
-                    wish = Some(Wish::OpenFile(path.clone()));
+                    wish = Some(PartAction::OpenFile(path.clone()));
                 }
                 if ui.button("Discard").clicked() {
-                    wish = Some(Wish::GiveUp(path.clone()));
+                    wish = Some(PartAction::DiscardRecovery(path.clone()));
                 }
             });
             ui.add_space(10.0);
@@ -103,7 +103,7 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
         for command in [Command::OpenPart, Command::OpenProject] {
             let button = ui.button(command.label());
             if button.on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
-                wish = Some(Wish::Command(command));
+                wish = Some(PartAction::Command(command));
             }
         }
         if !state.recents.is_empty() {
@@ -112,7 +112,7 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
             for path in state.recents.iter().take(4) {
                 let name = path.file_stem().unwrap_or_default().to_string_lossy();
                 if ui.link(name).on_hover_text(path.display().to_string()).clicked() {
-                    wish = Some(Wish::OpenFile(path.clone()));
+                    wish = Some(PartAction::OpenFile(path.clone()));
                 }
             }
         }
@@ -125,7 +125,7 @@ pub fn empty_state(ui: &mut Ui, state: &State, samples: &[Sample]) -> Option<Wis
         for sample in samples {
             let text = RichText::new(sample.name).size(15.0);
             if ui.add(egui::Button::new(text).min_size([170.0, 28.0].into())).clicked() {
-                wish = Some(Wish::Open(PartSource::Sample(sample.name.to_owned())));
+                wish = Some(PartAction::Open(PartSource::Sample(sample.name.to_owned())));
             }
             ui.label(RichText::new(sample.about).weak().small());
             ui.add_space(4.0);

@@ -4,7 +4,7 @@ use egui::{Align2, FontId, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 
 use crate::plunge::inspect::{row_of, step_before};
 
-use super::super::state::State;
+use super::super::state::AppState;
 use super::super::theme::{self, Condition};
 
 /// Height of the plots, points.
@@ -14,19 +14,19 @@ pub const HEIGHT: f32 = 92.0;
 const NARROW: f32 = 112.0;
 
 /// One plotted quantity with its scale.
-struct Curve {
+struct PlotCurve {
     name: &'static str,
     /// Name in a narrow plot.
     short: &'static str,
     unit: &'static str,
     from_zero: bool,
     /// Minimum length of the scale, so that noise is not magnified.
-    least: f64,
+    min_range: f64,
     values: Vec<f64>,
 }
 
 /// Draws the plots; a click on one selects the position there.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     let Some(shown) = state.shown() else { return };
     let plan = shown.plan();
     let index = state.look.selected.unwrap_or(0);
@@ -34,17 +34,17 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     if row.is_empty() {
         return;
     }
-    let curve = |name, short, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| Curve {
+    let curve = |name, short, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| PlotCurve {
         name,
         short,
         unit,
         from_zero,
-        least,
+        min_range: least,
         values: row.clone().map(value).collect(),
     };
     let at = |k: usize| &plan.positions[k];
     let curves = [
-        curve("α", "α", "°", (false, 1.0), &|k| at(k).alpha.to_degrees()),
+        curve("α", "α", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
         curve("Contact", "C", " mm", (true, 0.1), &|k| at(k).contact.depth),
         curve("Stock", "St", " mm", (true, 0.1), &|k| f64::from(shown.stock(k))),
         curve("Step", "Sp", " mm", (true, 0.1), &|k| step_before(plan, k)),
@@ -69,7 +69,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
 }
 
-fn plot(ui: &mut Ui, size: Vec2, curve: &Curve, faulty: &[bool], chosen: Option<usize>) -> Option<usize> {
+fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Option<usize>) -> Option<usize> {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let title = format!("{} along the row", curve.name);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &title));
@@ -85,7 +85,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &Curve, faulty: &[bool], chosen: Option<
     if !(high - low).is_finite() {
         return None;
     }
-    high = high.max(low + curve.least);
+    high = high.max(low + curve.min_range);
     let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, 18.0), rect.max - egui::vec2(5.0, 6.0));
     let last = (curve.values.len() - 1).max(1) as f32;
     let place = |k: usize, v: f64| -> Pos2 {

@@ -5,13 +5,13 @@ use egui::{Align, Layout, RichText, Ui};
 use crate::job::Summary;
 use crate::part::AxisPolicy;
 
-use super::super::planned::Planned;
+use super::super::planned::DisplayPlan;
 use super::super::theme::Condition;
 use super::setup::policy_label;
-use super::verdict::{duration, pair, percent};
+use super::verdict::{format_duration, format_percent, format_residual};
 
 /// Draws the switch and the figures; a policy that the running task `coming` has finished takes precedence.
-pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&Planned>, coming: Option<&Planned>) {
+pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, coming: Option<&DisplayPlan>) {
     ui.checkbox(compare, "Compare all strategies")
         .on_hover_text("The next calculation plans every strategy, not only the chosen one");
     let Some(whole) = planned.or(coming) else { return };
@@ -29,7 +29,7 @@ fn lines(ui: &mut Ui, policy: RichText, summary: &Summary) {
     ui.horizontal(|ui| {
         ui.label(policy);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let count = summary.interferential;
+            let count = summary.interfering;
             let condition = if count == 0 { Condition::Sound } else { Condition::Interferential };
             ui.label(RichText::new(format!("{count} interfering")).color(condition.text(ui.visuals())))
                 .on_hover_text("Plunges whose core meets stock");
@@ -38,12 +38,15 @@ fn lines(ui: &mut Ui, policy: RichText, summary: &Summary) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
         for (figure, tip) in [
-            (format!("{} mm", pair(summary)), "Residual stock on the hub: mean and 95th percentile"),
             (
-                format!("{} uncut", percent(summary.uncut_share)),
+                format!("{} mm", format_residual(summary)),
+                "Residual stock on the hub: mean and 95th percentile",
+            ),
+            (
+                format!("{} uncut", format_percent(summary.uncut_share)),
                 "Share of the accessible floor that is not machined",
             ),
-            (duration(summary.time_estimate), "Time per channel, from plunge feed rates and rapids"),
+            (format_duration(summary.time_estimate), "Time per channel, from plunge feed rates and rapids"),
         ] {
             ui.label(RichText::new(figure).weak()).on_hover_text(tip);
         }

@@ -5,12 +5,12 @@ use egui_extras::{Column, TableBuilder};
 
 use crate::plunge::{Blocked, Position};
 
-use super::super::look::{Column as Key, Filter, REVEAL};
-use super::super::state::State;
+use super::super::look::{Filter, REVEAL, TableColumn as Key};
+use super::super::state::AppState;
 use super::super::theme::{self, Condition};
 
 /// Reason why a position is blocked.
-pub fn blocked_words(blocked: Blocked) -> &'static str {
+pub fn blocked_reason(blocked: Blocked) -> &'static str {
     match blocked {
         Blocked::Walls => "no axis with the requested lead angle clears both walls",
         Blocked::ShroudEnd => "the shroud ends before the requested lead angle is reached",
@@ -19,7 +19,7 @@ pub fn blocked_words(blocked: Blocked) -> &'static str {
 }
 
 /// Draws the table; a click on a row selects.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     ui.horizontal(|ui| {
         let title = ui.label(RichText::new("Positions").strong());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     table(ui, state, &rows);
 }
 
-fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
+fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) {
     let reveal = state.look.reveal_selection > 0;
     state.look.reveal_selection = state.look.reveal_selection.saturating_sub(1);
     let selected = state.look.selected;
@@ -105,7 +105,7 @@ fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
                     (k + 1).to_string(),
                     (position.row + 1).to_string(),
                     tool.map_or(String::new(), |t| format!("{}", t.diameter)),
-                    format!("{:.1}", position.alpha.to_degrees()),
+                    format!("{:.1}", position.alpha_rad.to_degrees()),
                 ];
                 for text in cells {
                     row.col(|ui| cell(ui, RichText::new(text)));
@@ -132,14 +132,14 @@ fn table(ui: &mut Ui, state: &mut State, rows: &[usize]) {
                 response.widget_info(|| {
                     egui::WidgetInfo::selected(egui::Role::Row, true, selected == Some(k), &name)
                 });
-                if response.on_hover_ui(|ui| about(ui, k, position)).clicked() {
+                if response.on_hover_ui(|ui| row_tooltip(ui, k, position)).clicked() {
                     clicked = Some(k);
                 }
             });
         });
     if let Some(k) = clicked {
         // A second click on the row deselects it.
-        state.look.visit((selected != Some(k)).then_some(k));
+        state.look.select_and_zoom((selected != Some(k)).then_some(k));
         // Do not scroll: the row is under the cursor.
         state.look.reveal_selection = 0;
     }
@@ -199,7 +199,7 @@ fn mark(ui: &mut Ui, of: Condition) {
 }
 
 /// Number and state of the selected position.
-pub fn headline(ui: &mut Ui, state: &State, k: usize) {
+pub fn headline(ui: &mut Ui, state: &AppState, k: usize) {
     let Some(plan) = state.shown().map(|shown| shown.plan()) else { return };
     let Some(position) = plan.positions.get(k) else { return };
     ui.add_space(4.0);
@@ -212,7 +212,7 @@ pub fn headline(ui: &mut Ui, state: &State, k: usize) {
 }
 
 /// Figures of the selected position.
-pub fn details(ui: &mut Ui, state: &State, k: usize) {
+pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
     let Some(shown) = state.shown() else { return };
     let plan = shown.plan();
     let Some(position) = plan.positions.get(k) else { return };
@@ -249,9 +249,9 @@ pub fn details(ui: &mut Ui, state: &State, k: usize) {
 /// Remarks: why a position is blocked, limited or lifted.
 fn remarks(ui: &mut Ui, position: &Position) {
     if let Some(blocked) = position.blocked {
-        ui.label(format!("Blocked: {}", blocked_words(blocked)));
+        ui.label(format!("Blocked: {}", blocked_reason(blocked)));
     }
-    if let Some(held) = position.held {
+    if let Some(held) = position.limited_by {
         ui.label(format!("Limited by: {}", held.words()));
     }
     if position.lift > 0.02 {
@@ -260,7 +260,7 @@ fn remarks(ui: &mut Ui, position: &Position) {
 }
 
 /// Tooltip of a row.
-fn about(ui: &mut Ui, k: usize, position: &Position) {
+fn row_tooltip(ui: &mut Ui, k: usize, position: &Position) {
     ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().word())).strong());
     if position.contact.interferes() {
         let share = 100.0 * position.contact.area_share;

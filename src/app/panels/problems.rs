@@ -3,11 +3,11 @@
 use egui::{Frame, RichText, Ui};
 
 use super::super::command::Command;
-use super::super::state::State;
+use super::super::state::AppState;
 use super::super::theme::{self, Condition};
 
 /// Draws the problems; returns the command that was pressed.
-pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let mut chosen = None;
     let mut dismissed = None;
     for (k, problem) in state.problems.iter().enumerate().rev() {
@@ -27,13 +27,13 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
                 }
                 ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                     ui.add(
-                        egui::Label::new(RichText::new(&problem.what).color(mark.text(ui.visuals())))
+                        egui::Label::new(RichText::new(&problem.message).color(mark.text(ui.visuals())))
                             .truncate(),
                     )
-                    .on_hover_text(&problem.what);
-                    if !problem.cure.is_empty() {
+                    .on_hover_text(&problem.message);
+                    if !problem.help.is_empty() {
                         ui.add(
-                            egui::Label::new(RichText::new(format!("Fix: {}", problem.cure)).strong())
+                            egui::Label::new(RichText::new(format!("Fix: {}", problem.help)).strong())
                                 .truncate(),
                         );
                     }

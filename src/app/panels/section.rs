@@ -3,12 +3,12 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
 
 use crate::plunge::Position;
-use crate::plunge::inspect::{Place, SectionView};
+use crate::plunge::inspect::{SectionPoint, SectionView};
 
 use super::super::theme::{self, Condition};
 
 /// Half width of the view, in cutter radii.
-const WIDE: f64 = 1.75;
+const HALF_WIDTH_IN_RADII: f64 = 1.75;
 
 /// Height of the drawing in a window of `window` points; the rest is for the table above it.
 pub fn height(window: f32) -> f32 {
@@ -19,13 +19,13 @@ pub fn height(window: f32) -> f32 {
 const DIMENSIONS: f32 = 50.0;
 
 /// Transformation from mm in the section plane to the screen.
-struct Frame {
+struct SectionToScreen {
     rect: Rect,
     scale: f64,
     low: f64,
 }
 
-impl Frame {
+impl SectionToScreen {
     fn new(rect: Rect, view: &SectionView) -> Self {
         let radius = view.tool.radius();
         let (width, height) = (f64::from(rect.width()), f64::from(rect.height()));
@@ -35,19 +35,19 @@ impl Frame {
         let (below, dimensions) = (0.12 * height, f64::from(DIMENSIONS));
         let room = (height - below - dimensions).max(0.3 * height);
         let shown = view.contact_depth().max(0.25 * radius) - lowest;
-        let scale = (width / (2.0 * WIDE * radius)).min(room / shown);
+        let scale = (width / (2.0 * HALF_WIDTH_IN_RADII * radius)).min(room / shown);
         Self { rect, scale, low: lowest - below / scale }
     }
 
-    fn at(&self, [x, y]: Place) -> Pos2 {
+    fn to_screen(&self, [x, y]: SectionPoint) -> Pos2 {
         egui::pos2(
             self.rect.center().x + (x * self.scale) as f32,
             self.rect.bottom() - ((y - self.low) * self.scale) as f32,
         )
     }
 
-    fn line(&self, points: &[Place]) -> Vec<Pos2> {
-        points.iter().map(|&p| self.at(p)).collect()
+    fn line(&self, points: &[SectionPoint]) -> Vec<Pos2> {
+        points.iter().map(|&p| self.to_screen(p)).collect()
     }
 
     fn top(&self) -> f64 {
@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
     let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
     let name = format!("Sectional view through position {}", k + 1);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
-    let frame = Frame::new(rect, view);
+    let frame = SectionToScreen::new(rect, view);
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
@@ -71,12 +71,12 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
     let (radius, core) = (view.tool.radius(), view.tool.core_radius());
 
     // Stock before this plunge, column by column, as its top may jump.
-    let wide = (frame.scale * 2.0 * WIDE * radius / 240.0 * 1.3) as f32;
+    let wide = (frame.scale * 2.0 * HALF_WIDTH_IN_RADII * radius / 240.0 * 1.3) as f32;
     let columns = |stretches: &mut dyn Iterator<Item = (f64, [f64; 2])>, colour: Color32| {
         // One mesh: anti-aliased edges of single columns would show as stripes.
         let mut mesh = egui::Mesh::default();
         for (x, [low, top]) in stretches {
-            let (a, b) = (frame.at([x, low]), frame.at([x, top]));
+            let (a, b) = (frame.to_screen([x, low]), frame.to_screen([x, top]));
             if a.y - b.y > 0.1 {
                 let (left, right) = (a.x - wide / 2.0, a.x + wide / 2.0);
                 let column =
@@ -93,9 +93,9 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
     let outline = |from: f64, to: f64| -> Vec<Pos2> {
         let steps = 16;
         let along = (0..=steps).map(|i| from + (to - from) * f64::from(i) / f64::from(steps));
-        let mut points = vec![frame.at([from, high])];
-        points.extend(along.map(|x| frame.at([x, view.bottom(x)])));
-        points.push(frame.at([to, high]));
+        let mut points = vec![frame.to_screen([from, high])];
+        points.extend(along.map(|x| frame.to_screen([x, view.bottom(x)])));
+        points.push(frame.to_screen([to, high]));
         points
     };
     let accent = theme::accent(visuals);
@@ -118,18 +118,18 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
     painter.extend(dashes);
     painter.line(frame.line(&view.before), Stroke::new(1.4, Condition::Blocked.text(visuals)));
     painter.line(frame.line(&view.after), Stroke::new(1.4, Condition::Sound.text(visuals)));
-    let axis = [frame.at([0.0, frame.low]), frame.at([0.0, high])];
+    let axis = [frame.to_screen([0.0, frame.low]), frame.to_screen([0.0, high])];
     painter.extend(Shape::dashed_line(&axis, Stroke::new(0.8, grey(90, 160)), 8.0, 4.0));
     dimensions(ui, &painter, &frame, view);
     patch(ui, &painter, rect, view);
     if stale {
         painter.rect_filled(rect, 2.0, visuals.panel_fill.gamma_multiply(0.5));
     }
-    words(ui, view, position);
+    show_figures(ui, view, position);
 }
 
 /// Dimension lines, mm.
-fn dimensions(ui: &Ui, painter: &egui::Painter, frame: &Frame, view: &SectionView) {
+fn dimensions(ui: &Ui, painter: &egui::Painter, frame: &SectionToScreen, view: &SectionView) {
     let ink = ui.visuals().strong_text_color();
     let (radius, core) = (view.tool.radius(), view.tool.core_radius());
     let high = frame.top();
@@ -164,8 +164,15 @@ fn dimensions(ui: &Ui, painter: &egui::Painter, frame: &Frame, view: &SectionVie
 }
 
 /// A dimension line with arrows at both ends and its text beside it.
-fn span(painter: &egui::Painter, frame: &Frame, a: Place, b: Place, text: &str, ink: Color32) {
-    let (a, b) = (frame.at(a), frame.at(b));
+fn span(
+    painter: &egui::Painter,
+    frame: &SectionToScreen,
+    a: SectionPoint,
+    b: SectionPoint,
+    text: &str,
+    ink: Color32,
+) {
+    let (a, b) = (frame.to_screen(a), frame.to_screen(b));
     let stroke = Stroke::new(1.0, ink);
     painter.line_segment([a, b], stroke);
     let along = (b - a).normalized();
@@ -211,15 +218,15 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
 }
 
 /// The figures below the drawing.
-fn words(ui: &mut Ui, view: &SectionView, position: &Position) {
+fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
     let mut facts = vec![
-        format!("α {:.2}°", position.alpha.to_degrees()),
-        format!("lead in the section {:.2}°", view.lean.to_degrees()),
+        format!("α {:.2}°", position.alpha_rad.to_degrees()),
+        format!("lead in the section {:.2}°", view.lead_rad.to_degrees()),
     ];
     if view.step > 0.0 {
         facts.push(format!("step {:.2} mm", view.step));
     }
-    facts.push(format!("max residual {:.2} mm", view.left));
+    facts.push(format!("max residual {:.2} mm", view.max_residual));
     if position.lift > 0.0 {
         facts.push(format!("ends {:.2} mm above full depth", position.lift));
     }

@@ -4,7 +4,7 @@ use egui::{Grid, Ui};
 
 use crate::part::{AxisPolicy, Setup};
 
-use super::fields::{self, Choice, Spec};
+use super::fields::{self, ChoiceSpec, FieldSpec};
 
 /// Label of a policy.
 pub fn policy_label(policy: AxisPolicy) -> &'static str {
@@ -25,7 +25,7 @@ fn policy_tip(policy: AxisPolicy) -> &'static str {
     }
 }
 
-const POLICY: Choice<AxisPolicy> = Choice {
+const POLICY: ChoiceSpec<AxisPolicy> = ChoiceSpec {
     label: "Axis strategy",
     tip: "How the tool axes of the \"after\" plan are chosen",
     all: &[AxisPolicy::Minimal, AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Conventional],
@@ -33,44 +33,54 @@ const POLICY: Choice<AxisPolicy> = Choice {
     meaning: policy_tip,
 };
 
-const STEP: Spec = Spec::mm(
+const STEP: FieldSpec = FieldSpec::mm(
     "Step",
     "Maximum distance of neighbouring axes along a row; auto: each tool's insert width",
     0.5,
     100.0,
 )
 .sliding(1.0, 30.0);
-const ROW_SPACING: Spec = Spec::mm(
+const ROW_SPACING: FieldSpec = FieldSpec::mm(
     "Stepover",
     "Maximum distance of neighbouring rows; auto: 4/3 of each tool's radius",
     0.5,
     200.0,
 )
 .sliding(1.0, 60.0);
-const SCALLOP: Spec =
-    Spec::mm("Wall scallop", "Max scallop height between plunges along a wall", 0.01, 5.0).sliding(0.05, 2.0);
-const TILT: Spec =
-    Spec::degrees("Max tilt", "Maximum angle between an axis and the isoparametric one", 0.0, 90.0)
+const SCALLOP: FieldSpec =
+    FieldSpec::mm("Wall scallop", "Max scallop height between plunges along a wall", 0.01, 5.0)
+        .sliding(0.05, 2.0);
+const TILT: FieldSpec =
+    FieldSpec::degrees("Max tilt", "Maximum angle between an axis and the isoparametric one", 0.0, 90.0)
         .sliding(0.0, 60.0);
-const MACHINE: Spec = Spec::degrees(
+const MACHINE: FieldSpec = FieldSpec::degrees(
     "Max machine tilt",
     "Maximum angle between tool axis and wheel axis on the machine; used by Min. stock. 180: no limit",
     1.0,
     180.0,
 )
 .sliding(30.0, 180.0);
-const CHANGE: Spec =
-    Spec::degrees("Max axis change", "Maximum angle between the axes of neighbouring positions", 0.1, 90.0)
-        .sliding(0.5, 20.0);
-const HUB: Spec = Spec::mm("Hub allowance", "Stock that must stay on the hub", 0.0, 20.0).sliding(0.0, 3.0);
-const BLADE: Spec =
-    Spec::mm("Blade allowance", "Stock that must stay on the blades", 0.0, 20.0).sliding(0.0, 3.0);
-const SAFETY: Spec =
-    Spec::mm("Rapid clearance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0)
+const CHANGE: FieldSpec = FieldSpec::degrees(
+    "Max axis change",
+    "Maximum angle between the axes of neighbouring positions",
+    0.1,
+    90.0,
+)
+.sliding(0.5, 20.0);
+const HUB: FieldSpec =
+    FieldSpec::mm("Hub allowance", "Stock that must stay on the hub", 0.0, 20.0).sliding(0.0, 3.0);
+const BLADE: FieldSpec =
+    FieldSpec::mm("Blade allowance", "Stock that must stay on the blades", 0.0, 20.0).sliding(0.0, 3.0);
+const SAFETY: FieldSpec =
+    FieldSpec::mm("Rapid clearance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0)
         .sliding(0.0, 20.0);
-const INLET: Spec =
-    Spec::mm("Inlet overhang", "Length of blank before the leading edge, along hub and shroud", 0.0, 200.0)
-        .sliding(0.0, 50.0);
+const INLET: FieldSpec = FieldSpec::mm(
+    "Inlet overhang",
+    "Length of blank before the leading edge, along hub and shroud",
+    0.0,
+    200.0,
+)
+.sliding(0.0, 50.0);
 
 /// Draws the plunge fields; `defaults` are those of the part, `chosen` is the complete setup of the latest
 /// plan.
@@ -81,22 +91,22 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&
         fields::choice_row(ui, &mut setup.plunge.axis, default.axis, &POLICY);
         let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
         fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
-        fields::optional_row(ui, &mut setup.plunge.row_spacing, &ROW_SPACING, spacing);
-        fields::angle_row(ui, &mut setup.plunge.max_tilt, default.max_tilt, &TILT);
-        fields::angle_row(ui, &mut setup.machine.max_axis_tilt, machine.max_axis_tilt, &MACHINE);
-        fields::angle_row(ui, &mut setup.plunge.max_axis_change, default.max_axis_change, &CHANGE);
-        fields::row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
+        fields::optional_row(ui, &mut setup.plunge.stepover, &ROW_SPACING, spacing);
+        fields::angle_row(ui, &mut setup.plunge.max_tilt_rad, default.max_tilt_rad, &TILT);
+        fields::angle_row(ui, &mut setup.machine.max_axis_tilt_rad, machine.max_axis_tilt_rad, &MACHINE);
+        fields::angle_row(ui, &mut setup.plunge.max_axis_change_rad, default.max_axis_change_rad, &CHANGE);
+        fields::number_row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
     });
 }
 
 /// Draws the fields of allowances and clearances; `defaults` are those of the part.
 pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) {
-    let default = &defaults.stock;
+    let default = &defaults.allowances;
     form(ui, "stock fields", |ui| {
-        fields::row(ui, &mut setup.stock.hub_allowance, default.hub_allowance, &HUB);
-        fields::row(ui, &mut setup.stock.blade_allowance, default.blade_allowance, &BLADE);
-        fields::row(ui, &mut setup.stock.safety_distance, default.safety_distance, &SAFETY);
-        fields::row(ui, &mut setup.stock.inlet_extension, default.inlet_extension, &INLET);
+        fields::number_row(ui, &mut setup.allowances.hub_allowance, default.hub_allowance, &HUB);
+        fields::number_row(ui, &mut setup.allowances.blade_allowance, default.blade_allowance, &BLADE);
+        fields::number_row(ui, &mut setup.allowances.safety_distance, default.safety_distance, &SAFETY);
+        fields::number_row(ui, &mut setup.allowances.inlet_extension, default.inlet_extension, &INLET);
     });
 }
 

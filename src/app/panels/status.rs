@@ -3,7 +3,7 @@
 use egui::{Button, Label, ProgressBar, RichText, Ui};
 
 use super::super::command::Command;
-use super::super::state::{State, Tone};
+use super::super::state::{AppState, Tone};
 use super::super::theme::Condition;
 
 /// Input of the status bar besides the state.
@@ -19,7 +19,7 @@ pub struct Activity {
 const BAR: f32 = 130.0;
 
 /// Draws the bar; `true` when Cancel was pressed.
-pub fn show(ui: &mut Ui, state: &State, activity: &Activity) -> bool {
+pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
     let mut cancel = false;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let button = ui.add_enabled(activity.running.is_some(), Button::new(Command::Cancel.label()));
@@ -42,7 +42,7 @@ pub fn show(ui: &mut Ui, state: &State, activity: &Activity) -> bool {
     cancel
 }
 
-fn message(ui: &mut Ui, state: &State, activity: &Activity) {
+fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
     let text = match (&state.notice, &state.results.planned) {
         (Some(notice), _) => {
             let text = RichText::new(&notice.text);

@@ -3,14 +3,14 @@
 use egui::{Button, Rect, Sense, Slider, Stroke, Ui};
 
 use super::super::command::Command;
-use super::super::state::State;
+use super::super::state::AppState;
 use super::super::theme::Condition;
 
 /// Height of the panel, points.
 pub const HEIGHT: f32 = 34.0;
 
 /// Draws the timeline; returns the command that was pressed.
-pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let count = state.position_count();
     let mut chosen = None;
     ui.horizontal(|ui| {
@@ -23,8 +23,8 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
                 chosen = Some(command);
             }
         }
-        let cut = state.look.cut.unwrap_or(count);
-        let text = match (count, state.look.cut) {
+        let cut = state.look.cut_count.unwrap_or(count);
+        let text = match (count, state.look.cut_count) {
             (0, _) => "no positions".to_owned(),
             (_, None) => format!("all {count}"),
             (_, Some(cut)) => format!("{cut} of {count}"),
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
         ticks(ui, response.rect, state);
         if now != cut {
             state.look.playing = None;
-            state.set_cut(Some(now));
+            state.set_timeline(Some(now));
         }
         ui.add_space(4.0);
         ui.label(text);
@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
 }
 
 /// Marks above the slider at positions that are not sound.
-fn ticks(ui: &Ui, rect: Rect, state: &State) {
+fn ticks(ui: &Ui, rect: Rect, state: &AppState) {
     let Some(shown) = state.shown() else { return };
     let positions = &shown.plan().positions;
     let inset = rect.height() * 0.2;

@@ -2,25 +2,29 @@
 
 use egui::{ComboBox, Grid, RichText, Ui};
 
-use crate::part::setup::{Feed, SectionSetup};
+use crate::part::setup::{CutDirection, SectionSetup};
 use crate::part::{Setup, Tool};
 
-use super::fields::{self, Spec};
+use super::fields::{self, FieldSpec};
 
-const DIAMETER: Spec = Spec::mm("Diameter", "", 0.5, 200.0).sliding(4.0, 50.0);
-const CORNER: Spec = Spec::mm("Corner radius", "", 0.0, 100.0);
-const INSERT: Spec =
-    Spec::mm("Insert width", "Radial width of the cutting edges; the core inside has no edge", 0.1, 100.0)
-        .sliding(0.5, 25.0);
-const OVERHANG: Spec = Spec::mm("Stick-out", "Free length from tip to holder", 1.0, 1000.0);
-const FEED: Spec = Spec::plain("Feed rate", " mm/min", 10_000.0);
-const SPINDLE: Spec = Spec::plain("Spindle speed", " rpm", 100_000.0);
-const S: Spec = Spec {
+const DIAMETER: FieldSpec = FieldSpec::mm("Diameter", "", 0.5, 200.0).sliding(4.0, 50.0);
+const CORNER: FieldSpec = FieldSpec::mm("Corner radius", "", 0.0, 100.0);
+const INSERT: FieldSpec = FieldSpec::mm(
+    "Insert width",
+    "Radial width of the cutting edges; the core inside has no edge",
+    0.1,
+    100.0,
+)
+.sliding(0.5, 25.0);
+const OVERHANG: FieldSpec = FieldSpec::mm("Stick-out", "Free length from tip to holder", 1.0, 1000.0);
+const FEED: FieldSpec = FieldSpec::plain("Feed rate", " mm/min", 10_000.0);
+const SPINDLE: FieldSpec = FieldSpec::plain("Spindle speed", " rpm", 100_000.0);
+const S: FieldSpec = FieldSpec {
     label: "s",
     tip: "Fraction of meridional arc length: 0 at the leading edge (LE), 1 at the rim (OD)",
     unit: "",
-    least: -1.0,
-    greatest: 1.0,
+    min: -1.0,
+    max: 1.0,
     speed: 0.005,
     decimals: 3,
     slide: None,
@@ -30,12 +34,12 @@ const S: Spec = Spec {
 pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     if setup.tools.is_empty() {
         ui.label(RichText::new("Chosen from the tool library for the part").weak());
-        rest(ui, setup);
+        rest_checkbox(ui, setup);
         let Some(chosen) = chosen else { return };
         summary(ui, chosen);
         let edit = ui.button("Edit tools and sections").on_hover_text("Copies these into the setup");
         if edit.clicked() {
-            take_over(setup, chosen);
+            copy_sections(setup, chosen);
         }
         return;
     }
@@ -112,7 +116,7 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     ui.label(RichText::new("Sections, outlet to inlet").strong());
     if setup.plunge.sections.is_empty() {
         ui.label(RichText::new("Chosen from the tools").weak());
-        rest(ui, setup);
+        rest_checkbox(ui, setup);
     }
     let numbers: Vec<u32> = setup.tools.iter().map(|tool| tool.number).collect();
     let mut remove = None;
@@ -137,10 +141,10 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
             ui.horizontal(|ui| {
                 ComboBox::from_id_salt("feed")
                     .width(120.0)
-                    .selected_text(feed_label(section.feed))
+                    .selected_text(direction_label(section.cut_direction))
                     .show_ui(ui, |ui| {
-                        for feed in [None, Some(Feed::Inward), Some(Feed::Outward)] {
-                            ui.selectable_value(&mut section.feed, feed, feed_label(feed));
+                        for feed in [None, Some(CutDirection::Inward), Some(CutDirection::Outward)] {
+                            ui.selectable_value(&mut section.cut_direction, feed, direction_label(feed));
                         }
                     })
                     .response
@@ -168,7 +172,7 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
             tool,
             from,
             to: (from - 0.3).max(0.0),
-            feed: None,
+            cut_direction: None,
             rest: false,
         });
     }
@@ -186,14 +190,14 @@ fn remove_sections(setup: &mut Setup, gone: impl Fn(usize, &SectionSetup) -> boo
 }
 
 /// Checkbox: whether smaller tools are chosen for rest milling.
-fn rest(ui: &mut Ui, setup: &mut Setup) {
+fn rest_checkbox(ui: &mut Ui, setup: &mut Setup) {
     ui.checkbox(&mut setup.plunge.rest, "Rest milling with smaller tools").on_hover_text(
         "Smaller tools remove the thick layer left beside overhanging walls; for Min. stock only",
     );
 }
 
 /// Copies the tools and sections that the program chose into the setup.
-pub fn take_over(setup: &mut Setup, chosen: &Setup) {
+pub fn copy_sections(setup: &mut Setup, chosen: &Setup) {
     setup.tools.clone_from(&chosen.tools);
     setup.plunge.sections.clone_from(&chosen.plunge.sections);
 }
@@ -206,8 +210,8 @@ pub fn is_joined(sections: &[SectionSetup], k: usize) -> bool {
 /// Allowed range of the end of section `k`, in s.
 pub fn border_range(sections: &[SectionSetup], k: usize) -> std::ops::RangeInclusive<f64> {
     let next = sections.get(k + 1).filter(|_| is_joined(sections, k));
-    let low = next.map_or(0.0, |next| next.to + LEAST_SECTION);
-    low..=(sections[k].from - LEAST_SECTION).max(low)
+    let low = next.map_or(0.0, |next| next.to + MIN_SECTION_LENGTH);
+    low..=(sections[k].from - MIN_SECTION_LENGTH).max(low)
 }
 
 /// Moves the end of section `k` to `to`, with the start of an adjoining next section.
@@ -240,19 +244,18 @@ fn borders(ui: &mut Ui, sections: &mut [SectionSetup]) {
 }
 
 /// Minimum length of a section at its border slider, in s.
-const LEAST_SECTION: f64 = 0.02;
+const MIN_SECTION_LENGTH: f64 = 0.02;
 
 fn s_box(ui: &mut Ui, value: &mut f64) -> egui::Response {
     ui.spacing_mut().interact_size.x = 44.0;
-    let field =
-        egui::DragValue::new(value).speed(S.speed).range(S.least..=S.greatest).max_decimals(S.decimals);
+    let field = egui::DragValue::new(value).speed(S.speed).range(S.min..=S.max).max_decimals(S.decimals);
     ui.add(field).on_hover_text(S.tip)
 }
 
-fn feed_label(feed: Option<Feed>) -> &'static str {
+fn direction_label(feed: Option<CutDirection>) -> &'static str {
     match feed {
         None => "Direction: auto",
-        Some(Feed::Inward) => "Outlet to inlet",
-        Some(Feed::Outward) => "Inlet to outlet",
+        Some(CutDirection::Inward) => "Outlet to inlet",
+        Some(CutDirection::Outward) => "Inlet to outlet",
     }
 }

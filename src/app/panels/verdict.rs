@@ -3,19 +3,20 @@
 use egui::{RichText, Ui};
 
 use crate::job::Summary;
-use crate::plunge::{NoPlace, PlungePlan};
+use crate::plunge::{DropReason, PlungePlan};
 
 use super::super::planned::Side;
-use super::super::state::State;
+use super::super::state::AppState;
 use super::super::theme::{self, Condition};
 
 /// Shares below this would show as 0.0 %.
-const LEAST_SHOWN: f64 = 0.0005;
+const MIN_SHOWN_SHARE: f64 = 0.0005;
 
 /// Draws the line.
-pub fn show(ui: &mut Ui, state: &State) {
+pub fn show(ui: &mut Ui, state: &AppState) {
     // Both sides from one whole plan: figures of a running task appear only in the views.
-    let Some((before, after)) = state.before_edit(Side::Before).zip(state.before_edit(Side::After)) else {
+    let Some((before, after)) = state.last_whole_plan(Side::Before).zip(state.last_whole_plan(Side::After))
+    else {
         ui.label(RichText::new("Not calculated yet").weak());
         return;
     };
@@ -40,55 +41,60 @@ pub fn show(ui: &mut Ui, state: &State) {
     }
     let dropped = plan.dropped.len();
     if dropped > 0 {
-        let left_out = |why: NoPlace| {
+        let left_out = |why: DropReason| {
             let count = plan.dropped.iter().filter(|d| d.why == why).count();
             (count > 0).then(|| format!("{count} {}", why.words()))
         };
         let text = RichText::new(format!("{dropped} skipped")).color(Condition::Blocked.text(ui.visuals()));
-        let reasons: Vec<String> = NoPlace::ALL.into_iter().filter_map(left_out).collect();
+        let reasons: Vec<String> = DropReason::ALL.into_iter().filter_map(left_out).collect();
         ui.label(text).on_hover_text(format!("Skipped positions: {}", reasons.join(", ")));
     }
     ui.separator();
     figure(
         ui,
         "Residual",
-        format!("{} to {} mm", pair(before), pair(after)),
+        format!("{} to {} mm", format_residual(before), format_residual(after)),
         "Residual stock on the hub: mean and 95th percentile, before and after",
     );
-    let stock = &planned.setup.stock;
+    let stock = &planned.setup.allowances;
     ui.separator();
     clearance(ui, "Hub clearance", after.min_hub_clearance, stock.hub_allowance);
     clearance(ui, "blade", after.min_blade_clearance, stock.blade_allowance);
     ui.separator();
-    figure(ui, "Not machined", percent(after.uncut_share), "Share of the accessible floor that is not cut");
-    if after.unreachable_share >= LEAST_SHOWN {
+    figure(
+        ui,
+        "Not machined",
+        format_percent(after.uncut_share),
+        "Share of the accessible floor that is not cut",
+    );
+    if after.inaccessible_share >= MIN_SHOWN_SHARE {
         let tip = "Share of the floor under overhanging walls that no tool axis reaches";
-        figure(ui, "Inaccessible", percent(after.unreachable_share), tip);
+        figure(ui, "Inaccessible", format_percent(after.inaccessible_share), tip);
     }
     ui.separator();
     figure(
         ui,
         "Time",
-        duration(after.time_estimate),
+        format_duration(after.time_estimate),
         "One channel, from plunge feed rates and rapids; without tool changes",
     );
 }
 
 fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summary) {
-    let sound = after.interferential == 0;
+    let sound = after.interfering == 0;
     let colour = if sound { Condition::Sound } else { Condition::Interferential }.text(ui.visuals());
-    let text = format!("Interfering {} to {}", before.interferential, after.interferential);
+    let text = format!("Interfering {} to {}", before.interfering, after.interfering);
     let depths = format!(
         "Core meets stock: {} of {} plunges before (deepest {:.2} mm), {} of {} after (deepest {:.2} mm)",
-        before.interferential,
+        before.interfering,
         before.positions,
         before.max_contact_depth,
-        after.interferential,
+        after.interfering,
         after.positions,
         after.max_contact_depth,
     );
     ui.label(RichText::new(text).strong().color(colour)).on_hover_text(depths);
-    if !plan.settled {
+    if !plan.converged {
         let text = RichText::new("not converged").color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("The plan loop stopped at its iteration limit before it converged");
     }
@@ -115,18 +121,18 @@ fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64) {
 }
 
 /// Mean and 95th percentile of the residual stock, mm.
-pub fn pair(summary: &Summary) -> String {
+pub fn format_residual(summary: &Summary) -> String {
     let show = |v: f64| if v.is_finite() { format!("{v:.2}") } else { "-".to_owned() };
     format!("{}/{}", show(summary.residual_mean), show(summary.residual_p95))
 }
 
 /// A share in per cent.
-pub fn percent(share: f64) -> String {
+pub fn format_percent(share: f64) -> String {
     if share.is_finite() { format!("{:.1} %", 100.0 * share) } else { "-".to_owned() }
 }
 
 /// Duration in s, min or h, from seconds.
-pub fn duration(seconds: f64) -> String {
+pub fn format_duration(seconds: f64) -> String {
     if !seconds.is_finite() || seconds < 0.0 {
         return "-".to_owned();
     }

@@ -2,17 +2,17 @@
 
 use egui::{RichText, TextEdit, Ui};
 
-use crate::formats::project_file::Figures;
+use crate::formats::project_file::SetFigures;
 use crate::formats::write_setup;
 use crate::part::Setup;
 
 use super::super::command::Command;
-use super::super::state::State;
+use super::super::state::AppState;
 use super::super::theme::Condition;
-use super::verdict::duration;
+use super::verdict::format_duration;
 
 /// Draws the table; returns the command that was pressed.
-pub fn show(ui: &mut Ui, state: &mut State) -> Option<Command> {
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let keep = ui.button(Command::KeepSet.label());
     let chosen =
         keep.on_hover_text(Command::KeepSet.tip_with_keys(ui.ctx())).clicked().then_some(Command::KeepSet);
@@ -83,7 +83,7 @@ fn row(ui: &mut Ui, mut cell: impl FnMut(&mut Ui, usize)) {
     });
 }
 
-fn cells(ui: &mut Ui, figures: Option<Figures>) {
+fn cells(ui: &mut Ui, figures: Option<SetFigures>) {
     let Some(f) = figures else {
         ui.label(RichText::new("Not calculated yet").weak()).on_hover_text("Load it to calculate it");
         return;
@@ -94,7 +94,7 @@ fn cells(ui: &mut Ui, figures: Option<Figures>) {
             0 => RichText::new(f.positions.to_string()),
             1 => RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())),
             2 => RichText::new(format!("{:.2}/{:.2}", f.residual_mean, f.residual_p95)),
-            _ => RichText::new(duration(f.time)),
+            _ => RichText::new(format_duration(f.time)),
         };
         ui.label(text);
     });

@@ -1,21 +1,21 @@
 //! Choices of the roles dialog: initial guess, edits, and conversion to mesh options.
 
 use crate::mesh::axis::Axis;
-use crate::mesh::nodes::{MeshNode, guess};
+use crate::mesh::nodes::{MeshNode, guess_roles};
 use crate::mesh::options::likely_unit;
-use crate::mesh::{MeshOptions, Role, Unit};
+use crate::mesh::{LengthUnit, MeshOptions, Role};
 use crate::part::Rotation;
 
 /// Unit of glTF files by the specification.
-const OWN_UNIT: Unit = Unit::Metre;
+const OWN_UNIT: LengthUnit = LengthUnit::Metre;
 
 /// Choices of the roles dialog.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choices {
+pub struct RoleChoices {
     /// Roles of the nodes.
     pub roles: Vec<Option<Role>>,
     /// Unit of the file's numbers.
-    pub unit: Unit,
+    pub unit: LengthUnit,
     /// Axis of rotation; `None`: found from the hub.
     pub axis: Option<Axis>,
     /// Number of main blades; `None`: as many as the file has.
@@ -23,17 +23,17 @@ pub struct Choices {
     /// Sense of rotation; `None`: from the file, else from the sweep of the blades.
     pub rotation: Option<Rotation>,
     /// Index of the selected node.
-    pub chosen: Option<usize>,
+    pub selected: Option<usize>,
     /// Whether the keyboard changed the selection, so that the list scrolls to it.
-    pub moved: bool,
+    pub scroll_to_selected: bool,
     /// Whether a role applies to all nodes of the same shape.
-    pub alike: bool,
+    pub apply_to_identical: bool,
 }
 
-impl Choices {
+impl RoleChoices {
     /// Initial choices: from `said`, the options given before, else guessed from names and shapes.
     pub fn new(nodes: &[MeshNode], said: &MeshOptions) -> Self {
-        let mut roles = guess(nodes);
+        let mut roles = guess_roles(nodes);
         for (node, role) in nodes.iter().zip(&mut roles) {
             let own = |key: &str| key == node.key || key.to_lowercase() == node.name.to_lowercase();
             if let Some((_, given)) = said.roles.iter().rev().find(|(key, _)| own(key)) {
@@ -46,11 +46,11 @@ impl Choices {
             axis: said.axis,
             blades: said.blades,
             rotation: said.rotation,
-            chosen: None,
-            moved: false,
-            alike: true,
+            selected: None,
+            scroll_to_selected: false,
+            apply_to_identical: true,
         };
-        let across = choices.across(nodes);
+        let across = choices.wheel_width(nodes);
         choices.unit = said.unit.or_else(|| likely_unit(across, OWN_UNIT)).unwrap_or(OWN_UNIT);
         choices
     }
@@ -59,8 +59,8 @@ impl Choices {
     pub fn options(&self, nodes: &[MeshNode]) -> MeshOptions {
         let named = |(node, role): (&MeshNode, &Option<Role>)| {
             // A node without role whose name implies one must be ignored explicitly.
-            let role = role.or(node.told.map(|_| Role::Ignored))?;
-            (node.told != Some(role)).then(|| (node.key.clone(), role))
+            let role = role.or(node.named_role.map(|_| Role::Ignored))?;
+            (node.named_role != Some(role)).then(|| (node.key.clone(), role))
         };
         MeshOptions {
             roles: nodes.iter().zip(&self.roles).filter_map(named).collect(),
@@ -72,17 +72,17 @@ impl Choices {
     }
 
     /// Sets the role of the selected node and, with `alike`, of all nodes of the same shape.
-    pub fn give(&mut self, nodes: &[MeshNode], role: Option<Role>) {
-        let Some(chosen) = self.chosen.and_then(|k| nodes.get(k)) else { return };
+    pub fn set_role(&mut self, nodes: &[MeshNode], role: Option<Role>) {
+        let Some(chosen) = self.selected.and_then(|k| nodes.get(k)) else { return };
         for (node, own) in nodes.iter().zip(&mut self.roles) {
-            if node.node == chosen.node || self.alike && node.is_like(chosen) {
+            if node.node == chosen.node || self.apply_to_identical && node.is_like(chosen) {
                 *own = role;
             }
         }
     }
 
     /// Largest extent of the nodes of the wheel along an axis, in the file's unit.
-    pub fn across(&self, nodes: &[MeshNode]) -> f64 {
+    pub fn wheel_width(&self, nodes: &[MeshNode]) -> f64 {
         let wheel = || {
             let of_wheel = |role: &Option<Role>| role.is_some_and(|role| role != Role::Ignored);
             nodes.iter().zip(&self.roles).filter(move |(_, role)| of_wheel(role)).map(|(node, _)| node)
@@ -97,8 +97,8 @@ impl Choices {
 
     /// The file's axis that is vertical in the picture: the given one, else the axis of revolution of the
     /// hub.
-    pub fn upright(&self, nodes: &[MeshNode]) -> Axis {
+    pub fn vertical_axis(&self, nodes: &[MeshNode]) -> Axis {
         let hub = || nodes.iter().zip(&self.roles).find(|(_, role)| **role == Some(Role::Hub));
-        self.axis.or_else(|| hub().map(|(node, _)| node.turned_about())).unwrap_or(Axis::Y)
+        self.axis.or_else(|| hub().map(|(node, _)| node.revolution_axis())).unwrap_or(Axis::Y)
     }
 }

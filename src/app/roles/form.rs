@@ -7,11 +7,11 @@ use egui::{Button, ComboBox, DragValue, Grid, RichText, ScrollArea, Ui};
 use crate::mesh::axis::Axis;
 use crate::mesh::nodes::MeshNode;
 use crate::mesh::options::likely_unit;
-use crate::mesh::{Role, Unit};
+use crate::mesh::{LengthUnit, Role};
 use crate::part::Rotation;
 
 use super::super::theme::Condition;
-use super::choices::Choices;
+use super::choices::RoleChoices;
 
 /// Range of the number of main blades; 0: automatic.
 const BLADES: RangeInclusive<usize> = 0..=200;
@@ -44,7 +44,7 @@ fn list<T: PartialEq + Copy>(
 
 /// The table of nodes. A click on a name highlights the node; with `Choices::alike` a role applies to all
 /// nodes of its shape.
-pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices, height: f32) {
+pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height: f32) {
     let scale = choices.unit.mm();
     ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]).show(
         ui,
@@ -55,7 +55,7 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices, height: f32
                 }
                 ui.end_row();
                 for (k, node) in nodes.iter().enumerate() {
-                    let name = Button::selectable(choices.chosen == Some(k), &node.name).truncate();
+                    let name = Button::selectable(choices.selected == Some(k), &node.name).truncate();
                     let name = ui
                         .scope(|ui| {
                             ui.set_width(NAME_WIDTH);
@@ -64,9 +64,9 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices, height: f32
                         .inner
                         .on_hover_text(&node.name);
                     if name.clicked() {
-                        choices.chosen = Some(k);
+                        choices.selected = Some(k);
                     }
-                    if choices.moved && choices.chosen == Some(k) {
+                    if choices.scroll_to_selected && choices.selected == Some(k) {
                         name.scroll_to_me(None);
                     }
                     ui.label(node.triangles.to_string());
@@ -76,15 +76,15 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices, height: f32
                     let name = format!("Role of {}", node.key);
                     let role = list(ui, &name, choices.roles[k], all, |r| word(r).to_owned());
                     if let Some(role) = role {
-                        choices.chosen = Some(k);
-                        choices.give(nodes, role);
+                        choices.selected = Some(k);
+                        choices.set_role(nodes, role);
                     }
                     ui.end_row();
                 }
             });
         },
     );
-    choices.moved = false;
+    choices.scroll_to_selected = false;
 }
 
 fn size(mm: f64) -> String {
@@ -92,13 +92,14 @@ fn size(mm: f64) -> String {
 }
 
 /// Settings of the file: unit, axis, number of blades, sense of rotation.
-pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut Choices) {
+pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices) {
     Grid::new("mesh file").num_columns(2).show(ui, |ui| {
         ui.label("Unit");
         ui.horizontal(|ui| {
-            let unit = list(ui, "Unit of the file", choices.unit, Unit::ALL, |unit| unit.name().to_owned());
+            let unit =
+                list(ui, "Unit of the file", choices.unit, LengthUnit::ALL, |unit| unit.name().to_owned());
             choices.unit = unit.unwrap_or(choices.unit);
-            let across = choices.across(nodes);
+            let across = choices.wheel_width(nodes);
             let text = RichText::new(format!("{} mm across", size(across * choices.unit.mm())));
             let possible = likely_unit(across, choices.unit) == Some(choices.unit);
             let doubt = Condition::Interferential.text(ui.visuals());

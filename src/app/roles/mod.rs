@@ -20,8 +20,8 @@ use super::picture::Pictures;
 use super::state::Problem;
 use super::theme::{self, Condition};
 use super::work::OpenTask;
-use choices::Choices;
-use preview::{Preview, Shown};
+use choices::RoleChoices;
+use preview::{PreviewInput, RolesPreview};
 
 /// Keys that set the role of the selected node.
 const KEYS: [(Key, Option<Role>); 6] = [
@@ -36,17 +36,17 @@ const KEYS: [(Key, Option<Role>); 6] = [
 const PICTURE: f32 = 250.0;
 
 /// A mesh file whose nodes need roles.
-pub(super) struct Untold {
+pub(super) struct UnassignedRoles {
     path: PathBuf,
     /// Task that opens the part once they are assigned.
     task: OpenTask,
     nodes: Vec<MeshNode>,
-    preview: Preview,
-    choices: Choices,
+    preview: RolesPreview,
+    choices: RoleChoices,
     fault: Option<Problem>,
 }
 
-impl Untold {
+impl UnassignedRoles {
     /// Reads the nodes of the mesh file at `path`. `said` are the options given so far, `fault` is why it did
     /// not open with them, `task` opens its part.
     ///
@@ -72,11 +72,11 @@ impl Untold {
         Ok(Self {
             path: path.to_owned(),
             task,
-            preview: Preview::new(&meshes, &nodes),
-            choices: Choices::new(&nodes, said),
+            preview: RolesPreview::new(&meshes, &nodes),
+            choices: RoleChoices::new(&nodes, said),
             nodes,
             // The dialog's title names the file.
-            fault: fault.map(|fault| Problem::new(fault.what.clone(), fault.cure.clone())),
+            fault: fault.map(|fault| Problem::new(fault.message.clone(), fault.help.clone())),
         })
     }
 }
@@ -84,7 +84,7 @@ impl Untold {
 /// The roles dialog.
 #[derive(Default)]
 pub(super) struct RolesDialog {
-    asked: Option<Untold>,
+    asked: Option<UnassignedRoles>,
     /// Whether the part is being opened with the choices.
     waiting: bool,
 }
@@ -96,7 +96,7 @@ impl RolesDialog {
     }
 
     /// Opens the dialog for a file; if it is open for that file already, only the error is replaced.
-    pub(super) fn ask(&mut self, untold: Untold) {
+    pub(super) fn ask(&mut self, untold: UnassignedRoles) {
         self.waiting = false;
         match &mut self.asked {
             Some(asked) if asked.path == untold.path => asked.fault = untold.fault,
@@ -110,7 +110,7 @@ impl RolesDialog {
     }
 
     /// Enables the dialog again after opening has ended.
-    pub(super) fn stop_waiting(&mut self) {
+    pub(super) fn enable(&mut self) {
         self.waiting = false;
     }
 
@@ -122,31 +122,31 @@ impl RolesDialog {
         let modal = Modal::new(egui::Id::unique("roles")).show(ui.ctx(), |ui| {
             ui.set_width(720.0_f32.min(ui.ctx().content_rect().width() - 40.0));
             if !waiting {
-                open = asked.keys(ui);
+                open = asked.handle_keys(ui);
             }
             let file = asked.path.file_name().unwrap_or_default().to_string_lossy();
             ui.label(RichText::new(format!("Assign surfaces, {file}")).strong());
             if let Some(fault) = &asked.fault {
                 let red = Condition::Interferential.text(ui.visuals());
-                ui.label(RichText::new(&fault.what).color(red));
-                ui.label(format!("Fix: {}", asked_in_words(&fault.cure)));
+                ui.label(RichText::new(&fault.message).color(red));
+                ui.label(format!("Fix: {}", hint_for_dialog(&fault.help)));
             }
             ui.separator();
             ui.add_enabled_ui(!waiting, |ui| {
                 ui.horizontal_top(|ui| {
                     ui.vertical(|ui| {
                         ui.set_width(PICTURE);
-                        let shown = Shown {
+                        let shown = PreviewInput {
                             roles: &asked.choices.roles,
-                            axis: asked.choices.upright(&asked.nodes),
-                            chosen: asked.choices.chosen,
+                            axis: asked.choices.vertical_axis(&asked.nodes),
+                            chosen: asked.choices.selected,
                         };
                         asked.preview.show(ui, pictures, egui::vec2(PICTURE, PICTURE - 40.0), &shown);
                         form::file(ui, &asked.nodes, &mut asked.choices);
                     });
                     ui.vertical(|ui| {
                         form::nodes(ui, &asked.nodes, &mut asked.choices, 270.0);
-                        ui.checkbox(&mut asked.choices.alike, "Apply to identical meshes").on_hover_text(
+                        ui.checkbox(&mut asked.choices.apply_to_identical, "Apply to identical meshes").on_hover_text(
                             "A role applies to all nodes with the same number of triangles and the same area",
                         );
                         ui.label(
@@ -178,9 +178,9 @@ impl RolesDialog {
     }
 }
 
-impl Untold {
+impl UnassignedRoles {
     /// Handles the keyboard; `true` when Enter confirms the choices.
-    fn keys(&mut self, ui: &Ui) -> bool {
+    fn handle_keys(&mut self, ui: &Ui) -> bool {
         if ui.memory(|memory| memory.focused().is_some()) || egui::Popup::is_any_open(ui.ctx()) {
             return false;
         }
@@ -188,23 +188,23 @@ impl Untold {
         let (last, choices) = (self.nodes.len() - 1, &mut self.choices);
         for (key, role) in KEYS {
             if pressed(key) {
-                choices.give(&self.nodes, role);
+                choices.set_role(&self.nodes, role);
             }
         }
         let next = match (pressed(Key::ArrowDown), pressed(Key::ArrowUp)) {
-            (true, _) => Some(choices.chosen.map_or(0, |k| (k + 1).min(last))),
-            (_, true) => Some(choices.chosen.map_or(last, |k| k.saturating_sub(1))),
+            (true, _) => Some(choices.selected.map_or(0, |k| (k + 1).min(last))),
+            (_, true) => Some(choices.selected.map_or(last, |k| k.saturating_sub(1))),
             _ => None,
         };
         if next.is_some() {
-            (choices.chosen, choices.moved) = (next, true);
+            (choices.selected, choices.scroll_to_selected) = (next, true);
         }
         pressed(Key::Enter)
     }
 }
 
 /// A help text with command line options replaced by the dialog's terms.
-pub(super) fn asked_in_words(cure: &str) -> String {
+pub(super) fn hint_for_dialog(cure: &str) -> String {
     [
         ("--role NODE=", "the role "),
         ("NODE=", ""),

@@ -12,19 +12,19 @@ use crate::mesh::axis::Axis;
 use crate::mesh::nodes::MeshNode;
 use crate::mesh::{NamedMesh, Role};
 
-use super::super::picture::{Picture, Pictures};
+use super::super::picture::{Pictures, SidePicture};
 
 /// Width to which the whole file is scaled, mm: depth range and colours of the picture suit parts of that
 /// size.
 const WIDTH: f64 = 300.0;
 /// Maximum number of triangles drawn; larger files are thinned by a stride.
-const MOST_TRIANGLES: usize = 400_000;
+const MAX_TRIANGLES: usize = 400_000;
 /// Zoom exponent per point of scrolling.
 const ZOOM: f32 = 0.0025;
 
 /// Inputs of the picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown<'a> {
+pub struct PreviewInput<'a> {
     /// Roles of the nodes.
     pub roles: &'a [Option<Role>],
     /// Axis of rotation in the file; it is drawn vertical.
@@ -35,10 +35,10 @@ pub struct Shown<'a> {
 
 /// The picture with its meshes and camera.
 #[derive(Default)]
-pub struct Preview {
+pub struct RolesPreview {
     /// Mesh of each node, in the file's axes, centred and scaled.
     meshes: Vec<Mesh>,
-    picture: Option<Picture>,
+    picture: Option<SidePicture>,
     camera: Option<Camera>,
     /// Roles and axis for which the picture was made.
     made_for: Option<(Vec<Option<Role>>, Axis)>,
@@ -46,7 +46,7 @@ pub struct Preview {
 }
 
 /// Rotates a direction of the file so that its axis of rotation becomes Z.
-fn upright(axis: Axis, [x, y, z]: [f32; 3]) -> [f32; 3] {
+fn rotate_to_z(axis: Axis, [x, y, z]: [f32; 3]) -> [f32; 3] {
     match axis {
         Axis::X => [y, z, x],
         Axis::Y => [x, -z, y],
@@ -54,7 +54,7 @@ fn upright(axis: Axis, [x, y, z]: [f32; 3]) -> [f32; 3] {
     }
 }
 
-impl Preview {
+impl RolesPreview {
     /// Prepares the meshes of a file.
     pub fn new(meshes: &[NamedMesh], nodes: &[MeshNode]) -> Self {
         let low = nodes.iter().fold(nodes[0].low, |low, n| low.inf(&n.low));
@@ -62,11 +62,11 @@ impl Preview {
         let (middle, scale) =
             (nalgebra::center(&low, &high), WIDTH / (high - low).amax().max(f64::MIN_POSITIVE));
         let triangles: usize = nodes.iter().map(|n| n.triangles).sum();
-        let stride = triangles.div_ceil(MOST_TRIANGLES).max(1);
+        let stride = triangles.div_ceil(MAX_TRIANGLES).max(1);
         let mut drawn = vec![Mesh::default(); nodes.len()];
         for mesh in meshes {
             if let Some(k) = nodes.iter().position(|n| n.node == mesh.node) {
-                drawn[k].append(&Mesh::flat(&mesh.mesh, stride, |p| {
+                drawn[k].append(&Mesh::flat_shaded(&mesh.mesh, stride, |p| {
                     let d = (p - middle) * scale;
                     Vec3::new(d.x as f32, d.y as f32, d.z as f32)
                 }));
@@ -76,24 +76,24 @@ impl Preview {
     }
 
     /// The nodes for which `wanted` holds as one mesh, with the axis vertical.
-    fn joined(&self, axis: Axis, wanted: impl Fn(usize) -> bool) -> Mesh {
+    fn join_nodes(&self, axis: Axis, wanted: impl Fn(usize) -> bool) -> Mesh {
         let mut all = Mesh::default();
         for (_, mesh) in self.meshes.iter().enumerate().filter(|(k, _)| wanted(*k)) {
             all.append(mesh);
         }
         for vertex in &mut all.vertices {
-            vertex.position = upright(axis, vertex.position);
-            vertex.normal = upright(axis, vertex.normal);
+            vertex.position = rotate_to_z(axis, vertex.position);
+            vertex.normal = rotate_to_z(axis, vertex.normal);
         }
         all
     }
 
-    fn make(&mut self, pictures: &Pictures, shown: &Shown<'_>, aspect: f32) {
-        let of = |role: &[Option<Role>]| self.joined(shown.axis, |k| role.contains(&shown.roles[k]));
+    fn rebuild(&mut self, pictures: &Pictures, shown: &PreviewInput<'_>, aspect: f32) {
+        let of = |role: &[Option<Role>]| self.join_nodes(shown.axis, |k| role.contains(&shown.roles[k]));
         let blades = of(&[Some(Role::Blade), Some(Role::Splitter)]);
         // Nodes without a role are drawn too; only ignored ones are not.
-        let mesh = PartMesh::of_loose(of(&[Some(Role::Hub), None]), blades, of(&[Some(Role::Shroud)]));
-        let picture = pictures.loose(mesh);
+        let mesh = PartMesh::from_roles(of(&[Some(Role::Hub), None]), blades, of(&[Some(Role::Shroud)]));
+        let picture = pictures.picture_of_mesh(mesh);
         let axis_changed = self.made_for.as_ref().is_none_or(|(_, axis)| *axis != shown.axis);
         if axis_changed || self.camera.is_none() {
             self.camera = Some(Camera::standard(View::Iso, picture.framing(), aspect));
@@ -104,7 +104,7 @@ impl Preview {
     }
 
     /// Draws the picture of `size` points; the mouse orbits and zooms it.
-    pub fn show(&mut self, ui: &mut Ui, pictures: Option<&Pictures>, size: Vec2, shown: &Shown<'_>) {
+    pub fn show(&mut self, ui: &mut Ui, pictures: Option<&Pictures>, size: Vec2, shown: &PreviewInput<'_>) {
         let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture of the nodes"));
         let Some(pictures) = pictures else {
@@ -122,10 +122,10 @@ impl Preview {
             .as_ref()
             .is_none_or(|(roles, axis)| (roles.as_slice(), *axis) != (shown.roles, shown.axis))
         {
-            self.make(pictures, shown, size.x / size.y);
+            self.rebuild(pictures, shown, size.x / size.y);
         }
         if self.lit != shown.chosen {
-            let lit = shown.chosen.map(|chosen| self.joined(shown.axis, |k| k == chosen));
+            let lit = shown.chosen.map(|chosen| self.join_nodes(shown.axis, |k| k == chosen));
             if let Some(picture) = &mut self.picture {
                 picture.highlight(lit);
             }

@@ -35,7 +35,7 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     put("min_hub_clearance", number(verdict.min_hub_clearance));
     put("min_blade_clearance", number(verdict.min_blade_clearance));
     put("min_retract_clearance", number(verdict.min_retract_clearance));
-    put("max_axis_change", number(verdict.max_axis_change.to_degrees()));
+    put("max_axis_change", number(verdict.max_axis_change_rad.to_degrees()));
     put("cut_share", number(1.0 - f64::from(layer.uncut_share)));
     put("deepest_cut", number(verdict.deepest_cut));
     put("cut_length", number(verdict.cut_length));
@@ -81,7 +81,7 @@ pub(super) fn text(verdict: &FlankVerdict) -> String {
         "least clearance: hub {:.4} mm, blades {:.4} mm; axis change up to {:.1}° per move\n",
         verdict.min_hub_clearance,
         verdict.min_blade_clearance,
-        verdict.max_axis_change.to_degrees()
+        verdict.max_axis_change_rad.to_degrees()
     );
     text
 }

@@ -22,25 +22,25 @@ pub(super) struct Cone {
 
 /// Points that a tool with an axis of a cone could collide with, relative to the centre of the tool's corner.
 #[derive(Debug, Default)]
-pub(super) struct Near {
-    column: Vec<Block>,
-    holder: Vec<Block>,
+pub(super) struct NearPoints {
+    column: Vec<PointBlock>,
+    holder: Vec<PointBlock>,
 }
 
 /// Points processed together (SIMD).
 const LANES: usize = 16;
-type Row = [f32; LANES];
+type LaneValues = [f32; LANES];
 
 #[derive(Clone, Copy, Debug)]
-struct Block {
-    x: Row,
-    y: Row,
-    z: Row,
+struct PointBlock {
+    x: LaneValues,
+    y: LaneValues,
+    z: LaneValues,
 }
 
 /// Dimensions of a cutter with its holder, mm.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
+pub(super) struct ToolShape {
     pub(super) radius: f64,
     pub(super) corner: f64,
     pub(super) holder_radius: f64,
@@ -50,7 +50,7 @@ pub(super) struct Shape {
 
 /// Minimum distances of a cutter and its holder from points, mm.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Least {
+pub(super) struct MinDistances {
     pub(super) cutter: f64,
     pub(super) holder: f64,
 }
@@ -90,12 +90,12 @@ impl BladePoints {
 
     /// The points to which a tool whose corner is centred at `centre` could be nearer than `margin` mm with
     /// an axis of `cone`.
-    pub(super) fn near(&self, centre: &Point, cone: &Cone, shape: &Shape, margin: f64) -> Near {
+    pub(super) fn near(&self, centre: &Point, cone: &Cone, shape: &ToolShape, margin: f64) -> NearPoints {
         let (sin, cos) = cone.angle.sin_cos();
         let rim = shape.rim();
         let (column, holder) = (shape.radius + rim + margin, shape.holder_radius + rim + margin);
         let from = (shape.holder_from - rim).max(0.0).powi(2);
-        let mut near = Near::default();
+        let mut near = NearPoints::default();
         let (mut column_lane, mut holder_lane) = (LANES, LANES);
         for point in &self.points {
             let d = point - centre;
@@ -115,9 +115,9 @@ impl BladePoints {
     }
 }
 
-fn push(blocks: &mut Vec<Block>, lane: &mut usize, d: &Vector) {
+fn push(blocks: &mut Vec<PointBlock>, lane: &mut usize, d: &Vector) {
     if *lane == LANES {
-        blocks.push(Block { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES] });
+        blocks.push(PointBlock { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES] });
         *lane = 0;
     }
     if let Some(block) = blocks.last_mut() {
@@ -126,7 +126,7 @@ fn push(blocks: &mut Vec<Block>, lane: &mut usize, d: &Vector) {
     *lane += 1;
 }
 
-impl Shape {
+impl ToolShape {
     pub(super) fn of(tool: &Tool) -> Self {
         Self {
             radius: tool.radius(),
@@ -143,15 +143,15 @@ impl Shape {
 }
 
 /// A tool axis relative to the points, in single precision.
-struct Ray {
+struct AxisRay {
     axis: [f32; 3],
     offset: [f32; 3],
 }
 
-impl Ray {
+impl AxisRay {
     /// Height of the point of a lane along the axis, and its squared distance from the axis.
     #[inline(always)]
-    fn seen(&self, block: &Block, k: usize) -> (f32, f32) {
+    fn seen(&self, block: &PointBlock, k: usize) -> (f32, f32) {
         let [ax, ay, az] = self.axis;
         let [ox, oy, oz] = self.offset;
         let (x, y, z) = (block.x[k] - ox, block.y[k] - oy, block.z[k] - oz);
@@ -160,13 +160,19 @@ impl Ray {
     }
 }
 
-impl Near {
+impl NearPoints {
     /// Minimum distances of a tool with unit `axis`. `offset` is the position of the centre of its bottom, a
     /// corner radius above the tip, relative to the origin of the points. Stops as soon as one distance is
     /// below `enough`.
-    pub(super) fn least(&self, shape: &Shape, axis: &Vector, offset: &Vector, enough: Least) -> Least {
+    pub(super) fn min_distances(
+        &self,
+        shape: &ToolShape,
+        axis: &Vector,
+        offset: &Vector,
+        enough: MinDistances,
+    ) -> MinDistances {
         let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
-        let ray = Ray { axis: single(axis), offset: single(offset) };
+        let ray = AxisRay { axis: single(axis), offset: single(offset) };
         let cutter = if shape.rim() < 1e-6 {
             self.column_least::<true>(shape, &ray, enough.cutter)
         } else {
@@ -182,15 +188,15 @@ impl Near {
                 }
             }
         }
-        Least { cutter, holder: f64::from(least(&holder)).sqrt() - shape.holder_radius }
+        MinDistances { cutter, holder: f64::from(lane_min(&holder)).sqrt() - shape.holder_radius }
     }
 
-    fn column_least<const BALL: bool>(&self, shape: &Shape, ray: &Ray, enough: f64) -> f64 {
+    fn column_least<const BALL: bool>(&self, shape: &ToolShape, ray: &AxisRay, enough: f64) -> f64 {
         let rim = shape.rim() as f32;
         let (mut beside, mut under) = ([f32::MAX; LANES], [f32::MAX; LANES]);
-        let distance = |beside: &Row, under: &Row| {
-            let beside = f64::from(least(beside)).sqrt() - shape.radius;
-            beside.min(f64::from(least(under)).sqrt() - shape.corner)
+        let distance = |beside: &LaneValues, under: &LaneValues| {
+            let beside = f64::from(lane_min(beside)).sqrt() - shape.radius;
+            beside.min(f64::from(lane_min(under)).sqrt() - shape.corner)
         };
         for blocks in self.column.chunks(4) {
             for block in blocks {
@@ -216,7 +222,7 @@ impl Near {
     }
 }
 
-fn least(row: &Row) -> f32 {
+fn lane_min(row: &LaneValues) -> f32 {
     row.iter().copied().fold(f32::MAX, f32::min)
 }
 

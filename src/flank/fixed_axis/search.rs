@@ -4,13 +4,15 @@
 use rayon::prelude::*;
 
 use super::scene::Cone;
-use super::{Contact, FixedAxes, FixedAxisSearch, FixedRun, Obstacle, Place, Spare, Unreachable};
+use super::{
+    AxisObstacle, Contact, FixedAxes, FixedAxisSearch, FixedRun, PreparedContact, SpareClearance, Unreachable,
+};
 use crate::geometry::{Vector, frame_about};
 use crate::plunge::slotting::DepthSurface;
 
 /// An axis with its minimum spare clearance over the stations of a run, mm.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct AxisCandidate {
     axis: Vector,
     spare: f64,
 }
@@ -26,14 +28,14 @@ const SEEDS: usize = 4;
 /// Number of contacts that the search from a seed starts with.
 const DECIDING: usize = 6;
 /// Maximum number of contacts that are added to them.
-const ROUNDS: usize = 12;
+const MAX_ADDED_CONTACTS: usize = 12;
 /// Angle beyond the axes of a run up to which axes between those of the grid are searched, rad.
 const BEYOND: f64 = 1.5 * GRID;
 /// Missing clearance up to which an axis is checked against the true surfaces, mm: the fast distances may be
 /// too careful.
-const NEARLY: f64 = 0.3;
+const MAX_CHECKED_DEFICIT: f64 = 0.3;
 /// Maximum number of axes of a run that are checked against the true surfaces before the run is shortened.
-const MEASURED: usize = 6;
+const MAX_CHECKED_AXES: usize = 6;
 /// Spare clearance counts up to this many tool radii; beyond it the axis nearer to the normal is better.
 const ENOUGH_RADII: f64 = 1.0;
 
@@ -45,7 +47,7 @@ pub(super) struct Greedy<'s, 'a> {
     /// between two walls others seldom decide. The final check uses all.
     in_full: Vec<bool>,
     /// The contacts of the stations of the current run, prepared for the axes it may have.
-    places: Vec<Vec<Place>>,
+    places: Vec<Vec<PreparedContact>>,
     grid: Vec<Vector>,
     found: FixedAxes,
 }
@@ -68,8 +70,8 @@ impl<'s, 'a> Greedy<'s, 'a> {
                 from += 1;
                 continue;
             };
-            let (to, axes) = self.longest(from, start);
-            if let Some(last) = self.close(from, to, axes) {
+            let (to, axes) = self.extend_run(from, start);
+            if let Some(last) = self.close_run(from, to, axes) {
                 from = last + 1;
             }
         }
@@ -77,29 +79,35 @@ impl<'s, 'a> Greedy<'s, 'a> {
     }
 
     /// Prepares a station for axes of `cone`, or for all axes.
-    fn look_at(&mut self, station: usize, cone: Option<Cone>) {
+    fn prepare_station(&mut self, station: usize, cone: Option<Cone>) {
         let contacts = &self.stations[station];
         let deciding: Vec<&Contact> =
             if self.in_full[station] { contacts.iter().collect() } else { furthest_apart(contacts) };
-        let place = |contact: &&Contact| self.search.place(contact, cone);
+        let place = |contact: &&Contact| self.search.prepare_contact(contact, cone);
         self.places[station] = deciding.par_iter().map(place).collect();
     }
 
     /// Axes for the station alone. Contacts without any axis are removed from it and listed as unreachable.
     /// `None` when no contact is left or those left have no axis in common.
-    fn starting_at(&mut self, station: usize) -> Option<Vec<Candidate>> {
+    fn starting_at(&mut self, station: usize) -> Option<Vec<AxisCandidate>> {
         if self.stations[station].is_empty() {
             return None;
         }
-        self.look_at(station, None);
+        self.prepare_station(station, None);
         if let Some(axes) = self.for_station(station) {
             return Some(axes);
         }
         self.in_full[station] = true;
-        self.look_at(station, None);
-        let alone: Vec<Option<Obstacle>> =
+        self.prepare_station(station, None);
+        let alone: Vec<Option<AxisObstacle>> =
             self.places[station].par_iter().map(|place| self.blocked(place)).collect();
-        for why in [Obstacle::Blade, Obstacle::Hub, Obstacle::Holder, Obstacle::Stock, Obstacle::Tilt] {
+        for why in [
+            AxisObstacle::Blade,
+            AxisObstacle::Hub,
+            AxisObstacle::Holder,
+            AxisObstacle::Stock,
+            AxisObstacle::Tilt,
+        ] {
             let contacts: Vec<usize> = (0..alone.len()).filter(|&k| alone[k] == Some(why)).collect();
             if !contacts.is_empty() {
                 self.found.unreachable.push(Unreachable { station, contacts, why });
@@ -111,7 +119,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
             self.places[station].clear();
             return None;
         }
-        self.look_at(station, None);
+        self.prepare_station(station, None);
         let some = alone.iter().any(Option::is_some);
         let axes = if some { self.for_station(station) } else { None };
         if axes.is_none() {
@@ -123,32 +131,33 @@ impl<'s, 'a> Greedy<'s, 'a> {
 
     /// Lists contacts of a station as without a common axis, and drops the station.
     fn drop_station(&mut self, station: usize, contacts: Vec<usize>) {
-        self.found.unreachable.push(Unreachable { station, contacts, why: Obstacle::NoCommonAxis });
+        self.found.unreachable.push(Unreachable { station, contacts, why: AxisObstacle::NoCommonAxis });
         self.stations[station].clear();
         self.places[station].clear();
     }
 
     /// Axes for all contacts of a station: those of the grid and, if none suits, others between them.
-    fn for_station(&self, station: usize) -> Option<Vec<Candidate>> {
-        let places: Vec<&Place> = self.places[station].iter().collect();
-        let axes = self.suiting(&places);
-        if axes.iter().any(|c| c.spare >= 0.0) { Some(axes) } else { self.between(&axes, &places) }
+    fn for_station(&self, station: usize) -> Option<Vec<AxisCandidate>> {
+        let places: Vec<&PreparedContact> = self.places[station].iter().collect();
+        let axes = self.grid_candidates(&places);
+        if axes.iter().any(|c| c.spare >= 0.0) { Some(axes) } else { self.refine_between(&axes, &places) }
     }
 
     /// Axes of the grid for some contacts, including those that lack a little.
-    fn suiting(&self, places: &[&Place]) -> Vec<Candidate> {
-        let spare = |&axis: &Vector| Candidate { axis, spare: self.least(places, &axis, -SEED_SPARE) };
+    fn grid_candidates(&self, places: &[&PreparedContact]) -> Vec<AxisCandidate> {
+        let spare =
+            |&axis: &Vector| AxisCandidate { axis, spare: self.min_spare(places, &axis, -SEED_SPARE) };
         self.grid.par_iter().map(spare).filter(|c| c.spare > -SEED_SPARE).collect()
     }
 
     /// The obstacle at a contact that has no axis.
-    pub(super) fn blocked(&self, place: &Place) -> Option<Obstacle> {
-        let axes = self.suiting(&[place]);
-        if axes.iter().any(|c| c.spare >= 0.0) || self.between(&axes, &[place]).is_some() {
+    pub(super) fn blocked(&self, place: &PreparedContact) -> Option<AxisObstacle> {
+        let axes = self.grid_candidates(&[place]);
+        if axes.iter().any(|c| c.spare >= 0.0) || self.refine_between(&axes, &[place]).is_some() {
             return None;
         }
         // An axis is evaluated only until it falls behind the best one so far.
-        let mut nearest = Spare { amount: f64::NEG_INFINITY, by: Obstacle::Tilt };
+        let mut nearest = SpareClearance { amount: f64::NEG_INFINITY, by: AxisObstacle::Tilt };
         for axis in &self.grid {
             let spare = self.search.spare(place, axis, nearest.amount);
             if spare.amount >= nearest.amount {
@@ -159,15 +168,18 @@ impl<'s, 'a> Greedy<'s, 'a> {
     }
 
     /// The longest run from a station with its axes: its last station, and the axes that suit all of it.
-    fn longest(&mut self, from: usize, start: Vec<Candidate>) -> (usize, Vec<Candidate>) {
+    fn extend_run(&mut self, from: usize, start: Vec<AxisCandidate>) -> (usize, Vec<AxisCandidate>) {
         let mut axes = start;
         let mut station = from + 1;
         while station < self.stations.len() {
-            self.look_at(station, cone_of(&axes));
-            let places: Vec<&Place> = self.places[station].iter().collect();
-            let next: Vec<Candidate> = axes
+            self.prepare_station(station, cone_of(&axes));
+            let places: Vec<&PreparedContact> = self.places[station].iter().collect();
+            let next: Vec<AxisCandidate> = axes
                 .par_iter()
-                .map(|c| Candidate { spare: c.spare.min(self.least(&places, &c.axis, -SEED_SPARE)), ..*c })
+                .map(|c| AxisCandidate {
+                    spare: c.spare.min(self.min_spare(&places, &c.axis, -SEED_SPARE)),
+                    ..*c
+                })
                 .filter(|c| c.spare > -SEED_SPARE)
                 .collect();
             if next.iter().any(|c| c.spare >= 0.0) {
@@ -176,8 +188,8 @@ impl<'s, 'a> Greedy<'s, 'a> {
                 continue;
             }
             // The newest station first: it is the one at which axes fail.
-            let run: Vec<&Place> = (from..=station).rev().flat_map(|k| &self.places[k]).collect();
-            if let Some(between) = self.between(&next, &run) {
+            let run: Vec<&PreparedContact> = (from..=station).rev().flat_map(|k| &self.places[k]).collect();
+            if let Some(between) = self.refine_between(&next, &run) {
                 axes = between;
                 station += 1;
                 continue;
@@ -195,53 +207,65 @@ impl<'s, 'a> Greedy<'s, 'a> {
     }
 
     /// Axes between those of the grid that suit `places`, searched around the best of `axes`.
-    fn between(&self, axes: &[Candidate], places: &[&Place]) -> Option<Vec<Candidate>> {
+    fn refine_between(
+        &self,
+        axes: &[AxisCandidate],
+        places: &[&PreparedContact],
+    ) -> Option<Vec<AxisCandidate>> {
         let mut seeds = axes.to_vec();
         seeds.sort_by(|a, b| b.spare.total_cmp(&a.spare));
         seeds.truncate(SEEDS);
-        let suited = |seed: &Candidate| {
-            let found = self.suited(*seed, places)?;
+        let suited = |seed: &AxisCandidate| {
+            let found = self.refine_seed(*seed, places)?;
             // The fast distances may be too careful.
             let free = found.spare >= 0.0 || self.is_free(places, &found.axis);
-            free.then_some(Candidate { spare: found.spare.max(0.0), ..found })
+            free.then_some(AxisCandidate { spare: found.spare.max(0.0), ..found })
         };
-        let free: Vec<Candidate> = seeds.par_iter().filter_map(suited).collect();
+        let free: Vec<AxisCandidate> = seeds.par_iter().filter_map(suited).collect();
         if free.is_empty() {
             return None;
         }
         let around: Vec<Vector> =
             free.iter().flat_map(|c| STEPS.iter().flat_map(|&s| ring(&c.axis, s))).collect();
-        let others =
-            around.par_iter().map(|&axis| Candidate { axis, spare: self.least(places, &axis, -SEED_SPARE) });
-        let others: Vec<Candidate> = others.filter(|c| c.spare > -SEED_SPARE).collect();
+        let others = around
+            .par_iter()
+            .map(|&axis| AxisCandidate { axis, spare: self.min_spare(places, &axis, -SEED_SPARE) });
+        let others: Vec<AxisCandidate> = others.filter(|c| c.spare > -SEED_SPARE).collect();
         Some(free.into_iter().chain(others).collect())
     }
 
     /// An axis near `start` that suits all `places`, or nearly. Pattern search over a few contacts, to which
     /// violated ones are added (cutting-plane style).
-    fn suited(&self, start: Candidate, places: &[&Place]) -> Option<Candidate> {
+    fn refine_seed(&self, start: AxisCandidate, places: &[&PreparedContact]) -> Option<AxisCandidate> {
         let first = places.len().min(DECIDING);
-        let mut deciding: Vec<&Place> = places[..first].to_vec();
-        let mut best = Candidate { spare: self.least(&deciding, &start.axis, f64::NEG_INFINITY), ..start };
-        for _ in 0..ROUNDS {
-            best = self.climbed_over(best, &deciding, 0.0);
-            if best.spare < -NEARLY {
+        let mut deciding: Vec<&PreparedContact> = places[..first].to_vec();
+        let mut best =
+            AxisCandidate { spare: self.min_spare(&deciding, &start.axis, f64::NEG_INFINITY), ..start };
+        for _ in 0..MAX_ADDED_CONTACTS {
+            best = self.pattern_search(best, &deciding, 0.0);
+            if best.spare < -MAX_CHECKED_DEFICIT {
                 return None;
             }
             let wanted = best.spare.min(0.0);
-            let lacks = |place: &&&Place| self.search.spare(place, &best.axis, wanted).amount < wanted;
+            let lacks =
+                |place: &&&PreparedContact| self.search.spare(place, &best.axis, wanted).amount < wanted;
             let Some(place) = places.iter().find(lacks) else { return Some(best) };
             deciding.push(place);
-            best.spare = self.least(&deciding, &best.axis, f64::NEG_INFINITY);
+            best.spare = self.min_spare(&deciding, &best.axis, f64::NEG_INFINITY);
         }
         None
     }
 
     /// The axis near `start` with the largest spare clearance over `places`, up to `enough`: pattern search
     /// over the contacts with the least, re-evaluated over all of them.
-    fn widest(&self, start: Candidate, places: &[&Place], enough: f64) -> Candidate {
+    fn maximise_spare(
+        &self,
+        start: AxisCandidate,
+        places: &[&PreparedContact],
+        enough: f64,
+    ) -> AxisCandidate {
         let by_place = |axis: &Vector| -> Vec<(f64, usize)> {
-            let amount = |place: &&Place| self.search.spare(place, axis, f64::NEG_INFINITY).amount;
+            let amount = |place: &&PreparedContact| self.search.spare(place, axis, f64::NEG_INFINITY).amount;
             let mut all: Vec<(f64, usize)> =
                 places.par_iter().enumerate().map(|(k, p)| (amount(p), k)).collect();
             all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -249,20 +273,20 @@ impl<'s, 'a> Greedy<'s, 'a> {
         };
         let worst = |all: &[(f64, usize)]| all.first().map_or(f64::INFINITY, |w| w.0);
         let mut all = by_place(&start.axis);
-        let mut best = Candidate { spare: worst(&all), ..start };
-        let mut deciding: Vec<&Place> = Vec::new();
+        let mut best = AxisCandidate { spare: worst(&all), ..start };
+        let mut deciding: Vec<&PreparedContact> = Vec::new();
         for _ in 0..3 {
             for &(_, k) in all.iter().take(DECIDING) {
                 if !deciding.iter().any(|known| std::ptr::eq(*known, places[k])) {
                     deciding.push(places[k]);
                 }
             }
-            let there = self.climbed_over(best, &deciding, enough);
+            let there = self.pattern_search(best, &deciding, enough);
             all = by_place(&there.axis);
             if worst(&all) <= best.spare {
                 break;
             }
-            best = Candidate { spare: worst(&all), ..there };
+            best = AxisCandidate { spare: worst(&all), ..there };
             if best.spare >= enough {
                 break;
             }
@@ -271,15 +295,20 @@ impl<'s, 'a> Greedy<'s, 'a> {
     }
 
     /// Pattern search for the axis with the largest spare clearance over `places`, with decreasing steps.
-    fn climbed_over(&self, start: Candidate, places: &[&Place], enough: f64) -> Candidate {
+    fn pattern_search(
+        &self,
+        start: AxisCandidate,
+        places: &[&PreparedContact],
+        enough: f64,
+    ) -> AxisCandidate {
         let mut best = start;
         for step in STEPS {
             for _ in 0..6 {
                 let before = best.spare;
                 for axis in ring(&best.axis, step) {
-                    let spare = self.least(places, &axis, best.spare);
+                    let spare = self.min_spare(places, &axis, best.spare);
                     if spare > best.spare {
-                        best = Candidate { axis, spare };
+                        best = AxisCandidate { axis, spare };
                     }
                 }
                 if best.spare >= enough || best.spare <= before {
@@ -291,10 +320,10 @@ impl<'s, 'a> Greedy<'s, 'a> {
     }
 
     /// Spare clearance of an axis over contacts, mm; only an upper bound when it is below `enough`.
-    fn least(&self, places: &[&Place], axis: &Vector, enough: f64) -> f64 {
+    fn min_spare(&self, places: &[&PreparedContact], axis: &Vector, enough: f64) -> f64 {
         let mut least = f64::INFINITY;
         for place in places {
-            let Spare { amount, .. } = self.search.spare(place, axis, enough);
+            let SpareClearance { amount, .. } = self.search.spare(place, axis, enough);
             least = least.min(amount);
             if least < enough {
                 break;
@@ -303,22 +332,23 @@ impl<'s, 'a> Greedy<'s, 'a> {
         least
     }
 
-    fn is_free(&self, places: &[&Place], axis: &Vector) -> bool {
+    fn is_free(&self, places: &[&PreparedContact], axis: &Vector) -> bool {
         places
             .iter()
-            .all(|place| self.search.measured(&place.contact, axis, self.layer, f64::INFINITY).is_ok())
+            .all(|place| self.search.check_exactly(&place.contact, axis, self.layer, f64::INFINITY).is_ok())
     }
 
     /// Minimum distance from the blades over the stations of a run, mm, against the true surfaces.
     ///
     /// # Errors
     /// The first station at which the axis is not free.
-    fn measured(&self, from: usize, to: usize, axis: &Vector) -> Result<f64, usize> {
+    fn check_run(&self, from: usize, to: usize, axis: &Vector) -> Result<f64, usize> {
         let stations: Vec<Result<f64, usize>> = (from..=to)
             .into_par_iter()
             .map(|station| {
-                let near =
-                    |least: f64, contact: &Contact| self.search.measured(contact, axis, self.layer, least);
+                let near = |least: f64, contact: &Contact| {
+                    self.search.check_exactly(contact, axis, self.layer, least)
+                };
                 self.stations[station].iter().try_fold(f64::INFINITY, near).map_err(|_| station)
             })
             .collect();
@@ -328,20 +358,20 @@ impl<'s, 'a> Greedy<'s, 'a> {
     /// Selects the best axis of a run, checks it against the true surfaces and records the run. Returns its
     /// last station, an earlier one where no axis is free up to `to`. `None` when the run must be searched
     /// again with all contacts of one of its stations.
-    fn close(&mut self, from: usize, to: usize, mut axes: Vec<Candidate>) -> Option<usize> {
+    fn close_run(&mut self, from: usize, to: usize, mut axes: Vec<AxisCandidate>) -> Option<usize> {
         let enough = ENOUGH_RADII * self.search.tool.radius();
         let normal: Vector = (from..=to).flat_map(|k| &self.stations[k]).map(|contact| contact.normal).sum();
-        let worth = |c: &Candidate| c.spare.min(enough) - 1e-3 * c.axis.angle(&normal);
+        let worth = |c: &AxisCandidate| c.spare.min(enough) - 1e-3 * c.axis.angle(&normal);
         axes.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-        axes.truncate(MEASURED);
+        axes.truncate(MAX_CHECKED_AXES);
         if let Some(best) = axes.first().copied() {
-            let places: Vec<&Place> = (from..=to).rev().flat_map(|k| &self.places[k]).collect();
-            let better = if best.spare < enough { self.widest(best, &places, enough) } else { best };
+            let places: Vec<&PreparedContact> = (from..=to).rev().flat_map(|k| &self.places[k]).collect();
+            let better = if best.spare < enough { self.maximise_spare(best, &places, enough) } else { best };
             axes.insert(0, better);
         }
         let mut furthest = (from, Vector::zeros());
         for candidate in &axes {
-            match self.measured(from, to, &candidate.axis) {
+            match self.check_run(from, to, &candidate.axis) {
                 Ok(clearance) => {
                     self.found.runs.push(FixedRun { from, to, axis: candidate.axis, clearance });
                     return Some(to);
@@ -359,7 +389,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
             self.drop_station(from, (0..self.stations[from].len()).collect());
             return Some(from);
         }
-        let clearance = self.measured(from, station - 1, &axis).unwrap_or(f64::NAN);
+        let clearance = self.check_run(from, station - 1, &axis).unwrap_or(f64::NAN);
         self.found.runs.push(FixedRun { from, to: station - 1, axis, clearance });
         Some(station - 1)
     }
@@ -384,7 +414,7 @@ fn furthest_apart(contacts: &[Contact]) -> Vec<&Contact> {
 }
 
 /// A cone that holds the axes and those next to them; `None` when there are none.
-fn cone_of(axes: &[Candidate]) -> Option<Cone> {
+fn cone_of(axes: &[AxisCandidate]) -> Option<Cone> {
     let axis = axes.iter().map(|c| c.axis).sum::<Vector>().try_normalize(1e-6)?;
     let widest = axes.iter().map(|c| c.axis.angle(&axis)).fold(0.0, f64::max);
     Some(Cone { axis, angle: widest + BEYOND })

@@ -1,11 +1,11 @@
 //! Passes along walls, with the axes fitted to the wall.
 
-use super::{CHORD, LayerAxes, OnLayer, PassMaker};
+use super::{CHORD, LayerPassMaker, PassMaker, PlannedLayer};
 use crate::flank::chart::{Region, WallName};
-use crate::flank::fixed_axis::Obstacle;
-use crate::flank::layer::{Layer, LayerPoint};
+use crate::flank::fixed_axis::AxisObstacle;
+use crate::flank::layer::{LayerPoint, LayerSurface};
 use crate::flank::plan::MilledWall;
-use crate::flank::schemes::Role;
+use crate::flank::schemes::PassRole;
 use crate::geometry::{Point, Vector};
 
 /// Reasons why a stretch along a wall is not cut.
@@ -13,22 +13,22 @@ const IN_THE_WAY: &str = "another blade blocks the cutter along the wall";
 const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
 
 const HUB_IN_THE_WAY: &str = "the hub is too near to the cutter along the wall";
-const LYING: &str = "the axis along the wall is within 10° of the floor";
+const NEAR_FLOOR: &str = "the axis along the wall is within 10° of the floor";
 /// Least cosine of the angle of the axis along a wall to the normal of the layer: 80°.
-const UPRIGHT: f64 = 0.17;
+const MIN_NORMAL_COSINE: f64 = 0.17;
 
 /// The obstacle to a tool position, as a message; `None` if it is free.
-pub(super) type InTheWay = Option<&'static str>;
+pub(super) type ObstacleMessage = Option<&'static str>;
 
 /// A tool position on a layer.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
+pub(super) struct LayerPose {
     pub(super) tip: Point,
     pub(super) axis: Vector,
     pub(super) place: LayerPoint,
 }
 
-impl Placed {
+impl LayerPose {
     /// Interpolated position towards another one: tip linear, axis linear and normalised.
     pub(super) fn between(&self, other: &Self, share: f64) -> Self {
         let share = share.clamp(0.0, 1.0);
@@ -51,54 +51,58 @@ impl Placed {
 /// The next step along a wall.
 pub(super) enum WallStep {
     /// The pass continues to this position.
-    To(Placed),
+    To(LayerPose),
     /// A collision: `length` mm are not cut.
-    LeftOut { length: f64, why: &'static str },
+    Uncut { length: f64, why: &'static str },
     /// The layer ends here and begins again further on; nothing of it is lost in between.
     Apart,
 }
 
 /// The runs of consecutive positions, in order.
-pub(super) fn unbroken(steps: &[WallStep]) -> Vec<Vec<Placed>> {
+pub(super) fn split_into_runs(steps: &[WallStep]) -> Vec<Vec<LayerPose>> {
     let runs = steps.split(|step| !matches!(step, WallStep::To(_)));
     let placed = |step: &WallStep| if let WallStep::To(placed) = step { Some(*placed) } else { None };
     runs.map(|run| run.iter().filter_map(placed).collect())
-        .filter(|run: &Vec<Placed>| !run.is_empty())
+        .filter(|run: &Vec<LayerPose>| !run.is_empty())
         .collect()
 }
 
 /// The tool positions at the stations along a wall, on a layer.
-pub(super) struct Milled {
+pub(super) struct WallPositions {
     pub(super) wall: WallName,
     pub(super) region: Region,
     /// x of the first station on the flank itself, behind the nose.
     pub(super) behind_nose: f64,
     /// Position and obstacle by station; `None` where the tool misses the layer.
-    placed: Vec<Option<(Placed, InTheWay)>>,
+    placed: Vec<Option<(LayerPose, ObstacleMessage)>>,
 }
 
-impl Milled {
+impl WallPositions {
     /// The positions at all stations of a wall.
-    pub(super) fn on(maker: &PassMaker, (number, layer): (usize, &Layer), milled: &MilledWall) -> Self {
+    pub(super) fn on(
+        maker: &PassMaker,
+        (number, layer): (usize, &LayerSurface),
+        milled: &MilledWall,
+    ) -> Self {
         let mut y = None;
         let stations = milled.axes.stations(number);
         let placed = stations.iter().map(|station| {
             let tip = station.tip? + station.axis * CHORD;
             let axis = station.axis;
-            let (place, _) = layer.place(&(tip + axis * maker.tool.corner_radius), y.unwrap_or(0.0), None);
+            let (place, _) = layer.project(&(tip + axis * maker.tool.corner_radius), y.unwrap_or(0.0), None);
             y = Some(place.y);
             let up = layer.point_and_normal(place).1;
             let in_the_way = match station.blocked {
                 Some(_) => Some(IN_THE_WAY),
-                None if up.dot(&axis) < UPRIGHT => Some(LYING),
-                None => maker.search.beside_blades(tip, axis).map(|obstacle| match obstacle {
-                    Obstacle::Hub => HUB_IN_THE_WAY,
+                None if up.dot(&axis) < MIN_NORMAL_COSINE => Some(NEAR_FLOOR),
+                None => maker.search.obstacle_except_blades(tip, axis).map(|obstacle| match obstacle {
+                    AxisObstacle::Hub => HUB_IN_THE_WAY,
                     _ => HOLDER_IN_THE_WAY,
                 }),
             };
-            Some((Placed { tip, axis, place }, in_the_way))
+            Some((LayerPose { tip, axis, place }, in_the_way))
         });
-        let placed: Vec<Option<(Placed, InTheWay)>> = placed.collect();
+        let placed: Vec<Option<(LayerPose, ObstacleMessage)>> = placed.collect();
         let flank = milled.axes.map.u.first().copied().unwrap_or(0.0);
         let on_flank = stations.iter().zip(&placed).filter(|(station, _)| station.u >= flank);
         let behind_nose = on_flank.filter_map(|(_, p)| *p).map(|(p, _)| p.place.x).next();
@@ -112,9 +116,10 @@ impl Milled {
 
     /// Axis at `x`, interpolated between the free stations; beyond both ends that of the nearest.
     pub(super) fn axis(&self, x: f64) -> Option<Vector> {
-        let free = |(placed, in_the_way): &'_ (Placed, InTheWay)| in_the_way.is_none().then_some(*placed);
+        let free =
+            |(placed, in_the_way): &'_ (LayerPose, ObstacleMessage)| in_the_way.is_none().then_some(*placed);
         let stations = || self.placed.iter().flatten().filter_map(free);
-        let mut last: Option<Placed> = None;
+        let mut last: Option<LayerPose> = None;
         for here in stations() {
             if here.place.x >= x {
                 return Some(last.map_or(here.axis, |last| {
@@ -127,14 +132,14 @@ impl Milled {
     }
 }
 
-impl OnLayer<'_> {
+impl LayerPassMaker<'_> {
     /// Adds the passes of a curve along a wall.
     pub(super) fn along_wall(
         &self,
         wall: WallName,
         region: Region,
         points: &[LayerPoint],
-        made: &mut LayerAxes,
+        made: &mut PlannedLayer,
     ) {
         if wall == WallName::Splitter && region == Region::Inlet {
             self.round_nose(points, made);
@@ -143,17 +148,17 @@ impl OnLayer<'_> {
         let from = points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
         let to = points.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
         let steps = self.wall_steps(wall, region, (from, to));
-        self.leave_out_of(&steps, region, made);
-        for positions in unbroken(&steps) {
+        self.record_uncut_steps(&steps, region, made);
+        for positions in split_into_runs(&steps) {
             self.push_wall(wall, region, &positions, made);
         }
     }
 
     /// Records the lengths along a wall that are not cut.
-    pub(super) fn leave_out_of(&self, steps: &[WallStep], region: Region, made: &mut LayerAxes) {
+    pub(super) fn record_uncut_steps(&self, steps: &[WallStep], region: Region, made: &mut PlannedLayer) {
         for step in steps {
-            if let WallStep::LeftOut { length, why } = step {
-                self.leave_out(made, region, *length, why);
+            if let WallStep::Uncut { length, why } = step {
+                self.record_uncut(made, region, *length, why);
             }
         }
     }
@@ -162,15 +167,15 @@ impl OnLayer<'_> {
         &self,
         wall: WallName,
         region: Region,
-        positions: &[Placed],
-        made: &mut LayerAxes,
+        positions: &[LayerPose],
+        made: &mut PlannedLayer,
     ) {
-        self.push_passes((Role::Wall(wall), region, 0), positions, made);
+        self.push_passes((PassRole::Wall(wall), region, 0), positions, made);
     }
 
     /// The steps along a wall between two x: positions at both ends and at the stations between them.
     pub(super) fn wall_steps(&self, wall: WallName, region: Region, (from, to): (f64, f64)) -> Vec<WallStep> {
-        let ours = |m: &&Milled| m.wall == wall && (wall != WallName::Splitter || m.region == region);
+        let ours = |m: &&WallPositions| m.wall == wall && (wall != WallName::Splitter || m.region == region);
         let Some(milled) = self.milled.iter().find(ours) else { return Vec::new() };
         let mut result = Vec::new();
         // Station at which the last step ended; from any other station the tool approaches anew.
@@ -182,7 +187,7 @@ impl OnLayer<'_> {
                 continue;
             }
             if let Some(why) = a_blocked.or(*b_blocked) {
-                result.push(WallStep::LeftOut { length: self.layer.step(a.place, b.place), why });
+                result.push(WallStep::Uncut { length: self.layer.segment_length(a.place, b.place), why });
                 continue;
             }
             let at = |x: f64| a.between(b, (x - a.place.x) / (b.place.x - a.place.x));

@@ -1,13 +1,13 @@
 //! Inner passes: as few fixed axes as possible, blended towards the axes of near walls.
 
-use super::along_wall::Placed;
+use super::along_wall::LayerPose;
 use super::stretches::pieces_between;
-use super::{CHORD, LayerAxes, OnLayer};
+use super::{CHORD, LayerPassMaker, PlannedLayer};
 use crate::flank::chart::{Region, WallName};
-use crate::flank::fixed_axis::{Contact, Obstacle};
+use crate::flank::fixed_axis::{AxisObstacle, Contact};
 use crate::flank::layer::LayerPoint;
 use crate::flank::plan::RegionAxis;
-use crate::flank::schemes::Role;
+use crate::flank::schemes::PassRole;
 use crate::geometry::{Point, Vector};
 
 /// Spacing of the stations of the fixed-axis search, mm along the meridian, and their maximum number.
@@ -17,36 +17,41 @@ const MAX_STATIONS: usize = 48;
 const NEAR: f64 = 0.05;
 /// Maximum number of searches for axes, and the share of the last remaining length at which they end.
 const ROUNDS: usize = 4;
-const LEAST_GAIN: f64 = 0.95;
+const MAX_REMAINING_SHARE: f64 = 0.95;
 /// Maximum number of contacts across a region per station.
 const ACROSS: usize = 5;
 /// Distance from the pass along a wall, in stepovers, below which the axis blends towards the wall's.
-const TURNING: f64 = 1.75;
+const BLEND_START: f64 = 1.75;
 /// Distance, in stepovers, below which the axis is the wall's; the pass along the wall covers what is left
 /// out there.
-const TURNED: f64 = 0.5;
+const BLEND_END: f64 = 0.5;
 /// Maximum turn of the axis from position to position, rad: the tip of a ball end then stays within a µm of
 /// its path.
-pub(super) const MOST_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
+pub(super) const MAX_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
 /// Maximum number of positions that a turn adds to a step.
 const MAX_TURNS: f64 = 60.0;
 
-impl OnLayer<'_> {
+impl LayerPassMaker<'_> {
     /// Adds the inner passes of a region. Pieces for which the axes of one search leave too little clearance
     /// to a blade are searched again by themselves: a few passes may have a common axis where all those side
     /// by side have none.
-    pub(super) fn inner(&self, region: Region, lines: Vec<Vec<LayerPoint>>, made: &mut LayerAxes) {
+    pub(super) fn make_inner_passes(
+        &self,
+        region: Region,
+        lines: Vec<Vec<LayerPoint>>,
+        made: &mut PlannedLayer,
+    ) {
         let length = |lines: &[Vec<LayerPoint>]| lines.iter().map(|l| self.layer.length(l)).sum::<f64>();
         let mut rest = lines;
         for round in 0..ROUNDS {
             let before = length(&rest);
-            let (lost, why) = self.inner_round(region, &rest, round, made);
+            let (lost, why) = self.search_inner_passes(region, &rest, round, made);
             let left = length(&lost);
             if left <= 0.0 {
                 return;
             }
-            if round + 1 == ROUNDS || round > 0 && left > LEAST_GAIN * before {
-                self.leave_out(made, region, left, reason(why));
+            if round + 1 == ROUNDS || round > 0 && left > MAX_REMAINING_SHARE * before {
+                self.record_uncut(made, region, left, obstacle_message(why));
                 return;
             }
             rest = lost;
@@ -55,19 +60,19 @@ impl OnLayer<'_> {
 
     /// Adds the passes of some curves of a region; returns the remaining pieces, and why they remain. Only in
     /// the first search do axes blend towards those of the walls.
-    fn inner_round(
+    fn search_inner_passes(
         &self,
         region: Region,
         lines: &[Vec<LayerPoint>],
         round: usize,
-        made: &mut LayerAxes,
-    ) -> (Vec<Vec<LayerPoint>>, Obstacle) {
+        made: &mut PlannedLayer,
+    ) -> (Vec<Vec<LayerPoint>>, AxisObstacle) {
         let ends = |f: fn(f64, f64) -> f64, start: f64| {
             lines.iter().flat_map(|line| line.iter()).map(|p| p.x).fold(start, f)
         };
         let (from, to) = (ends(f64::min, f64::INFINITY), ends(f64::max, f64::NEG_INFINITY));
         if from >= to {
-            return (lines.to_vec(), Obstacle::Blade);
+            return (lines.to_vec(), AxisObstacle::Blade);
         }
         let count = ((to - from) / STATION_STEP).ceil().clamp(1.0, MAX_STATIONS as f64) as usize;
         let width = (to - from) / count as f64;
@@ -99,14 +104,14 @@ impl OnLayer<'_> {
                 let from = if group == 0 { f64::NEG_INFINITY } else { border(run.from) };
                 let to = found.runs.get(group + 1).map_or(f64::INFINITY, |next| border(next.from));
                 for piece in pieces_between(line, from, to) {
-                    lost.extend(self.fixed(region, (round, group), &piece, run.axis, made));
+                    lost.extend(self.make_fixed_axis_passes(region, (round, group), &piece, run.axis, made));
                 }
             }
             if found.runs.is_empty() {
                 lost.push(line.clone());
             }
         }
-        (lost, found.unreachable.first().map_or(Obstacle::Blade, |u| u.why))
+        (lost, found.unreachable.first().map_or(AxisObstacle::Blade, |u| u.why))
     }
 
     /// Layer points of some lines at `x`: the outermost and some between.
@@ -116,7 +121,7 @@ impl OnLayer<'_> {
             .flat_map(|line| line.windows(2))
             .filter(|w| (w[0].x - x) * (w[1].x - x) <= 0.0 && w[0].x != w[1].x)
             .map(|w| w[0].lerp(w[1], (x - w[0].x) / (w[1].x - w[0].x)))
-            .filter(|p| round > 0 || self.share_of_wall(*p) == 0.0)
+            .filter(|p| round > 0 || self.wall_weight(*p) == 0.0)
             .collect();
         places.sort_by(|a, b| a.y.total_cmp(&b.y));
         places.dedup_by(|a, b| (a.y - b.y).abs() < 1e-9);
@@ -129,25 +134,25 @@ impl OnLayer<'_> {
 
     /// Adds the passes along `line` with one axis, blended towards that of a wall where the line is near it.
     /// Returns the pieces that are not cut because the cutter would be too near to a blade.
-    fn fixed(
+    fn make_fixed_axis_passes(
         &self,
         region: Region,
         (round, group): (usize, usize),
         line: &[LayerPoint],
         axis: Vector,
-        made: &mut LayerAxes,
+        made: &mut PlannedLayer,
     ) -> Vec<Vec<LayerPoint>> {
         let maker = self.maker;
         let mut open: Vec<(LayerPoint, (Point, Vector))> = Vec::new();
         let mut pieces = Vec::new();
         let mut lost: Vec<Vec<LayerPoint>> = Vec::new();
         let mut last: Option<(LayerPoint, bool)> = None;
-        let dense = self.dense(line);
-        for p in if round == 0 { self.turning(dense, axis) } else { dense } {
-            let turned = if round == 0 { self.turned(p, axis) } else { axis };
+        let dense = self.densify(line);
+        for p in if round == 0 { self.densify_for_turn(dense, axis) } else { dense } {
+            let turned = if round == 0 { self.blend_axis(p, axis) } else { axis };
             let tip = maker.search.tip(&self.contact(p), &turned, self.surface) + turned * CHORD;
             let before = open.last().map(|(_, before)| *before);
-            if self.is_free((tip, turned), before) && maker.search.holder_meets(tip, turned).is_none() {
+            if self.is_free((tip, turned), before) && maker.search.holder_obstacle(tip, turned).is_none() {
                 open.push((p, (tip, turned)));
             } else {
                 pieces.push(std::mem::take(&mut open));
@@ -155,7 +160,7 @@ impl OnLayer<'_> {
             let cut = !open.is_empty();
             // Next to a wall the pass along it cuts what an inner pass leaves out.
             if let Some((q, before)) = last.filter(|(_, before)| !(cut && *before))
-                && self.share_of_wall(p) < 1.0
+                && self.wall_weight(p) < 1.0
             {
                 match lost.last_mut().filter(|piece| !before && piece.last() == Some(&q)) {
                     Some(piece) => piece.push(p),
@@ -166,9 +171,9 @@ impl OnLayer<'_> {
         }
         pieces.push(open);
         for piece in pieces.into_iter().filter(|piece| piece.len() >= 2) {
-            let placed: Vec<Placed> =
-                piece.into_iter().map(|(place, (tip, axis))| Placed { tip, axis, place }).collect();
-            self.push_passes((Role::Inner, region, group + round * MAX_STATIONS), &placed, made);
+            let placed: Vec<LayerPose> =
+                piece.into_iter().map(|(place, (tip, axis))| LayerPose { tip, axis, place }).collect();
+            self.push_passes((PassRole::Inner, region, group + round * MAX_STATIONS), &placed, made);
         }
         lost
     }
@@ -177,15 +182,15 @@ impl OnLayer<'_> {
     /// from hub and blades, and its holder clears them.
     fn is_free(&self, (tip, axis): (Point, Vector), before: Option<(Point, Vector)>) -> bool {
         let maker = self.maker;
-        let allowance = maker.setup.stock.blade_allowance;
+        let allowance = maker.setup.allowances.blade_allowance;
         let near = maker.finished.blade_clearance_below(&maker.tool.placed(tip, axis), allowance + NEAR);
-        if near < allowance || maker.search.beside_blades(tip, axis).is_some() {
+        if near < allowance || maker.search.obstacle_except_blades(tip, axis).is_some() {
             return false;
         }
         // The move between two positions may be nearer to a convex wall than both, and much nearer where the
         // axis jumps from that of one wall to another.
         let Some((last, turned)) = before else { return true };
-        let shares: &[f64] = if turned.angle(&axis) > 2.0 * MOST_TURN {
+        let shares: &[f64] = if turned.angle(&axis) > 2.0 * MAX_TURN {
             &[0.25, 0.5, 0.75]
         } else if near < allowance + NEAR {
             &[0.5]
@@ -199,8 +204,8 @@ impl OnLayer<'_> {
     }
 
     /// The fixed `axis`, blended towards that of a wall near `p`.
-    fn turned(&self, p: LayerPoint, axis: Vector) -> Vector {
-        let share = self.share_of_wall(p);
+    fn blend_axis(&self, p: LayerPoint, axis: Vector) -> Vector {
+        let share = self.wall_weight(p);
         match self.wall_axis(p).filter(|_| share > 0.0) {
             Some(wall) => (axis + (wall - axis) * share).normalize(),
             None => axis,
@@ -208,12 +213,12 @@ impl OnLayer<'_> {
     }
 
     /// The line with points added so that the axis turns little from one to the next.
-    fn turning(&self, line: Vec<LayerPoint>, axis: Vector) -> Vec<LayerPoint> {
+    fn densify_for_turn(&self, line: Vec<LayerPoint>, axis: Vector) -> Vec<LayerPoint> {
         let mut points = vec![line[0]];
         for w in line.windows(2) {
             let middle = w[0].lerp(w[1], 0.5);
-            let [a, b, c] = [w[0], middle, w[1]].map(|p| self.turned(p, axis));
-            let count = ((a.angle(&b) + b.angle(&c)) / MOST_TURN).ceil().clamp(1.0, MAX_TURNS) as usize;
+            let [a, b, c] = [w[0], middle, w[1]].map(|p| self.blend_axis(p, axis));
+            let count = ((a.angle(&b) + b.angle(&c)) / MAX_TURN).ceil().clamp(1.0, MAX_TURNS) as usize;
             points.extend((1..=count).map(|k| w[0].lerp(w[1], k as f64 / count as f64)));
         }
         points
@@ -221,9 +226,9 @@ impl OnLayer<'_> {
 
     /// Weight of a wall's own axis at a point near it: 0 in the middle of the channel, 1 next to the pass
     /// along the wall.
-    fn share_of_wall(&self, p: LayerPoint) -> f64 {
-        let intervals = self.chart.freedom(p) / self.found.interval;
-        ((TURNING - intervals) / (TURNING - TURNED)).clamp(0.0, 1.0)
+    fn wall_weight(&self, p: LayerPoint) -> f64 {
+        let intervals = self.chart.wall_margin(p) / self.found.stepover;
+        ((BLEND_START - intervals) / (BLEND_START - BLEND_END)).clamp(0.0, 1.0)
     }
 
     /// Axis of the pass along the wall that is nearest to `p`, beside `p`.
@@ -243,13 +248,13 @@ impl OnLayer<'_> {
 }
 
 /// The obstacle as a message.
-fn reason(why: Obstacle) -> &'static str {
+fn obstacle_message(why: AxisObstacle) -> &'static str {
     match why {
-        Obstacle::Blade => "a blade is too near",
-        Obstacle::Hub => "the hub is too near",
-        Obstacle::Holder => "the holder meets the part",
-        Obstacle::Stock => "the holder meets uncut stock",
-        Obstacle::Tilt => "the axis would tilt too far",
-        Obstacle::NoCommonAxis => "no single axis suits all passes there",
+        AxisObstacle::Blade => "a blade is too near",
+        AxisObstacle::Hub => "the hub is too near",
+        AxisObstacle::Holder => "the holder meets the part",
+        AxisObstacle::Stock => "the holder meets uncut stock",
+        AxisObstacle::Tilt => "the axis would tilt too far",
+        AxisObstacle::NoCommonAxis => "no single axis suits all passes there",
     }
 }

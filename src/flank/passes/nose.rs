@@ -1,8 +1,8 @@
 //! The pass along one side of a splitter, round its nose, and back along the other side.
 
-use super::along_wall::{Milled, Placed, unbroken};
-use super::inner::MOST_TURN;
-use super::{CHORD, LayerAxes, OnLayer, PassMaker};
+use super::along_wall::{LayerPose, WallPositions, split_into_runs};
+use super::inner::MAX_TURN;
+use super::{CHORD, LayerPassMaker, PassMaker, PlannedLayer};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::Contact;
 use crate::flank::layer::LayerPoint;
@@ -12,18 +12,18 @@ use crate::geometry::Vector;
 const PUSHES: usize = 12;
 /// Maximum depth of the recursive bisection between two positions beside a nose, and the shift off the nose
 /// at which it goes on, mm.
-const MENDS: usize = 4;
-const MENDED: f64 = 5e-4;
+const MAX_BISECTIONS: usize = 4;
+const MIN_SHIFT: f64 = 5e-4;
 /// Moves between two positions beside a nose are always bisected above this length, mm.
 const LONG: f64 = 0.6;
 
-impl OnLayer<'_> {
+impl LayerPassMaker<'_> {
     /// Adds one pass along one side of the splitter, round its nose, and back along the other side.
-    pub(super) fn round_nose(&self, points: &[LayerPoint], made: &mut LayerAxes) {
+    pub(super) fn round_nose(&self, points: &[LayerPoint], made: &mut PlannedLayer) {
         let foremost = (0..points.len()).min_by(|&a, &b| points[a].x.total_cmp(&points[b].x)).unwrap_or(0);
         // Use the fitted axes beside the flanks; the arc round the nose joins them.
         let begins = |region: Region| {
-            let ours = |m: &&Milled| m.wall == WallName::Splitter && m.region == region;
+            let ours = |m: &&WallPositions| m.wall == WallName::Splitter && m.region == region;
             self.milled.iter().find(ours).map_or(f64::INFINITY, |m| m.behind_nose)
         };
         let side = |region: Region, line: &[LayerPoint]| {
@@ -32,9 +32,9 @@ impl OnLayer<'_> {
         };
         let (down, up) = (&points[..=foremost], &points[foremost..]);
         let (low, high) = (side(Region::LowSide, down), side(Region::HighSide, up));
-        self.leave_out_of(&low, Region::LowSide, made);
-        self.leave_out_of(&high, Region::HighSide, made);
-        let (mut low, mut high) = (unbroken(&low).into_iter(), unbroken(&high).into_iter());
+        self.record_uncut_steps(&low, Region::LowSide, made);
+        self.record_uncut_steps(&high, Region::HighSide, made);
+        let (mut low, mut high) = (split_into_runs(&low).into_iter(), split_into_runs(&high).into_iter());
         // The stretch of each side next to the nose joins the arc; the others are passes of their own.
         let mut way = low.next().unwrap_or_default();
         way.reverse();
@@ -46,7 +46,7 @@ impl OnLayer<'_> {
             let mut round = vec![a];
             round.extend(self.arc([down, &up[1..]], a, b));
             round.push(b);
-            let mended = self.mended(round);
+            let mended = self.bisect_near_nose(round);
             way.extend(&mended[1..mended.len() - 1]);
         }
         way.extend(after);
@@ -54,34 +54,34 @@ impl OnLayer<'_> {
     }
 
     /// The positions with others inserted where the straight move between them would be too near to a blade.
-    fn mended(&self, positions: Vec<Placed>) -> Vec<Placed> {
-        let mut mended: Vec<Placed> = Vec::with_capacity(positions.len());
+    fn bisect_near_nose(&self, positions: Vec<LayerPose>) -> Vec<LayerPose> {
+        let mut mended: Vec<LayerPose> = Vec::with_capacity(positions.len());
         for next in positions {
             if let Some(last) = mended.last().copied() {
-                self.mend(last, next, MENDS, &mut mended);
+                self.bisect_move(last, next, MAX_BISECTIONS, &mut mended);
             }
             mended.push(next);
         }
         mended
     }
 
-    fn mend(&self, a: Placed, b: Placed, depth: usize, mended: &mut Vec<Placed>) {
+    fn bisect_move(&self, a: LayerPose, b: LayerPose, depth: usize, mended: &mut Vec<LayerPose>) {
         let middle = a.between(&b, 0.5);
-        let free = self.off(middle);
+        let free = self.push_off_nose(middle);
         // A long move may be too near elsewhere than at its middle.
         let long = (b.tip - a.tip).norm() > LONG;
-        if depth == 0 || (free.tip - middle.tip).norm() < MENDED && !long {
+        if depth == 0 || (free.tip - middle.tip).norm() < MIN_SHIFT && !long {
             return;
         }
-        self.mend(a, free, depth - 1, mended);
+        self.bisect_move(a, free, depth - 1, mended);
         mended.push(free);
-        self.mend(free, b, depth - 1, mended);
+        self.bisect_move(free, b, depth - 1, mended);
     }
 
     /// Positions round the nose from `a` to `b`, towards its foremost point and back. The axis turns evenly
     /// to the direction of the leading edge and from there to that of `b`. Positions too near to the nose are
     /// moved off it.
-    fn arc(&self, [down, up]: [&[LayerPoint]; 2], a: Placed, b: Placed) -> Vec<Placed> {
+    fn arc(&self, [down, up]: [&[LayerPoint]; 2], a: LayerPose, b: LayerPose) -> Vec<LayerPose> {
         let maker = self.maker;
         let edge = maker.leading_edge().unwrap_or_else(|| a.axis + b.axis);
         let edge = edge.try_normalize(1e-9).unwrap_or(a.axis);
@@ -92,12 +92,12 @@ impl OnLayer<'_> {
                 continue;
             }
             let from = [a, b][end].axis;
-            let dense = evenly(&self.dense(&arc), from.angle(&edge));
+            let dense = densify_evenly(&self.densify(&arc), from.angle(&edge));
             let total = self.layer.length(&dense).max(1e-9);
             let mut gone = 0.0;
             for (k, &p) in dense.iter().enumerate() {
                 if k > 0 {
-                    gone += self.layer.step(dense[k - 1], p);
+                    gone += self.layer.segment_length(dense[k - 1], p);
                 }
                 let share = gone / total;
                 let axis = match end {
@@ -106,7 +106,7 @@ impl OnLayer<'_> {
                 };
                 let axis = axis.normalize();
                 let tip = maker.search.tip(&self.contact(p), &axis, self.surface) + axis * CHORD;
-                placed.push(self.off(Placed { tip, axis, place: p }));
+                placed.push(self.push_off_nose(LayerPose { tip, axis, place: p }));
             }
         }
         placed
@@ -114,21 +114,21 @@ impl OnLayer<'_> {
 
     /// The position, moved over the layer away from the splitter's nose until it keeps the allowance from all
     /// blades.
-    fn off(&self, placed: Placed) -> Placed {
+    fn push_off_nose(&self, placed: LayerPose) -> LayerPose {
         let maker = self.maker;
         let mut contact = self.contact(placed.place);
-        let Placed { mut tip, mut place, .. } = placed;
+        let LayerPose { mut tip, mut place, .. } = placed;
         for _ in 0..PUSHES {
             let cutter = maker.tool.placed(tip, placed.axis);
-            let short = maker.setup.stock.blade_allowance - maker.finished.blade_clearance(&cutter);
+            let short = maker.setup.allowances.blade_allowance - maker.finished.blade_clearance(&cutter);
             let Some(away) = self.off_nose(&contact).filter(|_| short > 0.0) else { break };
             // Project back onto the layer, which may be curved.
             let moved = contact.point + away * (1.3 * short + 1e-4);
-            (place, _) = self.layer.place(&moved, place.y, Some(place.x));
+            (place, _) = self.layer.project(&moved, place.y, Some(place.x));
             contact = self.contact(place);
             tip = maker.search.tip(&contact, &placed.axis, self.surface) + placed.axis * CHORD;
         }
-        Placed { tip, place, ..placed }
+        LayerPose { tip, place, ..placed }
     }
 
     /// Unit vector along the layer away from the middle of the nose.
@@ -141,9 +141,9 @@ impl OnLayer<'_> {
 
 /// The line with points added so that an axis which turns by `turn` (rad) along it turns little from one to
 /// the next.
-fn evenly(line: &[LayerPoint], turn: f64) -> Vec<LayerPoint> {
+fn densify_evenly(line: &[LayerPoint], turn: f64) -> Vec<LayerPoint> {
     let pieces = line.len().saturating_sub(1).max(1);
-    let count = (turn / MOST_TURN / pieces as f64).ceil().max(1.0) as usize;
+    let count = (turn / MAX_TURN / pieces as f64).ceil().max(1.0) as usize;
     let between =
         line.windows(2).flat_map(|w| (1..=count).map(move |k| w[0].lerp(w[1], k as f64 / count as f64)));
     line.first().copied().into_iter().chain(between).collect()

@@ -1,36 +1,36 @@
 //! Curves split by regions.
 
-use crate::flank::chart::{Chart, Region, WallName};
+use crate::flank::chart::{LayerChart, Region, WallName};
 use crate::flank::layer::LayerPoint;
-use crate::flank::schemes::{Curve, Role};
+use crate::flank::schemes::{PassCurve, PassRole};
 
 /// A piece of a curve within one region.
-pub(super) struct Stretch {
-    pub(super) role: Role,
+pub(super) struct CurvePiece {
+    pub(super) role: PassRole,
     pub(super) region: Region,
     pub(super) points: Vec<LayerPoint>,
 }
 
 /// A curve split by regions. A curve along the splitter counts as inner upstream of its nose.
-pub(super) fn stretches(chart: &Chart, curve: &Curve) -> Vec<Stretch> {
-    if let Role::Wall(wall @ (WallName::Low | WallName::High)) = curve.role {
+pub(super) fn split_by_region(chart: &LayerChart, curve: &PassCurve) -> Vec<CurvePiece> {
+    if let PassRole::Wall(wall @ (WallName::Low | WallName::High)) = curve.role {
         let region = if wall == WallName::Low { Region::LowSide } else { Region::HighSide };
-        return vec![Stretch { role: curve.role, region, points: curve.points.clone() }];
+        return vec![CurvePiece { role: curve.role, region, points: curve.points.clone() }];
     }
     // The curve round the splitter's nose is kept whole; isoparametric curves continue upstream of it and are
     // split.
-    let round = curve.role == Role::Wall(WallName::Splitter)
+    let round = curve.role == PassRole::Wall(WallName::Splitter)
         && curve.points.first().is_some_and(|a| chart.nearest_region(*a) != Region::Inlet)
         && curve.points.last().is_some_and(|b| chart.nearest_region(*b) != Region::Inlet);
     if round {
-        return vec![Stretch { role: curve.role, region: Region::Inlet, points: curve.points.clone() }];
+        return vec![CurvePiece { role: curve.role, region: Region::Inlet, points: curve.points.clone() }];
     }
     let nose = chart.borders.splitter.as_ref().map(|splitter| splitter.nose.x);
     let beginning = |region: Region, points: Vec<LayerPoint>| {
-        let role = if region == Region::Inlet { Role::Inner } else { curve.role };
-        Stretch { role, region, points }
+        let role = if region == Region::Inlet { PassRole::Inner } else { curve.role };
+        CurvePiece { role, region, points }
     };
-    let mut stretches: Vec<Stretch> = Vec::new();
+    let mut stretches: Vec<CurvePiece> = Vec::new();
     let mut last: Option<LayerPoint> = None;
     for &p in &curve.points {
         let region = chart.nearest_region(p);

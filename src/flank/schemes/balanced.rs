@@ -6,29 +6,29 @@
 //! that passes the nose on its own side. All curves run smoothly past the nose, and none ends within the
 //! channel.
 
-use super::{Curve, sound, within};
-use crate::flank::chart::{Chart, Region, WallName};
+use super::{PassCurve, layer_margin, own_wall_margin};
+use crate::flank::chart::{LayerChart, Region, WallName};
 
 /// The curves of a layer, with lead-in and lead-out of `beyond` mm: the shorter of the two results with
 /// either main blade first.
-pub fn balanced(chart: &Chart, beyond: f64) -> Vec<Curve> {
-    let length = |curves: &[Curve]| curves.iter().map(|c| c.length(chart.layer)).sum::<f64>();
+pub fn balanced(chart: &LayerChart, beyond: f64) -> Vec<PassCurve> {
+    let length = |curves: &[PassCurve]| curves.iter().map(|c| c.length(chart.layer)).sum::<f64>();
     let [a, b] = [WallName::Low, WallName::High].map(|main| fans(chart, beyond, main));
     if length(&b) < length(&a) { b } else { a }
 }
 
-fn fans(chart: &Chart, beyond: f64, main: WallName) -> Vec<Curve> {
+fn fans(chart: &LayerChart, beyond: f64, main: WallName) -> Vec<PassCurve> {
     let (other, own_side) = match main {
         WallName::Low => (WallName::High, Region::LowSide),
         _ => (WallName::Low, Region::HighSide),
     };
-    let clear = chart.clear;
-    let at = |k: usize| clear + chart.interval * k as f64;
+    let clear = chart.min_wall_distance;
+    let at = |k: usize| clear + chart.stepover * k as f64;
     // Number of the last offset of the first fan that passes the nose on its own side; without a splitter all
     // do.
     let last = chart.borders.splitter.as_ref().map(|splitter| {
         let nose = chart.distance(main, splitter.nose);
-        if nose.is_finite() { ((nose - clear) / chart.interval).floor().max(0.0) as usize } else { 0 }
+        if nose.is_finite() { ((nose - clear) / chart.stepover).floor().max(0.0) as usize } else { 0 }
     });
     let mut curves = Vec::new();
     for wall in [main, other, WallName::Splitter] {
@@ -53,9 +53,9 @@ fn fans(chart: &Chart, beyond: f64, main: WallName) -> Vec<Curve> {
                     (w, side, _) if (w == main) == (side == own_side) => of_splitter,
                     _ => -1.0,
                 };
-                keep.min(within(chart, p, beyond)).min(sound(chart, wall, at(k), p))
+                keep.min(layer_margin(chart, p, beyond)).min(own_wall_margin(chart, wall, at(k), p))
             });
-            curves.extend(pieces.into_iter().map(|points| Curve::new(chart, wall, k, points)));
+            curves.extend(pieces.into_iter().map(|points| PassCurve::new(chart, wall, k, points)));
         }
     }
     curves

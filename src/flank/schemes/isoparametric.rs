@@ -1,10 +1,10 @@
 //! Isoparametric strategy: each curve is at a constant fraction between the walls; the widest station sets
 //! their number.
 
-use super::{Curve, Role};
-use crate::flank::border::{Borders, y_at};
+use super::{PassCurve, PassRole};
+use crate::flank::border::{LayerWalls, y_at};
 use crate::flank::chart::{Region, WallName};
-use crate::flank::layer::{Layer, LayerPoint};
+use crate::flank::layer::{LayerPoint, LayerSurface};
 
 /// Spacing of the points of a curve, mm.
 const STEP: f64 = 2.0;
@@ -12,8 +12,14 @@ const STEP: f64 = 2.0;
 /// The baseline [flank paper, fig. 4]: the widest station of each passage beside the splitter sets the number
 /// of curves, and each runs through the whole channel. First and last curve keep `clear` mm from the walls.
 /// Lead-in and lead-out are `beyond` mm long.
-pub fn isoparametric(layer: &Layer, borders: &Borders, clear: f64, interval: f64, beyond: f64) -> Vec<Curve> {
-    let passages = Passage::all(layer, borders, clear);
+pub fn isoparametric(
+    layer: &LayerSurface,
+    borders: &LayerWalls,
+    clear: f64,
+    interval: f64,
+    beyond: f64,
+) -> Vec<PassCurve> {
+    let passages = LayerPassage::all(layer, borders, clear);
     let whole = &passages[0];
     let mut curves = Vec::new();
     if passages.len() == 1 {
@@ -43,13 +49,13 @@ pub fn isoparametric(layer: &Layer, borders: &Borders, clear: f64, interval: f64
 /// The same in each region by itself: the widest station of the region sets the number of curves [flank
 /// paper, fig. 7].
 pub fn isoparametric_by_region(
-    layer: &Layer,
-    borders: &Borders,
+    layer: &LayerSurface,
+    borders: &LayerWalls,
     clear: f64,
     interval: f64,
     beyond: f64,
-) -> Vec<Curve> {
-    let passages = Passage::all(layer, borders, clear);
+) -> Vec<PassCurve> {
+    let passages = LayerPassage::all(layer, borders, clear);
     let mut curves = Vec::new();
     for passage in &passages {
         if passage.from >= passage.to {
@@ -63,8 +69,8 @@ pub fn isoparametric_by_region(
 }
 
 /// A stretch of the channel between two walls.
-struct Passage<'a> {
-    layer: &'a Layer,
+struct LayerPassage<'a> {
+    layer: &'a LayerSurface,
     low: &'a [LayerPoint],
     high: &'a [LayerPoint],
     clear: f64,
@@ -75,9 +81,9 @@ struct Passage<'a> {
     walls: [WallName; 2],
 }
 
-impl<'a> Passage<'a> {
+impl<'a> LayerPassage<'a> {
     /// The channel up to the splitter's nose, and the two passages beside it.
-    fn all(layer: &'a Layer, borders: &'a Borders, clear: f64) -> Vec<Self> {
+    fn all(layer: &'a LayerSurface, borders: &'a LayerWalls, clear: f64) -> Vec<Self> {
         use WallName::{High, Low, Splitter};
         let nose = borders.splitter.as_ref().map(|s| s.nose.x.max(layer.from));
         let passage =
@@ -130,14 +136,14 @@ impl<'a> Passage<'a> {
         (0..=count).map(move |k| if count > 0 { k as f64 / count as f64 } else { 0.5 })
     }
 
-    fn curve(&self, share: f64, from: f64, to: f64) -> Curve {
+    fn curve(&self, share: f64, from: f64, to: f64) -> PassCurve {
         let points = stations(from, to).map(|x| LayerPoint { x, y: self.y(share, x) }).collect();
         let role = match share {
-            0.0 => Role::Wall(self.walls[0]),
-            1.0 => Role::Wall(self.walls[1]),
-            _ => Role::Inner,
+            0.0 => PassRole::Wall(self.walls[0]),
+            1.0 => PassRole::Wall(self.walls[1]),
+            _ => PassRole::Inner,
         };
-        Curve { role, region: self.region, points }
+        PassCurve { role, region: self.region, points }
     }
 }
 

@@ -2,25 +2,25 @@
 //! offset towards each other, and each offset is kept where its own wall is the nearer one. In the middle
 //! gaps of up to two stepovers may remain.
 
-use super::{Curve, sound, within};
-use crate::flank::chart::{Chart, Region, WallName};
+use super::{PassCurve, layer_margin, own_wall_margin};
+use crate::flank::chart::{LayerChart, Region, WallName};
 
 /// The curves of a layer, with lead-in and lead-out of `beyond` mm.
-pub fn regions(chart: &Chart, beyond: f64) -> Vec<Curve> {
+pub fn regions(chart: &LayerChart, beyond: f64) -> Vec<PassCurve> {
     let mut curves = Vec::new();
     for wall in WallName::ALL {
         for (k, line) in chart.offsets(wall).iter().enumerate() {
-            let own = chart.clear + chart.interval * k as f64;
+            let own = chart.min_wall_distance + chart.stepover * k as f64;
             let pieces = chart.clip(line, |p| {
                 let Some(region) = chart.region(p) else { return -1.0 };
                 let Some(other) = facing(wall, region) else { return -1.0 };
-                let mut keep = (chart.distance(other, p) - own).min(within(chart, p, beyond));
+                let mut keep = (chart.distance(other, p) - own).min(layer_margin(chart, p, beyond));
                 if region == Region::Inlet {
-                    keep = keep.min(chart.distance(WallName::Splitter, p) - chart.clear);
+                    keep = keep.min(chart.distance(WallName::Splitter, p) - chart.min_wall_distance);
                 }
-                keep.min(sound(chart, wall, own, p))
+                keep.min(own_wall_margin(chart, wall, own, p))
             });
-            curves.extend(pieces.into_iter().map(|points| Curve::new(chart, wall, k, points)));
+            curves.extend(pieces.into_iter().map(|points| PassCurve::new(chart, wall, k, points)));
         }
     }
     curves

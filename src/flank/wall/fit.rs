@@ -16,7 +16,7 @@ use crate::part::BladeSide;
 
 /// A blade side with the side of the cutter and the distance of its axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Face<'a> {
+pub(super) struct OffsetSide<'a> {
     pub(super) side: &'a BladeSide,
     /// +1 where ∂S/∂u × ∂S/∂v points to the cutter.
     pub(super) sign: f64,
@@ -26,14 +26,14 @@ pub(super) struct Face<'a> {
 
 /// A tool axis by two points on it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct AxisLine {
     pub(super) low: Point,
     pub(super) high: Point,
 }
 
 /// The deviation of an axis from one line of constant v of the wall, and its gradient data.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct LineDeviation {
     /// u of the nearest point of the line.
     pub(super) u: f64,
     /// Stock that the cylinder leaves there, mm; negative for overcut.
@@ -54,8 +54,8 @@ pub(super) struct Heights {
 
 /// An axis fitted to the wall, before the allowed overcut is chosen.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fitted {
-    start: Line,
+pub(super) struct FittedAxis {
+    start: AxisLine,
     freedoms: [Vector; 3],
     /// The free parameters, mm.
     x: Vector3<f64>,
@@ -69,14 +69,14 @@ const NEAREST_STEPS: usize = 8;
 /// Maximum shift of an axis from the one it is fitted from, at the foot of the wall and at its tip, mm: on a
 /// strongly bowed wall the best axis for a strip would incline into the passage and turn far from layer to
 /// layer.
-const MOST_OFF: f64 = 0.5;
+const MAX_SHIFT: f64 = 0.5;
 /// Maximum distance of an axis from the plain offset at its foot and tip, as a share of the height of the
 /// wall, added to the reach.
-const MOST_STRAY: f64 = 0.15;
+const MAX_STRAY: f64 = 0.15;
 /// Maximum number of exchanges per minimax step.
 const EXCHANGES: usize = 40;
 /// Step of the free parameters below which the fit has converged, mm.
-const SETTLED: f64 = 2e-5;
+const STEP_TOLERANCE: f64 = 2e-5;
 /// Regularisation of the free parameters where no deviation depends on them, as on the feed shift of walls
 /// without twist: deviation per mm of shift.
 const RIDGE: f64 = 1e-4;
@@ -85,7 +85,7 @@ const RISES: usize = 9;
 /// Maximum number of lines of the wall in one fit.
 pub(super) const MAX_LINES: usize = 33;
 
-impl Line {
+impl AxisLine {
     /// Unit direction, from the low point to the high one.
     pub(super) fn axis(&self) -> Vector {
         (self.high - self.low).normalize()
@@ -108,9 +108,9 @@ impl Line {
     }
 }
 
-impl Fitted {
+impl FittedAxis {
     /// The axis.
-    pub(super) fn line(&self) -> Line {
+    pub(super) fn line(&self) -> AxisLine {
         self.at(&self.x)
     }
 
@@ -120,16 +120,16 @@ impl Fitted {
     }
 
     /// The axis with other free parameters.
-    fn at(&self, x: &Vector3<f64>) -> Line {
+    fn at(&self, x: &Vector3<f64>) -> AxisLine {
         let Self { start, freedoms, .. } = self;
-        Line {
+        AxisLine {
             low: start.low + freedoms[0] * x[0],
             high: start.high + freedoms[1] * x[1] + freedoms[2] * x[2],
         }
     }
 }
 
-impl Face<'_> {
+impl OffsetSide<'_> {
     /// Point, unit normal towards the cutter, and unit tangent along growing u.
     pub(super) fn frame(&self, u: f64, v: f64) -> (Point, Vector, Vector) {
         let (p, pu, pv) = self.side.derivatives(u, v);
@@ -140,13 +140,13 @@ impl Face<'_> {
 
     /// The plain offset at u, both its ends off the wall by the reach, and the directions of the free
     /// parameters.
-    fn start(&self, u: f64) -> (Line, [Vector; 3]) {
+    fn start(&self, u: f64) -> (AxisLine, [Vector; 3]) {
         let ((p, n, _), (q, m, t)) = (self.frame(u, 0.0), self.frame(u, 1.0));
-        (Line { low: p + n * self.reach, high: q + m * self.reach }, [n, m, t])
+        (AxisLine { low: p + n * self.reach, high: q + m * self.reach }, [n, m, t])
     }
 
     /// Deviation of `line` at height `v` of the wall. Newton search for the nearest point, from `u` on.
-    pub(super) fn seen(&self, line: &Line, axis: &Vector, v: f64, u: f64) -> Seen {
+    pub(super) fn deviation_at(&self, line: &AxisLine, axis: &Vector, v: f64, u: f64) -> LineDeviation {
         let mut u = u;
         let mut limit = f64::INFINITY;
         let mut curve = self.side.line(v);
@@ -173,7 +173,7 @@ impl Face<'_> {
         let distance = to_axis.norm();
         let outwards = pu.cross(&pv).dot(&to_axis) * self.sign >= 0.0;
         let sign = if outwards { 1.0 } else { -1.0 };
-        Seen {
+        LineDeviation {
             u,
             excess: sign * distance - self.reach,
             away: to_axis * (sign / distance.max(1e-12)),
@@ -182,19 +182,21 @@ impl Face<'_> {
     }
 
     /// Height of the wall along `line` above its low point at evenly spaced v, mm.
-    pub(super) fn rise(&self, line: &Line, u: f64) -> [f64; RISES] {
+    pub(super) fn rise(&self, line: &AxisLine, u: f64) -> [f64; RISES] {
         let (axis, length) = (line.axis(), (line.high - line.low).norm());
-        std::array::from_fn(|k| self.seen(line, &axis, k as f64 / (RISES - 1) as f64, u).share * length)
+        std::array::from_fn(|k| {
+            self.deviation_at(line, &axis, k as f64 / (RISES - 1) as f64, u).share * length
+        })
     }
 
     /// Minimum deviation of `line` over evenly spaced `heights`, mm, refined by parabolas through three
     /// heights. The nearest point is tracked from `u` on.
-    pub(super) fn least(&self, line: &Line, heights: &[f64], u: f64) -> f64 {
+    pub(super) fn min_deviation(&self, line: &AxisLine, heights: &[f64], u: f64) -> f64 {
         let axis = line.axis();
         let (mut near, mut least) = (u, f64::INFINITY);
         let mut last = [f64::INFINITY; 2];
         for &v in heights {
-            let seen = self.seen(line, &axis, v, near);
+            let seen = self.deviation_at(line, &axis, v, near);
             near = seen.u;
             let [before, here] = last;
             if here <= before && here <= seen.excess && before.is_finite() {
@@ -209,36 +211,42 @@ impl Face<'_> {
     }
 
     /// Updates the deviations of `line` at the heights `v`, each tracked from its last nearest point.
-    fn look(&self, line: &Line, v: &[f64], seen: &mut [Seen; MAX_LINES]) {
+    fn update_deviations(&self, line: &AxisLine, v: &[f64], seen: &mut [LineDeviation; MAX_LINES]) {
         let axis = line.axis();
         for (seen, &v) in seen.iter_mut().zip(v) {
-            *seen = self.seen(line, &axis, v, seen.u);
+            *seen = self.deviation_at(line, &axis, v, seen.u);
         }
     }
 
     /// Minimax fit of the axis at `u` over the `heights`, started from the axis `beside` it or from the plain
     /// offset. Its angle along the feed to the plain offset is at most `most_tilt` (rad), its shift from the
-    /// one beside it at most [`MOST_OFF`].
-    pub(super) fn fit(&self, u: f64, heights: &Heights, beside: Option<&Fitted>, most_tilt: f64) -> Fitted {
+    /// one beside it at most [`MAX_SHIFT`].
+    pub(super) fn fit(
+        &self,
+        u: f64,
+        heights: &Heights,
+        beside: Option<&FittedAxis>,
+        most_tilt: f64,
+    ) -> FittedAxis {
         let (start, freedoms) = self.start(u);
         let rest = beside.map_or(Vector3::zeros(), |beside| beside.x);
-        let mut fitted = Fitted { start, freedoms, x: rest, level: 0.0 };
-        let most_stray = self.reach + MOST_STRAY * (start.high - start.low).norm();
+        let mut fitted = FittedAxis { start, freedoms, x: rest, level: 0.0 };
+        let most_stray = self.reach + MAX_STRAY * (start.high - start.low).norm();
         let most_shift = most_tilt.tan() * (start.high - start.low).norm();
-        let mut seen = [Seen::at(u); MAX_LINES];
+        let mut seen = [LineDeviation::at(u); MAX_LINES];
         // Twice: the first search at an inclined axis starts far from the nearest point and does not quite
         // converge.
-        self.look(&fitted.line(), &heights.v, &mut seen);
-        self.look(&fitted.line(), &heights.v, &mut seen);
-        fitted.level = heights.worst(&seen);
+        self.update_deviations(&fitted.line(), &heights.v, &mut seen);
+        self.update_deviations(&fitted.line(), &heights.v, &mut seen);
+        fitted.level = heights.max_deviation(&seen);
         let mut shorter = 1.0;
         for _ in 0..FIT_STEPS {
-            let Some(step) = min_max_step(heights, &seen, &fitted, &rest, most_shift) else { break };
+            let Some(step) = minimax_step(heights, &seen, &fitted, &rest, most_shift) else { break };
             let limit = 0.5 * self.reach * shorter;
             let step = step * (limit / step.amax().max(limit));
             let mut there = seen;
-            self.look(&fitted.at(&(fitted.x + step)), &heights.v, &mut there);
-            let then = heights.worst(&there);
+            self.update_deviations(&fitted.at(&(fitted.x + step)), &heights.v, &mut there);
+            let then = heights.max_deviation(&there);
             // Far from its start an axis may fit another part of the wall.
             let strays = (fitted.x + step).xy().amax() > most_stray;
             if then >= fitted.level || strays {
@@ -248,24 +256,30 @@ impl Face<'_> {
                 (fitted.x, seen, fitted.level) = (fitted.x + step, there, then);
                 shorter = f64::min(1.0, 3.0 * shorter);
             }
-            if step.amax() < SETTLED {
+            if step.amax() < STEP_TOLERANCE {
                 break;
             }
         }
         if beside.is_some() {
             let way = fitted.x - rest;
-            fitted.x = rest + way * (MOST_OFF / way.xy().amax().max(MOST_OFF));
+            fitted.x = rest + way * (MAX_SHIFT / way.xy().amax().max(MAX_SHIFT));
         }
         fitted
     }
 
     /// An axis fitted at `u`, moved along the normals until the minimum deviation over the `heights` is
     /// −`tolerance`, or the deviations are balanced about 0.
-    pub(super) fn moved_off(&self, u: f64, fitted: &Fitted, heights: &Heights, tolerance: f64) -> Line {
+    pub(super) fn moved_off(
+        &self,
+        u: f64,
+        fitted: &FittedAxis,
+        heights: &Heights,
+        tolerance: f64,
+    ) -> AxisLine {
         let mut x = fitted.x;
-        let mut seen = [Seen::at(u); MAX_LINES];
+        let mut seen = [LineDeviation::at(u); MAX_LINES];
         for _ in 0..3 {
-            self.look(&fitted.at(&x), &heights.v, &mut seen);
+            self.update_deviations(&fitted.at(&x), &heights.v, &mut seen);
             let excess = |count: usize| seen[..count].iter().map(|s| s.excess);
             let low = excess(heights.v.len()).fold(f64::INFINITY, f64::min);
             let high = excess(heights.formed).fold(f64::NEG_INFINITY, f64::max);
@@ -277,7 +291,7 @@ impl Face<'_> {
     }
 }
 
-impl Seen {
+impl LineDeviation {
     /// Not evaluated yet; the search starts near `u`.
     fn at(u: f64) -> Self {
         Self { u, excess: 0.0, away: Vector::zeros(), share: 0.0 }
@@ -295,8 +309,10 @@ impl Heights {
     }
 
     /// Maximum deviation that counts, mm.
-    fn worst(&self, seen: &[Seen]) -> f64 {
-        let off = |(k, seen): (usize, &Seen)| if k < self.formed { seen.excess.abs() } else { -seen.excess };
+    fn max_deviation(&self, seen: &[LineDeviation]) -> f64 {
+        let off = |(k, seen): (usize, &LineDeviation)| {
+            if k < self.formed { seen.excess.abs() } else { -seen.excess }
+        };
         seen.iter().take(self.v.len()).enumerate().map(off).fold(0.0, f64::max)
     }
 }
@@ -304,30 +320,30 @@ impl Heights {
 /// Gauss–Newton step of the three free parameters towards the minimax deviation, for an axis that has `seen`
 /// the wall at `heights`. The third parameter stays within ±`most_shift`; parameters without influence return
 /// to `rest`. `None` where none has any.
-fn min_max_step(
+fn minimax_step(
     heights: &Heights,
-    seen: &[Seen],
-    Fitted { freedoms, x, .. }: &Fitted,
+    seen: &[LineDeviation],
+    FittedAxis { freedoms, x, .. }: &FittedAxis,
     rest: &Vector3<f64>,
     most_shift: f64,
 ) -> Option<Vector3<f64>> {
     let count = heights.v.len();
-    let mut rows = [Row::default(); MAX_LINES + 3];
+    let mut rows = [LinearDeviation::default(); MAX_LINES + 3];
     for (k, (row, s)) in rows.iter_mut().zip(&seen[..count]).enumerate() {
         let slope = Vector3::new(
             (1.0 - s.share) * s.away.dot(&freedoms[0]),
             s.share * s.away.dot(&freedoms[1]),
             s.share * s.away.dot(&freedoms[2]),
         );
-        *row = Row { slope, at_rest: s.excess, only_below: k >= heights.formed };
+        *row = LinearDeviation { slope, at_rest: s.excess, only_below: k >= heights.formed };
     }
     for k in 0..3 {
         let slope = Vector3::ith(k, RIDGE);
-        rows[count + k] = Row { slope, at_rest: RIDGE * (x[k] - rest[k]), only_below: false };
+        rows[count + k] = LinearDeviation { slope, at_rest: RIDGE * (x[k] - rest[k]), only_below: false };
     }
     let rows = &mut rows[..count + 3];
     let first = [0, heights.formed / 2, heights.formed - 1, count + 2];
-    let step = least_greatest(rows, first)?;
+    let step = minimax(rows, first)?;
     let shift = (x[2] + step[2]).clamp(-most_shift, most_shift) - x[2];
     if shift == step[2] {
         return Some(step);
@@ -337,14 +353,14 @@ fn min_max_step(
         row.at_rest += row.slope[2] * shift;
         row.slope[2] = 0.0;
     }
-    rows[count + 2] = Row { slope: Vector3::z(), ..Row::default() };
-    let step = least_greatest(rows, first)?;
+    rows[count + 2] = LinearDeviation { slope: Vector3::z(), ..LinearDeviation::default() };
+    let step = minimax(rows, first)?;
     Some(Vector3::new(step[0], step[1], shift))
 }
 
 /// A deviation as a linear function of three parameters.
 #[derive(Clone, Copy, Debug, Default)]
-struct Row {
+struct LinearDeviation {
     slope: Vector3<f64>,
     /// Deviation where the parameters are zero.
     at_rest: f64,
@@ -352,7 +368,7 @@ struct Row {
     only_below: bool,
 }
 
-impl Row {
+impl LinearDeviation {
     /// The deviation that counts, at the parameters `x`.
     fn off(&self, x: &Vector3<f64>) -> f64 {
         let deviation = self.at_rest + self.slope.dot(x);
@@ -363,9 +379,9 @@ impl Row {
 /// Discrete linear Chebyshev approximation by exchange: the parameters that minimise the maximum of the
 /// `rows`. Four rows define the level; the row with the largest deviation replaces the one that lets the
 /// level rise most. `first` are four different rows that count both above and below.
-fn least_greatest(rows: &[Row], first: [usize; 4]) -> Option<Vector3<f64>> {
+fn minimax(rows: &[LinearDeviation], first: [usize; 4]) -> Option<Vector3<f64>> {
     let mut deciding = first;
-    let mut best = level(rows, &deciding)?;
+    let mut best = reference_level(rows, &deciding)?;
     for _ in 0..EXCHANGES {
         let (level_now, x) = best;
         let worst = (0..rows.len()).max_by(|&i, &j| rows[i].off(&x).total_cmp(&rows[j].off(&x)))?;
@@ -375,7 +391,7 @@ fn least_greatest(rows: &[Row], first: [usize; 4]) -> Option<Vector3<f64>> {
         let exchanged = (0..4).filter_map(|k| {
             let mut next = deciding;
             next[k] = worst;
-            level(rows, &next).map(|there| (there, next))
+            reference_level(rows, &next).map(|there| (there, next))
         });
         let Some((there, next)) = exchanged.max_by(|a, b| a.0.0.total_cmp(&b.0.0)) else { break };
         (best, deciding) = (there, next);
@@ -385,7 +401,7 @@ fn least_greatest(rows: &[Row], first: [usize; 4]) -> Option<Vector3<f64>> {
 
 /// Minimax deviation of four rows alone, and the parameters that attain it; `None` where a row that counts
 /// only below would be above.
-fn level(rows: &[Row], four: &[usize; 4]) -> Option<(f64, Vector3<f64>)> {
+fn reference_level(rows: &[LinearDeviation], four: &[usize; 4]) -> Option<(f64, Vector3<f64>)> {
     let row = |k: usize| &rows[four[k]];
     let others = |k: usize| [(k + 1) % 4, (k + 2) % 4, (k + 3) % 4];
     // Coefficients of the linear dependence of the four slopes.
@@ -415,13 +431,17 @@ mod tests {
     #[test]
     fn the_parabola_through_a_quartic_is_chebyshev_s() {
         // Best quadratic approximation of x⁴ on [−1, 1]: x² − 1/8, greatest error 1/8.
-        let rows: Vec<Row> = (0..=400)
+        let rows: Vec<LinearDeviation> = (0..=400)
             .map(|k| {
                 let x = f64::from(k) / 200.0 - 1.0;
-                Row { slope: -Vector3::new(1.0, x, x * x), at_rest: x.powi(4), ..Row::default() }
+                LinearDeviation {
+                    slope: -Vector3::new(1.0, x, x * x),
+                    at_rest: x.powi(4),
+                    ..LinearDeviation::default()
+                }
             })
             .collect();
-        let found = least_greatest(&rows, [0, 100, 200, 300]).expect("a parabola");
+        let found = minimax(&rows, [0, 100, 200, 300]).expect("a parabola");
         assert!((found - Vector3::new(-0.125, 0.0, 1.0)).norm() < 1e-3, "{found}");
     }
 
@@ -433,8 +453,8 @@ mod tests {
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         for case in 0..50 {
-            let mut rows: Vec<Row> = (0..12)
-                .map(|k| Row {
+            let mut rows: Vec<LinearDeviation> = (0..12)
+                .map(|k| LinearDeviation {
                     slope: Vector3::new(random(), random(), random()),
                     at_rest: random(),
                     only_below: k > 7 && case % 3 == 0,
@@ -444,9 +464,9 @@ mod tests {
                 // The third parameter affects only the last row.
                 rows.iter_mut().for_each(|row| row.slope.z = 0.0);
             }
-            rows.push(Row { slope: Vector3::new(0.0, 0.0, 1e-4), ..Row::default() });
+            rows.push(LinearDeviation { slope: Vector3::new(0.0, 0.0, 1e-4), ..LinearDeviation::default() });
             let most = |x: &Vector3<f64>| rows.iter().map(|r| r.off(x)).fold(0.0, f64::max);
-            let found = least_greatest(&rows, [0, 4, 7, 12]).expect("numbers");
+            let found = minimax(&rows, [0, 4, 7, 12]).expect("numbers");
             let least = most(&found);
             for _ in 0..2000 {
                 let step = Vector3::new(random(), random(), random()) * 0.01;

@@ -1,7 +1,7 @@
 //! Spacing of the stations along a wall.
 
-use super::fit::Face;
-use super::{MOST_TURN, WallMilling};
+use super::fit::OffsetSide;
+use super::{MAX_STATION_TURN, WallMilling};
 use crate::geometry::{Point, Vector};
 
 /// Samples along a wall for the spacing of stations.
@@ -16,7 +16,7 @@ pub(super) fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
 
 /// u of the stations, as far apart as the maximum step, the chord error and the turn of the axis allow;
 /// `None` if their number is not finite.
-pub(super) fn station_places(face: &Face, milling: &WallMilling) -> Option<Vec<f64>> {
+pub(super) fn station_parameters(face: &OffsetSide, milling: &WallMilling) -> Option<Vec<f64>> {
     let side = face.side;
     let ends = side.u_range();
     let beyond = |u: f64| {
@@ -39,7 +39,7 @@ pub(super) fn station_places(face: &Face, milling: &WallMilling) -> Option<Vec<f
     let edges = [0.0, 0.5, 1.0].map(offsets);
     let axis = |i: usize| edges[2][i].0 - edges[0][i].0;
     for i in 1..u.len() {
-        let by_turn = axis(i - 1).angle(&axis(i)) / (MOST_TURN * du);
+        let by_turn = axis(i - 1).angle(&axis(i)) / (MAX_STATION_TURN * du);
         density[i] = density[i].max(by_turn);
     }
     for line in &edges {

@@ -3,10 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::fit::{Face, Fitted, Heights, Line};
+use super::fit::{AxisLine, FittedAxis, Heights, OffsetSide};
 use super::places::evenly;
-use super::swept::{Column, settle};
-use super::{MARGIN, MOST_UNFORMED, WallMilling};
+use super::swept::{MapColumn, correct_overcuts};
+use super::{MARGIN, MAX_UNFORMED, WallMilling};
 use crate::plunge::slotting::DepthSurface;
 
 /// Heights of a fit, on a ruled wall and on another one; an evaluation uses about twice as many.
@@ -15,20 +15,20 @@ const BOWED_HEIGHTS: usize = 25;
 /// Heights of a fit in the strip of a layer.
 const STRIP_HEIGHTS: usize = 7;
 /// Minimum number of heights of an evaluation.
-const LEAST_JUDGED: f64 = 5.0;
+const MIN_EVALUATED: f64 = 5.0;
 /// On a ruled wall every n-th row of a map above a strip is evaluated; on a bowed wall all are, as a lower
 /// layer may cut much of what is left there.
 const ROWS_ABOVE: usize = 4;
 
 /// The strip, by stations of the wall.
 #[derive(Clone, Debug)]
-pub(super) struct Strip {
+pub(super) struct WallStrip {
     /// v at which the flank begins; infinite where the tool misses the layer.
     pub(super) low: Vec<f64>,
     /// v at which the next strip begins, at most 1.
     top: Vec<f64>,
     /// The fitted axes.
-    pub(super) fitted: Vec<Fitted>,
+    pub(super) fitted: Vec<FittedAxis>,
     /// Heights of a fit in the strip, and above it as if it were the whole height.
     heights: [usize; 2],
     /// Heights of an evaluation over the whole height.
@@ -37,14 +37,14 @@ pub(super) struct Strip {
     rows_above: usize,
 }
 
-impl Strip {
+impl WallStrip {
     /// The whole height: what the flank forms if the tool is on the allowance of the hub. Not fitted yet.
-    pub(super) fn whole(face: &Face, places: &[f64], milling: &WallMilling) -> Self {
+    pub(super) fn whole(face: &OffsetSide, places: &[f64], milling: &WallMilling) -> Self {
         let uncut = milling.hub_allowance + milling.tool.corner_radius;
         let height = |&u: &f64| (face.side.point(u, 1.0) - face.side.point(u, 0.0)).norm();
         let heights = if face.side.is_ruled() { RULED_HEIGHTS } else { BOWED_HEIGHTS };
         Self {
-            low: places.iter().map(|u| (uncut / height(u).max(1e-9)).min(MOST_UNFORMED)).collect(),
+            low: places.iter().map(|u| (uncut / height(u).max(1e-9)).min(MAX_UNFORMED)).collect(),
             top: vec![1.0; places.len()],
             fitted: Vec::new(),
             heights: [heights, 0],
@@ -57,13 +57,13 @@ impl Strip {
     /// fitted yet.
     pub(super) fn by_layer(
         &self,
-        face: &Face,
+        face: &OffsetSide,
         places: &[f64],
         milling: &WallMilling,
         layers: &[DepthSurface],
     ) -> Vec<Self> {
         // Indexed by stations, then layers.
-        let lows = |(&u, fitted): (&f64, &Fitted)| -> Vec<f64> {
+        let lows = |(&u, fitted): (&f64, &FittedAxis)| -> Vec<f64> {
             let line = fitted.line();
             let axis = line.axis();
             let rise = face.rise(&line, u);
@@ -78,7 +78,7 @@ impl Strip {
         let of_layer = |k: usize| {
             let top = |lows: &Vec<f64>| {
                 let next = lows[k + 1..].iter().copied().fold(f64::INFINITY, f64::min);
-                if next < MOST_UNFORMED { next } else { 1.0 }
+                if next < MAX_UNFORMED { next } else { 1.0 }
             };
             Self {
                 low: lows.iter().map(|lows| lows[k].max(0.0)).collect(),
@@ -93,13 +93,13 @@ impl Strip {
     }
 
     /// Heights of an evaluation over the whole height.
-    pub(super) fn judged(&self) -> usize {
+    pub(super) fn evaluated_heights(&self) -> usize {
         self.judged
     }
 
     /// v at which the strip begins and ends, at a station.
     fn ends(&self, station: usize) -> [f64; 2] {
-        let low = self.low[station].min(MOST_UNFORMED);
+        let low = self.low[station].min(MAX_UNFORMED);
         [low, self.top[station].max(low)]
     }
 
@@ -110,13 +110,13 @@ impl Strip {
     }
 
     /// Axes fitted to the strip, started from those `beside` it.
-    pub(super) fn fitted_to(
+    pub(super) fn fit_axes(
         &self,
-        face: &Face,
+        face: &OffsetSide,
         places: &[f64],
-        beside: Option<&[Fitted]>,
+        beside: Option<&[FittedAxis]>,
         most_tilt: f64,
-    ) -> Vec<Fitted> {
+    ) -> Vec<FittedAxis> {
         let fitted = |(k, &u): (usize, &f64)| {
             face.fit(u, &self.heights(k), beside.map(|beside| &beside[k]), most_tilt)
         };
@@ -125,26 +125,26 @@ impl Strip {
 
     /// The axes moved along the wall's normals, so that neither they nor those half way between them cut more
     /// than `tolerance` mm below the allowance, as far as `settle` converges.
-    pub(super) fn moved_off(&self, face: &Face, places: &[f64], tolerance: f64) -> Vec<Line> {
+    pub(super) fn moved_off(&self, face: &OffsetSide, places: &[f64], tolerance: f64) -> Vec<AxisLine> {
         let moved = |(k, &u): (usize, &f64)| face.moved_off(u, &self.fitted[k], &self.heights(k), tolerance);
-        let mut lines: Vec<Line> = places.par_iter().enumerate().map(moved).collect();
-        let spare = |line: &Line, column: &Column| {
-            let low = column.between(&self.low).min(MOST_UNFORMED);
-            let judged = (self.judged as f64 * (1.0 - low)).ceil().max(LEAST_JUDGED) as usize;
-            face.least(line, &evenly(low, 1.0, judged), column.u) + tolerance - MARGIN
+        let mut lines: Vec<AxisLine> = places.par_iter().enumerate().map(moved).collect();
+        let spare = |line: &AxisLine, column: &MapColumn| {
+            let low = column.interpolate(&self.low).min(MAX_UNFORMED);
+            let judged = (self.judged as f64 * (1.0 - low)).ceil().max(MIN_EVALUATED) as usize;
+            face.min_deviation(line, &evenly(low, 1.0, judged), column.u) + tolerance - MARGIN
         };
-        settle(face, places, &mut lines, spare);
+        correct_overcuts(face, places, &mut lines, spare);
         lines
     }
 
     /// Whether a point of the wall is in the strip.
-    pub(super) fn holds(&self, column: &Column, v: f64) -> bool {
-        (column.between(&self.low) - 1e-9..=column.between(&self.top) + 1e-9).contains(&v)
+    pub(super) fn holds(&self, column: &MapColumn, v: f64) -> bool {
+        (column.interpolate(&self.low) - 1e-9..=column.interpolate(&self.top) + 1e-9).contains(&v)
     }
 
     /// Whether a map evaluates `row` of a column: all rows of the strip, and some above it.
-    pub(super) fn is_judged(&self, column: &Column, row: usize, rows: &[f64]) -> bool {
-        let (low, top) = (column.between(&self.low), column.between(&self.top));
+    pub(super) fn is_evaluated(&self, column: &MapColumn, row: usize, rows: &[f64]) -> bool {
+        let (low, top) = (column.interpolate(&self.low), column.interpolate(&self.top));
         rows[row] >= low - 1e-9
             && (rows[row] <= top || row.is_multiple_of(self.rows_above) || row + 1 == rows.len())
     }

@@ -3,8 +3,8 @@
 
 use rayon::prelude::*;
 
-use super::fit::{Face, Line};
-use super::{CORRECTIONS, SETTLED};
+use super::fit::{AxisLine, OffsetSide};
+use super::{CORRECTIONS, DISTANCE_TOLERANCE};
 use crate::geometry::{Point, Vector, search};
 
 /// Swept deviation of a wall, mm.
@@ -36,18 +36,18 @@ const SHARE_TOLERANCE: f64 = 1e-3;
 
 /// Moves positions off the wall until neither they nor those between them cut too deep. `spare` is the margin
 /// of an axis before it does, mm.
-pub(super) fn settle(
-    face: &Face,
+pub(super) fn correct_overcuts(
+    face: &OffsetSide,
     places: &[f64],
-    lines: &mut [Line],
-    spare: impl Fn(&Line, &Column) -> f64 + Sync,
+    lines: &mut [AxisLine],
+    spare: impl Fn(&AxisLine, &MapColumn) -> f64 + Sync,
 ) {
     for _ in 0..CORRECTIONS {
         // At the stations and half way between them.
         let spares: Vec<f64> = (0..2 * lines.len() - 1)
             .into_par_iter()
             .map(|k| {
-                let column = Column::half(places, k);
+                let column = MapColumn::half(places, k);
                 let i = column.station;
                 if k % 2 == 0 {
                     spare(&lines[i], &column)
@@ -59,7 +59,7 @@ pub(super) fn settle(
         let segments: Vec<f64> = (0..lines.len() - 1)
             .map(|i| lowest_of_parabola(spares[2 * i], spares[2 * i + 1], spares[2 * i + 2]))
             .collect();
-        if segments.iter().all(|&d| d > -SETTLED) {
+        if segments.iter().all(|&d| d > -DISTANCE_TOLERANCE) {
             return;
         }
         push_off(face, places, lines, &segments);
@@ -67,7 +67,7 @@ pub(super) fn settle(
 }
 
 /// Moves both positions of every segment with a negative spare off the wall by what it lacks.
-pub(super) fn push_off(face: &Face, places: &[f64], lines: &mut [Line], spares: &[f64]) {
+pub(super) fn push_off(face: &OffsetSide, places: &[f64], lines: &mut [AxisLine], spares: &[f64]) {
     for (i, line) in lines.iter_mut().enumerate() {
         let around = [i.checked_sub(1), Some(i)].into_iter().flatten().filter_map(|k| spares.get(k));
         let out = -around.fold(0.0, |a, &b| f64::min(a, b));
@@ -90,7 +90,7 @@ fn lowest_of_parabola(start: f64, middle: f64, end: f64) -> f64 {
 
 /// A column of a map.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Column {
+pub(super) struct MapColumn {
     pub(super) u: f64,
     /// The station before it or at it.
     pub(super) station: usize,
@@ -98,7 +98,7 @@ pub(super) struct Column {
     pub(super) share: f64,
 }
 
-impl Column {
+impl MapColumn {
     /// The `k`-th of the columns at the stations and half way between them.
     pub(super) fn half(places: &[f64], k: usize) -> Self {
         let (station, share) = (k / 2, 0.5 * (k % 2) as f64);
@@ -107,7 +107,7 @@ impl Column {
     }
 
     /// Linear interpolation of values given at the stations.
-    pub(super) fn between(&self, at_stations: &[f64]) -> f64 {
+    pub(super) fn interpolate(&self, at_stations: &[f64]) -> f64 {
         let here = at_stations[self.station];
         let next = at_stations.get(self.station + 1).copied().unwrap_or(here);
         // A weighted mean, not a difference: infinite values at both stations must not give NaN.
@@ -118,13 +118,13 @@ impl Column {
 /// Deviation at `rows` (v) of every column where `counts` holds, mm, and the segment between two of the
 /// stations' `lines` that is nearest.
 pub(super) fn deviations(
-    face: &Face,
-    lines: &[Line],
-    columns: &[Column],
+    face: &OffsetSide,
+    lines: &[AxisLine],
+    columns: &[MapColumn],
     rows: &[f64],
-    counts: impl Fn(&Column, usize) -> bool + Sync,
+    counts: impl Fn(&MapColumn, usize) -> bool + Sync,
 ) -> Vec<Option<(f64, usize)>> {
-    let axes: Vec<Vector> = lines.iter().map(Line::axis).collect();
+    let axes: Vec<Vector> = lines.iter().map(AxisLine::axis).collect();
     let (axes, counts) = (&axes, &counts);
     let is_bowed = !face.side.is_ruled();
     columns
@@ -146,7 +146,7 @@ const SEED_STEP: usize = 8;
 
 /// Distance of `point` from the nearest axis, mm, and the segment that holds it. Descends from the station
 /// `from`, on a bowed wall from a nearer seed, then minimises over the two adjacent segments.
-fn nearest(lines: &[Line], axes: &[Vector], from: usize, point: &Point, is_bowed: bool) -> (f64, usize) {
+fn nearest(lines: &[AxisLine], axes: &[Vector], from: usize, point: &Point, is_bowed: bool) -> (f64, usize) {
     let last = lines.len() - 1;
     let at = |i: usize| lines[i].distance(point, &axes[i]);
     let mut here = (from, at(from));

@@ -13,7 +13,7 @@ pub use read::{read_apt, read_apt_bytes};
 pub use write::write_apt;
 
 use crate::geometry::{Point, Vector};
-use crate::part::Feed;
+use crate::part::CutDirection;
 
 /// A tool as a CL program describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,9 +29,9 @@ pub struct ClTool {
     /// Free length from the tip to the holder, mm.
     pub overhang: Option<f64>,
     /// First feed rate used with the tool, mm/min. The writer uses the feed rates of the moves.
-    pub feed: Option<f64>,
+    pub feed_mm_per_min: Option<f64>,
     /// Spindle speed, rev/min.
-    pub spindle: Option<f64>,
+    pub spindle_rpm: Option<f64>,
 }
 
 /// Rapid or feed motion.
@@ -64,7 +64,7 @@ pub struct ClWarning {
     /// Line of the file.
     pub line: usize,
     /// What was found and how it was interpreted.
-    pub what: String,
+    pub message: String,
 }
 
 /// A section of the plan in the program: `PPRINT/SECTION n FROM s TO s D d INWARD [REST]`.
@@ -77,7 +77,7 @@ pub struct ClSection {
     /// Diameter of its tool, mm.
     pub diameter: f64,
     /// Cutting direction of its rows.
-    pub feed: Feed,
+    pub feed: CutDirection,
     /// Whether it is rest milling of what the sections before it left.
     pub rest: bool,
 }

@@ -14,8 +14,8 @@ impl ClTool {
             corner_radius: tool.corner_radius,
             insert_width: Some(tool.insert_width),
             overhang: Some(tool.overhang),
-            feed: Some(tool.plunge_feed),
-            spindle: Some(tool.spindle),
+            feed_mm_per_min: Some(tool.plunge_feed),
+            spindle_rpm: Some(tool.spindle),
         }
     }
 }
@@ -75,7 +75,7 @@ impl ClProgram {
         let moves = moves.iter().map(|m| Move {
             motion: match m.kind {
                 MoveKind::Rapid => Motion::Rapid,
-                MoveKind::Approach | MoveKind::Cut | MoveKind::Link => Motion::Feed(Some(m.feed)),
+                MoveKind::Approach | MoveKind::Cut | MoveKind::Link => Motion::Feed(Some(m.feed_mm_per_min)),
             },
             tip: m.tip,
             axis: m.axis,

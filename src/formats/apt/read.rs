@@ -12,13 +12,13 @@ use std::path::Path;
 
 use super::super::InputError;
 use super::super::source::{
-    self, MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, name_of, read_bytes, shown, text_lossy,
+    self, MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, name_of, quote_for_message, read_bytes, text_lossy,
 };
 use super::transform::Transform;
-use super::words::{Meaning, meaning};
+use super::words::{WordEffect, classify_word};
 use super::{ClProgram, ClRow, ClSection, ClTool, ClWarning, MAX_WARNINGS, Motion, Move};
 use crate::geometry::{Point, Vector};
-use crate::part::Feed;
+use crate::part::CutDirection;
 
 const MM_PER_INCH: f64 = 25.4;
 /// Maximum number of list words that are read: more than any supported statement needs.
@@ -102,23 +102,23 @@ struct Reader<'a> {
     source: Source<'a>,
     program: ClProgram,
     /// Length of the program's unit, mm.
-    unit: f64,
+    unit_mm: f64,
     tip: Point,
     axis: Vector,
     rapid: bool,
-    feed: Option<f64>,
+    feed_mm_per_min: Option<f64>,
     tool: Option<usize>,
     /// Whether the current tool has moved; a `CUTTER` of another size then starts a new tool.
     used: bool,
     /// Whether the current tool was given a number.
     numbered: bool,
-    spindle: Option<f64>,
+    spindle_rpm: Option<f64>,
     insert_widths: Vec<(u32, f64)>,
     transform: Transform,
     /// List of the first `MSYS`: the frame of all positions.
     frame: Option<Vec<String>>,
     /// The last statement that moved the cutter to an unknown position: its line and word.
-    away: Option<(usize, String)>,
+    unknown_position: Option<(usize, String)>,
     /// Unknown words: the word, its first line, and its number of occurrences.
     unknown: Vec<(String, usize, usize)>,
     ended: bool,
@@ -129,19 +129,19 @@ impl<'a> Reader<'a> {
         Self {
             source,
             program: ClProgram::default(),
-            unit: 1.0,
+            unit_mm: 1.0,
             tip: Point::origin(),
             axis: Vector::z(),
             rapid: false,
-            feed: None,
+            feed_mm_per_min: None,
             tool: None,
             used: false,
             numbered: false,
-            spindle: None,
+            spindle_rpm: None,
             insert_widths: Vec::new(),
             transform: Transform::default(),
             frame: None,
-            away: None,
+            unknown_position: None,
             unknown: Vec::new(),
             ended: false,
         }
@@ -149,7 +149,7 @@ impl<'a> Reader<'a> {
 
     fn warn(&mut self, line: usize, what: &str) {
         if self.program.warnings.len() < MAX_WARNINGS {
-            self.program.warnings.push(ClWarning { line, what: what.to_owned() });
+            self.program.warnings.push(ClWarning { line, message: what.to_owned() });
         }
     }
 
@@ -173,13 +173,13 @@ impl<'a> Reader<'a> {
         match *words.as_slice() {
             ["INSERT", "WIDTH", ref list @ ..] => self.insert_width(line, list),
             ["SECTION", _, "FROM", from, "TO", to, "D", d, feed, ref rest @ ..] => {
-                let feed = if feed == "OUTWARD" { Feed::Outward } else { Feed::Inward };
+                let feed = if feed == "OUTWARD" { CutDirection::Outward } else { CutDirection::Inward };
                 let numbers = [from, to, d].map(source::number);
                 if let [Ok(from), Ok(to), Ok(diameter)] = numbers
                     && self.program.sections.len() < MAX_TOOLS
                 {
                     let rest = *rest == ["REST"];
-                    let diameter = diameter * self.unit;
+                    let diameter = diameter * self.unit_mm;
                     self.program.sections.push(ClSection { from, to, diameter, feed, rest });
                 }
             }
@@ -203,10 +203,10 @@ impl<'a> Reader<'a> {
         match number.zip(width) {
             // The list is bounded, like the list of tools.
             Some((number, width)) if self.insert_widths.len() < MAX_TOOLS => {
-                self.insert_widths.push((number, width * self.unit));
+                self.insert_widths.push((number, width * self.unit_mm));
                 let here = self.tool.and_then(|index| self.program.tools.get_mut(index));
                 if let Some(tool) = here.filter(|tool| tool.number == number) {
-                    tool.insert_width = Some(width * self.unit);
+                    tool.insert_width = Some(width * self.unit_mm);
                 }
             }
             _ => self.warn(line, "INSERT WIDTH without `n w` was ignored"),
@@ -226,13 +226,14 @@ impl<'a> Reader<'a> {
         match word.as_str() {
             "FINI" => return Ok(true),
             "RAPID" => self.rapid = true,
-            "INCHES" => self.unit = MM_PER_INCH,
+            "INCHES" => self.unit_mm = MM_PER_INCH,
             "UNITS" => match words.first().map(String::as_str) {
-                Some("MM") => self.unit = 1.0,
-                Some("INCHES" | "INCH" | "IN") => self.unit = MM_PER_INCH,
-                Some("CM") => self.unit = 10.0,
+                Some("MM") => self.unit_mm = 1.0,
+                Some("INCHES" | "INCH" | "IN") => self.unit_mm = MM_PER_INCH,
+                Some("CM") => self.unit_mm = 10.0,
                 other => {
-                    let what = format!("{} is not a known unit", shown(other.unwrap_or_default()));
+                    let what =
+                        format!("{} is not a known unit", quote_for_message(other.unwrap_or_default()));
                     return Err(self.source.fault(line, what, "give UNITS/MM or UNITS/INCHES"));
                 }
             },
@@ -240,7 +241,7 @@ impl<'a> Reader<'a> {
             "GOHOME" if words.len() >= 3 => self.goto(line, &words, true)?,
             "FROM" => {
                 let numbers = self.numbers(line, &word, &words)?;
-                self.place(line, &word, &numbers)?;
+                self.set_position(line, &word, &numbers)?;
             }
             "GODLTA" => self.godlta(line, &words)?,
             "FEDRAT" => self.fedrat(line, &words)?,
@@ -260,7 +261,7 @@ impl<'a> Reader<'a> {
             "TRACUT" => {
                 let numbers = self.numbers(line, &word, &words)?;
                 let cure = "give 12 numbers: three rows of a rotation, each with its shift";
-                let set = self.transform.set_matrix(&numbers, self.unit);
+                let set = self.transform.set_matrix(&numbers, self.unit_mm);
                 set.map_err(|what| self.source.fault(line, what, cure))?;
             }
             "TRANS" => self.trans(line, &words)?,
@@ -269,7 +270,7 @@ impl<'a> Reader<'a> {
                 let cure = "export all positions in the coordinates of the part";
                 return Err(self.source.fault(line, "MSYS changes the frame of the positions", cure));
             }
-            _ => self.other(line, &word, &words)?,
+            _ => self.classify_statement(line, &word, &words)?,
         }
         Ok(false)
     }
@@ -286,20 +287,20 @@ impl<'a> Reader<'a> {
             let what = "TRANS does not give a shift by x,y,z";
             return Err(self.source.fault(line, what, "export all positions in the coordinates of the part"));
         };
-        self.transform.set_shift(Vector::new(x, y, z) * self.unit);
+        self.transform.set_shift(Vector::new(x, y, z) * self.unit_mm);
         Ok(())
     }
 
     /// Classifies a statement that the reader does not apply; an error if ignoring it would falsify the path.
-    fn other(&mut self, line: usize, word: &str, words: &[String]) -> Result<(), InputError> {
-        match meaning(word, words) {
-            Meaning::Aside => {}
-            Meaning::Moves(cure) => {
-                let what = format!("{} changes the path and is not supported", shown(word));
+    fn classify_statement(&mut self, line: usize, word: &str, words: &[String]) -> Result<(), InputError> {
+        match classify_word(word, words) {
+            WordEffect::Ignored => {}
+            WordEffect::Unsupported(cure) => {
+                let what = format!("{} changes the path and is not supported", quote_for_message(word));
                 return Err(self.source.fault(line, what, cure));
             }
-            Meaning::Away => self.away = Some((line, word.to_owned())),
-            Meaning::Unknown => {
+            WordEffect::UnknownPosition => self.unknown_position = Some((line, word.to_owned())),
+            WordEffect::Unknown => {
                 let known = self.unknown.iter().position(|(known, ..)| known == word);
                 if let Some((.., count)) = known.and_then(|index| self.unknown.get_mut(index)) {
                     *count += 1;
@@ -326,7 +327,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Sets tip and axis from 3 or 6 numbers; lengths in the program's unit.
-    fn place(&mut self, line: usize, word: &str, numbers: &[f64]) -> Result<(), InputError> {
+    fn set_position(&mut self, line: usize, word: &str, numbers: &[f64]) -> Result<(), InputError> {
         let (x, y, z) = match *numbers {
             [x, y, z] => (x, y, z),
             [x, y, z, i, j, k] => {
@@ -349,10 +350,10 @@ impl<'a> Reader<'a> {
                 return Err(self.source.fault(line, what, "give x,y,z or x,y,z,i,j,k"));
             }
         };
-        self.go(line, Point::new(x, y, z) * self.unit)
+        self.set_tip(line, Point::new(x, y, z) * self.unit_mm)
     }
 
-    fn go(&mut self, line: usize, tip: Point) -> Result<(), InputError> {
+    fn set_tip(&mut self, line: usize, tip: Point) -> Result<(), InputError> {
         if tip.coords.amax() > MAX_COORDINATE {
             return Err(self.too_far(line));
         }
@@ -367,7 +368,7 @@ impl<'a> Reader<'a> {
 
     fn goto(&mut self, line: usize, words: &[String], rapid: bool) -> Result<(), InputError> {
         let numbers = self.numbers(line, "GOTO", words)?;
-        self.place(line, "GOTO", &numbers)?;
+        self.set_position(line, "GOTO", &numbers)?;
         self.push(line, rapid)
     }
 
@@ -381,7 +382,7 @@ impl<'a> Reader<'a> {
                 return Err(self.source.fault(line, what, "give dx,dy,dz or one distance"));
             }
         };
-        self.go(line, self.tip + step * self.unit)?;
+        self.set_tip(line, self.tip + step * self.unit_mm)?;
         self.push(line, self.rapid)
     }
 
@@ -389,18 +390,18 @@ impl<'a> Reader<'a> {
         if self.program.moves.len() >= MAX_POINTS {
             return Err(self.source.fault(line, "holds more than 1,000,000 moves", "split the program"));
         }
-        if let Some((away, word)) = self.away.take() {
+        if let Some((away, word)) = self.unknown_position.take() {
             let what = format!("{word} moves the cutter to a position that the program does not give");
             return Err(self.source.fault(away, what, "give that position by GOTO"));
         }
         self.rapid = false;
         self.used = true;
         self.ended = false;
-        let motion = if rapid { Motion::Rapid } else { Motion::Feed(self.feed) };
+        let motion = if rapid { Motion::Rapid } else { Motion::Feed(self.feed_mm_per_min) };
         if let Motion::Feed(Some(feed)) = motion
             && let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index))
         {
-            tool.feed.get_or_insert(feed);
+            tool.feed_mm_per_min.get_or_insert(feed);
         }
         let (tip, axis) = self.transform.apply(&self.tip, &self.axis);
         if tip.coords.amax() > MAX_COORDINATE {
@@ -413,14 +414,14 @@ impl<'a> Reader<'a> {
     /// `FEDRAT` with number and unit in either order; a plain number is in the program's unit per minute.
     fn fedrat(&mut self, line: usize, words: &[String]) -> Result<(), InputError> {
         let mut rate = None;
-        let mut unit = self.unit;
+        let mut unit = self.unit_mm;
         for word in words {
             match word.as_str() {
                 "MMPM" => unit = 1.0,
                 "IPM" => unit = MM_PER_INCH,
-                "MMPR" => unit = self.spindle.unwrap_or(0.0),
-                "IPR" => unit = self.spindle.unwrap_or(0.0) * MM_PER_INCH,
-                "PERREV" => unit *= self.spindle.unwrap_or(0.0),
+                "MMPR" => unit = self.spindle_rpm.unwrap_or(0.0),
+                "IPR" => unit = self.spindle_rpm.unwrap_or(0.0) * MM_PER_INCH,
+                "PERREV" => unit *= self.spindle_rpm.unwrap_or(0.0),
                 "RAPID" => self.rapid = true,
                 word if rate.is_none() && word.starts_with(|c: char| !c.is_ascii_alphabetic()) => {
                     rate = Some(self.number(line, "FEDRAT", word)?);
@@ -429,8 +430,8 @@ impl<'a> Reader<'a> {
             }
         }
         let Some(rate) = rate else { return Ok(()) };
-        self.feed = Some(rate * unit).filter(|feed| *feed > 0.0 && *feed <= MAX_COORDINATE);
-        if self.feed.is_none() {
+        self.feed_mm_per_min = Some(rate * unit).filter(|feed| *feed > 0.0 && *feed <= MAX_COORDINATE);
+        if self.feed_mm_per_min.is_none() {
             self.warn(line, "this feed rate is not usable and is treated as unknown");
         }
         Ok(())
@@ -439,9 +440,9 @@ impl<'a> Reader<'a> {
     fn spindl(&mut self, words: &[String]) {
         let speed = words.iter().find_map(|word| source::number(word).ok()).filter(|speed| *speed > 0.0);
         let Some(speed) = speed else { return };
-        self.spindle = Some(speed);
+        self.spindle_rpm = Some(speed);
         if let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index)) {
-            tool.spindle.get_or_insert(speed);
+            tool.spindle_rpm.get_or_insert(speed);
         }
     }
 
@@ -454,13 +455,13 @@ impl<'a> Reader<'a> {
     /// Loads a tool by number `n`; Creo adds `LENGTH,l`.
     fn load(&mut self, words: &[String]) {
         // A tool change happens away from the part: the program does not give the moves there and back.
-        self.away = None;
+        self.unknown_position = None;
         let number = words.iter().find_map(|w| w.trim_end_matches('.').parse::<u32>().ok()).unwrap_or(0);
         let after = |name: &str| {
             let at = words.iter().position(|word| word == name)?;
             words.get(at + 1).and_then(|word| source::number(word).ok())
         };
-        let length = after("LENGTH").map(|l| l * self.unit).filter(|l| *l > 0.0);
+        let length = after("LENGTH").map(|l| l * self.unit_mm).filter(|l| *l > 0.0);
         let known = self.program.tools.iter().rposition(|tool| tool.number == number && tool.diameter > 0.0);
         let described = self.tool.filter(|_| !self.used && !self.numbered);
         match (described.and_then(|index| self.program.tools.get_mut(index)), known) {
@@ -488,12 +489,12 @@ impl<'a> Reader<'a> {
         length: Option<Option<f64>>,
     ) -> Result<(), InputError> {
         let size = |k: usize| match words.get(k).filter(|word| !word.is_empty()) {
-            Some(word) => Ok(self.number(line, "CUTTER", word)?.max(0.0) * self.unit),
+            Some(word) => Ok(self.number(line, "CUTTER", word)?.max(0.0) * self.unit_mm),
             None => Ok(0.0),
         };
         let (diameter, corner_radius) = (size(0)?, size(1)?);
         let height = match length {
-            Some(length) => length.map(|l| l * self.unit),
+            Some(length) => length.map(|l| l * self.unit_mm),
             None => Some(size(6)?).filter(|h| *h > 0.0),
         };
         if corner_radius > diameter / 2.0 + 1e-6 {
@@ -526,7 +527,7 @@ impl<'a> Reader<'a> {
         }
         for (word, line, count) in std::mem::take(&mut self.unknown) {
             let times = if count > 1 { format!(", {count} times") } else { String::new() };
-            self.warn(line, &format!("{} is not known and was left out{times}", shown(&word)));
+            self.warn(line, &format!("{} is not known and was left out{times}", quote_for_message(&word)));
         }
         self.program.warnings.sort_by_key(|warning| warning.line);
         if !self.ended {

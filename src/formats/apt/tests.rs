@@ -22,8 +22,8 @@ fn sample() -> ClProgram {
         corner_radius: 0.8,
         insert_width: Some(diameter / 3.0),
         overhang: Some(120.0),
-        feed: Some(300.0),
-        spindle: Some(1200.0),
+        feed_mm_per_min: Some(300.0),
+        spindle_rpm: Some(1200.0),
     };
     let mut moves = Vec::new();
     moves.extend(plunge(Point::new(-199.5, 0.25, 30.0), Vector::new(0.6, 0.0, 0.8), 0));
@@ -105,7 +105,7 @@ fn inches_and_relative_moves() {
     assert_eq!(p.moves[0].tip, Point::new(0.0, 0.0, 0.0));
     assert_eq!(p.moves[1].tip, Point::new(0.0, 0.0, 50.8));
     assert_eq!((p.moves[2].tip.x, p.moves[2].motion), (25.4, Motion::Feed(Some(254.0))));
-    assert_eq!((p.tools[0].diameter, p.tools[0].feed), (25.4, Some(254.0)));
+    assert_eq!((p.tools[0].diameter, p.tools[0].feed_mm_per_min), (25.4, Some(254.0)));
 }
 
 #[test]
@@ -119,9 +119,10 @@ fn nx_dialect() {
          FEDRAT/90.,MMPM\nGOTO/1.,2.,3.\nEND-OF-PATH\n",
     );
     assert!(p.warnings.is_empty(), "{:?}", p.warnings);
-    let tools: Vec<_> = p.tools.iter().map(|t| (t.number, t.diameter, t.overhang, t.feed)).collect();
+    let tools: Vec<_> =
+        p.tools.iter().map(|t| (t.number, t.diameter, t.overhang, t.feed_mm_per_min)).collect();
     assert_eq!(tools, [(3, 16.0, Some(75.0), Some(150.0)), (4, 8.0, Some(50.0), Some(90.0))]);
-    assert_eq!((p.tools[0].corner_radius, p.tools[0].spindle), (0.8, Some(1500.0)));
+    assert_eq!((p.tools[0].corner_radius, p.tools[0].spindle_rpm), (0.8, Some(1500.0)));
     assert_eq!(p.moves.iter().map(|m| m.tool).collect::<Vec<_>>(), [Some(0), Some(0), Some(1)]);
 }
 
@@ -139,7 +140,7 @@ fn creo_dialect() {
     let tool = &p.tools[0];
     assert_eq!((p.part.as_str(), p.tools.len(), p.moves.len()), ("IMPELLER", 1, 2));
     assert_eq!((tool.number, tool.diameter, tool.overhang), (1, 12.5, Some(120.0)));
-    assert_eq!((tool.spindle, tool.feed, p.moves[0].line), (Some(1200.0), Some(200.0), 16));
+    assert_eq!((tool.spindle_rpm, tool.feed_mm_per_min, p.moves[0].line), (Some(1200.0), Some(200.0), 16));
 }
 
 #[test]
@@ -180,7 +181,7 @@ fn faults_and_warnings() {
     let lines: Vec<_> = p.warnings.iter().map(|w| w.line).collect();
     assert_eq!(lines, [1, 2, 4], "{:?}", p.warnings);
     assert!(
-        p.warnings[1].what.contains("`WOBBLE` is not known and was left out, 2 times"),
+        p.warnings[1].message.contains("`WOBBLE` is not known and was left out, 2 times"),
         "{:?}",
         p.warnings
     );
@@ -229,7 +230,7 @@ fn positions_are_transformed() {
 
 #[test]
 fn sections_and_rows_come_back() {
-    let section = |from, to, rest| ClSection { from, to, diameter: 30.0, feed: Feed::Outward, rest };
+    let section = |from, to, rest| ClSection { from, to, diameter: 30.0, feed: CutDirection::Outward, rest };
     let mut wrote = sample();
     wrote.sections = vec![section(1.0, 0.5, false), section(1.0, 0.0, true)];
     wrote.rows = [(0, 0, 0), (3, 0, 1), (6, 1, 0)]
@@ -250,8 +251,8 @@ fn tool(number: u32) -> impl Strategy<Value = ClTool> {
             corner_radius: d * r,
             insert_width: Some(d / 2.0 * w),
             overhang: Some(h),
-            feed: None,
-            spindle: Some(n),
+            feed_mm_per_min: None,
+            spindle_rpm: Some(n),
         },
     )
 }

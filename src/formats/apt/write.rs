@@ -1,7 +1,7 @@
 //! Writes APT: at most 72 columns, `$` continues a statement on the next line.
 
 use super::{ClProgram, ClSection, ClTool, Motion};
-use crate::part::Feed;
+use crate::part::CutDirection;
 
 const COLUMNS: usize = 72;
 
@@ -65,8 +65,8 @@ pub fn write_apt(program: &ClProgram) -> String {
 fn section_text(index: usize, section: &ClSection) -> String {
     let ClSection { from, to, diameter, feed, rest } = section;
     let feed = match feed {
-        Feed::Inward => "INWARD",
-        Feed::Outward => "OUTWARD",
+        CutDirection::Inward => "INWARD",
+        CutDirection::Outward => "OUTWARD",
     };
     let [from, to, diameter] = [from, to, diameter].map(|x| short(*x));
     let rest = if *rest { " REST" } else { "" };
@@ -83,7 +83,7 @@ fn load(out: &mut String, tool: &ClTool) {
     if let Some(width) = tool.insert_width {
         statement(out, &["PPRINT/INSERT WIDTH ", &number, " ", &fixed(width, 6)]);
     }
-    if let Some(spindle) = tool.spindle {
+    if let Some(spindle) = tool.spindle_rpm {
         statement(out, &["SPINDL/", &short(spindle), ",RPM,CLW"]);
     }
     statement(out, &["COOLNT/ON"]);

@@ -59,7 +59,7 @@ impl Component {
 }
 
 /// A run of `count` elements in a buffer view from `offset` on, packed or `stride` bytes apart.
-struct Run {
+struct ElementRun {
     view: usize,
     offset: usize,
     stride: Option<usize>,
@@ -68,7 +68,7 @@ struct Run {
     normalized: bool,
 }
 
-impl Run {
+impl ElementRun {
     /// Calls `take` with every element of `N` numbers.
     fn each<const N: usize>(
         &self,
@@ -130,7 +130,7 @@ fn elements<const N: usize>(
         return Err(container.fault(text, EXPORT_AGAIN));
     };
     let (count, normalized) = (described.count, described.normalized);
-    let run = described.buffer_view.map(|view| Run {
+    let run = described.buffer_view.map(|view| ElementRun {
         view,
         offset: described.byte_offset,
         stride: container.document.buffer_views.get(view).and_then(|v| v.byte_stride),
@@ -139,7 +139,7 @@ fn elements<const N: usize>(
         normalized,
     });
     let sparse = described.sparse.as_ref().map(|s| {
-        let run = |view, offset, component| Run {
+        let run = |view, offset, component| ElementRun {
             view,
             offset,
             stride: None,
@@ -151,9 +151,10 @@ fn elements<const N: usize>(
         let values = run(s.values.buffer_view, s.values.byte_offset, component);
         (indices.map(|c| run(s.indices.buffer_view, s.indices.byte_offset, c)), values)
     });
-    let most = if run.is_some() { MAX_ELEMENTS } else { MAX_WITHOUT_DATA };
-    if count > most || sparse.as_ref().is_some_and(|(_, values)| values.count > count) {
-        let text = format!("{what} has {count} elements, more than {most} or fewer than its sparse ones");
+    let max_count = if run.is_some() { MAX_ELEMENTS } else { MAX_WITHOUT_DATA };
+    if count > max_count || sparse.as_ref().is_some_and(|(_, values)| values.count > count) {
+        let text =
+            format!("{what} has {count} elements, more than {max_count} or fewer than its sparse ones");
         return Err(container.fault(text, "export it with fewer triangles"));
     }
     let mut found: Vec<[f64; N]> = match (&run, &sparse) {

@@ -3,9 +3,9 @@
 
 use std::path::{Component, Path};
 
-use super::document::Document;
+use super::document::GltfDocument;
 use crate::formats::InputError;
-use crate::formats::source::{MAX_BYTES, Source, TRUNCATED, read_bytes_up_to, shown};
+use crate::formats::source::{MAX_BYTES, Source, TRUNCATED, quote_for_message, read_bytes_up_to};
 
 /// Maximum size of a `.glb` or buffer file, bytes: four million triangles without shared corners.
 pub const MAX_MESH_BYTES: usize = 512 << 20;
@@ -16,9 +16,9 @@ const BINARY_CHUNK: u32 = 0x004E_4942;
 const EXPORT_AGAIN: &str = "export the file again";
 
 /// Supported extensions that affect the meshes or their transforms.
-const UNDERSTOOD: [&str; 2] = ["EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];
+const SUPPORTED_EXTENSIONS: [&str; 2] = ["EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];
 /// Name prefixes of extensions that only affect the appearance.
-const ONLY_LOOKS: [&str; 5] =
+const APPEARANCE_PREFIXES: [&str; 5] =
     ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_"];
 
 /// A document and its buffers.
@@ -26,7 +26,7 @@ pub struct Container<'a> {
     /// The file, for the location of errors.
     pub source: Source<'a>,
     /// Its JSON.
-    pub document: Document,
+    pub document: GltfDocument,
     /// Bytes of the buffers that have been loaded.
     buffers: Vec<Option<Vec<u8>>>,
     /// Folder of the file; `None` for bytes without a file.
@@ -71,9 +71,9 @@ impl<'a> Container<'a> {
             if name.ends_with("_meshopt_compression") {
                 return Err(self.compressed("meshopt"));
             }
-            let known = UNDERSTOOD.contains(&name.as_str());
-            if !known && !ONLY_LOOKS.iter().any(|start| name.starts_with(start)) {
-                let what = format!("needs the extension {}, which is not supported", shown(name));
+            let known = SUPPORTED_EXTENSIONS.contains(&name.as_str());
+            if !known && !APPEARANCE_PREFIXES.iter().any(|start| name.starts_with(start)) {
+                let what = format!("needs the extension {}, which is not supported", quote_for_message(name));
                 return Err(self.fault(what, "export it without that extension"));
             }
         }
@@ -147,7 +147,8 @@ impl<'a> Container<'a> {
     /// Reads the file that `uri` names, which must be in the folder of this file or below.
     fn beside(&self, index: usize, uri: &str) -> Result<Vec<u8>, InputError> {
         let outside = || {
-            let what = format!("buffer {index} lies outside the file's folder, at {}", shown(uri));
+            let what =
+                format!("buffer {index} lies outside the file's folder, at {}", quote_for_message(uri));
             self.fault(what, "put it beside the file and name it without a path, or save as .glb")
         };
         let path = unescaped(uri).ok_or_else(outside)?;
@@ -157,7 +158,7 @@ impl<'a> Container<'a> {
             return Err(outside());
         }
         let Some(folder) = self.folder else {
-            let what = format!("buffer {index} is in another file, {}", shown(uri));
+            let what = format!("buffer {index} is in another file, {}", quote_for_message(uri));
             return Err(self.fault(what, "open the file from the folder that holds both"));
         };
         let full = folder.join(&path);
@@ -209,16 +210,16 @@ fn chunks(source: Source<'_>, bytes: &[u8]) -> Result<Chunks, InputError> {
     Ok((json, binary))
 }
 
-fn parse(source: Source<'_>, json: &[u8]) -> Result<Document, InputError> {
+fn parse(source: Source<'_>, json: &[u8]) -> Result<GltfDocument, InputError> {
     if json.len() > MAX_BYTES {
         return Err(source.fault(0, "its JSON is larger than 64 MiB", "save it as .glb"));
     }
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    let document: Document = serde_json::from_slice(json).map_err(|e| {
+    let document: GltfDocument = serde_json::from_slice(json).map_err(|e| {
         source.fault(e.line(), format!("is not glTF 2.0 ({e})"), "check the file or export it again")
     })?;
     if !document.asset.version.starts_with("2.") {
-        let what = format!("is glTF {}", shown(&document.asset.version));
+        let what = format!("is glTF {}", quote_for_message(&document.asset.version));
         return Err(source.fault(0, what, "export it as glTF 2.0"));
     }
     Ok(document)

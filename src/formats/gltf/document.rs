@@ -16,17 +16,17 @@ pub const MAX_ITEMS: usize = 100_000;
 /// The whole document.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Document {
+pub struct GltfDocument {
     pub asset: Asset,
     #[serde(default, deserialize_with = "limited")]
     pub extensions_required: Vec<String>,
     pub scene: Option<usize>,
     #[serde(default, deserialize_with = "limited")]
-    pub scenes: Vec<Scene>,
+    pub scenes: Vec<SceneRoots>,
     #[serde(default, deserialize_with = "limited")]
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<GltfNode>,
     #[serde(default, deserialize_with = "limited")]
-    pub meshes: Vec<Mesh>,
+    pub meshes: Vec<GltfMesh>,
     #[serde(default, deserialize_with = "limited")]
     pub materials: Vec<Named>,
     #[serde(default, deserialize_with = "limited")]
@@ -43,7 +43,7 @@ pub struct Asset {
 }
 
 #[derive(Debug, Deserialize)]
-pub struct Scene {
+pub struct SceneRoots {
     #[serde(default, deserialize_with = "limited")]
     pub nodes: Vec<usize>,
 }
@@ -54,7 +54,7 @@ pub struct Named {
 }
 
 #[derive(Debug, Deserialize)]
-pub struct Node {
+pub struct GltfNode {
     pub name: Option<String>,
     pub mesh: Option<usize>,
     #[serde(default, deserialize_with = "limited")]
@@ -163,7 +163,7 @@ pub struct InstanceAttributes {
 }
 
 #[derive(Debug, Deserialize)]
-pub struct Mesh {
+pub struct GltfMesh {
     pub name: Option<String>,
     #[serde(default, deserialize_with = "limited")]
     pub primitives: Vec<Primitive>,

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use super::container::{Container, MAX_MESH_BYTES};
-use super::scene::{Scene, scene};
+use super::scene::{SceneMeshes, read_scene};
 use crate::formats::InputError;
 use crate::formats::source::{MAX_COORDINATE, Source, name_of, read_bytes_up_to, stem_of};
-use crate::mesh::{MeshOptions, NamedMesh, Unit, describe};
+use crate::mesh::{LengthUnit, MeshOptions, NamedMesh, describe};
 use crate::part::{PartDescription, PartError};
 
 /// Reads a part from a `.glb` or `.gltf` file and the buffers beside it; the result is in mm, about Z.
@@ -43,7 +43,7 @@ pub fn read_meshes_bytes(name: &str, bytes: &[u8]) -> Result<Vec<NamedMesh>, Inp
     Ok(scene_of_bytes(name, bytes)?.meshes)
 }
 
-fn scene_of(path: &Path) -> Result<Scene, InputError> {
+fn scene_of(path: &Path) -> Result<SceneMeshes, InputError> {
     let name = name_of(path);
     let bytes = read_bytes_up_to(path, MAX_MESH_BYTES)?;
     let folder = match path.parent() {
@@ -51,23 +51,23 @@ fn scene_of(path: &Path) -> Result<Scene, InputError> {
         Some(folder) => folder,
         None => Path::new("."),
     };
-    scene(&mut Container::open(Source { file: &name }, bytes, Some(folder))?)
+    read_scene(&mut Container::open(Source { file: &name }, bytes, Some(folder))?)
 }
 
-fn scene_of_bytes(name: &str, bytes: &[u8]) -> Result<Scene, InputError> {
-    scene(&mut Container::open(Source { file: name }, bytes.to_vec(), None)?)
+fn scene_of_bytes(name: &str, bytes: &[u8]) -> Result<SceneMeshes, InputError> {
+    read_scene(&mut Container::open(Source { file: name }, bytes.to_vec(), None)?)
 }
 
-fn part(name: &str, scene: Scene, options: &MeshOptions) -> Result<PartDescription, InputError> {
-    let Scene { meshes, rotation } = scene;
+fn part(name: &str, scene: SceneMeshes, options: &MeshOptions) -> Result<PartDescription, InputError> {
+    let SceneMeshes { meshes, rotation } = scene;
     let options = &MeshOptions { rotation: options.rotation.or(rotation), ..options.clone() };
-    let fault = |e: PartError| InputError::new(name, e.line, e.what, e.cure);
-    let scale = options.unit.unwrap_or(Unit::Metre).mm();
+    let fault = |e: PartError| InputError::new(name, e.line, e.message, e.help);
+    let scale = options.unit.unwrap_or(LengthUnit::Metre).mm();
     // The limit is 1,000 times that of a part, so that a wrong unit is reported as such by `describe`.
     let beyond = |m: &NamedMesh| m.mesh.points.iter().any(|p| p.coords.amax() * scale > 1e3 * MAX_COORDINATE);
     if let Some(mesh) = meshes.iter().find(|m| beyond(m)) {
         let what = format!("the mesh `{}` has points beyond 1,000,000 m", mesh.name);
         return Err(InputError::new(name, 0, what, "give the unit of its numbers with --unit, or repair it"));
     }
-    describe(&stem_of(name), meshes, Unit::Metre, options).map_err(fault)
+    describe(&stem_of(name), meshes, LengthUnit::Metre, options).map_err(fault)
 }

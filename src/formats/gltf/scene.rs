@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use super::accessor;
 use super::container::Container;
-use super::document::Node;
+use super::document::GltfNode;
 use crate::formats::InputError;
-use crate::formats::source::shown;
+use crate::formats::source::quote_for_message;
 use crate::geometry::Point;
 use crate::mesh::{NamedMesh, TriangleMesh};
 use crate::part::Rotation;
@@ -24,14 +24,14 @@ const EXPORT_AGAIN: &str = "export the file again";
 const FEWER: &str = "export the impeller alone, with fewer triangles";
 
 /// Corners and triangles of a primitive, in the frame of its mesh.
-struct Piece {
+struct PrimitiveMesh {
     material: Option<usize>,
     corners: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
 }
 
 /// A node on the stack of the depth-first traversal.
-struct Waiting {
+struct PendingNode {
     node: usize,
     parent: Matrix4<f64>,
     /// Index of the parent among the visited nodes.
@@ -41,7 +41,7 @@ struct Waiting {
 /// State of the traversal of a scene.
 struct Walk<'c, 'a> {
     container: &'c mut Container<'a>,
-    pieces: HashMap<usize, Arc<Vec<Piece>>>,
+    pieces: HashMap<usize, Arc<Vec<PrimitiveMesh>>>,
     found: Vec<NamedMesh>,
     rotation: Option<Rotation>,
     corners: usize,
@@ -49,7 +49,7 @@ struct Walk<'c, 'a> {
 }
 
 /// The meshes of a file.
-pub struct Scene {
+pub struct SceneMeshes {
     /// Meshes with their node transforms applied, in the file's unit and frame.
     pub meshes: Vec<NamedMesh>,
     /// The sense of rotation, if the file gives it.
@@ -61,7 +61,7 @@ pub struct Scene {
 ///
 /// # Errors
 /// When the node graph is not a forest, refers to what does not exist, or exceeds the limits.
-pub fn scene(container: &mut Container<'_>) -> Result<Scene, InputError> {
+pub fn read_scene(container: &mut Container<'_>) -> Result<SceneMeshes, InputError> {
     let roots = roots(container)?;
     let mut walk = Walk {
         container,
@@ -73,12 +73,12 @@ pub fn scene(container: &mut Container<'_>) -> Result<Scene, InputError> {
     };
     let mut seen = vec![false; walk.container.document.nodes.len()];
     let mut visited: Vec<(usize, Option<usize>)> = Vec::new();
-    let mut waiting: Vec<Waiting> = roots
+    let mut waiting: Vec<PendingNode> = roots
         .into_iter()
         .rev()
-        .map(|node| Waiting { node, parent: Matrix4::identity(), above: None })
+        .map(|node| PendingNode { node, parent: Matrix4::identity(), above: None })
         .collect();
-    while let Some(Waiting { node, parent, above }) = waiting.pop() {
+    while let Some(PendingNode { node, parent, above }) = waiting.pop() {
         let Some(described) = walk.container.document.nodes.get(node) else {
             return Err(walk.container.fault(format!("node {node} does not exist"), EXPORT_AGAIN));
         };
@@ -99,15 +99,15 @@ pub fn scene(container: &mut Container<'_>) -> Result<Scene, InputError> {
         visited.push((node, above));
         let children = described.children.clone();
         if let Some(mesh) = described.mesh {
-            walk.place(node, mesh, &here, &visited)?;
+            walk.add_mesh(node, mesh, &here, &visited)?;
         }
-        waiting.extend(children.into_iter().rev().map(|node| Waiting {
+        waiting.extend(children.into_iter().rev().map(|node| PendingNode {
             node,
             parent: here,
             above: Some(place),
         }));
     }
-    Ok(Scene { meshes: walk.found, rotation: walk.rotation })
+    Ok(SceneMeshes { meshes: walk.found, rotation: walk.rotation })
 }
 
 fn roots(container: &Container<'_>) -> Result<Vec<usize>, InputError> {
@@ -131,7 +131,7 @@ fn roots(container: &Container<'_>) -> Result<Vec<usize>, InputError> {
 }
 
 /// Transform of a node relative to its parent.
-fn own_transform(node: &Node) -> Matrix4<f64> {
+fn own_transform(node: &GltfNode) -> Matrix4<f64> {
     match &node.matrix {
         Some(columns) => Matrix4::from_column_slice(columns),
         None => transform(
@@ -152,7 +152,7 @@ fn transform(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> Matr
 
 impl Walk<'_, '_> {
     /// Adds the mesh of a node, once or for each of its instances.
-    fn place(
+    fn add_mesh(
         &mut self,
         node: usize,
         mesh: usize,
@@ -160,7 +160,7 @@ impl Walk<'_, '_> {
         visited: &[(usize, Option<usize>)],
     ) -> Result<(), InputError> {
         let pieces = self.pieces_of(mesh)?;
-        let instances = self.instances(node)?;
+        let instances = self.instance_transforms(node)?;
         let count = instances.as_ref().map_or(1, Vec::len);
         let corners: usize = pieces.iter().map(|p| p.corners.len()).sum();
         let triangles: usize = pieces.iter().map(|p| p.triangles.len()).sum();
@@ -215,7 +215,7 @@ impl Walk<'_, '_> {
     }
 
     /// The instance transforms of `EXT_mesh_gpu_instancing` relative to the node; `None` without it.
-    fn instances(&mut self, node: usize) -> Result<Option<Vec<Matrix4<f64>>>, InputError> {
+    fn instance_transforms(&mut self, node: usize) -> Result<Option<Vec<Matrix4<f64>>>, InputError> {
         let extensions = self.container.document.nodes.get(node).and_then(|n| n.extensions.as_ref());
         let Some(instancing) = extensions.and_then(|e| e.instancing.as_ref()) else { return Ok(None) };
         let a = &instancing.attributes;
@@ -255,14 +255,14 @@ impl Walk<'_, '_> {
     }
 
     /// The primitives of a mesh; each mesh is read once.
-    fn pieces_of(&mut self, mesh: usize) -> Result<Arc<Vec<Piece>>, InputError> {
+    fn pieces_of(&mut self, mesh: usize) -> Result<Arc<Vec<PrimitiveMesh>>, InputError> {
         if let Some(pieces) = self.pieces.get(&mesh) {
             return Ok(pieces.clone());
         }
         let Some(described) = self.container.document.meshes.get(mesh) else {
             return Err(self.container.fault(format!("mesh {mesh} does not exist"), EXPORT_AGAIN));
         };
-        let called = described.name.as_deref().map_or_else(|| format!("mesh {mesh}"), shown);
+        let called = described.name.as_deref().map_or_else(|| format!("mesh {mesh}"), quote_for_message);
         let primitives: Vec<_> = described
             .primitives
             .iter()
@@ -301,7 +301,7 @@ impl Walk<'_, '_> {
             if held + corners.len() > MAX_CORNERS || triangles.len() > MAX_TRIANGLES {
                 return Err(self.container.fault("has too many triangles", FEWER));
             }
-            pieces.push(Piece { material, corners, triangles });
+            pieces.push(PrimitiveMesh { material, corners, triangles });
         }
         let pieces = Arc::new(pieces);
         self.pieces.insert(mesh, pieces.clone());
@@ -326,7 +326,7 @@ fn triangles(mode: u32, order: Option<&[u32]>, corners: usize) -> Vec<[u32; 3]> 
 }
 
 fn placed(
-    piece: &Piece,
+    piece: &PrimitiveMesh,
     place: &Matrix4<f64>,
     container: &Container<'_>,
 ) -> Result<TriangleMesh, InputError> {

@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 
 use super::InputError;
 use super::source::{
-    JOINT, MAX_POINTS, Source, name_of, number, read_bytes, shown, stem_of, text, text_lossy,
+    JOINT, MAX_POINTS, Source, name_of, number, quote_for_message, read_bytes, stem_of, text, text_lossy,
 };
 use crate::geometry::Point;
 use crate::part::{CurveDescription, Meridional, PartDescription};
@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path) -> Result<PartDescription, InputError> {
     let bytes = read_bytes(path)?;
     let text = text_lossy(source, &bytes)?;
     let inf = Inf::parse(source, &text);
-    let frame = Frame::of(&inf)?;
+    let frame = TurboGridFrame::of(&inf)?;
     let (count, count_line) = inf.need("number of blade sets", "Number of Blade Sets: 12")?;
     let blade_count = source.blades(count_line, count)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -93,7 +93,7 @@ impl<'a> Inf<'a> {
             return Ok((path, line));
         }
         similar_file(folder, &path).map(|path| (path, line)).ok_or_else(|| {
-            let what = format!("the {kind} file {} does not exist", shown(name));
+            let what = format!("the {kind} file {} does not exist", quote_for_message(name));
             self.source.fault(line, what, "put it beside the .inf file, or correct its name")
         })
     }
@@ -102,7 +102,7 @@ impl<'a> Inf<'a> {
         &self,
         folder: &Path,
         kind: &str,
-        frame: Frame,
+        frame: TurboGridFrame,
     ) -> Result<(Vec<Meridional>, usize), InputError> {
         let (path, line) = self.data_file(folder, kind)?;
         let name = name_of(&path);
@@ -148,14 +148,14 @@ fn similar_file(folder: &Path, path: &Path) -> Option<PathBuf> {
 
 /// Transform from the file's axis and unit to the part frame: mm, rotation axis Z.
 #[derive(Clone, Copy)]
-struct Frame {
+struct TurboGridFrame {
     /// Indices of the file's coordinates that become x, y, z.
     order: [usize; 3],
     /// Length of the file's unit, mm.
-    unit: f64,
+    unit_mm: f64,
 }
 
-impl Frame {
+impl TurboGridFrame {
     fn of(inf: &Inf<'_>) -> Result<Self, InputError> {
         let (unit, line) = inf.need("geometry units", "Geometry Units: MM")?;
         let unit = match unit.to_ascii_uppercase().as_str() {
@@ -165,7 +165,7 @@ impl Frame {
             "IN" | "INCH" => 25.4,
             "FT" => 304.8,
             _ => {
-                let what = format!("{} is not a known unit", shown(unit));
+                let what = format!("{} is not a known unit", quote_for_message(unit));
                 return Err(inf.source.fault(line, what, "give MM, CM, M, IN or FT"));
             }
         };
@@ -175,11 +175,11 @@ impl Frame {
             "X" => [1, 2, 0],
             "Y" => [2, 0, 1],
             _ => {
-                let what = format!("{} is not a known axis", shown(axis));
+                let what = format!("{} is not a known axis", quote_for_message(axis));
                 return Err(inf.source.fault(line, what, "give X, Y or Z"));
             }
         };
-        Ok(Self { order, unit })
+        Ok(Self { order, unit_mm: unit })
     }
 
     /// Parses `x y z` into a point in the part frame (mm), and the token that follows.
@@ -196,7 +196,7 @@ impl Frame {
             let token = tokens.next().ok_or_else(|| {
                 source.fault(line, "a point has fewer than 3 numbers", "give x y z on a line")
             })?;
-            *coordinate = source.length(line, token, self.unit)?;
+            *coordinate = source.length(line, token, self.unit_mm)?;
         }
         let [x, y, z] = self.order.map(|k| xyz.get(k).copied().unwrap_or_default());
         Ok((Point::new(x, y, z), tokens.next().unwrap_or("")))

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use super::super::InputError;
 use super::super::source::{JOINT, MAX_POINTS, Source, name_of, read_bytes, text};
-use super::{Frame, profile_header};
+use super::{TurboGridFrame, profile_header};
 use crate::geometry::Point;
 use crate::part::{BladeDescription, Meridional};
 
@@ -41,7 +41,7 @@ struct Loop {
 }
 
 /// The loops of a blade, hub to tip.
-struct Blade {
+struct ProfileBlade {
     name: String,
     line: usize,
     loops: Vec<Loop>,
@@ -51,7 +51,7 @@ struct Blade {
 pub(super) fn read(
     path: &Path,
     line: usize,
-    frame: Frame,
+    frame: TurboGridFrame,
     flowpaths: [&[Meridional]; 2],
 ) -> Result<(BladeDescription, Vec<BladeDescription>), InputError> {
     let name = name_of(path);
@@ -70,29 +70,29 @@ pub(super) fn read(
     let main = blades.iter().position(|blade| blade.name.contains("main")).unwrap_or(0);
     let main = blades.remove(main);
     let ruler = Ruler::new(flowpaths);
-    let main = Split::new(source, main, &ruler)?;
+    let main = SplitBlade::new(source, main, &ruler)?;
     let turns = if main.wrap() > 0.0 { -1.0 } else { 1.0 };
     let splitters = blades
         .into_iter()
-        .map(|blade| Ok(Split::new(source, blade, &ruler)?.described(turns, line)))
+        .map(|blade| Ok(SplitBlade::new(source, blade, &ruler)?.described(turns, line)))
         .collect::<Result<_, InputError>>()?;
     Ok((main.described(turns, line), splitters))
 }
 
-fn blades(source: Source<'_>, text: &str, frame: Frame) -> Result<Vec<Blade>, InputError> {
-    let mut blades: Vec<Blade> = Vec::new();
+fn blades(source: Source<'_>, text: &str, frame: TurboGridFrame) -> Result<Vec<ProfileBlade>, InputError> {
+    let mut blades: Vec<ProfileBlade> = Vec::new();
     let mut span = f64::NEG_INFINITY;
     let mut points = 0;
     for (at, row) in text.lines().enumerate() {
         let (line, row) = (at + 1, row.trim());
         if let Some(name) = row.strip_prefix("##") {
-            blades.push(Blade { name: name.trim().to_lowercase(), line, loops: Vec::new() });
+            blades.push(ProfileBlade { name: name.trim().to_lowercase(), line, loops: Vec::new() });
             span = f64::NEG_INFINITY;
         } else if let Some(percent) = profile_header(row) {
             // Without names, a span that does not increase starts the next blade.
             let falls = percent.is_some_and(|percent| percent <= span);
             if falls || blades.is_empty() {
-                blades.push(Blade { name: String::new(), line, loops: Vec::new() });
+                blades.push(ProfileBlade { name: String::new(), line, loops: Vec::new() });
             }
             span = percent.unwrap_or(span);
             if let Some(blade) = blades.last_mut() {
@@ -176,13 +176,13 @@ fn nearest(curve: &[(Meridional, f64)], p: Meridional) -> f64 {
 }
 
 /// A blade whose loops are split at their edges.
-struct Split {
+struct SplitBlade {
     /// Per section: the sides of smaller and of larger θ, LE → TE.
     sides: Vec<[Vec<Point>; 2]>,
 }
 
-impl Split {
-    fn new(source: Source<'_>, blade: Blade, ruler: &Ruler) -> Result<Self, InputError> {
+impl SplitBlade {
+    fn new(source: Source<'_>, blade: ProfileBlade, ruler: &Ruler) -> Result<Self, InputError> {
         let steps = (blade.loops.len() - 1).max(1) as f64;
         let sides = blade.loops.into_iter().enumerate();
         let sides = sides.map(|(k, profile)| split(source, profile, ruler, k as f64 / steps));

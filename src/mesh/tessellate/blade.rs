@@ -1,6 +1,6 @@
 //! Tessellates a blade as a closed solid: both sides, tip on the shroud, foot on the hub, blunt edges.
 
-use super::revolved::outwards;
+use super::revolved::orient_outwards;
 use crate::geometry::{Meridional, Point, Vector, wrap_angle};
 use crate::mesh::solid::{FaceKind, Grid, Solid};
 use crate::part::{Blade, BladeSide, Flowpath, Impeller};
@@ -17,18 +17,23 @@ const NOSE: (f64, f64) = (0.08, 0.1);
 /// Largest number of refinements, each of which halves intervals.
 const ROUNDS: usize = 30;
 /// Largest number of columns across tip and foot.
-const MOST_ACROSS: usize = 64;
+const MAX_ACROSS: usize = 64;
 
 /// Tessellates a blade. `None` when more than `most` triangles would be needed.
-pub(super) fn blade(part: &Impeller, blade: &Blade, chord_error: f64, most: usize) -> Option<Solid> {
+pub(super) fn tessellate_blade(
+    part: &Impeller,
+    blade: &Blade,
+    chord_error: f64,
+    most: usize,
+) -> Option<Solid> {
     let sides = [&blade.suction, &blade.pressure];
-    let (us, vs) = lines(sides, chord_error, most)?;
+    let (us, vs) = refine_lines(sides, chord_error, most)?;
     let caps = [Cap::new(&part.hub, sides, 0.0, &us), Cap::new(&part.shroud, sides, 1.0, &us)];
     let across = caps.iter().map(|cap| cap.columns(0.4 * chord_error)).max().unwrap_or(1);
     if 4 * us.len() * (vs.len() + across) > most {
         return None;
     }
-    let mut maker = Maker::new(sides, &us, &vs);
+    let mut maker = BladeMesher::new(sides, &us, &vs);
     for (cap, kind) in caps.iter().zip([FaceKind::Foot, FaceKind::Tip]) {
         maker.close(cap, kind, across);
     }
@@ -36,11 +41,11 @@ pub(super) fn blade(part: &Impeller, blade: &Blade, chord_error: f64, most: usiz
     for (row, kind) in [(0, FaceKind::LeadingEdge), (last, FaceKind::TrailingEdge)] {
         maker.close_edge(row, kind, across);
     }
-    Some(outwards(maker.solid))
+    Some(orient_outwards(maker.solid))
 }
 
 /// Parameters of the mesh lines along u and along v, common to both sides.
-fn lines(sides: [&BladeSide; 2], chord_error: f64, most: usize) -> Option<(Vec<f64>, Vec<f64>)> {
+fn refine_lines(sides: [&BladeSide; 2], chord_error: f64, most: usize) -> Option<(Vec<f64>, Vec<f64>)> {
     let even = |n: usize| (0..=n).map(|i| i as f64 / n as f64).collect::<Vec<f64>>();
     let (mut us, mut vs) = (even(FIRST_LINES.0), even(FIRST_LINES.1));
     for _ in 0..ROUNDS {
@@ -183,12 +188,12 @@ impl<'a> Cap<'a> {
             (m.coords - 0.5 * (a.coords + b.coords)).norm()
         };
         let most = (0..self.rows.len()).map(bulge).fold(0.0, f64::max);
-        ((most / error).sqrt().ceil() as usize).clamp(1, MOST_ACROSS)
+        ((most / error).sqrt().ceil() as usize).clamp(1, MAX_ACROSS)
     }
 }
 
 /// A blade under construction.
-struct Maker<'a> {
+struct BladeMesher<'a> {
     solid: Solid,
     vs: &'a [f64],
     rows: usize,
@@ -198,7 +203,7 @@ struct Maker<'a> {
     caps: Vec<Grid>,
 }
 
-impl<'a> Maker<'a> {
+impl<'a> BladeMesher<'a> {
     fn new(sides: [&BladeSide; 2], us: &[f64], vs: &'a [f64]) -> Self {
         let mut solid = Solid::default();
         let suction = sample(&mut solid, sides[0], us, vs, None);

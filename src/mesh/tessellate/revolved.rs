@@ -7,7 +7,7 @@ use crate::mesh::solid::{FaceKind, Grid, Solid};
 use crate::part::{Flowpath, Impeller};
 
 /// Smallest number of angular steps of a full turn.
-const FEWEST_STEPS: usize = 24;
+const MIN_STEPS: usize = 24;
 /// Largest change of direction of hub or shroud between rings beyond that of constant curvature, rad, in
 /// units of chord error / curve length. Plans need accurate normals, and the chord error does not refine
 /// where a bend begins.
@@ -42,11 +42,11 @@ pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
 }
 
 /// The hub with its body; closed.
-pub(super) fn hub(part: &Impeller, chord_error: f64) -> Solid {
+pub(super) fn tessellate_hub(part: &Impeller, chord_error: f64) -> Solid {
     let outline = body_outline(part);
     let widest = outline.iter().map(|p| p.r).fold(0.0, f64::max);
-    let error = share(&part.hub, chord_error);
-    let mut turned = Turned::new(widest, error);
+    let error = chord_error_share(&part.hub, chord_error);
+    let mut turned = RevolvedMesher::new(widest, error);
     let curve = part.hub.curve();
     let stations = stations(&part.hub, error);
     let rings: Vec<_> =
@@ -65,16 +65,16 @@ pub(super) fn hub(part: &Impeller, chord_error: f64) -> Solid {
         let normal = Meridional { r: b.z - a.z, z: a.r - b.r };
         turned.add(FaceKind::Body, &[(ends[k - 1], normal), (ends[k], normal)]);
     }
-    outwards(turned.solid)
+    orient_outwards(turned.solid)
 }
 
 /// The shroud: an open sheet with normals that point away from the channel.
-pub(super) fn shroud(part: &Impeller, chord_error: f64) -> Solid {
+pub(super) fn tessellate_shroud(part: &Impeller, chord_error: f64) -> Solid {
     let curve = part.shroud.curve();
-    let error = share(&part.shroud, chord_error);
+    let error = chord_error_share(&part.shroud, chord_error);
     let stations = stations(&part.shroud, error);
     let widest = stations.iter().map(|&t| curve.point(t).r).fold(0.0, f64::max);
-    let mut turned = Turned::new(widest, error);
+    let mut turned = RevolvedMesher::new(widest, error);
     let rings: Vec<_> =
         stations.iter().map(|&t| (turned.ring(inside(curve.point(t))), curve.at(t).normal)).collect();
     turned.add(FaceKind::Shroud, &rings);
@@ -85,16 +85,16 @@ pub(super) fn shroud(part: &Impeller, chord_error: f64) -> Solid {
         corner.normal.dot(&outer.direction_at_angle(p.y.atan2(p.x)))
     });
     if away.sum::<f64>() < 0.0 {
-        solid.turn_over();
+        solid.reverse_orientation();
     }
     solid
 }
 
 /// Number of triangles of hub and shroud, computed without tessellating them.
-pub(super) fn triangles(part: &Impeller, chord_error: f64) -> usize {
+pub(super) fn count_triangles(part: &Impeller, chord_error: f64) -> usize {
     let of = |path: &Flowpath, more: usize| {
-        let error = share(path, chord_error);
-        2 * (stations(path, error).len() + more) * Turned::new(part.rim_radius(), error).steps
+        let error = chord_error_share(path, chord_error);
+        2 * (stations(path, error).len() + more) * RevolvedMesher::new(part.rim_radius(), error).steps
     };
     of(&part.hub, 4) + of(&part.shroud, 0)
 }
@@ -104,16 +104,16 @@ fn inside(p: Meridional) -> Meridional {
 }
 
 /// Reverses the orientation of a closed solid if it faces inwards.
-pub(super) fn outwards(mut solid: Solid) -> Solid {
+pub(super) fn orient_outwards(mut solid: Solid) -> Solid {
     if solid.volume_sixfold() < 0.0 {
-        solid.turn_over();
+        solid.reverse_orientation();
     }
     solid
 }
 
 /// Chord error allowed each for chords along the meridian and around the axis, mm. Where the two curvatures
 /// have opposite signs, as on most flowpaths, the errors have opposite signs, too, and do not add up.
-fn share(path: &Flowpath, chord_error: f64) -> f64 {
+fn chord_error_share(path: &Flowpath, chord_error: f64) -> f64 {
     let (start, end) = (path.arc_at(nose(path)), path.arc_at(1.0));
     let opposite = (0..=200).all(|i| {
         let here = path.curve().at(start + (end - start) * f64::from(i) / 200.0);
@@ -159,7 +159,7 @@ fn halve(curve: &MeridionalCurve, a: f64, b: f64, (error, turn): (f64, f64), int
 }
 
 /// A solid under construction from rings about the axis.
-struct Turned {
+struct RevolvedMesher {
     solid: Solid,
     steps: usize,
 }
@@ -167,12 +167,12 @@ struct Turned {
 /// Points of a ring: (index of the first, their number; one on the axis).
 type Ring = (u32, u32);
 
-impl Turned {
+impl RevolvedMesher {
     /// Chooses the number of steps so that the sagitta at the radius `widest` stays within `error`, mm.
     fn new(widest: f64, error: f64) -> Self {
         let half_step = (1.0 - (error / widest.max(1e-9)).min(1.0)).acos();
         let steps = (PI / half_step.max(1e-6)).ceil() as usize;
-        Self { solid: Solid::default(), steps: steps.max(FEWEST_STEPS) }
+        Self { solid: Solid::default(), steps: steps.max(MIN_STEPS) }
     }
 
     fn angle(&self, j: usize) -> f64 {

@@ -1,16 +1,16 @@
 //! Time estimate for a cutter on a stretch of the channel without planning it: rows and positions spaced as
 //! by the planner, each plunge at its feed rate over the depth of the channel, retracts in rapid.
 
-use super::fit::{Fit, Rules};
+use super::fit::{Rules, ToolFit};
 use crate::part::Tool;
 use crate::part::setup::PlungeSetup;
-use crate::plunge::sections::{ridge_spacing, row_spacing, step_limit};
-use crate::plunge::survey::{Across, Survey};
+use crate::plunge::sections::{max_shroud_spacing, step_limit, stepover};
+use crate::plunge::survey::{PassageExtent, Survey};
 
 /// Rapid feed rate assumed for time estimates, mm/min.
-pub const RAPID_FEED: f64 = 10_000.0;
+pub const RAPID_MM_PER_MIN: f64 = 10_000.0;
 /// Time of a tool change including the approach with the next tool, s.
-pub const TOOL_CHANGE: f64 = 120.0;
+pub const TOOL_CHANGE_S: f64 = 120.0;
 /// Number of passages: the full channel and those beside the splitter.
 const PASSAGES: usize = 3;
 
@@ -62,7 +62,7 @@ pub struct Estimator<'a> {
 
 /// Rows and positions of a stretch of one passage, accumulated station by station.
 #[derive(Clone, Copy, Debug, Default)]
-struct Lane {
+struct RowEstimate {
     /// Number of gaps between rows.
     gaps: f64,
     /// Maximum speed of the axes along s, mm per unit of s: positions are evenly spaced in s.
@@ -71,7 +71,7 @@ struct Lane {
     plunging: f64,
 }
 
-impl Lane {
+impl RowEstimate {
     /// Time of all rows, s, for the steps of wall rows and inner rows, mm.
     fn seconds(&self, [wall, inner]: [f64; 2]) -> f64 {
         let inner_rows = rows(self.gaps) - 2.0;
@@ -90,12 +90,12 @@ impl Estimator<'_> {
     /// first. Entry and tool change are not included, see [`Self::beginning`].
     pub fn inwards<'s>(&'s self, tool: &'s Tool, from: usize) -> impl Iterator<Item = Cost> + use<'s> {
         let stations = &self.survey.stations;
-        let mut lanes = [Lane::default(); PASSAGES];
+        let mut lanes = [RowEstimate::default(); PASSAGES];
         let steps = [true, false].map(|wall_row| step_limit(self.plunge, tool, wall_row));
-        let mut broken = self.broken(tool, from);
+        let mut broken = self.broken_rules(tool, from);
         (0..from).rev().map(move |to| {
             let (outer, inner) = (&stations[to + 1], &stations[to]);
-            broken = broken.and(self.broken(tool, to));
+            broken = broken.and(self.broken_rules(tool, to));
             for across in &outer.passages {
                 let lane = &mut lanes[across.passage];
                 lane.plunging += (outer.s - inner.s) * self.plunge_seconds(tool, across);
@@ -120,7 +120,7 @@ impl Estimator<'_> {
         // The planner aligns the front rims of both cutters, and starts with the core outside the rim.
         let way_in = before.map_or(tool.core_radius().max(0.0), |t| (t.radius() - tool.radius()).max(0.0));
         let change =
-            if before.is_some_and(|before| before.number == tool.number) { 0.0 } else { TOOL_CHANGE };
+            if before.is_some_and(|before| before.number == tool.number) { 0.0 } else { TOOL_CHANGE_S };
         let positions = 1.0 + way_in / step_limit(self.plunge, tool, false);
         let passages = self.survey.stations[from].passages.iter();
         let way: f64 =
@@ -129,23 +129,23 @@ impl Estimator<'_> {
     }
 
     /// Number of gaps between rows, spaced as by the planner, on the hub and at the shroud.
-    fn gaps(&self, tool: &Tool, across: &Across) -> f64 {
-        let room = |width: f64| self.rules.room(width) - tool.diameter;
-        (room(across.hub) / row_spacing(self.plunge, tool)).max(room(across.shroud) / ridge_spacing(tool))
+    fn gaps(&self, tool: &Tool, across: &PassageExtent) -> f64 {
+        let room = |width: f64| self.rules.free_width(width) - tool.diameter;
+        (room(across.hub) / stepover(self.plunge, tool)).max(room(across.shroud) / max_shroud_spacing(tool))
     }
 
     /// Time of one plunge with its retract and the link to the next, s.
-    fn plunge_seconds(&self, tool: &Tool, across: &Across) -> f64 {
+    fn plunge_seconds(&self, tool: &Tool, across: &PassageExtent) -> f64 {
         let length = across.depth + self.rules.safety_distance;
         let link = step_limit(self.plunge, tool, false);
-        60.0 * (length / tool.plunge_feed + (length + link) / RAPID_FEED)
+        60.0 * (length / tool.plunge_feed + (length + link) / RAPID_MM_PER_MIN)
     }
 
-    fn broken(&self, tool: &Tool, station: usize) -> Cost {
+    fn broken_rules(&self, tool: &Tool, station: usize) -> Cost {
         match self.rules.fit(tool, &self.survey.stations[station]) {
-            Fit::Good => Cost::default(),
-            Fit::Tight => Cost { wanting: 1, ..Cost::default() },
-            Fit::Short => {
+            ToolFit::Good => Cost::default(),
+            ToolFit::Tight => Cost { wanting: 1, ..Cost::default() },
+            ToolFit::Short => {
                 let station = &self.survey.stations[station];
                 let lacking = self.rules.overhang(station) - tool.overhang;
                 // A tool that does not reach the hub even along the isoparametric axis counts like one that
@@ -153,7 +153,7 @@ impl Estimator<'_> {
                 let misfits = u32::from(tool.overhang < station.deepest);
                 Cost { misfits, wanting: 1 - misfits, lacking, ..Cost::default() }
             }
-            Fit::Wide => Cost { misfits: 1, ..Cost::default() },
+            ToolFit::Wide => Cost { misfits: 1, ..Cost::default() },
         }
     }
 }

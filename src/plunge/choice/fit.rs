@@ -1,8 +1,8 @@
 //! Rules for whether a cutter fits at a station of the channel.
 
 use crate::part::Tool;
-use crate::part::setup::Stock;
-use crate::plunge::survey::Station;
+use crate::part::setup::AllowanceSetup;
+use crate::plunge::survey::SurveyStation;
 
 /// Width between the allowances that a cutter needs to be inclined, in diameters.
 const TILT_ROOM: f64 = 1.12;
@@ -23,7 +23,7 @@ pub struct Rules {
 
 /// How a cutter fits a station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fit {
+pub enum ToolFit {
     /// Wide enough for inclined axes, and long enough.
     Good,
     /// Wide enough for inclined axes, but the holder would enter the blank.
@@ -36,32 +36,32 @@ pub enum Fit {
 
 impl Rules {
     /// The rules for these allowances and distances.
-    pub fn new(stock: &Stock) -> Self {
+    pub fn new(stock: &AllowanceSetup) -> Self {
         Self { blade_allowance: stock.blade_allowance, safety_distance: stock.safety_distance }
     }
 
     /// Width inside the allowances of a passage of `width` mm, mm.
-    pub fn room(&self, width: f64) -> f64 {
+    pub fn free_width(&self, width: f64) -> f64 {
         width - 2.0 * self.blade_allowance
     }
 
     /// Overhang that a tool needs at a station, mm.
-    pub fn overhang(&self, station: &Station) -> f64 {
+    pub fn overhang(&self, station: &SurveyStation) -> f64 {
         LEAN_LENGTH * station.deepest + self.safety_distance
     }
 
     /// How `tool` fits at a station.
-    pub fn fit(&self, tool: &Tool, station: &Station) -> Fit {
-        let room = self.room(station.narrowest);
+    pub fn fit(&self, tool: &Tool, station: &SurveyStation) -> ToolFit {
+        let room = self.free_width(station.narrowest);
         // Where no cylinder of its diameter clears the walls, the cutter has no axis either.
-        if room < tool.diameter || station.clear < tool.diameter {
-            Fit::Wide
-        } else if room < TILT_ROOM * tool.diameter || station.clear < CLEAR_ROOM * tool.diameter {
-            Fit::Tight
+        if room < tool.diameter || station.clear_diameter < tool.diameter {
+            ToolFit::Wide
+        } else if room < TILT_ROOM * tool.diameter || station.clear_diameter < CLEAR_ROOM * tool.diameter {
+            ToolFit::Tight
         } else if tool.overhang < self.overhang(station) {
-            Fit::Short
+            ToolFit::Short
         } else {
-            Fit::Good
+            ToolFit::Good
         }
     }
 }

@@ -18,18 +18,18 @@ mod reason;
 pub mod rest;
 pub mod search;
 
-use crate::part::setup::{SectionSetup, Stock};
+use crate::part::setup::{AllowanceSetup, SectionSetup};
 use crate::part::{Setup, Tool};
 use crate::plunge::survey::Survey;
 use estimate::Estimator;
 use fit::Rules;
 use reason::Reasons;
-use rest::rest_of;
+use rest::rest_sections;
 use search::cheapest;
 
 /// A chosen section with the reason for it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Chosen {
+pub struct ChosenSection {
     /// The section, without a cutting direction.
     pub section: SectionSetup,
     /// The reason, one line.
@@ -38,17 +38,17 @@ pub struct Chosen {
 
 /// Chooses sections for `tools` in the channel of `survey`. Cutters with a diameter above `limit` (mm) are
 /// ignored if there are others. Empty without tools.
-pub fn choose(tools: &[Tool], limit: Option<f64>, survey: &Survey, setup: &Setup) -> Vec<Chosen> {
-    let estimator = Estimator { survey, plunge: &setup.plunge, rules: Rules::new(&setup.stock) };
+pub fn choose(tools: &[Tool], limit: Option<f64>, survey: &Survey, setup: &Setup) -> Vec<ChosenSection> {
+    let estimator = Estimator { survey, plunge: &setup.plunge, rules: Rules::new(&setup.allowances) };
     let candidates = candidates(tools, limit);
     let Some(found) = cheapest(&estimator, &candidates, |_| true) else { return Vec::new() };
     let reasons = Reasons { estimator: &estimator, candidates: &candidates, limit, found: &found };
-    let sections = found.stretches.iter().enumerate().map(|(index, stretch)| Chosen {
+    let sections = found.stretches.iter().enumerate().map(|(index, stretch)| ChosenSection {
         section: SectionSetup {
             tool: candidates[stretch.tool].number,
             from: survey.stations[stretch.from].s,
             to: survey.stations[stretch.to].s,
-            feed: None,
+            cut_direction: None,
             rest: false,
         },
         reason: reasons.of(index),
@@ -57,8 +57,13 @@ pub fn choose(tools: &[Tool], limit: Option<f64>, survey: &Survey, setup: &Setup
 }
 
 /// Chooses rest-milling sections after `sections` with cutters from `tools`.
-pub fn choose_rest(sections: &[SectionSetup], tools: &[Tool], survey: &Survey, stock: &Stock) -> Vec<Chosen> {
-    rest_of(sections, &candidates(tools, None), survey, &Rules::new(stock))
+pub fn choose_rest(
+    sections: &[SectionSetup],
+    tools: &[Tool],
+    survey: &Survey,
+    stock: &AllowanceSetup,
+) -> Vec<ChosenSection> {
+    rest_sections(sections, &candidates(tools, None), survey, &Rules::new(stock))
 }
 
 /// The tools to choose from: large to small, for equal diameters the shorter first, without duplicates, none

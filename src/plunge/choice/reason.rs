@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::estimate::Estimator;
-use super::fit::Fit;
-use super::search::{Found, Stretch, cheapest};
+use super::fit::ToolFit;
+use super::search::{SectionChoice, ToolStretch, cheapest};
 use crate::part::Tool;
-use crate::plunge::survey::Station;
+use crate::plunge::survey::SurveyStation;
 
 /// Data from which the reasons of a choice are derived.
 pub struct Reasons<'a> {
@@ -17,7 +17,7 @@ pub struct Reasons<'a> {
     /// Maximum diameter that was considered, mm.
     pub limit: Option<f64>,
     /// The choice.
-    pub found: &'a Found,
+    pub found: &'a SectionChoice,
 }
 
 impl Reasons<'_> {
@@ -30,23 +30,24 @@ impl Reasons<'_> {
         parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
     }
 
-    fn tool(&self, stretch: Stretch) -> &Tool {
+    fn tool(&self, stretch: ToolStretch) -> &Tool {
         self.candidates[stretch.tool]
     }
 
-    fn station(&self, index: usize) -> &Station {
+    fn station(&self, index: usize) -> &SurveyStation {
         &self.estimator.survey.stations[index]
     }
 
-    fn fit(&self, tool: &Tool, station: usize) -> Fit {
+    fn fit(&self, tool: &Tool, station: usize) -> ToolFit {
         self.estimator.rules.fit(tool, self.station(station))
     }
 
-    fn size(&self, stretch: Stretch) -> String {
+    fn size(&self, stretch: ToolStretch) -> String {
         let tool = self.tool(stretch);
         let mut larger = self.candidates.iter().filter(|t| t.diameter > tool.diameter).peekable();
         let largest = larger.peek().is_none();
-        let fits = |t: &Tool| (stretch.to..=stretch.from).all(|station| self.fit(t, station) == Fit::Good);
+        let fits =
+            |t: &Tool| (stretch.to..=stretch.from).all(|station| self.fit(t, station) == ToolFit::Good);
         match self.limit {
             _ if self.candidates.len() == 1 => "the only cutter available".to_owned(),
             Some(limit) if largest => {
@@ -70,34 +71,36 @@ impl Reasons<'_> {
             return format!("to s = {s:.2}, where the passages beside the splitter join");
         }
         match stretch.to.checked_sub(1).map(|further| self.fit(self.tool(stretch), further)) {
-            Some(Fit::Wide | Fit::Tight) => {
+            Some(ToolFit::Wide | ToolFit::Tight) => {
                 format!("to s = {s:.2}, where the passage narrows to {width:.1} mm")
             }
-            Some(Fit::Short) => format!("to s = {s:.2}, where the channel gets too deep for its overhang"),
+            Some(ToolFit::Short) => {
+                format!("to s = {s:.2}, where the channel gets too deep for its overhang")
+            }
             _ => format!("to s = {s:.2}, from where D {} takes less time", self.tool(*next).diameter),
         }
     }
 
     /// The rule of fit that the cutter breaks, if any.
-    fn broken(&self, stretch: Stretch) -> Option<String> {
+    fn broken(&self, stretch: ToolStretch) -> Option<String> {
         let tool = self.tool(stretch);
         let within = stretch.to..=stretch.from;
-        let fits: Vec<Fit> = within.clone().map(|station| self.fit(tool, station)).collect();
-        if fits.contains(&Fit::Tight) {
+        let fits: Vec<ToolFit> = within.clone().map(|station| self.fit(tool, station)).collect();
+        if fits.contains(&ToolFit::Tight) {
             return Some("without room to tilt in places".to_owned());
         }
         let needed = within.map(|i| self.estimator.rules.overhang(self.station(i))).fold(0.0, f64::max);
-        fits.contains(&Fit::Short).then(|| {
+        fits.contains(&ToolFit::Short).then(|| {
             format!("its overhang of {:.0} mm is less than the {needed:.0} mm needed there", tool.overhang)
         })
     }
 
     /// Comparison with the best choice that has another diameter in the middle of this stretch.
-    fn rival(&self, stretch: Stretch) -> Option<String> {
-        let diameter = |stretch: Stretch| self.tool(stretch).diameter;
+    fn rival(&self, stretch: ToolStretch) -> Option<String> {
+        let diameter = |stretch: ToolStretch| self.tool(stretch).diameter;
         let middle = (stretch.from + stretch.to) / 2;
-        let holds_middle = |s: Stretch| s.to <= middle && middle < s.from;
-        let other = |s: Stretch| !holds_middle(s) || diameter(s) != diameter(stretch);
+        let holds_middle = |s: ToolStretch| s.to <= middle && middle < s.from;
+        let other = |s: ToolStretch| !holds_middle(s) || diameter(s) != diameter(stretch);
         let rival = cheapest(self.estimator, self.candidates, other)?;
         let instead = diameter(rival.stretches.iter().copied().find(|&s| holds_middle(s))?);
         let (cost, best) = (rival.cost, self.found.cost);
@@ -105,7 +108,8 @@ impl Reasons<'_> {
             return Some("any other would lack room or overhang".to_owned());
         }
         let percent = 100.0 * (cost.seconds / best.seconds - 1.0);
-        let tools = |found: &Found| found.stretches.iter().map(|s| s.tool).collect::<BTreeSet<_>>().len();
+        let tools =
+            |found: &SectionChoice| found.stretches.iter().map(|s| s.tool).collect::<BTreeSet<_>>().len();
         let effect = match percent {
             _ if percent >= 0.05 => format!("{percent:.1} % longer"),
             _ if percent <= -0.05 => format!("{:.1} % less", -percent),

@@ -1,7 +1,7 @@
 use super::estimate::Cost;
-use super::search::{MOST_TOOLS, Stretch, is_section, worthwhile};
+use super::search::{MAX_TOOLS, ToolStretch, is_section, worthwhile};
 use super::*;
-use crate::plunge::survey::{Across, Station};
+use crate::plunge::survey::{PassageExtent, SurveyStation};
 
 fn tool(number: u32, diameter: f64) -> Tool {
     Tool {
@@ -20,12 +20,18 @@ fn channel(widths: &[f64], joint: Option<usize>) -> Survey {
     let last = widths.len() - 1;
     let station = |(i, &width): (usize, &f64)| {
         let passage = usize::from(joint.is_some_and(|joint| i >= joint));
-        Station {
+        SurveyStation {
             s: i as f64 / last as f64,
             narrowest: width,
             deepest: 40.0,
-            clear: f64::INFINITY,
-            passages: vec![Across { passage, hub: width, shroud: 1.1 * width, depth: 40.0, advance: 200.0 }],
+            clear_diameter: f64::INFINITY,
+            passages: vec![PassageExtent {
+                passage,
+                hub: width,
+                shroud: 1.1 * width,
+                depth: 40.0,
+                advance: 200.0,
+            }],
         }
     };
     Survey { stations: widths.iter().enumerate().map(station).collect(), joint }
@@ -37,7 +43,7 @@ fn opening(inlet: f64, outlet: f64) -> Survey {
     channel(&widths, None)
 }
 
-fn tools_of(chosen: &[Chosen]) -> Vec<u32> {
+fn tools_of(chosen: &[ChosenSection]) -> Vec<u32> {
     chosen.iter().map(|chosen| chosen.section.tool).collect()
 }
 
@@ -45,8 +51,8 @@ fn tools_of(chosen: &[Chosen]) -> Vec<u32> {
 fn every_choice(
     estimator: &Estimator,
     tools: &[&Tool],
-    (so_far, cost): (&mut Vec<Stretch>, Cost),
-    best: &mut [Option<Cost>; MOST_TOOLS],
+    (so_far, cost): (&mut Vec<ToolStretch>, Cost),
+    best: &mut [Option<Cost>; MAX_TOOLS],
 ) {
     let before = so_far.last().copied();
     let from = before.map_or(estimator.survey.stations.len() - 1, |before| before.to);
@@ -60,7 +66,7 @@ fn every_choice(
     for (t, tool) in tools.iter().enumerate() {
         let follows = before.is_none_or(|before| {
             let goes_on = estimator.survey.joint == Some(from) && before.tool == t;
-            goes_on || (tools[before.tool].diameter > tool.diameter && numbers.len() < MOST_TOOLS)
+            goes_on || (tools[before.tool].diameter > tool.diameter && numbers.len() < MAX_TOOLS)
         });
         if !follows {
             continue;
@@ -68,7 +74,7 @@ fn every_choice(
         let begun = cost.and(estimator.beginning(tool, from, before.map(|before| tools[before.tool])));
         for to in (0..from).filter(|&to| is_section(estimator, from, to)) {
             let cost = begun.and(estimator.stretch(tool, from, to));
-            so_far.push(Stretch { tool: t, from, to });
+            so_far.push(ToolStretch { tool: t, from, to });
             every_choice(estimator, tools, (&mut *so_far, cost), best);
             so_far.pop();
         }
@@ -84,7 +90,7 @@ fn no_choice_beats_the_one_found() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         from + (to - from) * (state >> 11) as f64 / (1u64 << 53) as f64
     };
-    let mut counts = [0; MOST_TOOLS];
+    let mut counts = [0; MAX_TOOLS];
     for case in 0..60 {
         let widths: Vec<f64> = (0..8).map(|i| chance(8.0, 14.0) + f64::from(i) * chance(0.0, 20.0)).collect();
         let survey = channel(&widths, (case % 3 == 0).then_some(2 + case % 4));
@@ -94,8 +100,9 @@ fn no_choice_beats_the_one_found() {
             tool.overhang = chance(30.0, 90.0);
         }
         let candidates = candidates(&tools, None);
-        let estimator = Estimator { survey: &survey, plunge: &setup.plunge, rules: Rules::new(&setup.stock) };
-        let mut best = [None; MOST_TOOLS];
+        let estimator =
+            Estimator { survey: &survey, plunge: &setup.plunge, rules: Rules::new(&setup.allowances) };
+        let mut best = [None; MAX_TOOLS];
         every_choice(&estimator, &candidates, (&mut Vec::new(), Cost::default()), &mut best);
         let wanted = worthwhile(&best).and_then(|index| best[index]).expect("there is a choice");
         let found = cheapest(&estimator, &candidates, |_| true).expect("there is a choice");
@@ -119,7 +126,7 @@ fn cutters_fit_and_follow_each_other_from_rim_to_leading_edge() {
     let tools: Vec<Tool> =
         [40.0, 30.0, 20.0, 16.0, 12.0, 10.0, 8.0].iter().zip(1..).map(|(&d, n)| tool(n, d)).collect();
     let chosen = choose(&tools, None, &survey, &setup);
-    assert!((2..=MOST_TOOLS).contains(&chosen.len()), "a narrowing channel takes some cutters: {chosen:?}");
+    assert!((2..=MAX_TOOLS).contains(&chosen.len()), "a narrowing channel takes some cutters: {chosen:?}");
     let sections: Vec<&SectionSetup> = chosen.iter().map(|chosen| &chosen.section).collect();
     assert_eq!((sections[0].from, sections[sections.len() - 1].to), (1.0, 0.0), "from rim to leading edge");
     assert!(sections.windows(2).all(|pair| pair[0].to == pair[1].from), "without a gap");
@@ -128,7 +135,7 @@ fn cutters_fit_and_follow_each_other_from_rim_to_leading_edge() {
         for station in &survey.stations[survey.covered(section.from, section.to)] {
             assert!(station.narrowest - 1.0 >= 1.12 * diameter, "D {diameter} has room at s = {}", station.s);
         }
-        assert_eq!(section.feed, None, "the feed is left to the planner");
+        assert_eq!(section.cut_direction, None, "the feed is left to the planner");
     }
 }
 
@@ -194,9 +201,10 @@ fn reasons_name_the_border_and_the_price_of_another_size() {
 fn a_smaller_cutter_with_room_and_length_cuts_the_rest() {
     let tools = [tool(1, 30.0), tool(2, 20.0), tool(3, 12.0), tool(4, 4.0)];
     let setup = Setup::default();
-    let section = |tool: u32, from: f64, to: f64| SectionSetup { tool, from, to, feed: None, rest: false };
+    let section =
+        |tool: u32, from: f64, to: f64| SectionSetup { tool, from, to, cut_direction: None, rest: false };
     let rest = |sections: &[SectionSetup], tools: &[Tool], survey: &Survey| {
-        let chosen = choose_rest(sections, tools, survey, &setup.stock);
+        let chosen = choose_rest(sections, tools, survey, &setup.allowances);
         assert!(chosen.iter().all(|chosen| chosen.section.rest));
         chosen.iter().map(|c| (c.section.tool, c.section.from, c.section.to)).collect::<Vec<_>>()
     };

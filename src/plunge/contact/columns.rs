@@ -1,13 +1,13 @@
 //! Plunges in cutting order, with a spatial index of their columns.
 
-use super::index::{Around, Index};
+use super::index::{AxisQuery, PlungeIndex};
 use crate::geometry::CutterSolid;
 use crate::part::Blank;
 use crate::plunge::slotting::DepthSurface;
 
 /// A plunge, as needed for contact.
 #[derive(Clone, Copy, Debug)]
-pub struct Column {
+pub struct PlungeColumn {
     /// The cutter at its final depth.
     pub cutter: CutterSolid,
     /// Radius of the core, mm.
@@ -16,7 +16,7 @@ pub struct Column {
     pub top: f64,
 }
 
-impl Column {
+impl PlungeColumn {
     /// The column of a plunge into `blank`, with a core of `core_radius` mm.
     pub fn new(cutter: CutterSolid, core_radius: f64, blank: &BlankTop) -> Self {
         Self { cutter, core_radius, top: blank.above(&cutter, core_radius) }
@@ -47,20 +47,20 @@ impl<'a> BlankTop<'a> {
 
     fn above(&self, cutter: &CutterSolid, core_radius: f64) -> f64 {
         let touch = self.surface.touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6));
-        touch.map_or_else(|| self.blank.left_at(&cutter.tip, &cutter.axis, core_radius), |t| t.height)
+        touch.map_or_else(|| self.blank.exit_height(&cutter.tip, &cutter.axis, core_radius), |t| t.height)
     }
 }
 
 /// Plunges in cutting order.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
-    all: Vec<Column>,
-    index: Index,
+    all: Vec<PlungeColumn>,
+    index: PlungeIndex,
 }
 
 impl Columns {
     /// Adds the next plunge.
-    pub fn push(&mut self, column: Column) {
+    pub fn push(&mut self, column: PlungeColumn) {
         self.index.push(&column.cutter);
         self.all.push(column);
     }
@@ -82,7 +82,7 @@ impl Columns {
     }
 
     /// The plunges.
-    pub fn as_slice(&self) -> &[Column] {
+    pub fn as_slice(&self) -> &[PlungeColumn] {
         &self.all
     }
 
@@ -97,14 +97,14 @@ impl Columns {
     }
 }
 
-impl Extend<Column> for Columns {
-    fn extend<I: IntoIterator<Item = Column>>(&mut self, columns: I) {
+impl Extend<PlungeColumn> for Columns {
+    fn extend<I: IntoIterator<Item = PlungeColumn>>(&mut self, columns: I) {
         columns.into_iter().for_each(|column| self.push(column));
     }
 }
 
-impl FromIterator<Column> for Columns {
-    fn from_iter<I: IntoIterator<Item = Column>>(columns: I) -> Self {
+impl FromIterator<PlungeColumn> for Columns {
+    fn from_iter<I: IntoIterator<Item = PlungeColumn>>(columns: I) -> Self {
         let mut all = Self::default();
         all.extend(columns);
         all
@@ -120,25 +120,25 @@ pub struct Earlier<'a> {
 
 impl<'a> Earlier<'a> {
     /// The plunges that may have removed stock from the core of `column`, in cutting order.
-    pub fn near(self, column: &Column) -> impl DoubleEndedIterator<Item = &'a Column> + use<'a> {
+    pub fn near(self, column: &PlungeColumn) -> impl DoubleEndedIterator<Item = &'a PlungeColumn> + use<'a> {
         let all = &self.columns.all;
-        let mut found = self.columns.index.near(&column.around(), self.count);
+        let mut found = self.columns.index.near(&column.core_query(), self.count);
         found.retain(|&number| column.may_meet(&all[number as usize].cutter));
         found.sort_unstable();
         found.into_iter().map(|number| &all[number as usize])
     }
 }
 
-impl Column {
+impl PlungeColumn {
     /// Whether the core of this column is close enough to the axis of `other` to meet its column.
     pub fn may_meet(&self, other: &CutterSolid) -> bool {
-        self.around().meets(&other.tip, &other.axis, other.radius + self.core_radius)
+        self.core_query().meets(&other.tip, &other.axis, other.radius + self.core_radius)
     }
 
     /// Index query for its core.
-    fn around(&self) -> Around {
+    fn core_query(&self) -> AxisQuery {
         let CutterSolid { tip, axis, .. } = self.cutter;
-        Around { tip, axis, reach: self.core_radius, top: self.top.max(0.0) }
+        AxisQuery { tip, axis, reach: self.core_radius, top: self.top.max(0.0) }
     }
 }
 
@@ -154,13 +154,13 @@ mod tests {
     }
 
     /// A random plunge on a field of 600 mm, inclined by up to about 50°.
-    fn column(seed: &mut u64) -> Column {
+    fn column(seed: &mut u64) -> PlungeColumn {
         let mut between = |from: f64, to: f64| from + (to - from) * dice(seed);
         let tip = Point::new(between(-300.0, 300.0), between(-300.0, 300.0), between(-20.0, 20.0));
         let axis = Vector::new(between(-0.8, 0.8), between(-0.8, 0.8), 1.0).normalize();
         let radius = [4.0, 15.0][usize::from(between(0.0, 1.0) > 0.5)];
         let cutter = CutterSolid { tip, axis, radius, corner_radius: 0.0 };
-        Column { cutter, core_radius: 0.6 * radius, top: between(10.0, 200.0) }
+        PlungeColumn { cutter, core_radius: 0.6 * radius, top: between(10.0, 200.0) }
     }
 
     #[test]
@@ -173,7 +173,7 @@ mod tests {
         let mut looked_at = 0;
         for k in (0..columns.len()).step_by(50) {
             let column = &columns.as_slice()[k];
-            let number = |near: &Column| columns.as_slice().iter().position(|c| std::ptr::eq(c, near));
+            let number = |near: &PlungeColumn| columns.as_slice().iter().position(|c| std::ptr::eq(c, near));
             let near: Vec<usize> = columns.before(k).near(column).filter_map(number).collect();
             assert!(near.is_sorted() && near.iter().all(|&n| n < k), "in cutting order, none later");
             looked_at += near.len();

@@ -1,6 +1,6 @@
 //! Intersection of the lines of one core with earlier plunges.
 
-use super::columns::Column;
+use super::columns::PlungeColumn;
 use crate::geometry::cutter::column_interval;
 use crate::geometry::{CutterSolid, Point, Vector, norm2};
 
@@ -8,7 +8,7 @@ use crate::geometry::{CutterSolid, Point, Vector, norm2};
 const MAX_CORNER_STEPS: usize = 24;
 const CORNER_TOLERANCE: f64 = 1e-9;
 /// Capacity of the list of [`Neighbours::entered_below`]; where more plunges are found, all are evaluated.
-const MOST_ENTERED: usize = 24;
+const MAX_ENTERED: usize = 24;
 
 /// A line along the axis of a core, from its bottom upwards.
 pub struct CoreLine {
@@ -32,7 +32,7 @@ impl CoreLine {
 /// depends on the direction is computed once for all of them; the rest are polynomials in x and y of
 /// [`CoreLine`].
 #[derive(Clone, Copy, Debug)]
-pub struct Crossed {
+pub struct CrossedPlunge {
     cutter: CutterSolid,
     /// Cosine of the angle between both axes.
     along: f64,
@@ -45,7 +45,7 @@ pub struct Crossed {
     c: [f64; 6],
 }
 
-impl Crossed {
+impl CrossedPlunge {
     fn new(cutter: &CutterSolid, tip: &Point, axis: &Vector, [e1, e2]: &[Vector; 2]) -> Self {
         let across = |v: &Vector| v - cutter.axis * v.dot(&cutter.axis);
         let from_tip = tip - cutter.tip;
@@ -93,9 +93,9 @@ impl Crossed {
 /// The earlier plunges that may meet a core column, latest first.
 #[derive(Debug, Default)]
 pub struct Neighbours {
-    columns: Vec<Crossed>,
+    columns: Vec<CrossedPlunge>,
     /// Plunges cut after all of `columns`.
-    passed: Vec<Crossed>,
+    passed: Vec<CrossedPlunge>,
     /// Centre of the core's bottom, its axis, and two directions perpendicular to it.
     tip: Point,
     axis: Vector,
@@ -104,7 +104,7 @@ pub struct Neighbours {
 
 impl Neighbours {
     /// The neighbours of `column`: the `earlier` plunges that may meet it, in cutting order.
-    pub fn of<'c>(column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) -> Self {
+    pub fn of<'c>(column: &PlungeColumn, earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>) -> Self {
         let mut near = Self::default();
         near.gather(column, earlier);
         near
@@ -118,7 +118,11 @@ impl Neighbours {
     }
 
     /// As [`Self::of`], reusing the existing allocation.
-    pub fn gather<'c>(&mut self, column: &Column, earlier: impl DoubleEndedIterator<Item = &'c Column>) {
+    pub fn gather<'c>(
+        &mut self,
+        column: &PlungeColumn,
+        earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
+    ) {
         // The lines rotate with the plunge about Z, so that all channels give the same result.
         let CutterSolid { tip, axis, .. } = column.cutter;
         let outwards = Vector::new(tip.x, tip.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector::x);
@@ -128,24 +132,24 @@ impl Neighbours {
         (self.tip, self.axis, self.across) = (column.cutter.tip, column.cutter.axis, [e1, e2]);
         self.columns.clear();
         self.passed.clear();
-        let crossed = |c: &Column| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across);
+        let crossed = |c: &PlungeColumn| CrossedPlunge::new(&c.cutter, &self.tip, &self.axis, &self.across);
         self.columns.extend(earlier.rev().map(crossed));
     }
 
     /// Replaces the plunges cut after the gathered ones by `passed`, in cutting order.
-    pub fn pass<'c>(&mut self, passed: impl DoubleEndedIterator<Item = &'c Column>) {
+    pub fn set_passed<'c>(&mut self, passed: impl DoubleEndedIterator<Item = &'c PlungeColumn>) {
         self.passed.clear();
-        let crossed = |c: &Column| Crossed::new(&c.cutter, &self.tip, &self.axis, &self.across);
+        let crossed = |c: &PlungeColumn| CrossedPlunge::new(&c.cutter, &self.tip, &self.axis, &self.across);
         self.passed.extend(passed.rev().map(crossed));
     }
 
     /// The gathered plunges, latest first.
-    pub fn columns(&self) -> &[Crossed] {
+    pub fn columns(&self) -> &[CrossedPlunge] {
         &self.columns
     }
 
     /// The plunges cut after the gathered ones, latest first.
-    pub fn passed(&self) -> &[Crossed] {
+    pub fn passed(&self) -> &[CrossedPlunge] {
         &self.passed
     }
 
@@ -157,11 +161,11 @@ impl Neighbours {
     /// The plunges that one of `lines` enters below `height`. On lines between these, the first entry is into
     /// one of them.
     pub fn entered_below(&self, height: f64, lines: &[CoreLine]) -> Entered<'_> {
-        let mut entered = Entered { near: self, numbers: [0; MOST_ENTERED], count: 0 };
+        let mut entered = Entered { near: self, numbers: [0; MAX_ENTERED], count: 0 };
         for (number, crossed) in self.passed.iter().chain(&self.columns).enumerate() {
             let enters = |line| crossed.removed_by_sharp(line).is_some_and(|(low, _)| low < height);
             if lines.iter().any(enters) {
-                if entered.count < MOST_ENTERED {
+                if entered.count < MAX_ENTERED {
                     entered.numbers[entered.count] = number;
                 }
                 entered.count += 1;
@@ -171,7 +175,7 @@ impl Neighbours {
     }
 
     /// Plunge `number` of passed and gathered ones, latest first.
-    fn get(&self, number: usize) -> &Crossed {
+    fn get(&self, number: usize) -> &CrossedPlunge {
         let later = self.passed.len();
         if number < later { &self.passed[number] } else { &self.columns[number - later] }
     }
@@ -180,7 +184,7 @@ impl Neighbours {
 /// The few plunges of [`Neighbours`] that some lines enter first.
 pub struct Entered<'n> {
     near: &'n Neighbours,
-    numbers: [usize; MOST_ENTERED],
+    numbers: [usize; MAX_ENTERED],
     count: usize,
 }
 
@@ -194,7 +198,7 @@ impl Entered<'_> {
     }
 }
 
-fn first_entry<'c>(plunges: impl Iterator<Item = &'c Crossed>, line: &CoreLine) -> f64 {
+fn first_entry<'c>(plunges: impl Iterator<Item = &'c CrossedPlunge>, line: &CoreLine) -> f64 {
     let mut first = f64::INFINITY;
     for crossed in plunges {
         if let Some((low, high)) = crossed.removed_by_sharp(line)

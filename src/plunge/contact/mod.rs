@@ -6,8 +6,8 @@ mod columns;
 mod crossed;
 mod index;
 
-pub use columns::{BlankTop, Column, Columns, Earlier};
-use crossed::{CoreLine, Crossed, Neighbours};
+pub use columns::{BlankTop, Columns, Earlier, PlungeColumn};
+use crossed::{CoreLine, CrossedPlunge, Neighbours};
 
 use super::plan::{CONTACT_TOLERANCE, CoreContact};
 use crate::geometry::{Meridional, Point, search};
@@ -19,9 +19,9 @@ const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (
 /// Fewer lines, for searches.
 const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
 /// Number of rim lines of the quick test, which are evaluated first.
-const FEW: usize = 8;
+const QUICK_LINES: usize = 8;
 /// Maximum number of disjoint uncut intervals of one line.
-const STRETCHES: usize = 12;
+const MAX_INTERVALS: usize = 12;
 /// Contact depth that planning tolerates, mm: well below [`CONTACT_TOLERANCE`], so that rounding in a CL file
 /// or the samples of another checker do not exceed it.
 const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
@@ -31,7 +31,7 @@ const DEEP_ENTRY: f64 = -0.2;
 const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
-pub fn core_contact(column: &Column, earlier: Earlier, blank: &Blank) -> CoreContact {
+pub fn core_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> CoreContact {
     let near = Neighbours::of(column, earlier.near(column));
     contact_up_to(column, StockLines::new(column, &near, blank), &RINGS, f64::INFINITY)
 }
@@ -39,8 +39,8 @@ pub fn core_contact(column: &Column, earlier: Earlier, blank: &Blank) -> CoreCon
 /// Whether the core of `column` has more contact than planning tolerates, given the `earlier` plunges that
 /// may meet it. As [`core_contact`], but returns at the first such line.
 pub fn core_interferes<'c>(
-    column: &Column,
-    earlier: impl DoubleEndedIterator<Item = &'c Column>,
+    column: &PlungeColumn,
+    earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     blank: &Blank,
 ) -> bool {
     let near = Neighbours::of(column, earlier);
@@ -50,7 +50,7 @@ pub fn core_interferes<'c>(
 
 /// Lift that frees the core of a planned plunge, mm: the depth of [`core_contact`], 0 when planning tolerates
 /// it.
-pub fn planned_contact(column: &Column, earlier: Earlier, blank: &Blank) -> f64 {
+pub fn planned_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> f64 {
     let depth = core_contact(column, earlier, blank).depth;
     if depth > PLANNED_CONTACT { depth } else { 0.0 }
 }
@@ -61,15 +61,15 @@ pub fn planned_contact(column: &Column, earlier: Earlier, blank: &Blank) -> f64 
 pub struct ContactSearch {
     near: Neighbours,
     /// What the plunges gathered in `near` left on each of the lines evaluated so far.
-    left: Vec<Option<Left>>,
+    left: Vec<Option<LineRemainder>>,
 }
 
 impl ContactSearch {
     /// The lines of the core of `column` after the `earlier` plunges that may meet it, in cutting order.
     pub fn among<'c, 's>(
         &'s mut self,
-        column: &Column,
-        earlier: impl DoubleEndedIterator<Item = &'c Column>,
+        column: &PlungeColumn,
+        earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     ) -> SearchLines<'s> {
         self.near.gather(column, earlier);
         self.left.clear();
@@ -80,10 +80,10 @@ impl ContactSearch {
     /// The lines of the same core after additional `passed` plunges, in cutting order.
     pub fn after<'c, 's>(
         &'s mut self,
-        column: &Column,
-        passed: impl DoubleEndedIterator<Item = &'c Column>,
+        column: &PlungeColumn,
+        passed: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     ) -> SearchLines<'s> {
-        self.near.pass(passed);
+        self.near.set_passed(passed);
         SearchLines { column: *column, search: self }
     }
 }
@@ -91,7 +91,7 @@ impl ContactSearch {
 /// The lines of a core on which a search evaluates contact.
 #[derive(Debug)]
 pub struct SearchLines<'s> {
-    column: Column,
+    column: PlungeColumn,
     search: &'s mut ContactSearch,
 }
 
@@ -117,11 +117,11 @@ impl SearchLines<'_> {
         stock.kept = Some(left);
         let lines = SEARCH_RINGS[0].1;
         let mut deepest = 0.0f64;
-        for k in 0..FEW {
-            let number = k * (lines / FEW);
+        for k in 0..QUICK_LINES {
+            let number = k * (lines / QUICK_LINES);
             let phi = std::f64::consts::TAU * number as f64 / lines as f64;
             let line = stock.near.line(self.column.core_radius, phi);
-            deepest = deepest.max(stock.on_kept_line(number, &line, DEEP_ENTRY).1);
+            deepest = deepest.max(stock.on_cached_line(number, &line, DEEP_ENTRY).1);
             if deepest > enough.max(PLANNED_CONTACT) {
                 break;
             }
@@ -131,7 +131,12 @@ impl SearchLines<'_> {
 }
 
 /// Contact on the lines of `rings`; may return as soon as the depth exceeds `enough`.
-fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)], enough: f64) -> CoreContact {
+fn contact_up_to(
+    column: &PlungeColumn,
+    mut stock: StockLines,
+    rings: &[(f64, usize)],
+    enough: f64,
+) -> CoreContact {
     if column.top <= 0.0 {
         return CoreContact::default();
     }
@@ -147,14 +152,14 @@ fn contact_up_to(column: &Column, mut stock: StockLines, rings: &[(f64, usize)],
         let rho = share * column.core_radius;
         let mut hits = 0usize;
         // With a finite `enough`, interleave the lines so that the early exit triggers soonest.
-        let parts = if ring == 0 && enough.is_finite() { FEW } else { 1 };
+        let parts = if ring == 0 && enough.is_finite() { QUICK_LINES } else { 1 };
         for k in 0..count {
             let i = k % parts * (count / parts) + k / parts;
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let line = line(rho, phi);
             // Only for rim lines the entry below the bottom is needed, for the refinement below.
             let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
-            let (entry, highest) = stock.on_kept_line(before + i, &line, deep);
+            let (entry, highest) = stock.on_cached_line(before + i, &line, deep);
             depth = depth.max(highest);
             if depth > enough {
                 return CoreContact { depth, area_share: area };
@@ -208,30 +213,30 @@ fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
 
 /// What plunges left of a line: uncut intervals and the first entry.
 #[derive(Clone, Copy, Debug)]
-struct Left {
+struct LineRemainder {
     /// Intervals of height that none of them removed, mm.
-    open: [(f64, f64); STRETCHES],
+    open: [(f64, f64); MAX_INTERVALS],
     count: usize,
     /// Lowest height at which one of them removed something, mm; infinite where none did.
     first: f64,
 }
 
-impl Left {
+impl LineRemainder {
     /// The line from the bottom of the core up to `top`.
     fn whole(top: f64) -> Self {
-        Self { open: [(0.0, top); STRETCHES], count: 1, first: f64::INFINITY }
+        Self { open: [(0.0, top); MAX_INTERVALS], count: 1, first: f64::INFINITY }
     }
 
     /// Whether nothing is left and `first` is at most `deep`, so that further plunges change nothing
     /// relevant.
-    fn is_settled(&self, deep: f64) -> bool {
+    fn is_complete(&self, deep: f64) -> bool {
         self.count == 0 && self.first <= deep
     }
 
     /// What `plunges`, latest first, leave of it; stops as soon as further ones change nothing relevant.
-    fn after(mut self, plunges: &[Crossed], line: &CoreLine, deep: f64) -> Self {
+    fn after(mut self, plunges: &[CrossedPlunge], line: &CoreLine, deep: f64) -> Self {
         for crossed in plunges {
-            if self.is_settled(deep) {
+            if self.is_complete(deep) {
                 break;
             }
             self.remove(crossed, line);
@@ -240,7 +245,7 @@ impl Left {
     }
 
     /// Removes the interval that a plunge cut.
-    fn remove(&mut self, crossed: &Crossed, line: &CoreLine) {
+    fn remove(&mut self, crossed: &CrossedPlunge, line: &CoreLine) {
         let Some((low, high)) = crossed.removed_by_sharp(line) else { return };
         // A rounded corner removes less than a sharp one, so the sharp interval is a quick reject.
         let matters = low < self.first || self.open[..self.count].iter().any(|&(a, b)| low < b && high > a);
@@ -251,14 +256,14 @@ impl Left {
         if high > 0.0 {
             self.first = self.first.min(low);
         }
-        let mut kept = [(0.0, 0.0); STRETCHES];
+        let mut kept = [(0.0, 0.0); MAX_INTERVALS];
         let mut n = 0;
         for &(a, b) in &self.open[..self.count] {
             for piece in [(a, b.min(low)), (a.max(high), b)] {
                 if piece.0 >= piece.1 {
                     continue;
                 }
-                if n < STRETCHES {
+                if n < MAX_INTERVALS {
                     kept[n] = piece;
                     n += 1;
                 } else {
@@ -279,11 +284,11 @@ struct StockLines<'a> {
     /// Warm start: shroud position of the last query.
     warm: Option<f64>,
     /// Cache for lines that are evaluated more than once.
-    kept: Option<&'a mut [Option<Left>]>,
+    kept: Option<&'a mut [Option<LineRemainder>]>,
 }
 
 impl<'a> StockLines<'a> {
-    fn new(column: &Column, near: &'a Neighbours, blank: &'a Blank) -> Self {
+    fn new(column: &PlungeColumn, near: &'a Neighbours, blank: &'a Blank) -> Self {
         Self { near, blank, top: column.top, warm: None, kept: None }
     }
 
@@ -294,22 +299,22 @@ impl<'a> StockLines<'a> {
     /// (first entry into removed stock, highest stock) on the line, mm above the bottom; infinite and 0 where
     /// there is none. Where no stock is left, an entry below `deep` may be any such value.
     fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
-        let left = Left::whole(self.top).after(self.near.passed(), line, deep);
+        let left = LineRemainder::whole(self.top).after(self.near.passed(), line, deep);
         let left = left.after(self.near.columns(), line, deep);
         (left.first, self.highest(&left, line))
     }
 
     /// As [`Self::on_line`], for line `number` of the cache.
-    fn on_kept_line(&mut self, number: usize, line: &CoreLine, deep: f64) -> (f64, f64) {
+    fn on_cached_line(&mut self, number: usize, line: &CoreLine, deep: f64) -> (f64, f64) {
         let Some(kept) = &mut self.kept else { return self.on_line(line, deep) };
-        let gathered =
-            kept[number].get_or_insert_with(|| Left::whole(self.top).after(self.near.columns(), line, deep));
+        let gathered = kept[number]
+            .get_or_insert_with(|| LineRemainder::whole(self.top).after(self.near.columns(), line, deep));
         let left = gathered.after(self.near.passed(), line, deep);
         (left.first, self.highest(&left, line))
     }
 
     /// The highest stock in what is left of a line, mm above the bottom.
-    fn highest(&mut self, left: &Left, line: &CoreLine) -> f64 {
+    fn highest(&mut self, left: &LineRemainder, line: &CoreLine) -> f64 {
         let mut highest = 0.0f64;
         for &(a, b) in left.open[..left.count].iter().filter(|(a, b)| b - a > 1e-9 && *b > 0.0) {
             if b <= highest {

@@ -7,19 +7,19 @@
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
 use crate::part::Machine;
 use crate::plunge::clearance::FinishedPart;
-use crate::plunge::contact::{BlankTop, Column};
+use crate::plunge::contact::{BlankTop, PlungeColumn};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::{RowMaker, Station};
 
 /// First lead angle of the grid, degrees. The grid is shifted where the conventional axis has so large a lead
 /// angle that `max_tilt` would leave less than half of the grid.
-const TILT_FROM_DEG: f64 = -12.0;
+const FIRST_LEAD_DEG: f64 = -12.0;
 /// Step of the grid of lead angles, degrees.
-const TILT_STEP_DEG: f64 = 2.0;
+const LEAD_STEP_DEG: f64 = 2.0;
 /// Number of steps of the grid.
-const TILT_STEPS: usize = 19;
+const LEAD_STEPS: usize = 19;
 /// Middle of the grid, degrees.
-const MIDDLE_TILT_DEG: f64 = TILT_FROM_DEG + 0.5 * TILT_STEP_DEG * TILT_STEPS as f64;
+const MIDDLE_LEAD_DEG: f64 = FIRST_LEAD_DEG + 0.5 * LEAD_STEP_DEG * LEAD_STEPS as f64;
 
 /// The grid is too coarse when from one lead angle to the next the axis moves on the shroud by more than this
 /// share of the width of the cutting ring: the next core then meets stock that the last plunge left high
@@ -33,18 +33,18 @@ const WIDER_CORE: f64 = 1.012;
 const STRIPS: usize = 9;
 const ALONG: usize = 7;
 /// Distance of the outermost point along the row, in cutter radii.
-const FURTHEST: f64 = 0.9;
+const REACH_ALONG_RADII: f64 = 0.9;
 
 /// One candidate position, not yet checked against the blades.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidate {
+pub struct RowCandidate {
     /// Axis and depth.
     pub station: Station,
     /// Layer left above the allowance when this cutter moves along the row, per strip of the row's floor, mm.
     layer: [f64; STRIPS],
 }
 
-impl Candidate {
+impl RowCandidate {
     /// Maximum lift, mm, for which the candidate costs at most `budget`; negative when it costs more without
     /// lift.
     pub fn affordable_lift(&self, budget: f64, scale: f64) -> f64 {
@@ -66,29 +66,29 @@ impl Candidate {
 }
 
 /// Number of tilt angles per lead angle.
-const LEANS: usize = 3;
+const TILT_COUNT: usize = 3;
 /// Tilt angles as shares from the row's own tilt angle (0) to zero tilt (1).
-const UPRIGHT_SHARES: [f64; LEANS] = [1.0, 0.5, 0.0];
+const ZERO_TILT_SHARES: [f64; TILT_COUNT] = [1.0, 0.5, 0.0];
 
 /// The candidates of one stage.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct CandidateStage {
     /// Candidates for each lead angle, the cheapest first; without those beyond the limits of inclination.
-    pub tilts: Vec<[Option<Candidate>; LEANS]>,
+    pub by_lead: Vec<[Option<RowCandidate>; TILT_COUNT]>,
     floor: FloorPoints,
 }
 
-impl Place {
+impl CandidateStage {
     /// Cost of the cheapest candidate, if there is any.
     pub fn cheapest(&self, scale: f64) -> Option<f64> {
-        self.tilts.iter().filter_map(|tilt| Some(tilt[0].as_ref()?.cost(0.0, scale))).reduce(f64::min)
+        self.by_lead.iter().filter_map(|tilt| Some(tilt[0].as_ref()?.cost(0.0, scale))).reduce(f64::min)
     }
 
     /// Minimum angle between axes of the same lead angle at this stage and `next`, rad; 0 when there are
     /// none.
-    pub fn least_turn(&self, next: &Place) -> f64 {
-        let axes = |tilt: &[Option<Candidate>; LEANS]| tilt.map(|c| c.map(|c| c.station.axis));
-        let turns = self.tilts.iter().zip(&next.tilts).flat_map(|(here, next)| {
+    pub fn min_turn(&self, next: &CandidateStage) -> f64 {
+        let axes = |tilt: &[Option<RowCandidate>; TILT_COUNT]| tilt.map(|c| c.map(|c| c.station.axis));
+        let turns = self.by_lead.iter().zip(&next.by_lead).flat_map(|(here, next)| {
             let (here, next) = (axes(here).into_iter().flatten(), axes(next));
             here.flat_map(move |a| next.into_iter().flatten().map(move |b| a.angle(&b)))
         });
@@ -104,7 +104,7 @@ pub struct CandidateMaker<'a> {
     pub top: &'a BlankTop<'a>,
     pub hub_allowance: f64,
     pub blade_allowance: f64,
-    pub max_tilt: f64,
+    pub max_tilt_rad: f64,
     pub machine: &'a Machine,
     /// Layer e for which e²/`scale` equals e in the cost, mm.
     pub scale: f64,
@@ -112,14 +112,14 @@ pub struct CandidateMaker<'a> {
     /// next one, as angles about Z from M, rad.
     pub floor: &'a (dyn Fn(f64) -> Option<[f64; 2]> + Sync),
     /// Maximum displacement of W across the row on the shroud without uncut stock between the rows, mm.
-    pub sideways: f64,
+    pub max_side_shift: f64,
     /// Number of parts into which the steps of the grid of lead angles are divided.
     pub fineness: usize,
 }
 
 /// Local frame at a position of a row.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+struct RowFrame {
     /// Hub normal.
     normal: Vector,
     /// Unit direction along the row, towards the uncut side.
@@ -135,28 +135,28 @@ type FloorPoints = [[(Point, Vector); ALONG]; STRIPS];
 
 /// Linearisation of the lead angle by s of W, around the axis with zero lead angle or a shifted one.
 #[derive(Clone, Copy, Debug)]
-struct Upright {
+struct ZeroLeadRef {
     s_shroud: f64,
     /// Lead angle there, by which the whole grid is shifted, rad.
-    moved: f64,
+    shift_rad: f64,
     /// Derivative of the tangent of the lead angle by s of W.
-    tilt_by_s: f64,
+    tan_lead_by_s: f64,
     /// Height of W above M along the normal, mm.
     height: f64,
 }
 
-impl Upright {
+impl ZeroLeadRef {
     /// s of W for a lead angle `tilt` (rad) relative to the shift.
-    fn tilted(&self, tilt: f64) -> f64 {
-        self.s_shroud + ((tilt + self.moved).tan() - self.moved.tan()) / self.tilt_by_s
+    fn s_shroud_at_lead(&self, tilt: f64) -> f64 {
+        self.s_shroud + ((tilt + self.shift_rad).tan() - self.shift_rad.tan()) / self.tan_lead_by_s
     }
 }
 
 /// Reference from which all axes at an s are made.
-struct Stand {
+struct AxisFrame {
     conventional: AxisEnds,
-    frame: Frame,
-    upright: Upright,
+    frame: RowFrame,
+    upright: ZeroLeadRef,
     /// The conventional axis.
     reference: Vector,
 }
@@ -166,29 +166,29 @@ const SLOPE_STEP: f64 = 2e-3;
 
 impl CandidateMaker<'_> {
     /// The stage at `s_hub`; `None` where the cutter does not fit at all.
-    pub fn at(&self, s_hub: f64) -> Option<Place> {
-        let Stand { conventional, frame, upright, reference } = self.stand(s_hub)?;
+    pub fn stage_at(&self, s_hub: f64) -> Option<CandidateStage> {
+        let AxisFrame { conventional, frame, upright, reference } = self.axis_frame(s_hub)?;
         let floor = self.floor_points(&conventional, &frame)?;
         let candidates = |j: usize| {
-            let tilt = (TILT_FROM_DEG + TILT_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
-            let axes = self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), UPRIGHT_SHARES);
+            let tilt = (FIRST_LEAD_DEG + LEAD_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
+            let axes = self.axes(upright.s_shroud_at_lead(tilt), (s_hub, &frame, &upright), ZERO_TILT_SHARES);
             let mut candidates = axes.map(|ends| {
                 let candidate = self.lowered(ends?, &floor, &reference)?;
                 let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
-                Some(Candidate { station, ..candidate })
+                Some(RowCandidate { station, ..candidate })
             });
-            let cost = |c: &Option<Candidate>| c.map_or(f64::INFINITY, |c| c.cost(0.0, self.scale));
+            let cost = |c: &Option<RowCandidate>| c.map_or(f64::INFINITY, |c| c.cost(0.0, self.scale));
             candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
             candidates
         };
-        let tilts = (0..=TILT_STEPS * self.fineness).map(candidates).collect();
-        Some(Place { tilts, floor })
+        let tilts = (0..=LEAD_STEPS * self.fineness).map(candidates).collect();
+        Some(CandidateStage { by_lead: tilts, floor })
     }
 
     /// Whether the grid of lead angles is too coarse for the cutter at one of the `s` of a row.
     pub fn is_coarse(&self, s: &[f64]) -> bool {
         let tool = self.maker.tool;
-        let step = (TILT_STEP_DEG / self.fineness as f64).to_radians();
+        let step = (LEAD_STEP_DEG / self.fineness as f64).to_radians();
         let most = COARSE_SHARE * (tool.radius() - tool.core_radius());
         let depth =
             |ends: &AxisEnds| (self.maker.lane.shroud_point(ends) - self.maker.lane.hub_point(ends)).norm();
@@ -197,60 +197,60 @@ impl CandidateMaker<'_> {
 
     /// Stations at `s_hub` with lead angles `tilts` (rad, shifted as the grid), each with the tilt angles
     /// given by `shares` (1 for zero tilt). They are not checked against the blades.
-    pub fn fan<const N: usize>(
+    pub fn axis_fan<const N: usize>(
         &self,
         s_hub: f64,
         tilts: impl Iterator<Item = f64>,
         shares: &[f64; N],
     ) -> Vec<Station> {
-        let Some(Stand { conventional, frame, upright, reference }) = self.stand(s_hub) else {
+        let Some(AxisFrame { conventional, frame, upright, reference }) = self.axis_frame(s_hub) else {
             return Vec::new();
         };
         tilts
-            .flat_map(|tilt| self.axes(upright.tilted(tilt), (s_hub, &frame, &upright), *shares))
+            .flat_map(|tilt| self.axes(upright.s_shroud_at_lead(tilt), (s_hub, &frame, &upright), *shares))
             .flatten()
-            .filter_map(|ends| self.within_tilt(ends, &reference))
+            .filter_map(|ends| self.station_within_limits(ends, &reference))
             .map(|station| Station { s_shroud_conventional: conventional.s_shroud, ..station })
             .collect()
     }
 
     /// The reference at `s_hub`.
-    fn stand(&self, s_hub: f64) -> Option<Stand> {
+    fn axis_frame(&self, s_hub: f64) -> Option<AxisFrame> {
         let conventional = self.isoparametric(s_hub)?;
-        let frame = self.frame(&conventional)?;
+        let frame = self.row_frame(&conventional)?;
         let (_, reference) = self.maker.lane.line(&conventional);
         let tilt = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
         // The grid is shifted towards positive lead angles only: with large negative ones each plunge would
         // end above the previous one. Where no others remain, the row ends.
-        let moved = (tilt - self.max_tilt - MIDDLE_TILT_DEG.to_radians()).max(0.0);
-        let upright = self.upright(&conventional, &frame, moved)?;
-        Some(Stand { conventional, frame, upright, reference })
+        let moved = (tilt - self.max_tilt_rad - MIDDLE_LEAD_DEG.to_radians()).max(0.0);
+        let upright = self.zero_lead_ref(&conventional, &frame, moved)?;
+        Some(AxisFrame { conventional, frame, upright, reference })
     }
 
     /// Ends of the conventional axis at `s_hub`, whether or not it clears the walls.
     fn isoparametric(&self, s_hub: f64) -> Option<AxisEnds> {
-        self.maker.lane.guide(self.maker.lambda, s_hub)
+        self.maker.lane.reference_axis(self.maker.lambda, s_hub)
     }
 
     /// Local frame at the foot of a conventional axis.
-    fn frame(&self, ends: &AxisEnds) -> Option<Frame> {
+    fn row_frame(&self, ends: &AxisEnds) -> Option<RowFrame> {
         let normal = self.maker.part.hub.normal(ends.s_hub).direction_at_angle(ends.theta_hub);
         let (before, after) =
             (self.isoparametric(ends.s_hub + SLOPE_STEP)?, self.isoparametric(ends.s_hub - SLOPE_STEP)?);
         let ahead = self.maker.lane.hub_point(&after) - self.maker.lane.hub_point(&before);
         let turn = wrap_angle(before.theta_hub - after.theta_hub);
-        let flat = (ahead - normal * ahead.dot(&normal)) * self.maker.inward;
+        let flat = (ahead - normal * ahead.dot(&normal)) * self.maker.direction_sign;
         let length = flat.norm();
         if length < 1e-9 {
             return None;
         }
         let feed = flat / length;
         let path_by_s = (length / (2.0 * SLOPE_STEP), turn / (2.0 * SLOPE_STEP));
-        Some(Frame { normal, feed, across: normal.cross(&feed), path_by_s })
+        Some(RowFrame { normal, feed, across: normal.cross(&feed), path_by_s })
     }
 
     /// Newton iteration for the s of W at which the lead angle is `moved` (rad).
-    fn upright(&self, from: &AxisEnds, frame: &Frame, moved: f64) -> Option<Upright> {
+    fn zero_lead_ref(&self, from: &AxisEnds, frame: &RowFrame, moved: f64) -> Option<ZeroLeadRef> {
         let lane = self.maker.lane;
         let m = lane.hub_point(from);
         // The row's shroud curve; where it has no axis, the angles about Z of `from` are kept.
@@ -276,10 +276,10 @@ impl CandidateMaker<'_> {
             }
         }
         let height = to_shroud(s_shroud).dot(&frame.normal);
-        (slope * self.maker.inward < 0.0 && height > 0.0).then_some(Upright {
+        (slope * self.maker.direction_sign < 0.0 && height > 0.0).then_some(ZeroLeadRef {
             s_shroud,
-            moved,
-            tilt_by_s: slope,
+            shift_rad: moved,
+            tan_lead_by_s: slope,
             height,
         })
     }
@@ -290,22 +290,22 @@ impl CandidateMaker<'_> {
     fn axes<const N: usize>(
         &self,
         s_shroud: f64,
-        (s_hub, frame, upright): (f64, &Frame, &Upright),
+        (s_hub, frame, upright): (f64, &RowFrame, &ZeroLeadRef),
         shares: [f64; N],
     ) -> [Option<AxisEnds>; N] {
         let maker = self.maker;
         let mut only = [None; N];
         let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return only };
         only[0] = Some(ends);
-        if is_wall(maker.lambda) || self.sideways <= 0.0 {
+        if is_wall(maker.lambda) || self.max_side_shift <= 0.0 {
             return only;
         }
         let w = maker.lane.shroud_point(&ends);
         let lean = (w - maker.lane.hub_point(&ends)).dot(&frame.across);
-        let most = -lean.clamp(-self.sideways, self.sideways);
+        let most = -lean.clamp(-self.max_side_shift, self.max_side_shift);
         // Turning W about Z changes the lead angle as well; s of W compensates that.
         let turn = Vector::new(-w.y, w.x, 0.0);
-        let by_s = upright.tilt_by_s * upright.height;
+        let by_s = upright.tan_lead_by_s * upright.height;
         let gain = turn.dot(&frame.across);
         if gain.abs() < 0.2 * turn.norm() {
             return only;
@@ -319,8 +319,8 @@ impl CandidateMaker<'_> {
     }
 
     /// Whether the axis of a station is within the machine's limits and its cutter clears the blades.
-    pub fn allowed(&self, station: &Station) -> bool {
-        if self.machine.beyond(self.maker.part, &station.axis) > 0.0 {
+    pub fn is_allowed(&self, station: &Station) -> bool {
+        if self.machine.excess_tilt_rad(self.maker.part, &station.axis) > 0.0 {
             return false;
         }
         let slack = if is_wall(self.maker.lambda) { DRAFT_SLACK } else { 0.0 };
@@ -330,48 +330,48 @@ impl CandidateMaker<'_> {
     /// Whether the cutter of a station is longer than its depth in the blank.
     pub fn is_long_enough(&self, station: &Station) -> bool {
         let tool = self.maker.tool;
-        Column::new(self.maker.cutter(station), tool.radius(), self.top).top <= tool.overhang
+        PlungeColumn::new(self.maker.cutter(station), tool.radius(), self.top).top <= tool.overhang
     }
 
-    fn lowered(&self, ends: AxisEnds, floor: &FloorPoints, reference: &Vector) -> Option<Candidate> {
-        Some(self.candidate(self.within_tilt(ends, reference)?, floor))
+    fn lowered(&self, ends: AxisEnds, floor: &FloorPoints, reference: &Vector) -> Option<RowCandidate> {
+        Some(self.candidate(self.station_within_limits(ends, reference)?, floor))
     }
 
     /// The station of an axis, if it is within the machine's limits and inclined by at most `max_tilt` from
     /// `reference`.
-    fn within_tilt(&self, ends: AxisEnds, reference: &Vector) -> Option<Station> {
+    fn station_within_limits(&self, ends: AxisEnds, reference: &Vector) -> Option<Station> {
         let (_, axis) = self.maker.lane.line(&ends);
-        let reached =
-            axis.angle(reference) <= self.max_tilt && self.machine.beyond(self.maker.part, &axis) <= 0.0;
-        reached.then(|| self.maker.lowered(ends))
+        let reached = axis.angle(reference) <= self.max_tilt_rad
+            && self.machine.excess_tilt_rad(self.maker.part, &axis) <= 0.0;
+        reached.then(|| self.maker.lower_to_hub(ends))
     }
 
-    fn candidate(&self, station: Station, floor: &FloorPoints) -> Candidate {
-        Candidate { station, layer: self.layer(&self.maker.cutter(&station), &station.ends, floor) }
+    fn candidate(&self, station: Station, floor: &FloorPoints) -> RowCandidate {
+        RowCandidate { station, layer: self.layer(&self.maker.cutter(&station), &station.ends, floor) }
     }
 
     /// A candidate of `place` that clears the blades, refitted if needed; `None` where that is impossible.
-    pub fn cleared(&self, candidate: &Candidate, place: &Place) -> Option<Candidate> {
-        if self.allowed(&candidate.station) {
+    pub fn cleared(&self, candidate: &RowCandidate, place: &CandidateStage) -> Option<RowCandidate> {
+        if self.is_allowed(&candidate.station) {
             return Some(*candidate);
         }
         // Between two branches of fits the table error exceeds that of a draft.
         let station = self.maker.exact(&candidate.station)?;
-        (station.ends != candidate.station.ends && self.allowed(&station))
+        (station.ends != candidate.station.ends && self.is_allowed(&station))
             .then(|| self.candidate(station, &place.floor))
     }
 
     /// The column of a station for the contact search, with a slightly widened core.
-    pub fn column(&self, station: &Station) -> Column {
+    pub fn column(&self, station: &Station) -> PlungeColumn {
         let core_radius = WIDER_CORE * self.maker.tool.core_radius() + DRAFT_SLACK;
-        Column::new(self.maker.cutter(station), core_radius, self.top)
+        PlungeColumn::new(self.maker.cutter(station), core_radius, self.top)
     }
 
     /// Sample points of the floor that the row has to clear around a position.
-    fn floor_points(&self, ends: &AxisEnds, frame: &Frame) -> Option<FloorPoints> {
+    fn floor_points(&self, ends: &AxisEnds, frame: &RowFrame) -> Option<FloorPoints> {
         let hub = &self.maker.part.hub;
         let [from, to] = (self.floor)(ends.s_hub)?;
-        let reach = FURTHEST * self.maker.tool.radius() / frame.path_by_s.0;
+        let reach = REACH_ALONG_RADII * self.maker.tool.radius() / frame.path_by_s.0;
         let along: [(f64, Meridional, Meridional); ALONG] = std::array::from_fn(|k| {
             let ds = reach * (2.0 * k as f64 / (ALONG - 1) as f64 - 1.0);
             let here = hub.at(ends.s_hub + ds);

@@ -2,7 +2,7 @@
 //! strip of stock, and a row that begins in it would have to stop short over a long distance. It is entered
 //! from the side, in steps no wider than the inserts.
 
-use super::candidate::{Candidate, CandidateMaker};
+use super::candidate::{CandidateMaker, RowCandidate};
 use super::path::PathSearch;
 use crate::monitor::Cancelled;
 use crate::plunge::contact::{Columns, ContactSearch};
@@ -12,7 +12,7 @@ use crate::plunge::row::{RowMaker, Station};
 const STEP_SHARE: f64 = 0.6;
 
 /// A sequence of plunges from one row to the next.
-pub struct Crossing<'a> {
+pub struct RowCrossing<'a> {
     /// Search of the row to be reached.
     pub search: &'a PathSearch<'a>,
     /// λ of the row it starts from, which is already cut.
@@ -21,7 +21,7 @@ pub struct Crossing<'a> {
     pub s: f64,
 }
 
-impl Crossing<'_> {
+impl RowCrossing<'_> {
     /// Stations from the previous row to this one, the last of them on this row; empty where no axis fits.
     ///
     /// # Errors
@@ -38,7 +38,9 @@ impl Crossing<'_> {
             let lambda = self.from + (goal.lambda - self.from) * i as f64 / count as f64;
             let maker = RowMaker { lambda, ..goal.clone() };
             let candidates = CandidateMaker { maker: &maker, ..self.search.candidates.clone() };
-            let Some((candidate, lift)) = self.best(&candidates, stations.last(), &columns) else { continue };
+            let Some((candidate, lift)) = self.best_candidate(&candidates, stations.last(), &columns) else {
+                continue;
+            };
             columns.push(candidates.column(&candidate.station).lifted(lift));
             stations.push(candidate.station);
         }
@@ -46,18 +48,19 @@ impl Crossing<'_> {
     }
 
     /// The cheapest candidate and its lift, mm.
-    fn best(
+    fn best_candidate(
         &self,
         candidates: &CandidateMaker,
         before: Option<&Station>,
         columns: &Columns,
-    ) -> Option<(Candidate, f64)> {
-        let place = candidates.at(self.s)?;
+    ) -> Option<(RowCandidate, f64)> {
+        let place = candidates.stage_at(self.s)?;
         let mut search = ContactSearch::default();
-        let mut best: Option<(f64, Candidate, f64)> = None;
-        for cheapest in place.tilts.iter().filter_map(|tilt| tilt[0]) {
+        let mut best: Option<(f64, RowCandidate, f64)> = None;
+        for cheapest in place.by_lead.iter().filter_map(|tilt| tilt[0]) {
             let Some(candidate) = candidates.cleared(&cheapest, &place) else { continue };
-            if before.is_some_and(|b| b.axis.angle(&candidate.station.axis) > self.search.max_axis_change) {
+            if before.is_some_and(|b| b.axis.angle(&candidate.station.axis) > self.search.max_axis_change_rad)
+            {
                 continue;
             }
             let column = candidates.column(&candidate.station);

@@ -17,50 +17,50 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
-use super::floor::{Floor, Gain};
-use crate::geometry::{Cells, CutterSolid, Point};
+use super::floor::{FloorHeightMap, Gain};
+use crate::geometry::{CutterSolid, Point, ProximityGrid};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::contact::{Columns, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
 /// Lead angles of the pool: first one and step, degrees, and their number.
-const TILT_FROM_DEG: f64 = -9.0;
-const TILT_STEP_DEG: f64 = 3.0;
-const TILTS: usize = 10;
+const FIRST_LEAD_DEG: f64 = -9.0;
+const LEAD_STEP_DEG: f64 = 3.0;
+const LEAD_COUNT: usize = 10;
 /// Minimum gain of a plunge, as the thickness of a layer under its whole bottom, in cutter radii.
-const LEAST_GAIN_RADII: f64 = 0.0004;
+const MIN_GAIN_RADII: f64 = 0.0004;
 /// Maximum lift of a plunge as a share of the depth by which it would lower the stock.
-const MOST_LIFT_SHARE: f64 = 0.7;
+const MAX_LIFT_SHARE: f64 = 0.7;
 /// Maximum lift of a plunge in cutter radii.
-const MOST_LIFT_RADII: f64 = 0.3;
+const MAX_LIFT_RADII: f64 = 0.3;
 /// Tilt angles of the full evaluation, as shares from the row's own tilt angle (0) to zero tilt (1).
-const FAN_SHARES: [f64; 5] = [1.0, 0.7, 0.4, 0.0, 1.4];
-/// As [`FAN_SHARES`], for the coarse evaluation of a foot.
-const COARSE_SHARES: [f64; 2] = [0.85, 0.2];
+const TILT_SHARES: [f64; 5] = [1.0, 0.7, 0.4, 0.0, 1.4];
+/// As [`TILT_SHARES`], for the coarse evaluation of a foot.
+const COARSE_TILT_SHARES: [f64; 2] = [0.85, 0.2];
 /// Distance up to which a plunge may free another of contact, in cutter radii.
 const NEAR_RADII: f64 = 2.0;
 /// Distance beyond which two plunges share no cell of the floor, in cutter radii.
 const APART_RADII: f64 = 4.5;
 /// Share of the old gain down to which a gain counts as unchanged.
-const STILL: f64 = 0.999;
+const UNCHANGED_SHARE: f64 = 0.999;
 /// Estimated upper bound of the gain at a foot, as a multiple of the best gain of the coarse evaluation. It
 /// is a heuristic: a few axes miss narrow residues.
-const EXPECTED: f64 = 1.2;
-/// Added to the bound of [`EXPECTED`], in minimum gains.
-const EXPECTED_LEAST: f64 = 0.6;
+const GAIN_BOUND_FACTOR: f64 = 1.2;
+/// Added to the bound of [`GAIN_BOUND_FACTOR`], in minimum gains.
+const GAIN_BOUND_MARGIN: f64 = 0.6;
 /// Number of top entries that are re-evaluated in parallel.
-const BEST: usize = 16;
+const TOP_COUNT: usize = 16;
 /// Maximum number of these that are refined.
-const BATCH: usize = 8;
+const MAX_BATCH: usize = 8;
 /// Number of these that are refined even if they are near each other.
-const FEWEST: usize = 6;
+const MIN_BATCH: usize = 6;
 /// Margin added to lifts found with the few lines of the search, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
 /// A cutter of the coarse evaluation. The pool is large, so only the cutter of the axis is stored.
 #[derive(Clone, Debug)]
-struct Probe {
+struct CoarseProbe {
     cutter: CutterSolid,
     /// Gain of its last evaluation, mm³.
     gain: f64,
@@ -68,22 +68,22 @@ struct Probe {
 
 /// How far an entry of the pool has been evaluated.
 #[derive(Clone, Debug)]
-enum Look {
+enum Evaluation {
     /// A foot, with the few axes of the coarse evaluation.
-    Place(Vec<Probe>),
+    Foot(Vec<CoarseProbe>),
     /// One axis, blades and contact not checked.
     Axis(Station),
     /// An axis that clears the blades, contact not checked.
     Clear(Station),
     /// An axis that clears the blades and needs at least `lift` mm by a few lines of its core.
-    Held { station: Station, lift: f64 },
+    ContactLimited { station: Station, lift: f64 },
     /// A plunge that is free of blades and contact when it stops `lift` mm short.
     Plunge { station: Station, lift: f64 },
 }
 
 /// An entry of the pool: a plunge that may be added, or a foot for several.
 #[derive(Clone, Debug)]
-struct Extra {
+struct PoolEntry {
     /// Gain of the last evaluation, mm³; for a foot its estimated upper bound.
     gain: f64,
     /// Tie-break: index of the foot in the pool, and of the axis at it; the first wins.
@@ -94,44 +94,46 @@ struct Extra {
     s: f64,
     /// Number of added plunges at the last evaluation; `None` when it has to be evaluated anyway.
     seen: Option<usize>,
-    look: Look,
+    look: Evaluation,
 }
 
-impl Extra {
+impl PoolEntry {
     /// Approximate position.
     fn foot(&self) -> Option<&Point> {
         match &self.look {
-            Look::Place(few) => few.first().map(|probe| &probe.cutter.tip),
-            Look::Axis(station) | Look::Clear(station) => Some(&station.tip),
-            Look::Held { station, .. } | Look::Plunge { station, .. } => Some(&station.tip),
+            Evaluation::Foot(few) => few.first().map(|probe| &probe.cutter.tip),
+            Evaluation::Axis(station) | Evaluation::Clear(station) => Some(&station.tip),
+            Evaluation::ContactLimited { station, .. } | Evaluation::Plunge { station, .. } => {
+                Some(&station.tip)
+            }
         }
     }
 
     /// Its station, if contact limits that.
-    fn held(&self) -> Option<Station> {
+    fn contact_limited_station(&self) -> Option<Station> {
         match self.look {
-            Look::Held { station, .. } => Some(station),
-            Look::Plunge { station, lift } if lift > 0.0 => Some(station),
+            Evaluation::ContactLimited { station, .. } => Some(station),
+            Evaluation::Plunge { station, lift } if lift > 0.0 => Some(station),
             _ => None,
         }
     }
 }
 
-impl PartialEq for Extra {
+impl PartialEq for PoolEntry {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Extra {}
+impl Eq for PoolEntry {}
 
-impl PartialOrd for Extra {
+impl PartialOrd for PoolEntry {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Extra {
+impl Ord for PoolEntry {
     fn cmp(&self, other: &Self) -> Ordering {
         self.gain.total_cmp(&other.gain).then(other.order.cmp(&self.order))
     }
@@ -142,15 +144,15 @@ pub struct ExtraSearch<'a> {
     /// Rows of the pool, by λ.
     rows: &'a [CandidateMaker<'a>],
     blank: &'a Blank,
-    floor: Floor,
+    floor: FloorHeightMap,
     /// The pool, ordered by gain. Gains only decrease while plunges are added.
-    heap: BinaryHeap<Extra>,
+    heap: BinaryHeap<PoolEntry>,
     /// Entries that contact does not allow yet.
-    waiting: Vec<Extra>,
+    waiting: Vec<PoolEntry>,
     /// Tips of the added plunges.
-    added: Cells,
+    added: ProximityGrid,
     /// Minimum gain of a plunge, mm³.
-    least: f64,
+    min_gain: f64,
 }
 
 impl<'a> ExtraSearch<'a> {
@@ -159,31 +161,39 @@ impl<'a> ExtraSearch<'a> {
     pub fn new(
         rows: &'a [CandidateMaker<'a>],
         feet: &[(usize, f64)],
-        floor: Floor,
+        floor: FloorHeightMap,
         blank: &'a Blank,
     ) -> Self {
         let radius = rows.first().map_or(0.0, |row| row.maker.tool.radius());
-        let least = LEAST_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
-        let added = Cells::new(APART_RADII * radius);
+        let least = MIN_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
+        let added = ProximityGrid::new(APART_RADII * radius);
         let (heap, waiting) = (BinaryHeap::new(), Vec::new());
-        let mut search = Self { rows, blank, floor, heap, waiting, added, least };
+        let mut search = Self { rows, blank, floor, heap, waiting, added, min_gain: least };
         let place = |(index, &(row, s)): (usize, &(usize, f64))| {
             let maker = &rows[row];
             if maker.maker.monitor.is_cancelled() {
                 return None;
             }
-            let few = maker.fan(s, (0..TILTS).step_by(2).map(tilt), &COARSE_SHARES).into_iter();
-            let probe = |station| Probe { cutter: maker.maker.cutter(&station), gain: f64::INFINITY };
-            let look = Look::Place(few.map(probe).collect());
-            search.still_worth(Extra { gain: f64::INFINITY, order: (index, 0), row, s, seen: None, look })
+            let few =
+                maker.axis_fan(s, (0..LEAD_COUNT).step_by(2).map(lead_rad), &COARSE_TILT_SHARES).into_iter();
+            let probe = |station| CoarseProbe { cutter: maker.maker.cutter(&station), gain: f64::INFINITY };
+            let look = Evaluation::Foot(few.map(probe).collect());
+            search.with_current_gain(PoolEntry {
+                gain: f64::INFINITY,
+                order: (index, 0),
+                row,
+                s,
+                seen: None,
+                look,
+            })
         };
-        let pool: Vec<Extra> = feet.par_iter().enumerate().filter_map(place).collect();
+        let pool: Vec<PoolEntry> = feet.par_iter().enumerate().filter_map(place).collect();
         search.heap = BinaryHeap::from(pool);
         search
     }
 
     /// The floor after all found plunges.
-    pub fn floor(&self) -> &Floor {
+    pub fn floor(&self) -> &FloorHeightMap {
         &self.floor
     }
 
@@ -199,11 +209,12 @@ impl<'a> ExtraSearch<'a> {
         times: f64,
     ) -> Result<Vec<Vec<Station>>, Cancelled> {
         let mut found: Vec<Vec<(f64, Station)>> = vec![Vec::new(); self.rows.len()];
-        let Some(RowMaker { part, monitor, inward, tool, .. }) = self.rows.first().map(|row| row.maker)
+        let Some(RowMaker { part, monitor, direction_sign: inward, tool, .. }) =
+            self.rows.first().map(|row| row.maker)
         else {
             return Ok(Vec::new());
         };
-        let mut added = Cells::new(NEAR_RADII * tool.radius());
+        let mut added = ProximityGrid::new(NEAR_RADII * tool.radius());
         self.heap.extend(std::mem::take(&mut self.waiting));
         let mut count = 0;
         while let Some(best) = self.heap.pop() {
@@ -212,17 +223,17 @@ impl<'a> ExtraSearch<'a> {
                 Err(_) if monitor.is_stopped() => break,
                 checked => checked?,
             }
-            if best.gain < times * self.least || count >= most {
+            if best.gain < times * self.min_gain || count >= most {
                 self.heap.push(best);
                 break;
             }
-            let Look::Plunge { station, lift } = best.look else {
+            let Evaluation::Plunge { station, lift } = best.look else {
                 self.heap.push(best);
-                self.look_closer(columns);
+                self.refine_top(columns);
                 continue;
             };
-            let Some(now) = self.still_worth(best.clone()) else { continue };
-            if now.gain < STILL * best.gain {
+            let Some(now) = self.with_current_gain(best.clone()) else { continue };
+            if now.gain < UNCHANGED_SHARE * best.gain {
                 // Plunges added since have taken part of its gain.
                 self.heap.push(now);
                 continue;
@@ -235,14 +246,14 @@ impl<'a> ExtraSearch<'a> {
             count += 1;
         }
         // The added plunges may free others near them of contact: these are evaluated again.
-        let (held, rest) = self.heap.drain().partition(|extra| extra.held().is_some());
+        let (held, rest) = self.heap.drain().partition(|extra| extra.contact_limited_station().is_some());
         self.heap = BinaryHeap::from(rest);
-        self.waiting.extend::<Vec<Extra>>(held);
+        self.waiting.extend::<Vec<PoolEntry>>(held);
         for mut extra in std::mem::take(&mut self.waiting) {
-            if let Some(station) = extra.held()
+            if let Some(station) = extra.contact_limited_station()
                 && added.any_near(&station.tip, 0)
             {
-                (extra.look, extra.gain, extra.seen) = (Look::Clear(station), f64::INFINITY, None);
+                (extra.look, extra.gain, extra.seen) = (Evaluation::Clear(station), f64::INFINITY, None);
                 self.waiting.push(extra);
             }
         }
@@ -265,24 +276,28 @@ impl<'a> ExtraSearch<'a> {
     }
 
     /// The entry with its current gain; `None` when that is below the minimum.
-    fn still_worth(&self, mut extra: Extra) -> Option<Extra> {
-        let Extra { row, seen, gain, .. } = extra;
+    fn with_current_gain(&self, mut extra: PoolEntry) -> Option<PoolEntry> {
+        let PoolEntry { row, seen, gain, .. } = extra;
         let changed = |tip: &Point| seen.is_none_or(|seen| self.added.any_near(tip, seen));
         let now = |station: &Station, lift: f64, before: f64| {
             if changed(&station.tip) { self.gain(row, station, lift).cost } else { before }
         };
         let (gain, least) = match &mut extra.look {
-            Look::Place(few) => {
+            Evaluation::Foot(few) => {
                 let part = self.rows[row].maker.part;
                 for probe in few.iter_mut().filter(|probe| changed(&probe.cutter.tip)) {
                     probe.gain = self.floor.gain(part, &probe.cutter).cost;
                 }
                 // Between axes with hardly any gain no axis has a sufficient one.
                 let most = few.iter().map(|probe| probe.gain).fold(0.0, f64::max);
-                (EXPECTED * most + EXPECTED_LEAST * self.least, self.least)
+                (GAIN_BOUND_FACTOR * most + GAIN_BOUND_MARGIN * self.min_gain, self.min_gain)
             }
-            Look::Axis(station) | Look::Clear(station) => (now(station, 0.0, gain), self.least),
-            Look::Held { station, lift } | Look::Plunge { station, lift } => (now(station, *lift, gain), 0.0),
+            Evaluation::Axis(station) | Evaluation::Clear(station) => {
+                (now(station, 0.0, gain), self.min_gain)
+            }
+            Evaluation::ContactLimited { station, lift } | Evaluation::Plunge { station, lift } => {
+                (now(station, *lift, gain), 0.0)
+            }
         };
         (extra.gain, extra.seen) = (gain, Some(self.added.len()));
         (gain > least).then_some(extra)
@@ -290,24 +305,25 @@ impl<'a> ExtraSearch<'a> {
 
     /// Re-evaluates the top of the pool and refines the entries whose gain is unchanged. Entries far from
     /// each other come first: of near ones the first that is added takes part of the gain of the others.
-    fn look_closer(&mut self, columns: &Columns) {
+    fn refine_top(&mut self, columns: &Columns) {
         let apart = self.rows.first().map_or(0.0, |row| row.maker.tool.diameter);
-        let mut best: Vec<Extra> = Vec::with_capacity(BEST);
-        let mut planned: Vec<Extra> = Vec::new();
-        while best.len() < BEST
+        let mut best: Vec<PoolEntry> = Vec::with_capacity(TOP_COUNT);
+        let mut planned: Vec<PoolEntry> = Vec::new();
+        while best.len() < TOP_COUNT
             && let Some(next) = self.heap.pop()
         {
-            if matches!(next.look, Look::Plunge { .. }) { planned.push(next) } else { best.push(next) }
+            if matches!(next.look, Evaluation::Plunge { .. }) { planned.push(next) } else { best.push(next) }
         }
         self.heap.extend(planned);
-        let again: Vec<Option<(f64, Extra)>> =
-            best.into_par_iter().map(|extra| Some((extra.gain, self.still_worth(extra)?))).collect();
-        let mut batch: Vec<Extra> = Vec::with_capacity(BATCH);
-        let mut near: Vec<Extra> = Vec::with_capacity(BEST);
+        let again: Vec<Option<(f64, PoolEntry)>> =
+            best.into_par_iter().map(|extra| Some((extra.gain, self.with_current_gain(extra)?))).collect();
+        let mut batch: Vec<PoolEntry> = Vec::with_capacity(MAX_BATCH);
+        let mut near: Vec<PoolEntry> = Vec::with_capacity(TOP_COUNT);
         for (before, extra) in again.into_iter().flatten() {
-            let is_near =
-                |other: &Extra| extra.foot().zip(other.foot()).is_some_and(|(a, b)| (a - b).norm() < apart);
-            if extra.gain < STILL * before || batch.len() == BATCH {
+            let is_near = |other: &PoolEntry| {
+                extra.foot().zip(other.foot()).is_some_and(|(a, b)| (a - b).norm() < apart)
+            };
+            if extra.gain < UNCHANGED_SHARE * before || batch.len() == MAX_BATCH {
                 self.heap.push(extra);
             } else if batch.iter().any(is_near) {
                 near.push(extra);
@@ -316,11 +332,11 @@ impl<'a> ExtraSearch<'a> {
             }
         }
         for extra in near {
-            if batch.len() < FEWEST { batch.push(extra) } else { self.heap.push(extra) }
+            if batch.len() < MIN_BATCH { batch.push(extra) } else { self.heap.push(extra) }
         }
-        let closer: Vec<Vec<Extra>> = batch
+        let closer: Vec<Vec<PoolEntry>> = batch
             .into_par_iter()
-            .map_init(ContactSearch::default, |search, extra| self.closer(extra, columns, search))
+            .map_init(ContactSearch::default, |search, extra| self.refine(extra, columns, search))
             .collect();
         for extra in closer.into_iter().flatten() {
             // An entry that contact does not allow has no gain.
@@ -329,67 +345,83 @@ impl<'a> ExtraSearch<'a> {
     }
 
     /// Refines an entry: a foot into all of its axes, an axis into a checked plunge.
-    fn closer(&self, extra: Extra, columns: &Columns, search: &mut ContactSearch) -> Vec<Extra> {
-        let Extra { row, s, order, .. } = extra;
+    fn refine(&self, extra: PoolEntry, columns: &Columns, search: &mut ContactSearch) -> Vec<PoolEntry> {
+        let PoolEntry { row, s, order, .. } = extra;
         let makes = &self.rows[row];
         match extra.look {
-            Look::Place(_) => {
+            Evaluation::Foot(_) => {
                 // Hot spot: split so that an idle worker can steal half of it.
-                let axes = |tilts: Range<usize>| -> Vec<Extra> {
-                    let fan = makes.fan(s, tilts.clone().map(tilt), &FAN_SHARES);
-                    let from = tilts.start * FAN_SHARES.len();
-                    let axis = |(number, station)| Extra {
+                let axes = |tilts: Range<usize>| -> Vec<PoolEntry> {
+                    let fan = makes.axis_fan(s, tilts.clone().map(lead_rad), &TILT_SHARES);
+                    let from = tilts.start * TILT_SHARES.len();
+                    let axis = |(number, station)| PoolEntry {
                         order: (order.0, from + number),
                         seen: None,
-                        look: Look::Axis(station),
+                        look: Evaluation::Axis(station),
                         ..extra
                     };
                     let axes = fan.into_iter().enumerate().map(axis);
-                    axes.filter_map(|axis| self.still_worth(axis)).collect()
+                    axes.filter_map(|axis| self.with_current_gain(axis)).collect()
                 };
-                let (mut some, more) = rayon::join(|| axes(0..TILTS / 2), || axes(TILTS / 2..TILTS));
+                let (mut some, more) =
+                    rayon::join(|| axes(0..LEAD_COUNT / 2), || axes(LEAD_COUNT / 2..LEAD_COUNT));
                 some.extend(more);
                 some
             }
-            Look::Axis(station) if !makes.maker.monitor.is_cancelled() => makes
+            Evaluation::Axis(station) if !makes.maker.monitor.is_cancelled() => makes
                 .maker
                 .exact(&station)
-                .filter(|station| makes.allowed(station))
-                .map(|station| self.freed(Extra { look: Look::Clear(station), ..extra }, columns, search))
+                .filter(|station| makes.is_allowed(station))
+                .map(|station| {
+                    self.checked_for_contact(
+                        PoolEntry { look: Evaluation::Clear(station), ..extra },
+                        columns,
+                        search,
+                    )
+                })
                 .into_iter()
                 .collect(),
-            Look::Clear(_) | Look::Held { .. } => vec![self.freed(extra, columns, search)],
-            Look::Axis(_) | Look::Plunge { .. } => vec![extra],
+            Evaluation::Clear(_) | Evaluation::ContactLimited { .. } => {
+                vec![self.checked_for_contact(extra, columns, search)]
+            }
+            Evaluation::Axis(_) | Evaluation::Plunge { .. } => vec![extra],
         }
     }
 
     /// An axis that clears the blades, with the lift that frees its core; the gain is 0 where the lift is too
     /// large.
-    fn freed(&self, extra: Extra, columns: &Columns, search: &mut ContactSearch) -> Extra {
-        let (Look::Clear(station) | Look::Held { station, .. }) = extra.look else { return extra };
-        let Extra { row, .. } = extra;
+    fn checked_for_contact(
+        &self,
+        extra: PoolEntry,
+        columns: &Columns,
+        search: &mut ContactSearch,
+    ) -> PoolEntry {
+        let (Evaluation::Clear(station) | Evaluation::ContactLimited { station, .. }) = extra.look else {
+            return extra;
+        };
+        let PoolEntry { row, .. } = extra;
         let makes = &self.rows[row];
         let free = self.gain(row, &station, 0.0);
         // With a larger lift it would have hardly any gain.
-        let enough = (MOST_LIFT_SHARE * free.drop).min(MOST_LIFT_RADII * makes.maker.tool.radius());
+        let enough = (MAX_LIFT_SHARE * free.drop).min(MAX_LIFT_RADII * makes.maker.tool.radius());
         let column = makes.column(&station);
         let mut lines = search.among(&column, columns.all().near(&column));
         let lifted = |depth: f64| {
             let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
             (lift, if depth > enough { 0.0 } else { self.gain(row, &station, lift).cost })
         };
-        if matches!(extra.look, Look::Clear(_)) {
+        if matches!(extra.look, Evaluation::Clear(_)) {
             let (lift, gain) = lifted(lines.depth_by_few(self.blank, enough));
-            if gain < STILL * free.cost {
-                return Extra { gain, look: Look::Held { station, lift }, ..extra };
+            if gain < UNCHANGED_SHARE * free.cost {
+                return PoolEntry { gain, look: Evaluation::ContactLimited { station, lift }, ..extra };
             }
         }
         let (lift, gain) = lifted(lines.depth(self.blank, enough));
-        Extra { gain, look: Look::Plunge { station, lift }, ..extra }
+        PoolEntry { gain, look: Evaluation::Plunge { station, lift }, ..extra }
     }
 }
 
 /// Lead angle number `j` of the pool, rad.
-fn tilt(j: usize) -> f64 {
-    (TILT_FROM_DEG + TILT_STEP_DEG * j as f64).to_radians()
+fn lead_rad(j: usize) -> f64 {
+    (FIRST_LEAD_DEG + LEAD_STEP_DEG * j as f64).to_radians()
 }

@@ -2,7 +2,7 @@
 
 use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
 use crate::part::{Impeller, Tool};
-use crate::plunge::ground::Stretch;
+use crate::plunge::ground::PassageStretch;
 
 /// Edge length of a cell in cutter radii.
 const CELL_RADII: f64 = 0.2;
@@ -14,7 +14,7 @@ const REACH_RADII: f64 = 1.25;
 /// Distance from the tip up to which a cell counts as well under a cutter, in radii.
 const WELL_UNDER_RADII: f64 = 0.8;
 /// Thickness at which the cost of a layer saturates, in cutter radii: uncut stock is as high as the channel.
-const THICKEST_RADII: f64 = 1.0;
+const MAX_LAYER_RADII: f64 = 1.0;
 
 /// Gain of a plunge.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,7 +27,7 @@ pub struct Gain {
 
 /// One cell of the height map.
 #[derive(Clone, Copy, Debug)]
-struct Cell {
+struct FloorMapCell {
     point: Point,
     normal: Vector,
     area: f64,
@@ -37,19 +37,19 @@ struct Cell {
 
 /// Cells at one s, evenly spaced from wall to wall.
 #[derive(Clone, Debug)]
-struct FloorRow {
+struct FloorMapRow {
     /// θ of the first wall's foot with its allowance, and the angle from cell to cell, rad.
     from: f64,
     step: f64,
     /// Radius, mm.
     r: f64,
-    cells: Vec<Cell>,
+    cells: Vec<FloorMapCell>,
 }
 
 /// Height map of the stock on the hub of a stretch.
 #[derive(Clone, Debug)]
-pub struct Floor {
-    rows: Vec<FloorRow>,
+pub struct FloorHeightMap {
+    rows: Vec<FloorMapRow>,
     /// s of the first row, and step of s from row to row.
     s_from: f64,
     s_step: f64,
@@ -58,14 +58,14 @@ pub struct Floor {
     allowance: f64,
     /// Layer e for which e²/`scale` equals e in the cost, and the layer at which the cost saturates, mm.
     scale: f64,
-    thickest: f64,
+    max_layer: f64,
 }
 
-impl Floor {
+impl FloorHeightMap {
     /// The uncut floor of `stretch` between the feet of the walls, each with `blade_allowance` mm.
     pub fn new(
         part: &Impeller,
-        stretch: &Stretch,
+        stretch: &PassageStretch,
         tool: &Tool,
         (hub_allowance, blade_allowance): (f64, f64),
         scale: f64,
@@ -79,7 +79,7 @@ impl Floor {
             let s = from + s_step * (i as f64 + 0.5);
             let hub = part.hub.at(s);
             let r = hub.point.r;
-            let mut row = FloorRow { from: 0.0, step: 1.0, r, cells: Vec::new() };
+            let mut row = FloorMapRow { from: 0.0, step: 1.0, r, cells: Vec::new() };
             let Some([low, high]) = stretch.passage.wall_angles(part, s, 0.0) else { return row };
             let margin = blade_allowance / r * part.pitch().signum();
             let width = high - low - 2.0 * margin;
@@ -94,7 +94,7 @@ impl Floor {
                 .map(|j| {
                     let theta = row.from + row.step * (j as f64 + 0.5);
                     let (point, normal) = (hub.point.at_angle(theta), hub.normal.direction_at_angle(theta));
-                    Cell { point, normal, area, height: f64::INFINITY }
+                    FloorMapCell { point, normal, area, height: f64::INFINITY }
                 })
                 .collect();
             row
@@ -106,7 +106,7 @@ impl Floor {
             length,
             allowance: hub_allowance,
             scale,
-            thickest: THICKEST_RADII * tool.radius(),
+            max_layer: MAX_LAYER_RADII * tool.radius(),
         }
     }
 
@@ -125,7 +125,7 @@ impl Floor {
     /// Whether some cell well under `cutter` has stock more than `excess` mm above the allowance.
     pub fn is_thick_under(&self, part: &Impeller, cutter: &CutterSolid, excess: f64) -> bool {
         let reach = WELL_UNDER_RADII * cutter.radius;
-        self.under(part, cutter).any(|(i, from, to)| {
+        self.cells_under(part, cutter).any(|(i, from, to)| {
             self.rows[i].cells[from..to].iter().any(|cell| {
                 cell.height - self.allowance > excess && (cell.point - cutter.tip).norm() <= reach
             })
@@ -134,12 +134,16 @@ impl Floor {
 
     /// Cost per mm² of a cell whose stock is `height` mm high, mm.
     fn cost(&self, height: f64) -> f64 {
-        let e = (height - self.allowance).clamp(0.0, self.thickest);
+        let e = (height - self.allowance).clamp(0.0, self.max_layer);
         e + e * e / self.scale
     }
 
     /// Rows and their ranges of cells that `cutter` may change.
-    fn under(&self, part: &Impeller, cutter: &CutterSolid) -> impl Iterator<Item = (usize, usize, usize)> {
+    fn cells_under(
+        &self,
+        part: &Impeller,
+        cutter: &CutterSolid,
+    ) -> impl Iterator<Item = (usize, usize, usize)> {
         let foot = crate::geometry::Meridional::of(&cutter.tip);
         let s = part.hub.s_at(part.hub.curve().project(foot).0);
         let theta = cutter.tip.y.atan2(cutter.tip.x);
@@ -171,7 +175,7 @@ impl Floor {
     }
 
     /// Height to which `cutter` lowers a cell, if it does.
-    fn entry(cell: &Cell, cutter: &CutterSolid) -> Option<f64> {
+    fn lowered_height(cell: &FloorMapCell, cutter: &CutterSolid) -> Option<f64> {
         // Early exit: most cut cells are below the plane of the bottom.
         let above = (cell.point - cutter.tip).dot(&cutter.axis) + cell.height * cell.normal.dot(&cutter.axis);
         if above <= 0.0 && cell.normal.dot(&cutter.axis) > 0.0 {
@@ -184,11 +188,11 @@ impl Floor {
     /// Gain of one more plunge of `cutter`.
     pub fn gain(&self, part: &Impeller, cutter: &CutterSolid) -> Gain {
         let mut gain = Gain::default();
-        for (i, from, to) in self.under(part, cutter) {
+        for (i, from, to) in self.cells_under(part, cutter) {
             for cell in &self.rows[i].cells[from..to] {
                 // A cutter leaves at least the allowance.
                 if cell.height > self.allowance
-                    && let Some(low) = Self::entry(cell, cutter)
+                    && let Some(low) = Self::lowered_height(cell, cutter)
                 {
                     gain.cost += cell.area * (self.cost(cell.height) - self.cost(low));
                     gain.drop = gain.drop.max(cell.height - low);
@@ -200,10 +204,10 @@ impl Floor {
 
     /// Removes the stock that a plunge cuts.
     pub fn cut(&mut self, part: &Impeller, cutter: &CutterSolid) {
-        let ranges: Vec<(usize, usize, usize)> = self.under(part, cutter).collect();
+        let ranges: Vec<(usize, usize, usize)> = self.cells_under(part, cutter).collect();
         for (i, from, to) in ranges {
             for cell in &mut self.rows[i].cells[from..to] {
-                if let Some(low) = Self::entry(cell, cutter) {
+                if let Some(low) = Self::lowered_height(cell, cutter) {
                     cell.height = low;
                 }
             }

@@ -15,8 +15,8 @@ mod section;
 mod touch_up;
 
 pub use candidate::CandidateMaker;
-pub use crossing::Crossing;
+pub use crossing::RowCrossing;
 pub use extras::ExtraSearch;
-pub use floor::Floor;
+pub use floor::FloorHeightMap;
 pub use path::PathSearch;
-pub use section::MOST_LIFT;
+pub use section::MAX_LIFT_OF_DEPTH;

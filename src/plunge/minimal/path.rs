@@ -3,13 +3,13 @@
 
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, CandidateMaker, Place};
-use super::section::MOST_LIFT;
+use super::candidate::{CandidateMaker, CandidateStage, RowCandidate};
+use super::section::MAX_LIFT_OF_DEPTH;
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
-use crate::plunge::contact::{Column, Columns, ContactSearch};
-use crate::plunge::plan::Held;
+use crate::plunge::contact::{Columns, ContactSearch, PlungeColumn};
+use crate::plunge::plan::LimitedBy;
 use crate::plunge::row::Station;
 
 /// Number of previous positions of the own row that are checked for contact, besides all earlier rows.
@@ -25,32 +25,32 @@ const BEAM: f64 = 3.0;
 /// Cost of ending a row and beginning another, mm.
 const COST_OF_NEW_ROW: f64 = 5.0;
 /// Cost of each stage with candidates that the path does not reach, mm.
-const COST_OF_MISSED: f64 = 30.0;
+const COST_OF_MISSED_STAGE: f64 = 30.0;
 /// Lift from which on a finer grid of lead angles is tried, in cutter radii.
 const COARSE_LIFT_RADII: f64 = 0.3;
 /// Maximum number of parts into which the steps of the grid are divided.
-const MOST_FINENESS: usize = 4;
+const MAX_FINENESS: usize = 4;
 /// Share of its cost that a path must save by a finer grid for a still finer one to be tried.
-const LEAST_GAINED: f64 = 0.02;
+const MIN_SAVED_SHARE: f64 = 0.02;
 /// Saving of another axis from which on a position is reported as limited, mm.
-const WORTH_TELLING: f64 = 0.02;
+const MIN_REPORTED_SAVING: f64 = 0.02;
 /// Margin added to lifts found with the few lines of the search, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
 /// A path along a row.
 #[derive(Clone, Debug, Default)]
-pub struct Path {
+pub struct RowPath {
     /// Stations with the lift the search gave them, mm.
     pub steps: Vec<(Station, f64)>,
     /// Cost: the sum over its positions and the stages that it does not reach, mm.
     pub cost: f64,
     /// Lower bound on the cost of any path, mm: blades and contact are ignored.
-    pub least: f64,
+    pub lower_bound: f64,
     /// s of the stages from the start on at which the cutter has no axis at all.
     pub missing: Vec<f64>,
 }
 
-impl Path {
+impl RowPath {
     /// Maximum lift of its plunges, mm.
     fn highest_lift(&self) -> f64 {
         self.steps.iter().map(|(_, lift)| *lift).fold(0.0, f64::max)
@@ -59,9 +59,9 @@ impl Path {
 
 /// A state: a candidate with the cheapest path to it.
 #[derive(Clone, Copy, Debug)]
-struct State {
-    candidate: Candidate,
-    column: Column,
+struct PathState {
+    candidate: RowCandidate,
+    column: PlungeColumn,
     /// Cost of the path up to here, mm.
     cost: f64,
     /// How far the plunge stops short, mm.
@@ -71,9 +71,9 @@ struct State {
 }
 
 /// A stage with its s. Boxed, as stages are large and are moved.
-type PlaceAt = (f64, Option<Box<Place>>);
+type StageAt = (f64, Option<Box<CandidateStage>>);
 /// States of one stage, by lead angle.
-type States = Vec<Option<State>>;
+type StageStates = Vec<Option<PathState>>;
 
 /// Searches one row.
 pub struct PathSearch<'a> {
@@ -82,13 +82,13 @@ pub struct PathSearch<'a> {
     /// The blank.
     pub blank: &'a Blank,
     /// Largest angle between neighbouring axes, rad.
-    pub max_axis_change: f64,
+    pub max_axis_change_rad: f64,
 }
 
 /// What all candidates of a stage share.
-struct Here<'h> {
+struct StageContext<'h> {
     /// States of the previous stages.
-    states: &'h [States],
+    states: &'h [StageStates],
     /// The last stage that has states, and these in order of cost, the cheapest first.
     last: Option<usize>,
     order: Vec<usize>,
@@ -101,15 +101,15 @@ struct Here<'h> {
 }
 
 /// A candidate that clears the blades, prepared for transitions from several previous states.
-struct Leg {
-    candidate: Candidate,
-    column: Column,
+struct Transition {
+    candidate: RowCandidate,
+    column: PlungeColumn,
     /// Contact with the plunges of earlier rows.
     search: ContactSearch,
 }
 
 /// Indices of states, the cheapest first.
-fn by_cost(states: &States) -> Vec<usize> {
+fn by_cost(states: &StageStates) -> Vec<usize> {
     let cost = |i: usize| states[i].map_or(f64::INFINITY, |s| s.cost);
     let mut order: Vec<usize> = (0..states.len()).collect();
     order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
@@ -124,16 +124,16 @@ impl PathSearch<'_> {
     ///
     /// # Errors
     /// When the work is cancelled.
-    pub fn path(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<Path, Cancelled> {
+    pub fn path(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<RowPath, Cancelled> {
         let radius = self.candidates.maker.tool.radius();
-        let mut best = self.path_by(s, start, earlier)?;
+        let mut best = self.path_on_grid(s, start, earlier)?;
         let mut finer = PathSearch { candidates: self.candidates.clone(), ..*self };
-        while finer.candidates.fineness < MOST_FINENESS
+        while finer.candidates.fineness < MAX_FINENESS
             && best.highest_lift() > COARSE_LIFT_RADII * radius
             && finer.candidates.is_coarse(s)
         {
             finer.candidates.fineness *= 2;
-            let path = match finer.path_by(s, start, earlier) {
+            let path = match finer.path_on_grid(s, start, earlier) {
                 // When stopped, the best path so far is the result.
                 Err(_) if self.candidates.maker.monitor.is_stopped() => break,
                 path => path?,
@@ -142,7 +142,7 @@ impl PathSearch<'_> {
             if gained > 0.0 {
                 best = path;
             }
-            if gained < LEAST_GAINED * best.cost {
+            if gained < MIN_SAVED_SHARE * best.cost {
                 break;
             }
         }
@@ -150,21 +150,21 @@ impl PathSearch<'_> {
     }
 
     /// [`Self::path`] with the current grid.
-    fn path_by(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<Path, Cancelled> {
+    fn path_on_grid(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<RowPath, Cancelled> {
         let monitor = self.candidates.maker.monitor;
-        let inward = self.candidates.maker.inward;
-        let places = self.places(s);
-        let mut states: Vec<States> = Vec::with_capacity(places.len());
+        let inward = self.candidates.maker.direction_sign;
+        let places = self.stages(s);
+        let mut states: Vec<StageStates> = Vec::with_capacity(places.len());
         let mut last: Option<usize> = None;
         for (k, (s, place)) in places.iter().enumerate() {
             monitor.check()?;
             // Signed distance in s before the start, in cutting direction.
             let ahead = (start - s) * inward;
             let Some(place) = place else {
-                states.push(States::new());
+                states.push(StageStates::new());
                 continue;
             };
-            let here = Here {
+            let here = StageContext {
                 states: &states,
                 last,
                 order: last.map_or_else(Vec::new, |last| by_cost(&states[last])),
@@ -172,7 +172,7 @@ impl PathSearch<'_> {
                 counts: ahead >= -1e-9,
                 earlier,
             };
-            let reached = self.reached(place, &here);
+            let reached = self.stage_states(place, &here);
             if reached.iter().any(Option::is_some) {
                 last = Some(k);
             }
@@ -186,9 +186,9 @@ impl PathSearch<'_> {
             .filter_map(|(_, place)| place.as_ref()?.cheapest(self.candidates.scale))
             .map(|cost| cost + COST_PER_POSITION)
             .sum();
-        let path = self.traced(&places, &states, last);
+        let path = self.trace_back(&places, &states, last);
         let missing = places.iter().filter(|(s, place)| counts(*s) && place.is_none()).map(|(s, _)| *s);
-        let path = Path { missing: missing.collect(), least, ..path };
+        let path = RowPath { missing: missing.collect(), lower_bound: least, ..path };
         let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(path) };
         let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
         let skipped: f64 = (1..last.unwrap_or(0))
@@ -197,21 +197,22 @@ impl PathSearch<'_> {
             .map(|k| 0.5 * (places[k + 1].0 - places[k - 1].0).abs())
             .sum();
         let missed = ((end - reached).abs() + skipped) / (second - first).abs();
-        Ok(Path { cost: path.cost + COST_OF_MISSED * missed, ..path })
+        Ok(RowPath { cost: path.cost + COST_OF_MISSED_STAGE * missed, ..path })
     }
 
     /// The stages at every s, and between two of them where the axes turn too much.
-    fn places(&self, s: &[f64]) -> Vec<PlaceAt> {
+    fn stages(&self, s: &[f64]) -> Vec<StageAt> {
         let monitor = self.candidates.maker.monitor;
-        let at =
-            |s: f64| (s, if monitor.is_cancelled() { None } else { self.candidates.at(s).map(Box::new) });
-        let mut places: Vec<PlaceAt> = s.par_iter().map(|&s| at(s)).collect();
+        let at = |s: f64| {
+            (s, if monitor.is_cancelled() { None } else { self.candidates.stage_at(s).map(Box::new) })
+        };
+        let mut places: Vec<StageAt> = s.par_iter().map(|&s| at(s)).collect();
         for _ in 0..MAX_HALVINGS {
-            let between: Vec<Option<PlaceAt>> = places
+            let between: Vec<Option<StageAt>> = places
                 .par_windows(2)
                 .map(|pair| {
                     let [Some(a), Some(b)] = [&pair[0].1, &pair[1].1] else { return None };
-                    let too_much = a.least_turn(b) > TURN_SHARE * self.max_axis_change;
+                    let too_much = a.min_turn(b) > TURN_SHARE * self.max_axis_change_rad;
                     too_much.then(|| at(0.5 * (pair[0].0 + pair[1].0)))
                 })
                 .collect();
@@ -230,13 +231,13 @@ impl PathSearch<'_> {
 
     /// States of a stage. Lead angles whose lower bound is outside the beam are expanded only if the best
     /// state inside it costs more than the beam allows, because of lifts or blades.
-    fn reached(&self, place: &Place, here: &Here) -> States {
-        let bounds: Vec<f64> = place.tilts.iter().map(|tilt| self.bound(tilt, here)).collect();
+    fn stage_states(&self, place: &CandidateStage, here: &StageContext) -> StageStates {
+        let bounds: Vec<f64> = place.by_lead.iter().map(|tilt| self.lower_bound(tilt, here)).collect();
         let promising = bounds.iter().copied().fold(f64::INFINITY, f64::min) + BEAM;
-        let reach = |j: usize| self.reach(j, place, here);
-        let mut states: States = vec![None; bounds.len()];
+        let reach = |j: usize| self.cheapest_state(j, place, here);
+        let mut states: StageStates = vec![None; bounds.len()];
         let mut fill = |wanted: &(dyn Fn(f64) -> bool + Sync)| {
-            let reached: States = (0..bounds.len())
+            let reached: StageStates = (0..bounds.len())
                 .into_par_iter()
                 .map(|j| if wanted(bounds[j]) { reach(j) } else { None })
                 .collect();
@@ -252,34 +253,34 @@ impl PathSearch<'_> {
     }
 
     /// Cost of a candidate alone when it stops `lift` mm short.
-    fn own(&self, candidate: &Candidate, lift: f64, here: &Here) -> f64 {
+    fn own_cost(&self, candidate: &RowCandidate, lift: f64, here: &StageContext) -> f64 {
         let layer = if here.counts { candidate.cost(lift, self.candidates.scale) } else { 0.0 };
         layer + COST_PER_POSITION
     }
 
     /// Cost of the cheapest path to the previous stage.
-    fn least_before(here: &Here) -> f64 {
+    fn min_cost_before(here: &StageContext) -> f64 {
         let begin = if here.may_begin { 0.0 } else { f64::INFINITY };
         let cheapest = here.last.zip(here.order.first()).and_then(|(last, &i)| here.states[last][i].as_ref());
         cheapest.map_or(begin, |state| state.cost.min(begin))
     }
 
     /// Lower bound on the cost of a path through this lead angle.
-    fn bound(&self, candidates: &[Option<Candidate>], here: &Here) -> f64 {
+    fn lower_bound(&self, candidates: &[Option<RowCandidate>], here: &StageContext) -> f64 {
         let Some(Some(cheapest)) = candidates.first() else { return f64::INFINITY };
-        Self::least_before(here) + self.own(cheapest, 0.0, here)
+        Self::min_cost_before(here) + self.own_cost(cheapest, 0.0, here)
     }
 
     /// The cheapest path to a lead angle: usually to its cheapest candidate that clears the blades, or to
     /// another one where the axis change or contact prevents that.
-    fn reach(&self, tilt: usize, place: &Place, here: &Here) -> Option<State> {
-        let before = Self::least_before(here);
-        let mut first: Option<Leg> = None;
-        let mut best: Option<State> = None;
-        for candidate in place.tilts[tilt].iter().flatten() {
+    fn cheapest_state(&self, tilt: usize, place: &CandidateStage, here: &StageContext) -> Option<PathState> {
+        let before = Self::min_cost_before(here);
+        let mut first: Option<Transition> = None;
+        let mut best: Option<PathState> = None;
+        for candidate in place.by_lead[tilt].iter().flatten() {
             // The other candidates cost more; before the start any state without lift is as good.
-            let is_done = |best: &State| match here.counts {
-                true => best.cost <= before + self.own(candidate, 0.0, here),
+            let is_done = |best: &PathState| match here.counts {
+                true => best.cost <= before + self.own_cost(candidate, 0.0, here),
                 false => best.lift == 0.0,
             };
             if best.as_ref().is_some_and(is_done) {
@@ -289,8 +290,8 @@ impl PathSearch<'_> {
             if !self.candidates.is_long_enough(&candidate.station) {
                 continue;
             }
-            let mut leg = self.leg(candidate, here);
-            self.follow(&mut leg, here, &mut best);
+            let mut leg = self.transition(candidate, here);
+            self.extend_paths(&mut leg, here, &mut best);
             first.get_or_insert(leg);
         }
         // Where the axis change allows no transition, a new row begins.
@@ -300,44 +301,49 @@ impl PathSearch<'_> {
             && let (Some(last), Some(&cheapest)) = (here.last, here.order.first())
             && let Some(state) = &here.states[last][cheapest]
         {
-            self.consider(&mut leg, here, (state.cost + COST_OF_NEW_ROW, Some((last, cheapest))), &mut best);
+            self.consider_transition(
+                &mut leg,
+                here,
+                (state.cost + COST_OF_NEW_ROW, Some((last, cheapest))),
+                &mut best,
+            );
         }
         best
     }
 
     /// A candidate with the earlier plunges near it.
-    fn leg(&self, candidate: Candidate, here: &Here) -> Leg {
+    fn transition(&self, candidate: RowCandidate, here: &StageContext) -> Transition {
         let column = self.candidates.column(&candidate.station);
         let mut search = ContactSearch::default();
         search.among(&column, here.earlier.all().near(&column));
-        Leg { candidate, column, search }
+        Transition { candidate, column, search }
     }
 
     /// Replaces `best` by a cheaper transition from the previous states or, where a row may begin, from none.
-    fn follow(&self, leg: &mut Leg, here: &Here, best: &mut Option<State>) {
+    fn extend_paths(&self, leg: &mut Transition, here: &StageContext, best: &mut Option<PathState>) {
         let axis = leg.candidate.station.axis;
         if let Some(last) = here.last {
             for &i in &here.order {
                 let Some(passed) = &here.states[last][i] else { break };
-                if passed.candidate.station.axis.angle(&axis) <= self.max_axis_change {
-                    self.consider(leg, here, (passed.cost, Some((last, i))), best);
+                if passed.candidate.station.axis.angle(&axis) <= self.max_axis_change_rad {
+                    self.consider_transition(leg, here, (passed.cost, Some((last, i))), best);
                 }
             }
         }
         if here.may_begin {
-            self.consider(leg, here, (0.0, None), best);
+            self.consider_transition(leg, here, (0.0, None), best);
         }
     }
 
     /// Replaces `best` by the transition from `before`, whose path costs `cost_before`, if that is cheaper.
-    fn consider(
+    fn consider_transition(
         &self,
-        leg: &mut Leg,
-        here: &Here,
+        leg: &mut Transition,
+        here: &StageContext,
         (cost_before, before): (f64, Option<(usize, usize)>),
-        best: &mut Option<State>,
+        best: &mut Option<PathState>,
     ) {
-        let Leg { candidate, column, search } = leg;
+        let Transition { candidate, column, search } = leg;
         let affordable = match &best {
             None => f64::INFINITY,
             // Where the layer is free, prefer the smallest lift, then the latest start.
@@ -352,7 +358,7 @@ impl PathSearch<'_> {
             return;
         }
         // A plunge that stops shorter is left out when the row is cut: the path must not rely on it.
-        let longest = (MOST_LIFT * column.top - LIFT_MARGIN).max(0.0);
+        let longest = (MAX_LIFT_OF_DEPTH * column.top - LIFT_MARGIN).max(0.0);
         let mut passed = [*column; LOOK_BACK];
         let mut count = 0;
         let mut at = before;
@@ -370,26 +376,27 @@ impl PathSearch<'_> {
             return;
         }
         let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-        let cost = cost_before + self.own(candidate, lift, here);
-        let better = |b: &State| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };
+        let cost = cost_before + self.own_cost(candidate, lift, here);
+        let better =
+            |b: &PathState| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };
         if best.as_ref().is_none_or(better) {
-            *best = Some(State { candidate: *candidate, column: *column, cost, lift, before });
+            *best = Some(PathState { candidate: *candidate, column: *column, cost, lift, before });
         }
     }
 
     /// Follows the back-pointers from the cheapest state of stage `last`.
-    fn traced(&self, places: &[PlaceAt], states: &[States], last: Option<usize>) -> Path {
+    fn trace_back(&self, places: &[StageAt], states: &[StageStates], last: Option<usize>) -> RowPath {
         let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
         let end = last
             .and_then(|k| (0..states[k].len()).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
-        let mut path = Path { cost: end.as_ref().map_or(0.0, cost), ..Path::default() };
+        let mut path = RowPath { cost: end.as_ref().map_or(0.0, cost), ..RowPath::default() };
         let mut at = end;
         while let Some((k, j)) = at
             && let Some(state) = &states[k][j]
         {
             let before = state.before.and_then(|(k, j)| states[k][j]).map(|s| s.candidate.station.axis);
-            let held = places[k].1.as_ref().and_then(|place| self.held(place, state, before));
-            path.steps.push((Station { held, ..state.candidate.station }, state.lift));
+            let held = places[k].1.as_ref().and_then(|place| self.limited_by(place, state, before));
+            path.steps.push((Station { limited_by: held, ..state.candidate.station }, state.lift));
             at = state.before;
         }
         path.steps.reverse();
@@ -397,21 +404,26 @@ impl PathSearch<'_> {
     }
 
     /// What keeps a state from the cheapest candidate of its stage.
-    fn held(&self, place: &Place, state: &State, before: Option<Vector>) -> Option<Held> {
-        let cost = |c: &Candidate| c.cost(0.0, self.candidates.scale);
+    fn limited_by(
+        &self,
+        place: &CandidateStage,
+        state: &PathState,
+        before: Option<Vector>,
+    ) -> Option<LimitedBy> {
+        let cost = |c: &RowCandidate| c.cost(0.0, self.candidates.scale);
         let cheapest =
-            place.tilts.iter().filter_map(|tilt| tilt[0]).min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
-        if state.lift == 0.0 && cost(&state.candidate) <= cost(&cheapest) + WORTH_TELLING {
+            place.by_lead.iter().filter_map(|tilt| tilt[0]).min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
+        if state.lift == 0.0 && cost(&state.candidate) <= cost(&cheapest) + MIN_REPORTED_SAVING {
             return None;
         }
         let turn = |before: Vector| before.angle(&cheapest.station.axis);
         Some(
             if self.candidates.cleared(&cheapest, place).is_none_or(|c| cost(&c) >= cost(&state.candidate)) {
-                Held::Walls
-            } else if before.is_some_and(|before| turn(before) > self.max_axis_change) {
-                Held::AxisChange
+                LimitedBy::Walls
+            } else if before.is_some_and(|before| turn(before) > self.max_axis_change_rad) {
+                LimitedBy::AxisChange
             } else {
-                Held::Contact
+                LimitedBy::Contact
             },
         )
     }

@@ -1,38 +1,38 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
-use super::{CandidateMaker, Crossing, PathSearch};
+use super::{CandidateMaker, PathSearch, RowCrossing};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
 use crate::part::Tool;
-use crate::part::setup::Feed;
+use crate::part::setup::CutDirection;
 use crate::plunge::contact::{BlankTop, Columns};
-use crate::plunge::cycle::{PlanError, Planner, Row, SectionCut};
-use crate::plunge::ground::{Ground, RowGround, Stretch};
+use crate::plunge::cycle::{PlanError, PlannedRow, Planner, SectionCut};
+use crate::plunge::ground::{PassageStretch, RowLayout, StretchLayout};
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
-use crate::plunge::sections::{ridge_spacing, tool_of};
+use crate::plunge::sections::{max_shroud_spacing, tool_of};
 
 /// Layer e for which the square term of the cost equals e, in cutter radii.
 pub const SCALE_RADII: f64 = 0.5;
 /// If outlet to inlet costs at most this multiple of the lower bound, inlet to outlet is not tried.
-const GOOD_ENOUGH: f64 = 1.2;
+const ACCEPTED_COST_RATIO: f64 = 1.2;
 /// Distance before its start at which a row may begin, in cutter diameters.
 const RUN_UP_DIAMETERS: f64 = 1.5;
 /// Height of the wedge under a leaning wall from which on a row is inserted beside that wall, in cutter
 /// radii.
 const WEDGE_RADII: f64 = 0.2;
 /// Maximum lift of a plunge as a share of its depth in the blank: what cuts less is not worth its time.
-pub const MOST_LIFT: f64 = 0.8;
+pub const MAX_LIFT_OF_DEPTH: f64 = 0.8;
 /// Lift of a row's first position from which on the row is entered from the previous row, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
 
 /// A section planned in one cutting direction.
-struct Fed {
+struct DirectedPlan {
     cut: SectionCut,
     /// Cost of its paths, and the lower bound on it, mm.
     cost: f64,
-    least: f64,
+    lower_bound: f64,
 }
 
 impl Planner<'_> {
@@ -44,43 +44,47 @@ impl Planner<'_> {
     pub(in crate::plunge) fn minimal_section(
         &self,
         index: usize,
-        grounds: &[Ground],
+        grounds: &[StretchLayout],
         earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
-        let fed = |feed: Feed, limit: f64| self.fed(index, grounds, earlier, feed, limit, monitor);
-        let asked = self.setup.plunge.sections[index].feed;
-        let first = fed(asked.unwrap_or(Feed::Inward), f64::INFINITY)?;
+        let fed = |feed: CutDirection, limit: f64| {
+            self.plan_in_direction(index, grounds, earlier, feed, limit, monitor)
+        };
+        let asked = self.setup.plunge.sections[index].cut_direction;
+        let first = fed(asked.unwrap_or(CutDirection::Inward), f64::INFINITY)?;
         let other = match &first {
             Some(first)
-                if asked.is_none() && first.cost > GOOD_ENOUGH * first.least && !monitor.is_stopped() =>
+                if asked.is_none()
+                    && first.cost > ACCEPTED_COST_RATIO * first.lower_bound
+                    && !monitor.is_stopped() =>
             {
-                fed(Feed::Outward, first.cost)?
+                fed(CutDirection::Outward, first.cost)?
             }
             _ => None,
         };
         // If stopped, discard the incomplete second direction.
         let other = other.filter(|_| !monitor.is_stopped());
-        let Some(Fed { mut cut, .. }) = other.or(first) else {
-            return Ok(SectionCut::empty(Feed::Inward, earlier.clone()));
+        let Some(DirectedPlan { mut cut, .. }) = other.or(first) else {
+            return Ok(SectionCut::empty(CutDirection::Inward, earlier.clone()));
         };
         self.add_extras(index, grounds, &mut cut, monitor)?;
         Ok(cut)
     }
 
     /// The section planned in one direction, up to where it is stopped; `None` when it costs `limit` or more.
-    fn fed(
+    fn plan_in_direction(
         &self,
         index: usize,
-        grounds: &[Ground],
+        grounds: &[StretchLayout],
         earlier: &Columns,
-        feed: Feed,
+        feed: CutDirection,
         limit: f64,
         monitor: &Monitor,
-    ) -> Result<Option<Fed>, PlanError> {
+    ) -> Result<Option<DirectedPlan>, PlanError> {
         let cut = SectionCut::empty(feed, earlier.clone());
-        let mut fed = Fed { cut, cost: 0.0, least: 0.0 };
-        match self.feed_rows(index, grounds, &mut fed, limit, monitor) {
+        let mut fed = DirectedPlan { cut, cost: 0.0, lower_bound: 0.0 };
+        match self.plan_rows(index, grounds, &mut fed, limit, monitor) {
             Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(fed)),
             within => Ok(within?.then_some(fed)),
         }
@@ -88,50 +92,50 @@ impl Planner<'_> {
 
     /// Adds row after row to `fed`; `false` when it costs `limit` or more. Rows are complete even when this
     /// ends early.
-    fn feed_rows(
+    fn plan_rows(
         &self,
         index: usize,
-        grounds: &[Ground],
-        fed: &mut Fed,
+        grounds: &[StretchLayout],
+        fed: &mut DirectedPlan,
         limit: f64,
         monitor: &Monitor,
     ) -> Result<bool, PlanError> {
-        let Fed { cut, cost, least } = fed;
+        let DirectedPlan { cut, cost, lower_bound: least } = fed;
         let feed = cut.feed;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
-        let inward = feed.inward();
+        let inward = feed.inward_sign();
         // Found paths are cut even after a stop.
-        let closing = &monitor.closing();
+        let closing = &monitor.ignoring_stop();
         for ground in grounds {
-            let Ground { stretch, lane, rows, .. } = ground;
+            let StretchLayout { stretch, lane, rows, .. } = ground;
             let (start, end) = self.row_ends(index, stretch, inward);
             let rows = self.with_rows_beside_walls(lane, stretch, tool, rows);
-            let sideways = self.sideways(lane, stretch, tool, &rows);
+            let sideways = self.max_side_shifts(lane, stretch, tool, &rows);
             for (row, &lambda) in rows.iter().enumerate() {
                 let maker = self.row_maker(ground, tool, (lambda, rows.len()), feed, monitor);
                 let search = PathSearch {
                     candidates: CandidateMaker {
                         floor: &|s| self.floor_of_row(stretch, lane, &rows, row, s),
-                        sideways: sideways[row],
+                        max_side_shift: sideways[row],
                         ..self.candidate_maker(&maker, &top)
                     },
                     blank: &self.blank,
-                    max_axis_change: self.setup.plunge.max_axis_change,
+                    max_axis_change_rad: self.setup.plunge.max_axis_change_rad,
                 };
                 let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
-                let places = places(&maker, start + run_up, start, end);
+                let places = stage_positions(&maker, start + run_up, start, end);
                 let lambda = stretch.lambda_in_channel(lambda);
                 let mut path = search.path(&places, start, &cut.columns)?;
                 if let Some((first, lift)) = path.steps.first()
                     && row > 0
                     && *lift > CROSSING_RADII * tool.radius()
                 {
-                    let crossing = Crossing { search: &search, from: rows[row - 1], s: first.ends.s_hub };
+                    let crossing = RowCrossing { search: &search, from: rows[row - 1], s: first.ends.s_hub };
                     self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
                     path = search.path(&places, start, &cut.columns)?;
                 }
-                *least += path.least;
+                *least += path.lower_bound;
                 *cost += path.cost;
                 if *cost >= limit {
                     return Ok(false);
@@ -152,18 +156,18 @@ impl Planner<'_> {
         maker: &'r RowMaker<'r>,
         top: &'r BlankTop<'r>,
     ) -> CandidateMaker<'r> {
-        let stock = &self.setup.stock;
+        let stock = &self.setup.allowances;
         CandidateMaker {
             maker,
             finished: &self.finished,
             top,
             hub_allowance: stock.hub_allowance,
             blade_allowance: stock.blade_allowance,
-            max_tilt: self.setup.plunge.max_tilt,
+            max_tilt_rad: self.setup.plunge.max_tilt_rad,
             machine: &self.setup.machine,
             scale: SCALE_RADII * maker.tool.radius(),
             floor: &|_| None,
-            sideways: f64::INFINITY,
+            max_side_shift: f64::INFINITY,
             fineness: 1,
         }
     }
@@ -178,9 +182,9 @@ impl Planner<'_> {
         cut: &mut SectionCut,
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
-        let row = Row { stations, rounds: 1, ..Row::empty(lambda) };
-        let row = self.cut_row(row, tool, Some(MOST_LIFT), &mut cut.columns, monitor)?;
-        cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change));
+        let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
+        let row = self.cut_row(row, tool, Some(MAX_LIFT_OF_DEPTH), &mut cut.columns, monitor)?;
+        cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change_rad));
         Ok(())
     }
 
@@ -188,16 +192,17 @@ impl Planner<'_> {
     /// half way to the next, as angles about Z from its M, rad.
     fn floor_of_row(
         &self,
-        stretch: &Stretch,
+        stretch: &PassageStretch,
         lane: &Lane,
         rows: &[f64],
         row: usize,
         s: f64,
     ) -> Option<[f64; 2]> {
-        let at = |lambda: f64| Some(lane.guide(lambda, s)?.theta_hub);
+        let at = |lambda: f64| Some(lane.reference_axis(lambda, s)?.theta_hub);
         let here = at(rows[row])?;
         let walls = stretch.passage.wall_angles(self.part, s.clamp(0.0, 1.0), 0.0);
-        let margin = self.setup.stock.blade_allowance / self.part.hub.point(s).r * self.part.pitch().signum();
+        let margin =
+            self.setup.allowances.blade_allowance / self.part.hub.point(s).r * self.part.pitch().signum();
         let half_way = |other: usize| Some(0.5 * wrap_angle(at(rows[other])? - here));
         let foot = |wall: usize| {
             // Beyond the ends of a blade its end is used.
@@ -215,9 +220,9 @@ impl Planner<'_> {
     pub(super) fn with_rows_beside_walls(
         &self,
         lane: &Lane,
-        stretch: &Stretch,
+        stretch: &PassageStretch,
         tool: &Tool,
-        rows: &[RowGround],
+        rows: &[RowLayout],
     ) -> Vec<f64> {
         let mut lambdas: Vec<f64> = rows.iter().map(|row| row.lambda).collect();
         if lambdas.len() < 2 {
@@ -241,11 +246,11 @@ impl Planner<'_> {
 
     /// Maximum displacement of W across each row without uncut stock between neighbours at the shroud, mm. It
     /// grows with the distance from the walls, as neighbouring rows may be displaced together.
-    fn sideways(&self, lane: &Lane, stretch: &Stretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
+    fn max_side_shifts(&self, lane: &Lane, stretch: &PassageStretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
         let widest = (0..=8)
             .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
             .fold(0.0, |widest: f64, (_, shroud)| widest.max(shroud));
-        let slack = |i: usize| (ridge_spacing(tool) - widest * (rows[i + 1] - rows[i])).max(0.0);
+        let slack = |i: usize| (max_shroud_spacing(tool) - widest * (rows[i + 1] - rows[i])).max(0.0);
         (0..rows.len())
             .map(|i| {
                 let before: f64 = (0..i).map(slack).sum();
@@ -258,7 +263,7 @@ impl Planner<'_> {
 
 /// s of the stages of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub
 /// and shroud for conventional axes.
-fn places(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> Vec<f64> {
+fn stage_positions(maker: &RowMaker, run_up: f64, start: f64, end: f64) -> Vec<f64> {
     let length = maker.part.hub.length().max(maker.part.shroud.length());
     let coarse = (((end - start).abs() * length / maker.step_limit / 3.0).ceil() as usize).clamp(1, 4000);
     let at = |i: usize| start + (end - start) * i as f64 / coarse as f64;
@@ -285,7 +290,7 @@ fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<
         for pair in stations.windows(2) {
             filled.push(pair[0]);
             if maker.needs_another(&pair[0], &pair[1], pair[1].ends.s_hub - pair[0].ends.s_hub) {
-                filled.extend(between(maker, candidates, &pair[0].ends, &pair[1].ends));
+                filled.extend(station_between(maker, candidates, &pair[0].ends, &pair[1].ends));
             }
         }
         filled.extend(stations.last());
@@ -298,7 +303,12 @@ fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<
 }
 
 /// The station midway between two, if it clears the blades.
-fn between(maker: &RowMaker, candidates: &CandidateMaker, a: &AxisEnds, b: &AxisEnds) -> Option<Station> {
+fn station_between(
+    maker: &RowMaker,
+    candidates: &CandidateMaker,
+    a: &AxisEnds,
+    b: &AxisEnds,
+) -> Option<Station> {
     let middle = |x: f64, y: f64| 0.5 * (x + y);
     let (s_hub, s_shroud) = (middle(a.s_hub, b.s_hub), middle(a.s_shroud, b.s_shroud));
     let ends = if is_wall(maker.lambda) {
@@ -311,6 +321,6 @@ fn between(maker: &RowMaker, candidates: &CandidateMaker, a: &AxisEnds, b: &Axis
             theta_shroud: middle(a.theta_shroud, b.theta_shroud),
         }
     };
-    let station = maker.exact(&maker.lowered(ends))?;
-    candidates.allowed(&station).then_some(station)
+    let station = maker.exact(&maker.lower_to_hub(ends))?;
+    candidates.is_allowed(&station).then_some(station)
 }

@@ -4,20 +4,20 @@
 use rayon::prelude::*;
 
 use super::section::SCALE_RADII;
-use super::{CandidateMaker, ExtraSearch, Floor};
+use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
 use crate::monitor::Monitor;
-use crate::part::setup::Feed;
-use crate::plunge::choice::rest::{thick, thick_after};
+use crate::part::setup::CutDirection;
+use crate::plunge::choice::rest::{rest_threshold, rest_threshold_after};
 use crate::plunge::contact::{BlankTop, Columns};
 use crate::plunge::cycle::{CutRow, PlanError, Planner, SectionCut};
-use crate::plunge::ground::Ground;
-use crate::plunge::plan::Stopped;
+use crate::plunge::ground::StretchLayout;
+use crate::plunge::plan::StopReason;
 use crate::plunge::row::RowMaker;
 use crate::plunge::sections::{MAX_POSITIONS, tool_of};
 
 /// Settings of a search for single plunges.
 #[derive(Clone, Copy, Debug)]
-struct Manner {
+struct ExtraSettings {
     /// Minimum gain in each round, in multiples of the search's minimum: plunges with a large gain come
     /// first, as they free others of contact.
     rounds: [f64; 3],
@@ -28,28 +28,28 @@ struct Manner {
 }
 
 /// For additions to the rows of a section.
-const BESIDE_ROWS: Manner = Manner { rounds: [4.0, 2.0, 1.0], step_share: 0.5, parts: 4 };
+const BESIDE_ROWS: ExtraSettings = ExtraSettings { rounds: [4.0, 2.0, 1.0], step_share: 0.5, parts: 4 };
 /// For rest milling. The previous cutter is about twice as large, so its minimum gain is about eight times as
 /// large. A plunge of the smaller cutter takes as much time, so it has to gain several times that.
-const REST: Manner = Manner { rounds: [52.0, 26.0, 13.0], step_share: 0.7, parts: 3 };
+const REST_MILLING: ExtraSettings = ExtraSettings { rounds: [52.0, 26.0, 13.0], step_share: 0.7, parts: 3 };
 /// Maximum number of added plunges per plunge of the rows.
-const MOST_SHARE: usize = 2;
+const MAX_ADDED_SHARE: usize = 2;
 /// Number of positions from which on a plan gets no added plunges: the rest of the limit is reserved for
 /// rows.
-const MOST_POSITIONS: usize = MAX_POSITIONS / 2;
+const MAX_POSITIONS_WITH_EXTRAS: usize = MAX_POSITIONS / 2;
 /// Minimum spacing of tried plunges, in cutter radii.
-const NEAREST_RADII: f64 = 0.12;
+const MIN_SPACING_RADII: f64 = 0.12;
 /// Share of a stretch's floor that must have thick stock for rest milling.
 const THICK_SHARE: f64 = 0.04;
 
 /// Limits of the plunges to add.
 #[derive(Clone, Copy, Debug)]
-struct Wanted {
+struct ExtraLimits {
     /// Maximum number for the section, and the number left until the limit of the whole plan.
-    most: usize,
-    room: usize,
+    max_count: usize,
+    left_in_plan: usize,
     /// Settings of the search.
-    manner: Manner,
+    manner: ExtraSettings,
     /// Plunges are added only where stock is more than this above the allowance, and only if it is so on at
     /// least [`THICK_SHARE`] of the floor, mm.
     above: Option<f64>,
@@ -63,15 +63,16 @@ impl Planner<'_> {
     pub(super) fn add_extras(
         &self,
         index: usize,
-        grounds: &[Ground],
+        grounds: &[StretchLayout],
         cut: &mut SectionCut,
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
         let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
-        let room = MOST_POSITIONS.saturating_sub(cut.columns.len());
-        let rest_from = thick_after(self.setup, index)?;
-        let most = MOST_SHARE * planned;
-        let wanted = Wanted { most, room, manner: BESIDE_ROWS, above: None, rest_from };
+        let room = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(cut.columns.len());
+        let rest_from = rest_threshold_after(self.setup, index)?;
+        let most = MAX_ADDED_SHARE * planned;
+        let wanted =
+            ExtraLimits { max_count: most, left_in_plan: room, manner: BESIDE_ROWS, above: None, rest_from };
         self.add_plunges(index, grounds, cut, wanted, monitor)
     }
 
@@ -87,11 +88,12 @@ impl Planner<'_> {
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let section = &self.setup.plunge.sections[index];
-        let grounds = self.ground(section)?;
-        let above = Some(thick(tool_of(self.setup, section.tool)?));
-        let room = MOST_POSITIONS.saturating_sub(columns.len());
-        let mut cut = SectionCut::empty(section.feed.unwrap_or(Feed::Inward), columns);
-        let wanted = Wanted { most: room, room, manner: REST, above, rest_from: None };
+        let grounds = self.section_layout(section)?;
+        let above = Some(rest_threshold(tool_of(self.setup, section.tool)?));
+        let room = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
+        let mut cut = SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::Inward), columns);
+        let wanted =
+            ExtraLimits { max_count: room, left_in_plan: room, manner: REST_MILLING, above, rest_from: None };
         self.add_plunges(index, &grounds, &mut cut, wanted, monitor)?;
         Ok(cut)
     }
@@ -99,26 +101,26 @@ impl Planner<'_> {
     fn add_plunges(
         &self,
         index: usize,
-        grounds: &[Ground],
+        grounds: &[StretchLayout],
         cut: &mut SectionCut,
-        wanted: Wanted,
+        wanted: ExtraLimits,
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
         if monitor.is_stopped() {
-            cut.added = Some((0, Stopped::Cancelled));
+            cut.added = Some((0, StopReason::Cancelled));
             return Ok(());
         }
         // Found plunges are cut even after a stop.
-        let closing = &monitor.closing();
-        let stock = &self.setup.stock;
+        let closing = &monitor.ignoring_stop();
+        let stock = &self.setup.allowances;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
         let scale = SCALE_RADII * tool.radius();
         let allowances = (stock.hub_allowance, stock.blade_allowance);
-        let most = wanted.room.min(wanted.most);
-        let (mut added_in_all, mut stopped) = (0, Stopped::NothingWorthwhile);
+        let most = wanted.left_in_plan.min(wanted.max_count);
+        let (mut added_in_all, mut stopped) = (0, StopReason::NothingWorthwhile);
         for ground in grounds.iter().take_while(|_| !monitor.is_stopped()) {
-            let mut floor = Floor::new(self.part, &ground.stretch, tool, allowances, scale);
+            let mut floor = FloorHeightMap::new(self.part, &ground.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice().iter().take_while(|_| !monitor.is_cancelled()) {
                 floor.cut(self.part, &column.cutter);
             }
@@ -126,7 +128,7 @@ impl Planner<'_> {
                 continue;
             }
             let rows = self.with_rows_beside_walls(&ground.lane, &ground.stretch, tool, &ground.rows);
-            let nearest = NEAREST_RADII * tool.radius();
+            let nearest = MIN_SPACING_RADII * tool.radius();
             let width = (0..=8)
                 .filter_map(|i| ground.lane.width(ground.stretch.s_at(f64::from(i) / 8.0)))
                 .fold(0.0, |widest: f64, (hub, _)| widest.max(hub));
@@ -135,7 +137,7 @@ impl Planner<'_> {
                 |&lambda: &f64| self.row_maker(ground, tool, (lambda, lambdas.len()), cut.feed, monitor);
             let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
             let Some(first) = makers.first() else { continue };
-            let (start, end) = self.row_ends(index, &ground.stretch, cut.feed.inward());
+            let (start, end) = self.row_ends(index, &ground.stretch, cut.feed.inward_sign());
             let step = (wanted.manner.step_share * first.step_limit).max(nearest) / self.part.hub.length();
             let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
             let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
@@ -163,7 +165,7 @@ impl Planner<'_> {
                     && let Some(above) = wanted.rest_from
                     && search.floor().share_above(above) >= THICK_SHARE
                 {
-                    stopped = Stopped::SmallerCutter;
+                    stopped = StopReason::SmallerCutter;
                     break;
                 }
                 let rows = search.stations(&cut.columns, budget, times)?;
@@ -181,11 +183,15 @@ impl Planner<'_> {
                 }
             }
             if budget == 0 && most > 0 {
-                stopped = if wanted.room <= wanted.most { Stopped::PlanFull } else { Stopped::ShareReached };
+                stopped = if wanted.left_in_plan <= wanted.max_count {
+                    StopReason::PlanFull
+                } else {
+                    StopReason::ShareReached
+                };
             }
         }
         if monitor.is_stopped() {
-            stopped = Stopped::Cancelled;
+            stopped = StopReason::Cancelled;
         }
         cut.added = Some((added_in_all, stopped));
         Ok(())
@@ -193,10 +199,10 @@ impl Planner<'_> {
 }
 
 /// The λ of `rows` and of more between them, no closer than `nearest`.
-fn between_rows(rows: &[f64], nearest: f64, most_parts: usize) -> Vec<f64> {
+fn between_rows(rows: &[f64], nearest: f64, max_parts: usize) -> Vec<f64> {
     let mut lambdas = rows.to_vec();
     for pair in rows.windows(2) {
-        let parts = (((pair[1] - pair[0]) / nearest) as usize).clamp(1, most_parts);
+        let parts = (((pair[1] - pair[0]) / nearest) as usize).clamp(1, max_parts);
         lambdas.extend((1..parts).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / parts as f64));
     }
     lambdas.sort_by(f64::total_cmp);

@@ -1,21 +1,21 @@
 //! Clearance of cutter and holder from the finished part along a step.
 
-use super::steps::Step;
+use super::steps::CutterStep;
 use crate::geometry::{CutterSolid, Meridional};
 use crate::part::Tool;
 use crate::plunge::clearance::FinishedPart;
 
 /// The finished part, prepared for the clearances of many steps.
-pub(super) struct Surroundings<'a> {
+pub(super) struct StepSurroundings<'a> {
     pub(super) finished: &'a FinishedPart<'a>,
     pub(super) tools: &'a [Tool],
     pub(super) hub_allowance: f64,
     pub(super) blade_allowance: f64,
 }
 
-/// Least distances, mm, capped at [`LOOKED_AT`] above the allowances.
+/// Least distances, mm, capped at [`CLEARANCE_CAP`] above the allowances.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Clearance {
+pub(super) struct StepClearance {
     pub(super) hub: f64,
     pub(super) blade: f64,
     /// Whether the holder meets a blade, its allowance, or the hub.
@@ -23,19 +23,19 @@ pub(super) struct Clearance {
 }
 
 /// Distance above the allowance at which clearances are capped, mm.
-pub(super) const LOOKED_AT: f64 = 1.0;
+pub(super) const CLEARANCE_CAP: f64 = 1.0;
 /// Depth of a holder in the allowance of a blade that is tolerated, mm.
 const HOLDER_TOLERANCE: f64 = 0.01;
 /// Largest travel, mm, and turn, rad, between two samples of a step.
-const PIECE: f64 = 1.0;
-const PIECE_TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
+const MAX_SAMPLE_TRAVEL: f64 = 1.0;
+const MAX_SAMPLE_TURN_RAD: f64 = 1.5 * std::f64::consts::PI / 180.0;
 /// Smallest radius of curvature assumed for a wall or the hub between two samples, mm.
-const SHARPEST: f64 = 4.0;
+const MIN_CURVATURE_RADIUS: f64 = 4.0;
 
-impl Clearance {
+impl StepClearance {
     pub(super) const FAR: Self = Self { hub: f64::INFINITY, blade: f64::INFINITY, holder: false };
 
-    pub(super) fn and(self, other: Self) -> Self {
+    pub(super) fn worst_of(self, other: Self) -> Self {
         Self {
             hub: self.hub.min(other.hub),
             blade: self.blade.min(other.blade),
@@ -44,13 +44,13 @@ impl Clearance {
     }
 }
 
-impl Surroundings<'_> {
+impl StepSurroundings<'_> {
     fn blade(&self, cutter: &CutterSolid) -> f64 {
-        self.finished.blade_clearance_below(cutter, self.blade_allowance + LOOKED_AT)
+        self.finished.blade_clearance_below(cutter, self.blade_allowance + CLEARANCE_CAP)
     }
 
     fn hub(&self, cutter: &CutterSolid) -> f64 {
-        let cap = self.hub_allowance + LOOKED_AT;
+        let cap = self.hub_allowance + CLEARANCE_CAP;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
         let (_, distance) = self.finished.part.hub.curve().project(Meridional::of(&centre));
         if distance.abs() > 2.5 * cutter.radius + cap {
@@ -68,34 +68,37 @@ impl Surroundings<'_> {
     }
 
     /// Clearance at the parameter `share`, 0…1, of a step.
-    pub(super) fn at(&self, step: &Step, share: f64) -> Clearance {
+    pub(super) fn at(&self, step: &CutterStep, share: f64) -> StepClearance {
         let cutter = step.cutter(self.tools, share);
         let holder = self.holder_meets(&cutter, &self.tools[step.tool]);
-        Clearance { hub: self.hub(&cutter), blade: self.blade(&cutter), holder }
+        StepClearance { hub: self.hub(&cutter), blade: self.blade(&cutter), holder }
     }
 
     /// Least clearance along a step; `ends` are the clearances at both ends, where they are known. Between
     /// two samples a clearance falls below both by no more than the curvature of the part permits; where that
     /// matters, the minimum of a parabola is evaluated.
-    pub(super) fn along(&self, step: &Step, ends: [Option<Clearance>; 2]) -> Clearance {
-        let pieces = (step.length() / PIECE).max(step.turn() / PIECE_TURN).ceil().clamp(1.0, 2000.0);
-        let sag = (step.length() / pieces).powi(2) / (8.0 * SHARPEST) + 0.01;
+    pub(super) fn along(&self, step: &CutterStep, ends: [Option<StepClearance>; 2]) -> StepClearance {
+        let pieces = (step.length() / MAX_SAMPLE_TRAVEL)
+            .max(step.turn() / MAX_SAMPLE_TURN_RAD)
+            .ceil()
+            .clamp(1.0, 2000.0);
+        let sag = (step.length() / pieces).powi(2) / (8.0 * MIN_CURVATURE_RADIUS) + 0.01;
         let mut least = ends[0].unwrap_or_else(|| self.at(step, 0.0));
         let mut before = least;
         for k in 0..pieces as usize {
             let (from, to) = (k as f64 / pieces, (k + 1) as f64 / pieces);
             let known = ends[1].filter(|_| k + 1 == pieces as usize);
             let after = known.unwrap_or_else(|| self.at(step, to));
-            least = least.and(after);
+            least = least.worst_of(after);
             let near = before.blade.min(after.blade) < self.blade_allowance + sag
                 || before.hub.min(after.hub) < self.hub_allowance + sag;
             if near {
                 let middle = self.at(step, 0.5 * (from + to));
-                least = least.and(middle);
+                least = least.worst_of(middle);
                 let lowest = [(before.hub, middle.hub, after.hub), (before.blade, middle.blade, after.blade)]
                     .map(|(a, m, b)| lowest_share(a, m, b));
                 for share in lowest.into_iter().flatten() {
-                    least = least.and(self.at(step, from + (to - from) * share));
+                    least = least.worst_of(self.at(step, from + (to - from) * share));
                 }
             }
             before = after;

@@ -5,12 +5,12 @@ use super::super::plunges::tool_of;
 use crate::formats::apt::{ClProgram, Motion};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Channel, Impeller, Setup, Tool, passage_angle};
-use crate::plunge::flight::Turn;
+use crate::plunge::flight::AxisTurn;
 
 /// A linear move of a cutter. Under feed the axis is interpolated linearly and normalised, as by a
 /// controller; in rapid it turns at a constant rate, as links are planned.
 #[derive(Clone, Debug)]
-pub(super) struct Step {
+pub(super) struct CutterStep {
     /// Line of the program.
     pub(super) line: usize,
     /// Index of the tool.
@@ -24,14 +24,14 @@ pub(super) struct Step {
 }
 
 /// Least cutting length in a channel that counts, as a share of that in the channel with the most.
-const LEAST_SHARE: f64 = 0.1;
+const MIN_CHANNEL_SHARE: f64 = 0.1;
 
-impl Step {
+impl CutterStep {
     /// Tip and axis at the parameter `share`, 0…1.
     pub(super) fn at(&self, share: f64) -> (Point, Vector) {
         let ((p, a), (q, b)) = (self.from, self.to);
         if self.feed.is_none() {
-            return (p + (q - p) * share, Turn::new(a, &b).at(share).0);
+            return (p + (q - p) * share, AxisTurn::new(a, &b).at(share).0);
         }
         let axis = (a + (b - a) * share).try_normalize(1e-9).unwrap_or(b);
         (p + (q - p) * share, axis)
@@ -61,7 +61,7 @@ impl Step {
     }
 
     /// Whether the cutter retracts along its own axis.
-    pub(super) fn is_way_out(&self) -> bool {
+    pub(super) fn is_retract(&self) -> bool {
         self.is_axial() && (self.to.0 - self.from.0).dot(&self.to.1) >= 0.0
     }
 }
@@ -75,9 +75,9 @@ pub(super) fn steps_of(
     channel: &Channel,
     program: &ClProgram,
     setup: &Setup,
-) -> Result<(Vec<Step>, Vec<Tool>), Fault> {
+) -> Result<(Vec<CutterStep>, Vec<Tool>), Fault> {
     let tools: Vec<Tool> = program.tools.iter().map(|t| tool_of(t, setup)).collect();
-    let mut steps: Vec<Step> = Vec::with_capacity(program.moves.len());
+    let mut steps: Vec<CutterStep> = Vec::with_capacity(program.moves.len());
     let mut last: Option<(usize, (Point, Vector))> = None;
     for (index, step) in program.moves.iter().enumerate() {
         let Some(number) = step.tool else {
@@ -96,15 +96,15 @@ pub(super) fn steps_of(
             Motion::Rapid => None,
             Motion::Feed(rate) => Some(rate.unwrap_or(tool.plunge_feed)),
         };
-        steps.push(Step { line: step.line, tool: number, feed, channel: 0, from, to });
+        steps.push(CutterStep { line: step.line, tool: number, feed, channel: 0, from, to });
         last = Some((number, to));
     }
-    turn_into_channel(part, channel, &mut steps);
+    rotate_into_channel(part, channel, &mut steps);
     Ok((steps, tools))
 }
 
 /// Rapids and the cuts after them, up to the next rapid, and the channel of most of these cuts.
-struct Stretch {
+struct ChannelRun {
     range: std::ops::Range<usize>,
     channel: Option<i64>,
     /// Cutting length, mm.
@@ -112,8 +112,8 @@ struct Stretch {
 }
 
 /// Rotates every run of cuts, with the rapids before it, into channel 1.
-fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
-    let mut stretches: Vec<Stretch> = Vec::new();
+fn rotate_into_channel(part: &Impeller, channel: &Channel, steps: &mut [CutterStep]) {
+    let mut stretches: Vec<ChannelRun> = Vec::new();
     let mut start = 0;
     while start < steps.len() {
         let rapids = steps[start..].iter().take_while(|s| s.feed.is_none()).count();
@@ -123,10 +123,10 @@ fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
         let tips = steps[cuts.clone()].iter().step_by(stride).map(|s| &s.to.0);
         let votes: Vec<i64> = tips.filter_map(|tip| channel_at(part, channel, tip)).collect();
         let count = |v: i64| votes.iter().filter(|w| **w == v).count();
-        stretches.push(Stretch {
+        stretches.push(ChannelRun {
             range: start..cuts.end,
             channel: votes.iter().copied().max_by_key(|&v| (count(v), -v.abs(), v)),
-            length: steps[cuts.clone()].iter().map(Step::length).sum(),
+            length: steps[cuts.clone()].iter().map(CutterStep::length).sum(),
         });
         start = cuts.end;
     }
@@ -138,8 +138,8 @@ fn turn_into_channel(part: &Impeller, channel: &Channel, steps: &mut [Step]) {
     worked_in.sort_unstable();
     worked_in.dedup();
     let longest = worked_in.iter().map(|&k| length_in(k)).fold(0.0, f64::max);
-    worked_in.retain(|&k| length_in(k) >= LEAST_SHARE * longest);
-    let known = |s: &Stretch| s.channel.filter(|k| worked_in.contains(k));
+    worked_in.retain(|&k| length_in(k) >= MIN_CHANNEL_SHARE * longest);
+    let known = |s: &ChannelRun| s.channel.filter(|k| worked_in.contains(k));
     let mut last = stretches.iter().find_map(known).unwrap_or(0);
     for stretch in &stretches {
         last = known(stretch).unwrap_or(last);
@@ -166,7 +166,7 @@ fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
         let near = wall.at(part, s, eta)?;
         // Evaluated at the point itself: beside leaning blades the wall at equal s and height may be far
         // away.
-        Some(wall.search(here, near.u, near.v).map_or(near.theta, |there| there.theta))
+        Some(wall.at_meridional(here, near.u, near.v).map_or(near.theta, |there| there.theta))
     });
     let low = low?;
     let high = low + passage_angle(low, high?, part.pitch());

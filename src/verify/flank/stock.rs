@@ -1,7 +1,7 @@
 //! Residual stock of a flank program over the floor, and collisions of rapids and holders with stock, by the
 //! heightfield.
 
-use super::steps::Step;
+use super::steps::CutterStep;
 use super::uncovered::Uncovered;
 use crate::geometry::CutterSolid;
 use crate::part::{Blank, Channel, Setup, Tool};
@@ -13,14 +13,14 @@ use crate::residual::{
 /// Cells of the floor along either direction.
 const CELLS: usize = 256;
 /// Scallop height between the samples of a sweep, mm.
-pub(super) const RIDGE: f64 = 0.01;
+pub(super) const SAMPLE_SCALLOP: f64 = 0.01;
 /// Stock that a rapid may touch over its whole bottom, mm: the field cannot distinguish it from scallops
 /// between samples.
-const SKIM: f64 = 0.02;
+const SKIM_DEPTH: f64 = 0.02;
 
 /// A part of the tool that must not meet stock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Probe {
+pub(super) enum StockProbe {
     /// The cutter in rapid.
     Rapid,
     /// The holder, under feed.
@@ -28,43 +28,43 @@ pub(super) enum Probe {
 }
 
 /// A sample of a step at which a probe is inside the outline of the blank.
-pub(super) struct Place {
+pub(super) struct ProbeSample {
     /// Index of the step.
     pub(super) step: usize,
     pub(super) share: f64,
-    pub(super) what: Probe,
+    pub(super) what: StockProbe,
 }
 
 /// A collision with stock; volume in mm³.
-pub(super) struct Struck {
+pub(super) struct StockCollision {
     /// Index of the step.
     pub(super) step: usize,
-    pub(super) what: Probe,
+    pub(super) what: StockProbe,
     pub(super) volume: f64,
 }
 
 /// A floor after a program.
-pub(super) struct Floor {
+pub(super) struct FloorResult {
     /// Collisions with stock.
-    pub(super) struck: Vec<Struck>,
+    pub(super) collisions: Vec<StockCollision>,
     /// Volume cut over the floor, mm³.
     pub(super) removed: f64,
     /// Depth of each step that removes stock, with its index: height above the bottom of the stock it
     /// removes, mm.
     pub(super) depths: Vec<(f64, usize)>,
     /// Residual stock, unless nothing is cut.
-    left: Option<Left>,
+    left: Option<ResidualFloor>,
 }
 
 /// Residual stock over the floor.
-struct Left {
+struct ResidualFloor {
     grid: FloorGrid,
     heights: Vec<f32>,
     /// The cutter with the smallest corner.
     finest: Tool,
 }
 
-impl Floor {
+impl FloorResult {
     /// The floor with too much stock, and statistics of the residual stock.
     pub(super) fn figures(
         &self,
@@ -74,7 +74,7 @@ impl Floor {
         setup: &Setup,
     ) -> (Uncovered, ResidualStatistics) {
         match &self.left {
-            Some(Left { grid, heights, finest }) => (
+            Some(ResidualFloor { grid, heights, finest }) => (
                 Uncovered::of(finished, channel, blank, setup, finest, grid, heights),
                 statistics(grid, heights, |_| true),
             ),
@@ -84,30 +84,30 @@ impl Floor {
 }
 
 /// Applies `steps` (of one channel) in order.
-pub(super) fn floor_after(
+pub(super) fn evaluate_floor(
     finished: &FinishedPart,
     channel: &Channel,
     setup: &Setup,
     blank: &Blank,
     tools: &[Tool],
-    steps: &[&Step],
-    places: &[Place],
-) -> Floor {
+    steps: &[&CutterStep],
+    places: &[ProbeSample],
+) -> FloorResult {
     let largest = steps.iter().filter(|s| s.feed.is_some()).map(|s| &tools[s.tool]);
     let Some(finest) = largest.min_by(|a, b| a.corner_radius.total_cmp(&b.corner_radius)) else {
-        return Floor { struck: Vec::new(), removed: 0.0, depths: Vec::new(), left: None };
+        return FloorResult { collisions: Vec::new(), removed: 0.0, depths: Vec::new(), left: None };
     };
     let source = FloorSource {
         part: finished.part,
         channel,
         blank,
-        stock: &setup.stock,
+        stock: &setup.allowances,
         cutters: &[CutterStretch { from: 1.0, to: 0.0, radius: finest.radius() }],
     };
     let grid = FloorGrid::new(&source, CELLS);
-    let (cutters, owners) = swept(tools, steps, places);
+    let (cutters, owners) = sweep_cutters(tools, steps, places);
     let field = residual_field(&grid, &cutters);
-    let mut struck: Vec<Struck> = Vec::new();
+    let mut struck: Vec<StockCollision> = Vec::new();
     let (mut removed, mut depths): (f64, Vec<(f64, usize)>) = (0.0, Vec::new());
     for (trace, owner) in field.traces.iter().zip(&owners) {
         let volume = f64::from(trace.removed_volume);
@@ -124,15 +124,15 @@ pub(super) fn floor_after(
                 continue;
             }
         };
-        if volume > SKIM * std::f64::consts::PI * tools[steps[step].tool].radius().powi(2) {
+        if volume > SKIM_DEPTH * std::f64::consts::PI * tools[steps[step].tool].radius().powi(2) {
             match struck.last_mut().filter(|last| last.step == step && last.what == what) {
                 Some(last) => last.volume += volume,
-                None => struck.push(Struck { step, what, volume }),
+                None => struck.push(StockCollision { step, what, volume }),
             }
         }
     }
-    let left = Left { grid, heights: field.heights, finest: finest.clone() };
-    Floor { struck, removed, depths, left: Some(left) }
+    let left = ResidualFloor { grid, heights: field.heights, finest: finest.clone() };
+    FloorResult { collisions: struck, removed, depths, left: Some(left) }
 }
 
 /// Origin of a cutter of the field.
@@ -141,12 +141,16 @@ enum Owner {
     /// A cut of this step.
     Cut(usize),
     /// A probe of this step.
-    Struck(usize, Probe),
+    Struck(usize, StockProbe),
 }
 
 /// The cutter sampled along all steps in order, with the probes at the `places` of each step before its cuts.
 /// For cuts the core is the whole cutter, so the contact depth is the depth of cut.
-fn swept(tools: &[Tool], steps: &[&Step], places: &[Place]) -> (Vec<FieldCutter>, Vec<Owner>) {
+fn sweep_cutters(
+    tools: &[Tool],
+    steps: &[&CutterStep],
+    places: &[ProbeSample],
+) -> (Vec<FieldCutter>, Vec<Owner>) {
     let (mut cutters, mut owners) = (Vec::new(), Vec::new());
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     let mut add = |solid: CutterSolid, owner: Owner| {
@@ -164,8 +168,8 @@ fn swept(tools: &[Tool], steps: &[&Step], places: &[Place]) -> (Vec<FieldCutter>
         let tool = &tools[step.tool];
         while let Some(place) = places.next_if(|place| place.step == index) {
             let solid = match place.what {
-                Probe::Rapid => step.cutter(tools, place.share),
-                Probe::Holder => {
+                StockProbe::Rapid => step.cutter(tools, place.share),
+                StockProbe::Holder => {
                     let (tip, axis) = step.at(place.share);
                     tool.holder(tip, axis)
                 }
@@ -173,7 +177,7 @@ fn swept(tools: &[Tool], steps: &[&Step], places: &[Place]) -> (Vec<FieldCutter>
             add(solid, Owner::Struck(index, place.what));
         }
         if step.feed.is_some() {
-            let spacing = (8.0 * tool.radius() * RIDGE).sqrt();
+            let spacing = (8.0 * tool.radius() * SAMPLE_SCALLOP).sqrt();
             let count = (step.length() / spacing).max(step.turn() / 0.02).ceil().clamp(1.0, 2000.0);
             (1..=count as usize).for_each(|k| add(step.cutter(tools, k as f64 / count), Owner::Cut(index)));
         }

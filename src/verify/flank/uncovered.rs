@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::stock::RIDGE;
+use super::stock::SAMPLE_SCALLOP;
 use crate::flank::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
 use crate::geometry::{Meridional, Point, Vector};
 use crate::part::{Blank, Channel, Setup, Tool};
@@ -31,7 +31,7 @@ const SLIDES: usize = 12;
 /// Missing distance of the ball from the blades that is tolerated, mm.
 const SLIDE_TOLERANCE: f64 = 1e-3;
 /// Sine of the angle between floor and wall below which it does not slide.
-const LEAST_SLOPE: f64 = 0.1;
+const MIN_SLOPE: f64 = 0.1;
 
 impl Uncovered {
     /// Total share.
@@ -50,22 +50,22 @@ impl Uncovered {
         grid: &FloorGrid,
         heights: &[f32],
     ) -> Self {
-        let stock = &setup.stock;
+        let stock = &setup.allowances;
         let limits = FixedAxisLimits {
             hub_allowance: stock.hub_allowance,
             blade_allowance: stock.blade_allowance,
-            standing: setup.flank.layer_depth,
-            max_tilt: MAX_TILT,
+            stock_height: setup.flank.layer_depth,
+            max_tilt_rad: MAX_TILT,
         };
         let search = FixedAxisSearch::new(finished, channel, blank, tool, &limits);
         let layer = DepthSurface::new(finished.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
-        let corner = Corner {
+        let corner = CornerBall {
             finished,
             radius: tool.corner_radius,
             hub_allowance: stock.hub_allowance,
             blade_allowance: stock.blade_allowance,
         };
-        let allowed = setup.flank.allowed_error + 2.0 * RIDGE;
+        let allowed = setup.flank.scallop_height + 2.0 * SAMPLE_SCALLOP;
         let cells: Vec<usize> =
             (0..grid.floor.len()).filter(|&cell| grid.floor[cell] && grid.reachable[cell]).collect();
         let area_of = |cell: usize| f64::from(grid.areas[cell]);
@@ -79,7 +79,7 @@ impl Uncovered {
                 let double = |v: [f32; 3]| v.map(f64::from);
                 let (foot, up) =
                     (Point::from(double(grid.points[cell])), Vector::from(double(grid.normals[cell])));
-                let lower = || corner.over(&foot, &up).filter(|(_, left)| *left < over);
+                let lower = || corner.contact_over(&foot, &up).filter(|(_, left)| *left < over);
                 (over > 0.0).then(|| (cell, lower().map(|(contact, _)| contact)))
             })
             .collect();
@@ -106,18 +106,18 @@ impl Uncovered {
 }
 
 /// The round corner of a cutter, as a ball on the floor.
-struct Corner<'a> {
+struct CornerBall<'a> {
     finished: &'a FinishedPart<'a>,
     radius: f64,
     hub_allowance: f64,
     blade_allowance: f64,
 }
 
-impl Corner<'_> {
+impl CornerBall<'_> {
     /// The contact of the ball where it is nearest to the ray from `foot` along the hub's normal `up`, and
     /// the stock it leaves there above the allowance, mm: infinite where it misses the ray. `None` where it
     /// does not fit between the blades.
-    fn over(&self, foot: &Point, up: &Vector) -> Option<(Contact, f64)> {
+    fn contact_over(&self, foot: &Point, up: &Vector) -> Option<(Contact, f64)> {
         let hub = self.finished.part.hub.curve();
         let height = self.hub_allowance + self.radius;
         let (mut centre, mut normal) = (foot + up * height, *up);
@@ -129,7 +129,7 @@ impl Corner<'_> {
             }
             let away = (centre - near.point).try_normalize(1e-9)?;
             let along = away - normal * away.dot(&normal);
-            if slide == SLIDES || along.norm() < LEAST_SLOPE {
+            if slide == SLIDES || along.norm() < MIN_SLOPE {
                 return None;
             }
             centre += along * (lacking / along.norm_squared());

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::steps::Step;
+use super::steps::CutterStep;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, search};
 use crate::part::{Channel, Impeller, Tool};
 
@@ -12,7 +12,7 @@ const CHUNK: usize = 16;
 const COLUMNS: usize = 64;
 const LINES: usize = 12;
 /// A wall counts as milled where cutters come this near to its allowance, mm.
-const MILLED: f64 = 0.5;
+const MILLED_DISTANCE: f64 = 0.5;
 
 /// Deviation of the milled part of the walls from their allowance, mm.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,7 +24,7 @@ pub(super) struct WallDeviation {
 }
 
 struct Chunk<'a> {
-    steps: Vec<&'a Step>,
+    steps: Vec<&'a CutterStep>,
     /// A cutter in the middle, and bounds on the distance, mm, and angle, rad, of the others from it.
     middle: CutterSolid,
     moved: f64,
@@ -37,11 +37,11 @@ pub(super) fn wall_deviation(
     part: &Impeller,
     channel: &Channel,
     tools: &[Tool],
-    steps: &[&Step],
+    steps: &[&CutterStep],
     allowance: f64,
     uncut: f64,
 ) -> WallDeviation {
-    let chunks: Vec<Chunk> = steps.chunks(CHUNK).map(|steps| chunk(steps, tools)).collect();
+    let chunks: Vec<Chunk> = steps.chunks(CHUNK).map(|steps| build_chunk(steps, tools)).collect();
     let hub = part.hub.curve();
     // Only the sides that face the channel: the back of a thin blade is near a cutter too.
     let beside = |passage: usize, wall: usize| channel.beside_splitter.get(passage).map(|p| &p.walls[wall]);
@@ -60,8 +60,8 @@ pub(super) fn wall_deviation(
         .collect();
     let left: Vec<f64> = samples
         .par_iter()
-        .map(|p| nearest(p, &chunks, tools, allowance + MILLED) - allowance)
-        .filter(|left| *left < MILLED)
+        .map(|p| nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance)
+        .filter(|left| *left < MILLED_DISTANCE)
         .collect();
     if left.is_empty() {
         return WallDeviation { overcut: f64::NAN, undercut: f64::NAN };
@@ -72,7 +72,7 @@ pub(super) fn wall_deviation(
     }
 }
 
-fn chunk<'a>(steps: &[&'a Step], tools: &[Tool]) -> Chunk<'a> {
+fn build_chunk<'a>(steps: &[&'a CutterStep], tools: &[Tool]) -> Chunk<'a> {
     let middle = steps[steps.len() / 2].cutter(tools, 0.5);
     let radius = steps.iter().map(|s| tools[s.tool].radius()).fold(0.0, f64::max);
     let ends = || steps.iter().flat_map(|s| [s.from, s.to]);

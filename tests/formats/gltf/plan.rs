@@ -4,8 +4,8 @@ use serde_json::Value;
 use vanecut::formats::gltf::{CutterNodes, GltfScene, PlanScene};
 use vanecut::geometry::{Point, Vector};
 use vanecut::mesh::tessellate::Tessellation;
-use vanecut::palette::{ColourMap, looked_up};
-use vanecut::part::{AxisPolicy, Blank, Channel, Feed, Impeller, Setup, Tool};
+use vanecut::palette::{ColourMap, colour_of_value};
+use vanecut::part::{AxisPolicy, Blank, Channel, CutDirection, Impeller, Setup, Tool};
 use vanecut::plunge::PlungePlan;
 use vanecut::plunge::plan::{Blocked, CoreContact, Position, SectionPlan};
 use vanecut::residual::{FloorGrid, FloorSource};
@@ -29,12 +29,12 @@ fn position(k: usize) -> Position {
         row: 0,
         s: 0.9,
         lambda: 0.5,
-        alpha: 0.1,
+        alpha_rad: 0.1,
         contact_point: tip,
         contact: CoreContact { depth: if k.is_multiple_of(3) { 0.4 } else { 0.0 }, area_share: 0.0 },
         lift: 0.0,
         blocked: (k == 4).then_some(Blocked::Walls),
-        held: None,
+        limited_by: None,
         hub_clearance: 0.5,
         blade_clearance: f64::NAN,
         retract_clearance: 2.0,
@@ -54,7 +54,7 @@ fn plan() -> PlungePlan {
         },
         from: 1.0,
         to: 0.0,
-        feed: Feed::Inward,
+        feed: CutDirection::Inward,
         rows: 1,
         rest: false,
         added: None,
@@ -64,8 +64,8 @@ fn plan() -> PlungePlan {
         sections: vec![section(1, 12.0), section(2, 10.0)],
         positions: (0..9).map(position).collect(),
         dropped: Vec::new(),
-        rounds: 1,
-        settled: true,
+        iterations: 1,
+        converged: true,
     }
 }
 
@@ -83,7 +83,7 @@ fn planned() -> Planned {
     let setup = Setup::default();
     let (channel, blank) = (Channel::of(&part), Blank::of(&part, 0.0));
     let source =
-        FloorSource { part: &part, channel: &channel, blank: &blank, stock: &setup.stock, cutters: &[] };
+        FloorSource { part: &part, channel: &channel, blank: &blank, stock: &setup.allowances, cutters: &[] };
     let grid = FloorGrid::new(&source, CELLS);
     // A ramp, and a range of uncut cells.
     let heights = (0..CELLS * CELLS)
@@ -209,7 +209,7 @@ fn stock_is_coloured_by_the_scale_of_the_window() {
         let shown = if p.heights[k] >= p.grid.blank_heights[k] - 1e-3 {
             vanecut::palette::Theme::Light.greys().uncut
         } else {
-            looked_up(&table, p.heights[k], (0.5, 2.0))
+            colour_of_value(&table, p.heights[k], (0.5, 2.0))
         };
         assert!((0..3).all(|c| (colour[c] - linear(shown[c])).abs() < 1e-4), "cell {k}: {colour:?}");
     }
@@ -217,7 +217,7 @@ fn stock_is_coloured_by_the_scale_of_the_window() {
     let (points, triangles) = file.local("stock");
     let cell = CELLS * CELLS / 2;
     let (foot, normal) = (p.grid.points[cell], p.grid.normals[cell]);
-    let raise = Setup::default().stock.hub_allowance as f32;
+    let raise = Setup::default().allowances.hub_allowance as f32;
     for k in 0..3 {
         assert!((points[cell][k] - 1e-3 * (foot[k] + raise * normal[k])).abs() < 1e-7);
     }
@@ -235,7 +235,7 @@ fn the_root_tells_the_setup() {
     assert_eq!(facts["policy"], "minimal");
     assert_eq!(facts["positions"], 9);
     assert_eq!((&facts["interferential"], &facts["blocked"]), (&3.into(), &1.into()));
-    assert_eq!(facts["hub_allowance"], Setup::default().stock.hub_allowance);
+    assert_eq!(facts["hub_allowance"], Setup::default().allowances.hub_allowance);
     assert_eq!(facts["sections"][1]["diameter"], 10.0);
     assert_eq!(facts["stock_scale"], serde_json::json!([0.5, 2.0]));
 }

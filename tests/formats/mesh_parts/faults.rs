@@ -4,7 +4,7 @@ use nalgebra::Rotation3;
 use vanecut::geometry::{Point, Vector};
 use vanecut::mesh::solid::FaceKind;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
-use vanecut::mesh::{MeshOptions, NamedMesh, TriangleMesh, Unit, describe};
+use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, TriangleMesh, describe};
 use vanecut::part::Impeller;
 
 use super::body::Body;
@@ -61,7 +61,7 @@ fn holes_are_filled_or_refused_with_their_place() {
     };
     let judged = |part: &Impeller, meshes: Vec<NamedMesh>, what: &str| {
         println!("{what}");
-        match describe("back", meshes, Unit::Millimetre, &turning(part)) {
+        match describe("back", meshes, LengthUnit::Millimetre, &turning(part)) {
             Ok(again) => {
                 same(part, &Impeller::build(&again).expect("an impeller"), 0.02);
                 true
@@ -94,7 +94,7 @@ fn holes_are_filled_or_refused_with_their_place() {
     };
     let mut meshes = separate(&part);
     meshes.iter_mut().filter(|m| m.name.starts_with("Blade")).for_each(|m| m.mesh = window(&m.mesh));
-    let error = describe("back", meshes, Unit::Millimetre, &turning(&part)).unwrap_err().to_string();
+    let error = describe("back", meshes, LengthUnit::Millimetre, &turning(&part)).unwrap_err().to_string();
     assert!(error.contains("hole of") && error.contains("z ="), "{error}");
 }
 
@@ -118,7 +118,7 @@ fn bitten(part: &Impeller, gone: impl Fn(FaceKind, &Point) -> bool) -> Vec<Named
 fn bites_out_of_a_border_are_refused_or_named() {
     let part = sample("impeller532.toml");
     let options = MeshOptions { blades: Some(part.blade_count), ..turning(&part) };
-    let opened = |meshes| describe("back", meshes, Unit::Millimetre, &options);
+    let opened = |meshes| describe("back", meshes, LengthUnit::Millimetre, &options);
     let whole = opened(bitten(&part, |_, _| false)).expect("a part");
     same(&part, &Impeller::build(&whole).expect("an impeller"), 0.02);
     let (hub, rim) = (part.hub.point(0.0), part.rim_radius());

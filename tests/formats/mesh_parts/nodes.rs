@@ -2,7 +2,7 @@
 
 use vanecut::mesh::Role;
 use vanecut::mesh::axis::Axis;
-use vanecut::mesh::nodes::{guess, nodes};
+use vanecut::mesh::nodes::{guess_roles, nodes};
 
 use super::{sample, separate};
 
@@ -20,13 +20,13 @@ fn shapes_tell_hub_blades_and_splitters_where_names_do_not() {
         })
         .collect();
     let named = nodes(&meshes);
-    assert_eq!(guess(&named)[1], Some(Role::Shroud), "names come first");
+    assert_eq!(guess_roles(&named)[1], Some(Role::Shroud), "names come first");
     assert!(named.iter().all(|node| node.key == node.name), "each has a name of its own");
     meshes.iter_mut().for_each(|m| m.name = "Solid".into());
     let nodes = nodes(&meshes);
-    assert_eq!(guess(&nodes), wanted);
+    assert_eq!(guess_roles(&nodes), wanted);
     assert_eq!(nodes[3].key, "#3", "one name for all: by number");
-    assert_eq!(nodes[0].turned_about(), Axis::Z);
+    assert_eq!(nodes[0].revolution_axis(), Axis::Z);
     assert!(
         nodes[2].is_like(&nodes[4]) && !nodes[2].is_like(&nodes[3]),
         "blades are alike, splitters others"

@@ -15,7 +15,7 @@ const FLOAT: u32 = 5_126;
 
 /// Purpose of an accessor of floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
+pub enum AccessorUse {
     /// Positions of corners, with the bounds that the format requires.
     Positions,
     /// Other attributes of corners.
@@ -26,7 +26,7 @@ pub enum Use {
 
 /// The document under construction.
 #[derive(Debug, Default)]
-pub struct Builder {
+pub struct GltfBuilder {
     binary: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -36,7 +36,7 @@ pub struct Builder {
     extensions: Vec<&'static str>,
 }
 
-impl Builder {
+impl GltfBuilder {
     fn view(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>) -> usize {
         let start = self.binary.len();
         self.binary.extend(bytes);
@@ -56,13 +56,13 @@ impl Builder {
     }
 
     /// Adds an accessor of vectors of `N` floats; returns its index.
-    pub fn floats<const N: usize>(&mut self, rows: &[[f32; N]], what: Use) -> usize {
-        let target = (what != Use::Instances).then_some(ARRAY_BUFFER);
+    pub fn floats<const N: usize>(&mut self, rows: &[[f32; N]], what: AccessorUse) -> usize {
+        let target = (what != AccessorUse::Instances).then_some(ARRAY_BUFFER);
         let view = self.view(rows.iter().flatten().flat_map(|x| x.to_le_bytes()), target);
         let mut accessor = json!({
             "bufferView": view, "componentType": FLOAT, "count": rows.len(), "type": format!("VEC{N}"),
         });
-        if what == Use::Positions {
+        if what == AccessorUse::Positions {
             let mut bounds = [[f32::INFINITY; N], [f32::NEG_INFINITY; N]];
             for row in rows {
                 for k in 0..N {

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use nalgebra::UnitQuaternion;
 use serde_json::{Value, json};
 
-use super::builder::{Builder, Use};
+use super::builder::{AccessorUse, GltfBuilder};
 use super::part::{direction, metres};
 use crate::geometry::{Meridional, Vector};
 use crate::part::Tool;
@@ -16,11 +16,17 @@ const STEPS: u32 = 72;
 const CORNER_STEPS: u32 = 6;
 
 /// A point of a profile and its normal, in the plane of radius and axis.
-type Place = (Meridional, Meridional);
+type CutterProfilePoint = (Meridional, Meridional);
 
 /// Primitives of a cutter of `height` mm, bottom at the origin, axis along Z: the core in material `solid`,
 /// the rest in material `glass`.
-pub fn primitives(builder: &mut Builder, tool: &Tool, height: f64, solid: usize, glass: usize) -> Vec<Value> {
+pub fn primitives(
+    builder: &mut GltfBuilder,
+    tool: &Tool,
+    height: f64,
+    solid: usize,
+    glass: usize,
+) -> Vec<Value> {
     let at = |r: f64, z: f64| Meridional { r, z };
     let (down, up, out) = (at(0.0, -1.0), at(0.0, 1.0), at(1.0, 0.0));
     let radius = tool.radius();
@@ -28,14 +34,15 @@ pub fn primitives(builder: &mut Builder, tool: &Tool, height: f64, solid: usize,
     let corner = tool.corner_radius.clamp(0.0, (radius - core).min(height));
     let mut made = Vec::new();
     if core > 0.0 {
-        let bands: [Vec<Place>; 3] = [
+        let bands: [Vec<CutterProfilePoint>; 3] = [
             vec![(at(0.0, 0.0), down), (at(core, 0.0), down)],
             vec![(at(core, 0.0), out), (at(core, height), out)],
             vec![(at(core, height), up), (at(0.0, height), up)],
         ];
         made.push(primitive(builder, &bands, solid));
     }
-    let mut bands: Vec<Vec<Place>> = vec![vec![(at(core, 0.0), down), (at(radius - corner, 0.0), down)]];
+    let mut bands: Vec<Vec<CutterProfilePoint>> =
+        vec![vec![(at(core, 0.0), down), (at(radius - corner, 0.0), down)]];
     if corner > 0.0 {
         let arc = (0..=CORNER_STEPS).map(|i| {
             let (sin, cos) = (FRAC_PI_2 * f64::from(i) / f64::from(CORNER_STEPS)).sin_cos();
@@ -48,7 +55,7 @@ pub fn primitives(builder: &mut Builder, tool: &Tool, height: f64, solid: usize,
     made
 }
 
-fn primitive(builder: &mut Builder, bands: &[Vec<Place>], material: usize) -> Value {
+fn primitive(builder: &mut GltfBuilder, bands: &[Vec<CutterProfilePoint>], material: usize) -> Value {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for band in bands {
         for (row, (place, normal)) in band.iter().enumerate() {
@@ -74,8 +81,8 @@ fn primitive(builder: &mut Builder, bands: &[Vec<Place>], material: usize) -> Va
     }
     json!({
         "attributes": {
-            "POSITION": builder.floats(&positions, Use::Positions),
-            "NORMAL": builder.floats(&normals, Use::Corners),
+            "POSITION": builder.floats(&positions, AccessorUse::Positions),
+            "NORMAL": builder.floats(&normals, AccessorUse::Corners),
         },
         "indices": builder.indices(&indices, positions.len()),
         "material": material,
@@ -83,7 +90,7 @@ fn primitive(builder: &mut Builder, bands: &[Vec<Place>], material: usize) -> Va
 }
 
 /// The shortest rotation from Z to `axis`; a half turn about X for −Z.
-pub fn turn_of(axis: &Vector) -> UnitQuaternion<f64> {
+pub fn rotation_from_z(axis: &Vector) -> UnitQuaternion<f64> {
     UnitQuaternion::rotation_between(&Vector::z(), axis)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector::x_axis(), PI))
 }

@@ -14,8 +14,8 @@ pub use plan::{CutterNodes, PlanScene};
 
 use serde_json::json;
 
-use builder::Builder;
-use part::{Walls, part_nodes, root};
+use builder::GltfBuilder;
+use part::{WallColours, part_nodes, root};
 
 use crate::mesh::tessellate::Tessellation;
 use crate::part::Impeller;
@@ -23,15 +23,15 @@ use crate::part::Impeller;
 /// A scene, ready to be written.
 #[derive(Debug)]
 pub struct GltfScene {
-    builder: Builder,
+    builder: GltfBuilder,
     root: usize,
 }
 
 impl GltfScene {
     /// Scene of a part alone.
     pub fn of_part(part: &Impeller, shape: &Tessellation) -> Self {
-        let mut builder = Builder::default();
-        let nodes = part_nodes(&mut builder, part, shape, Walls::Alike);
+        let mut builder = GltfBuilder::default();
+        let nodes = part_nodes(&mut builder, part, shape, WallColours::Alike);
         let root = root(&mut builder, part, shape, &nodes, json!({}));
         Self { builder, root }
     }

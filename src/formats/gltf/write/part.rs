@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use serde_json::{Value, json};
 
-use super::builder::{Builder, Use};
+use super::builder::{AccessorUse, GltfBuilder};
 use crate::geometry::{Point, Vector};
-use crate::mesh::solid::{Face, FaceKind, Solid};
+use crate::mesh::solid::{FaceKind, Solid, SolidFace};
 use crate::mesh::tessellate::Tessellation;
 use crate::palette::{Rgb, Theme};
 use crate::part::Impeller;
@@ -32,12 +32,12 @@ pub fn linear(colour: Rgb) -> Rgb {
 }
 
 /// Adds a matt material of one colour.
-pub fn matt(builder: &mut Builder, name: &str, colour: Rgb) -> usize {
+pub fn matt(builder: &mut GltfBuilder, name: &str, colour: Rgb) -> usize {
     builder.material(json!({ "name": name, "pbrMetallicRoughness": factors(colour, 1.0) }))
 }
 
 /// Adds a transparent, double-sided material.
-pub fn glass(builder: &mut Builder, name: &str, colour: Rgb, opacity: f64) -> usize {
+pub fn glass(builder: &mut GltfBuilder, name: &str, colour: Rgb, opacity: f64) -> usize {
     builder.material(json!({
         "name": name, "pbrMetallicRoughness": factors(colour, opacity),
         "alphaMode": "BLEND", "doubleSided": true,
@@ -45,7 +45,7 @@ pub fn glass(builder: &mut Builder, name: &str, colour: Rgb, opacity: f64) -> us
 }
 
 /// Adds an unlit material, so that the colours of a scale can be read off.
-pub fn unlit(builder: &mut Builder, name: &str, colour: Rgb) -> usize {
+pub fn unlit(builder: &mut GltfBuilder, name: &str, colour: Rgb) -> usize {
     builder.uses(UNLIT);
     builder.material(json!({
         "name": name, "pbrMetallicRoughness": factors(colour, 1.0), "extensions": { UNLIT: {} },
@@ -58,22 +58,27 @@ fn factors(colour: Rgb, opacity: f64) -> Value {
 }
 
 /// Quaternion of a rotation by `angle` (rad) about the part's axis Z.
-pub fn turn(angle: f64) -> Value {
+pub fn quaternion_about_z(angle: f64) -> Value {
     let (sin, cos) = (0.5 * angle).sin_cos();
     json!([0.0, 0.0, sin as f32, cos as f32])
 }
 
 /// Whether the walls of the active channel have their own colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Walls {
+pub enum WallColours {
     /// All blades have the same colour.
     Alike,
     /// The two walls of channel 1 and the splitters between them are highlighted.
-    InWork,
+    Highlighted,
 }
 
 /// Adds the part; returns its nodes `hub`, `shroud`, `blade_1`…, `splitter_1`…, in the part frame.
-pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, walls: Walls) -> Vec<usize> {
+pub fn part_nodes(
+    builder: &mut GltfBuilder,
+    part: &Impeller,
+    shape: &Tessellation,
+    walls: WallColours,
+) -> Vec<usize> {
     let greys = Theme::Light.greys();
     let hub = matt(builder, "hub", greys.hub);
     let shroud = glass(builder, "shroud", greys.shroud, 0.25);
@@ -84,7 +89,7 @@ pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, 
         let mesh = builder.mesh(name, painted(&faces, material));
         nodes.push(builder.node(json!({ "name": name, "mesh": mesh })));
     }
-    let in_work = (walls == Walls::InWork).then(|| matt(builder, "wall", greys.wall));
+    let highlighted = (walls == WallColours::Highlighted).then(|| matt(builder, "wall", greys.wall));
     let mut rows = vec![("blade", &shape.main, 2)];
     rows.extend(shape.splitters.iter().map(|s| ("splitter", s, 1)));
     let mut count = 0;
@@ -92,7 +97,7 @@ pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, 
         let faces = primitives(builder, solid);
         let plain = builder.mesh(name, painted(&faces, blade));
         let wall =
-            in_work.map(|material| builder.mesh(&format!("{name} (active)"), painted(&faces, material)));
+            highlighted.map(|material| builder.mesh(&format!("{name} (active)"), painted(&faces, material)));
         // Splitters of several kinds are numbered consecutively.
         if index < 2 {
             count = 0;
@@ -102,7 +107,7 @@ pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, 
             let mesh = wall.filter(|_| k < lit).unwrap_or(plain);
             let mut node = json!({ "name": format!("{name}_{count}"), "mesh": mesh });
             if k > 0 {
-                node["rotation"] = turn((k as f64 * part.pitch()) % TAU);
+                node["rotation"] = quaternion_about_z((k as f64 * part.pitch()) % TAU);
             }
             nodes.push(builder.node(node));
         }
@@ -111,7 +116,7 @@ pub fn part_nodes(builder: &mut Builder, part: &Impeller, shape: &Tessellation, 
 }
 
 /// The faces of a solid as primitives without material; foot and edges of a blade are joined with its tip.
-fn primitives(builder: &mut Builder, solid: &Solid) -> Vec<Value> {
+fn primitives(builder: &mut GltfBuilder, solid: &Solid) -> Vec<Value> {
     let group = |kind: FaceKind| match kind {
         FaceKind::Foot | FaceKind::LeadingEdge | FaceKind::TrailingEdge => FaceKind::Tip,
         own => own,
@@ -125,13 +130,13 @@ fn primitives(builder: &mut Builder, solid: &Solid) -> Vec<Value> {
     kinds
         .into_iter()
         .map(|kind| {
-            let faces: Vec<&Face> = solid.faces.iter().filter(|face| group(face.kind) == kind).collect();
+            let faces: Vec<&SolidFace> = solid.faces.iter().filter(|face| group(face.kind) == kind).collect();
             primitive(builder, &solid.points, &faces)
         })
         .collect()
 }
 
-fn primitive(builder: &mut Builder, points: &[Point], faces: &[&Face]) -> Value {
+fn primitive(builder: &mut GltfBuilder, points: &[Point], faces: &[&SolidFace]) -> Value {
     let corners = || faces.iter().flat_map(|face| &face.corners);
     let positions: Vec<[f32; 3]> = corners().map(|c| metres(&points[c.point as usize])).collect();
     let normals: Vec<[f32; 3]> = corners().map(|c| direction(&c.normal)).collect();
@@ -143,8 +148,8 @@ fn primitive(builder: &mut Builder, points: &[Point], faces: &[&Face]) -> Value 
     }
     json!({
         "attributes": {
-            "POSITION": builder.floats(&positions, Use::Positions),
-            "NORMAL": builder.floats(&normals, Use::Corners),
+            "POSITION": builder.floats(&positions, AccessorUse::Positions),
+            "NORMAL": builder.floats(&normals, AccessorUse::Corners),
         },
         "indices": builder.indices(&indices, positions.len()),
     })
@@ -162,7 +167,7 @@ fn painted(primitives: &[Value], material: usize) -> Vec<Value> {
 /// Adds the root node of a scene: it rotates the part's axis Z to the file's Y, and has the figures of the
 /// part, extended by `more`.
 pub fn root(
-    builder: &mut Builder,
+    builder: &mut GltfBuilder,
     part: &Impeller,
     shape: &Tessellation,
     children: &[usize],

@@ -3,18 +3,18 @@
 
 use serde_json::{Value, json};
 
-use super::builder::{Builder, Use};
-use super::cutter::{primitives, quaternion, turn_of};
+use super::builder::{AccessorUse, GltfBuilder};
+use super::cutter::{primitives, quaternion, rotation_from_z};
 use super::part::{direction, glass, linear, matt, metres, unlit};
 use super::{GltfScene, part};
 use crate::geometry::{Point, Vector};
 use crate::mesh::tessellate::Tessellation;
-use crate::palette::{self, ColourMap, Rgb, Theme, looked_up};
+use crate::palette::{self, ColourMap, Rgb, Theme, colour_of_value};
 use crate::part::{Impeller, Setup};
 use crate::plunge::PlungePlan;
 use crate::plunge::plan::{Condition, Position};
 use crate::residual::FloorGrid;
-use crate::residual::surface::{FINE, FloorSurface, is_uncut};
+use crate::residual::surface::{FloorSurface, MAX_LINES, is_uncut};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
@@ -59,8 +59,9 @@ pub struct PlanScene<'a> {
 impl GltfScene {
     /// Scene of a plunge plan.
     pub fn of_plan(scene: &PlanScene) -> Self {
-        let mut builder = Builder::default();
-        let mut nodes = part::part_nodes(&mut builder, scene.part, scene.shape, part::Walls::InWork);
+        let mut builder = GltfBuilder::default();
+        let mut nodes =
+            part::part_nodes(&mut builder, scene.part, scene.shape, part::WallColours::Highlighted);
         nodes.extend(stock(&mut builder, scene));
         nodes.push(cutters(&mut builder, scene));
         let root = part::root(&mut builder, scene.part, scene.shape, &nodes, facts(scene));
@@ -90,9 +91,9 @@ fn facts(scene: &PlanScene) -> Value {
         .collect();
     json!({
         "policy": plan.policy.name(),
-        "hub_allowance": setup.stock.hub_allowance,
-        "blade_allowance": setup.stock.blade_allowance,
-        "safety_distance": setup.stock.safety_distance,
+        "hub_allowance": setup.allowances.hub_allowance,
+        "blade_allowance": setup.allowances.blade_allowance,
+        "safety_distance": setup.allowances.safety_distance,
         "sections": sections,
         "positions": plan.positions.len(),
         "interferential": count(Condition::Interferential),
@@ -104,17 +105,17 @@ fn facts(scene: &PlanScene) -> Value {
 
 /// The residual stock as colours on the allowance surface of the hub; `None` if `heights` does not match
 /// the grid.
-fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
+fn stock(builder: &mut GltfBuilder, scene: &PlanScene) -> Option<usize> {
     let PlanScene { grid, heights, .. } = scene;
     if heights.len() != grid.points.len() {
         return None;
     }
-    let surface = FloorSurface::new(grid, FINE);
+    let surface = FloorSurface::new(grid, MAX_LINES);
     if surface.triangles.is_empty() {
         return None;
     }
     // The surface is raised to the allowance, at least in front of the hub mesh, to avoid z-fighting.
-    let raise = scene.setup.stock.hub_allowance.max(2.0 * scene.shape.chord_error);
+    let raise = scene.setup.allowances.hub_allowance.max(2.0 * scene.shape.chord_error);
     let vector = |v: [f32; 3]| Vector::from(v.map(f64::from));
     let normals: Vec<[f32; 3]> =
         surface.cells.iter().map(|&cell| direction(&vector(grid.normals[cell]).normalize())).collect();
@@ -129,8 +130,11 @@ fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
         .iter()
         .map(|&cell| {
             let height = heights[cell];
-            let shown =
-                if is_uncut(grid, cell, height) { uncut } else { looked_up(&table, height, scene.range) };
+            let shown = if is_uncut(grid, cell, height) {
+                uncut
+            } else {
+                colour_of_value(&table, height, scene.range)
+            };
             linear(shown)
         })
         .collect();
@@ -146,8 +150,8 @@ fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
     let material = unlit(builder, "stock", [1.0; 3]);
     let primitive = json!({
         "attributes": {
-            "POSITION": builder.floats(&positions, Use::Positions),
-            "NORMAL": builder.floats(&normals, Use::Corners),
+            "POSITION": builder.floats(&positions, AccessorUse::Positions),
+            "NORMAL": builder.floats(&normals, AccessorUse::Corners),
             "COLOR_0": builder.colours(&colours),
         },
         "indices": builder.indices(&indices, positions.len()),
@@ -158,11 +162,11 @@ fn stock(builder: &mut Builder, scene: &PlanScene) -> Option<usize> {
 }
 
 /// Colour of a condition, and factor on its displayed length.
-fn looks(condition: Condition) -> (Rgb, f64) {
+fn condition_style(condition: Condition) -> (Rgb, f64) {
     match condition {
         Condition::Sound => (palette::SOUND, 1.0),
         Condition::Blocked => (palette::BLOCKED, 1.5),
-        Condition::Interferential => (palette::INTERFERENTIAL, 2.0),
+        Condition::Interferential => (palette::INTERFERING, 2.0),
     }
 }
 
@@ -185,11 +189,11 @@ fn position_facts(index: usize, p: &Position) -> Value {
 }
 
 /// Adds the cutters; returns their parent node.
-fn cutters(builder: &mut Builder, scene: &PlanScene) -> usize {
+fn cutters(builder: &mut GltfBuilder, scene: &PlanScene) -> usize {
     let plan = scene.plan;
     let mut children = Vec::new();
     for condition in [Condition::Sound, Condition::Blocked, Condition::Interferential] {
-        let (colour, stretch) = looks(condition);
+        let (colour, stretch) = condition_style(condition);
         let of = |section: usize| {
             let all = plan.positions.iter().enumerate();
             all.filter(move |(_, p)| p.section == section && p.condition() == condition).collect::<Vec<_>>()
@@ -214,7 +218,7 @@ fn cutters(builder: &mut Builder, scene: &PlanScene) -> usize {
                         "name": format!("cutter_{}", k + 1),
                         "mesh": mesh,
                         "translation": metres(&p.tip),
-                        "rotation": quaternion(&turn_of(&p.axis)),
+                        "rotation": quaternion(&rotation_from_z(&p.axis)),
                         "extras": { "vanecut": position_facts(k, p) },
                     }))
                 })),
@@ -231,24 +235,24 @@ fn cutters(builder: &mut Builder, scene: &PlanScene) -> usize {
 
 /// Adds one node with an instance per position. The node has the pose of the first position, and the
 /// instances are relative to it.
-fn instances(builder: &mut Builder, name: &str, mesh: usize, positions: &[(usize, &Position)]) -> usize {
+fn instances(builder: &mut GltfBuilder, name: &str, mesh: usize, positions: &[(usize, &Position)]) -> usize {
     builder.uses(INSTANCING);
     let first = positions[0].1;
-    let back = turn_of(&first.axis).inverse();
+    let back = rotation_from_z(&first.axis).inverse();
     let shifts: Vec<[f32; 3]> =
         positions.iter().map(|(_, p)| metres(&Point::from(back * (p.tip - first.tip)))).collect();
     let turns: Vec<[f32; 4]> =
-        positions.iter().map(|(_, p)| quaternion(&(back * turn_of(&p.axis)))).collect();
+        positions.iter().map(|(_, p)| quaternion(&(back * rotation_from_z(&p.axis)))).collect();
     let facts: Vec<Value> = positions.iter().map(|&(k, p)| position_facts(k, p)).collect();
     let attributes = json!({
-        "TRANSLATION": builder.floats(&shifts, Use::Instances),
-        "ROTATION": builder.floats(&turns, Use::Instances),
+        "TRANSLATION": builder.floats(&shifts, AccessorUse::Instances),
+        "ROTATION": builder.floats(&turns, AccessorUse::Instances),
     });
     builder.node(json!({
         "name": name,
         "mesh": mesh,
         "translation": metres(&first.tip),
-        "rotation": quaternion(&turn_of(&first.axis)),
+        "rotation": quaternion(&rotation_from_z(&first.axis)),
         "extensions": { INSTANCING: { "attributes": attributes } },
         "extras": { "vanecut": { "positions": facts } },
     }))
