@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
-use vanecut::residual::{FieldCutter, FloorGrid, residual_field, statistics};
+use vanecut::stock::{FieldCutter, FloorGrid, residual_field, statistics};
 
 /// Length of the hub curve, mm.
 const LENGTH: f64 = 200.0;

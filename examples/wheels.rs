@@ -6,7 +6,7 @@ mod make;
 use std::path::Path;
 use std::process::ExitCode;
 
-use vanecut::formats::native::write_native;
+use vanecut::io::native::write_native;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -4,13 +4,15 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use vanecut::formats::part_file::read_part_bytes;
-use vanecut::formats::plan_file::{read_plan_bytes, write_plan};
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::part_file::read_part_bytes;
+use vanecut::io::plan_file::{read_plan_bytes, write_plan};
 use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, Channel, Impeller, PartDescription, Setup};
+use vanecut::part::{Channel, Impeller, PartDescription};
 use vanecut::plunge::{PlungePlan, StopReason};
+use vanecut::setup::{AxisPolicy, Setup};
+use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify;
 
 fn description() -> PartDescription {

@@ -1,58 +1,25 @@
-//! Modules depend only on modules further in, and the core does not depend on the window or the graphics
-//! device.
+//! The order of the modules of the library: each uses only those above it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules in order, each with the other modules it may depend on.
-const ROOMS: [(&str, &[&str]); 15] = [
-    ("monitor", &[]),
-    ("palette", &[]),
-    ("geometry", &[]),
-    ("part", &["geometry"]),
-    ("mesh", &["geometry", "part", "monitor"]),
-    ("assess", &["geometry", "part"]),
-    ("plunge", &["geometry", "part", "monitor"]),
-    ("flank", &["geometry", "part", "plunge", "monitor"]),
-    ("residual", &["geometry", "part", "mesh", "plunge", "monitor"]),
-    ("formats", &["palette", "geometry", "part", "mesh", "plunge", "flank", "residual"]),
-    ("verify", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "monitor"]),
-    ("job", &["geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "monitor"]),
-    (
-        "gpu",
-        &[
-            "palette", "geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "job",
-            "monitor",
-        ],
-    ),
-    (
-        "app",
-        &[
-            "palette", "geometry", "part", "mesh", "plunge", "flank", "residual", "formats", "verify", "job",
-            "monitor", "gpu",
-        ],
-    ),
-    (
-        "cli",
-        &[
-            "palette", "geometry", "part", "mesh", "assess", "plunge", "flank", "residual", "formats",
-            "verify", "job", "monitor", "gpu", "app",
-        ],
-    ),
+/// The modules, innermost first, as in the table of `src/lib.rs`.
+const MODULES: [&str; 18] = [
+    "monitor", "palette", "geometry", "part", "setup", "mesh", "assess", "toolpath", "cutting", "plunge",
+    "flank", "stock", "verify", "io", "job", "gpu", "app", "cli",
 ];
-/// Modules of the core.
-const CORE: [&str; 12] = [
-    "monitor", "palette", "geometry", "part", "mesh", "assess", "plunge", "flank", "residual", "formats",
-    "verify", "job",
-];
+/// Modules of the core are those before this one.
+const FIRST_OUTSIDE: &str = "gpu";
 /// Crates that the core must not use.
-const OUTSIDE: [&str; 9] = ["egui", "eframe", "wgpu", "winit", "glam", "rfd", "bytemuck", "pollster", "naga"];
+const OUTSIDE: [&str; 11] =
+    ["egui", "eframe", "wgpu", "winit", "glam", "rfd", "bytemuck", "pollster", "naga", "clap", "ctrlc"];
 
-fn sources(room: &str) -> Vec<PathBuf> {
+/// The source files of a module of the library.
+fn sources(module: &str) -> Vec<PathBuf> {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut found = vec![src.join(format!("{room}.rs"))];
+    let mut found = vec![src.join(format!("{module}.rs"))];
     found.retain(|file| file.exists());
-    let mut folders = vec![src.join(room)];
+    let mut folders = vec![src.join(module)];
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = entry.path();
@@ -63,43 +30,60 @@ fn sources(room: &str) -> Vec<PathBuf> {
             }
         }
     }
-    assert!(!found.is_empty(), "no sources of {room}");
+    assert!(!found.is_empty(), "no sources of {module}");
     found
 }
 
-/// Lines of a file without their comments, numbered from 1.
-fn code(path: &Path) -> Vec<(usize, String)> {
-    let text = fs::read_to_string(path).unwrap();
-    let bare = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
-    text.lines().map(bare).enumerate().map(|(i, line)| (i + 1, line)).collect()
+/// The text of a file without its line comments; lines keep their numbers.
+fn code(path: &Path) -> String {
+    let text = fs::read_to_string(path).expect("readable");
+    text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// Modules that a line refers to by `crate::module` or `crate::{module, …}`.
-fn rooms_named(line: &str) -> Vec<String> {
+/// Modules named by `crate::module` or, also over several lines, `crate::{module, …}`; each with its line.
+fn modules_named(code: &str) -> Vec<(usize, String)> {
     let mut named = Vec::new();
-    for (at, _) in line.match_indices("crate::") {
-        let rest = &line[at + "crate::".len()..];
-        let list = rest.strip_prefix('{').and_then(|rest| rest.split('}').next()).unwrap_or(rest);
-        let count = if rest.starts_with('{') { usize::MAX } else { 1 };
-        for item in list.split(',').take(count) {
-            let name = item.trim().split(|c: char| !(c.is_alphanumeric() || c == '_')).next();
-            named.extend(name.map(str::to_owned));
+    for (at, found) in code.match_indices("crate::") {
+        let line = 1 + code[..at].matches('\n').count();
+        let rest = &code[at + found.len()..];
+        let Some(list) = rest.strip_prefix('{') else {
+            named.extend(identifier(rest).map(|name| (line, name)));
+            continue;
+        };
+        // The first identifier of each item on the outermost level of the list.
+        let (mut depth, mut begins) = (0, true);
+        for (i, character) in list.char_indices() {
+            match character {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => begins = true,
+                c if begins && !c.is_whitespace() => {
+                    named.extend(identifier(&list[i..]).map(|name| (line, name)));
+                    begins = false;
+                }
+                _ => {}
+            }
         }
     }
     named
 }
 
+/// The identifier that `text` begins with.
+fn identifier(text: &str) -> Option<String> {
+    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+    (end > 0).then(|| text[..end].to_owned())
+}
+
 #[test]
-fn rooms_look_inwards_only() {
+fn modules_use_only_those_above_them() {
+    let rank = |module: &str| MODULES.iter().position(|name| *name == module);
     let mut faults = Vec::new();
-    for (room, allowed) in ROOMS {
-        for path in sources(room) {
-            for (number, line) in code(&path) {
-                for other in rooms_named(&line) {
-                    let is_room = ROOMS.iter().any(|(name, _)| *name == other);
-                    if is_room && other != room && !allowed.contains(&other.as_str()) {
-                        faults.push(format!("{}:{number}: {room} depends on {other}", path.display()));
-                    }
+    for (own, module) in MODULES.iter().enumerate() {
+        for path in sources(module) {
+            for (line, other) in modules_named(&code(&path)) {
+                if rank(&other).is_some_and(|other| other > own) {
+                    faults.push(format!("{}:{line}: {module} uses {other}", path.display()));
                 }
             }
         }
@@ -108,14 +92,21 @@ fn rooms_look_inwards_only() {
 }
 
 #[test]
-fn the_core_knows_no_screen() {
+fn lists_over_several_lines_are_seen() {
+    let code = "use crate::{\n    part::{Blade, setup},\n    gpu,\n};\nlet a = crate::io::read();";
+    let expected = [(1, "part"), (1, "gpu"), (5, "io")].map(|(line, name)| (line, name.to_owned()));
+    assert_eq!(modules_named(code), expected);
+}
+
+#[test]
+fn the_core_uses_no_screen_and_no_gpu() {
     let mut faults = Vec::new();
-    for room in CORE {
-        for path in sources(room) {
-            for (number, line) in code(&path) {
+    for module in MODULES.iter().take_while(|module| **module != FIRST_OUTSIDE) {
+        for path in sources(module) {
+            for (number, line) in code(&path).lines().enumerate() {
                 let words = line.split(|c: char| !(c.is_alphanumeric() || c == '_'));
                 for word in words.filter(|word| OUTSIDE.contains(word)) {
-                    faults.push(format!("{}:{number}: {room} uses {word}", path.display()));
+                    faults.push(format!("{}:{}: {module} mentions {word}", path.display(), number + 1));
                 }
             }
         }
@@ -124,11 +115,11 @@ fn the_core_knows_no_screen() {
 }
 
 #[test]
-fn every_room_is_listed() {
-    let lib = code(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
-    for (_, line) in lib {
-        if let Some(room) = line.trim().strip_prefix("pub mod ").and_then(|rest| rest.strip_suffix(';')) {
-            assert!(ROOMS.iter().any(|(name, _)| *name == room), "{room} is not in the order");
+fn every_module_is_in_the_order() {
+    let library = code(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
+    for line in library.lines() {
+        if let Some(module) = line.trim().strip_prefix("pub mod ").and_then(|rest| rest.strip_suffix(';')) {
+            assert!(MODULES.contains(&module), "{module} has no place in the order");
         }
     }
 }

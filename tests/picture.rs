@@ -4,15 +4,17 @@
 use std::path::Path;
 
 use glam::{UVec2, Vec2, Vec3};
-use vanecut::formats::read_part;
+use vanecut::cutting::contact::CoreContact;
 use vanecut::geometry::{Point, Vector};
 use vanecut::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, Picture, Renderer, Scene, SceneOptions, SectionPlane, View,
 };
+use vanecut::io::read_part;
 use vanecut::palette::{INTERFERING, SELECTED};
-use vanecut::part::{AxisPolicy, CutDirection, Impeller, Tool};
-use vanecut::plunge::plan::{CoreContact, PlungePlan, Position, SectionPlan};
-use vanecut::residual::FloorGrid;
+use vanecut::part::Impeller;
+use vanecut::plunge::plan::{PlungePlan, Position, SectionPlan};
+use vanecut::setup::{AxisPolicy, CutDirection, Tool};
+use vanecut::stock::FloorGrid;
 
 const SIZE: UVec2 = UVec2::new(300, 240);
 

@@ -5,7 +5,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use vanecut::formats::gltf::{read_bytes, read_meshes_bytes};
+use vanecut::io::gltf::{read_bytes, read_meshes_bytes};
 use vanecut::mesh::nodes::{guess, nodes};
 use vanecut::mesh::{MeshOptions, Unit};
 use vanecut::part::Impeller;

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::gpu::camera::Camera;
 use crate::gpu::mesh::Segment;
-use crate::part::setup::SectionSetup;
+use crate::setup::SectionSetup;
 
 use super::App;
 use super::panels::tools;

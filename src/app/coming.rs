@@ -4,9 +4,10 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::job::{PlanOutcome, PlanStage, PolicyResult};
-use crate::part::{AxisPolicy, Impeller, Setup};
+use crate::part::Impeller;
 use crate::plunge::PlungePlan;
-use crate::residual::FloorGrid;
+use crate::setup::{AxisPolicy, Setup};
+use crate::stock::FloorGrid;
 
 use super::planned::DisplayPlan;
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use egui::{Context, Key, Ui};
 
-use crate::formats::project_file::EXTENSION;
+use crate::io::project_file::EXTENSION;
 
 /// Purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use egui::util::undoer::Undoer;
 
-use crate::part::{Impeller, Setup};
+use crate::part::Impeller;
+use crate::setup::Setup;
 
 use super::engine::PartSource;
 
@@ -18,7 +19,7 @@ pub struct OpenPart {
     pub impeller: Arc<Impeller>,
     /// Default setup of the part.
     pub defaults: Setup,
-    /// Hash of its description; see [`crate::formats::project_file`].
+    /// Hash of its description; see [`crate::io::project_file`].
     pub hash: u64,
 }
 

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::formats::InputError;
+use crate::io::InputError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::job::{JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage};
 use crate::mesh::MeshOptions;
 use crate::monitor::Monitor;
-use crate::part::{Impeller, Setup};
+use crate::part::Impeller;
+use crate::setup::Setup;
 
 use super::coming::{PlanPreview, PreviewSlot};
 use super::planned::DisplayPlan;

@@ -3,17 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::formats::InputError;
-use crate::formats::apt::{ClProgram, write_apt};
-use crate::formats::gltf::{CutterNodes, GltfScene, PlanScene};
-use crate::formats::part_file::{read_part, read_part_bytes, read_part_with};
-use crate::formats::project_file::{EXTENSION, part_hash};
-use crate::formats::setup_file::write_setup;
-use crate::formats::write::write_atomically;
 use crate::gpu::encode_png;
+use crate::io::InputError;
+use crate::io::apt::write_apt;
+use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
+use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
+use crate::io::project_file::{EXTENSION, part_hash};
+use crate::io::setup_file::write_setup;
+use crate::io::write::write_atomically;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
-use crate::part::{AxisPolicy, Impeller, Setup};
+use crate::part::Impeller;
+use crate::setup::{AxisPolicy, Setup};
+use crate::toolpath::ClProgram;
 
 use super::document::Edited;
 use super::engine::{PartSource, Sample};

@@ -6,9 +6,9 @@ use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-use crate::formats::InputError;
-use crate::formats::project_file::EXTENSION;
-use crate::formats::write::write_atomically;
+use crate::io::InputError;
+use crate::io::project_file::EXTENSION;
+use crate::io::write::write_atomically;
 
 use super::mouse::MousePreset;
 

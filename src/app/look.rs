@@ -3,7 +3,7 @@
 
 use crate::gpu::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
-use crate::part::AxisPolicy;
+use crate::setup::AxisPolicy;
 
 use super::mouse::MousePreset;
 use super::planned::Side;

@@ -7,7 +7,6 @@ use eframe::egui_wgpu::RenderState;
 use egui::{TextureId, Vec2};
 use glam::Vec3;
 
-use crate::formats::flank_file::{shown_passes, shown_walls};
 use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::flank::{self, FlankColours};
@@ -17,9 +16,11 @@ use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
 use crate::gpu::scene::{Scene, SceneOptions};
 use crate::gpu::view::ViewTargets;
+use crate::io::flank_file::{shown_passes, shown_walls};
 use crate::job::flank::FlankOutcome;
-use crate::part::{AxisPolicy, Impeller};
-use crate::residual::FloorGrid;
+use crate::part::Impeller;
+use crate::setup::AxisPolicy;
+use crate::stock::FloorGrid;
 
 use super::coming::PreviewCutters;
 use super::planned::{DisplayPlan, Side};

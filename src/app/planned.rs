@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::job::{PlanOutcome, PolicyResult};
-use crate::part::{AxisPolicy, Setup};
 use crate::plunge::{PlungePlan, Position};
-use crate::residual::{FloorGrid, ResidualField};
+use crate::setup::{AxisPolicy, Setup};
+use crate::stock::{FloorGrid, ResidualField};
 
 /// One of the two plans that are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

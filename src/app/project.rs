@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use egui::{Context, Modal, RichText, Ui};
 
-use crate::formats::project_file::{
+use crate::gpu::camera::{Camera, Projection};
+use crate::io::project_file::{
     EXTENSION, PartLocation, PlanSelection, Project, StoredSet, Viewpoint, write_project,
 };
-use crate::gpu::camera::{Camera, Projection};
 
 use super::App;
 use super::dialogs::Purpose;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::formats::project_file::SetFigures;
+use crate::io::project_file::SetFigures;
 use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
-use crate::part::Setup;
+use crate::setup::Setup;
 
 use super::coming::PlanPreview;
 use super::planned::DisplayPlan;

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use crate::part::{AxisPolicy, Blank};
+use crate::part::Blank;
 use crate::plunge::inspect::{SectionView, section_view};
-use crate::residual::{field_cutters, residual_field};
+use crate::setup::AxisPolicy;
+use crate::stock::{field_cutters, residual_field};
 
 use super::latest::Latest;
 use super::planned::{DisplayPlan, Side};

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::formats::InputError;
 use crate::gpu::flank::FlankColours;
+use crate::io::InputError;
 use crate::job::flank::FlankOutcome;
-use crate::part::AxisPolicy;
 use crate::plunge::{PlungePlan, Position};
+use crate::setup::AxisPolicy;
 
 use super::coming::PreviewCutters;
 use super::document::{Document, Edited, OpenPart};

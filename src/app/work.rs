@@ -4,15 +4,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::formats::InputError;
-use crate::formats::project_file::{Project, read_project};
-use crate::formats::setup_file::read_setup;
 use crate::gpu::device::DEVICE_LOST_PREFIX;
+use crate::io::InputError;
+use crate::io::project_file::{Project, read_project};
+use crate::io::setup_file::read_setup;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
-use crate::part::Setup;
+use crate::setup::Setup;
 
 use super::App;
 use super::coming::PreviewSlot;

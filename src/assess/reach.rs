@@ -20,7 +20,8 @@ use rayon::prelude::*;
 
 use super::stand::ReachObstacles;
 use crate::geometry::{Meridional, Point, wrap_angle};
-use crate::part::{Channel, Impeller, Passage, Tool};
+use crate::part::{Channel, Impeller, Passage};
+use crate::setup::Tool;
 
 /// A section of the channel and its tool.
 #[derive(Clone, Debug)]

@@ -4,7 +4,8 @@
 
 use super::reach::{MIN_INCLINATION, ReachLimits, ReachSides};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about};
-use crate::part::{Blank, Channel, Impeller, Passage, SideProbe, Tool};
+use crate::part::{Blank, Channel, Impeller, Passage, SideProbe};
+use crate::setup::Tool;
 
 /// Maximum number of pushes of an axis between the walls before it counts as blocked.
 const PUSHES: usize = 5;

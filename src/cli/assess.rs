@@ -10,7 +10,8 @@ use crate::assess::reach::{ReachLimits, ReachMap, ReachSection, ReachSides};
 use crate::assess::shape::Twist;
 use crate::assess::{Assessment, BladeMeasure};
 use crate::job::resolve;
-use crate::part::{Channel, Impeller, Setup};
+use crate::part::{Channel, Impeller};
+use crate::setup::Setup;
 
 /// A part with its assessment and the setup with the tools.
 struct AssessedPart<'a> {

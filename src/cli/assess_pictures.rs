@@ -11,14 +11,15 @@ use crate::assess::Assessment;
 use crate::assess::passage::{PassageKind, PassageMeasure, wall_widths};
 use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::tangents;
-use crate::formats::write::write_all_atomically;
 use crate::gpu::floor::floor_mesh;
 use crate::gpu::mesh::{Mesh, even_steps};
 use crate::gpu::walls::wall_mesh;
 use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
-use crate::part::{Blade, BladeSide, Blank, Channel, Impeller, Setup};
-use crate::residual::surface::MAX_LINES;
-use crate::residual::{FloorGrid, FloorSource};
+use crate::io::write::write_all_atomically;
+use crate::part::{Blade, BladeSide, Blank, Channel, Impeller};
+use crate::setup::Setup;
+use crate::stock::surface::MAX_LINES;
+use crate::stock::{FloorGrid, FloorSource};
 
 /// Size of the pictures, pixels.
 const SIZE: UVec2 = UVec2::new(900, 640);

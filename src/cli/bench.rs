@@ -7,16 +7,20 @@ use rayon::prelude::*;
 
 use super::args::BenchArgs;
 use super::{Failure, bench_flank, bench_growth, print_stdout};
-use crate::formats::gltf::GltfScene;
-use crate::formats::part_file::read_part_bytes;
+use crate::cutting::drop_cutter::DepthSurface;
+#[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, ResidualKernel};
+use crate::io::gltf::GltfScene;
+use crate::io::part_file::read_part_bytes;
 use crate::job::{Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage, run as run_job};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Blank, Channel, Impeller, PartDescription, Setup, Tool};
+use crate::part::{Blank, Channel, Impeller, PartDescription};
 use crate::plunge::Planner;
-use crate::plunge::slotting::DepthSurface;
-use crate::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::setup::{AxisPolicy, Setup, Tool};
+#[cfg(feature = "gpu")]
+use crate::stock::FieldCutter;
+use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 
 /// Runs per measurement, of which the median is reported.
 const RUNS: usize = 5;
@@ -151,13 +155,21 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
             std::hint::black_box(residual_field(&grid, &cutters));
         }),
     )?;
+    #[cfg(feature = "gpu")]
+    bench_gpu(&grid, &cutters, &outcome)?;
+    Ok(())
+}
+
+/// Measures the heightfield kernel and the 3D view on the graphics device, if there is one.
+#[cfg(feature = "gpu")]
+fn bench_gpu(grid: &FloorGrid, cutters: &[FieldCutter], outcome: &PlanOutcome) -> Result<(), Failure> {
     match Gpu::headless() {
         Err(error) => print_stdout(&format!("GPU: {error}\n"))?,
         Ok(gpu) => {
             let kernel = ResidualKernel::new(&gpu)?;
             let mut failed = None;
             let seconds = median(|| {
-                if let Err(error) = kernel.run(&gpu, &grid, &cutters) {
+                if let Err(error) = kernel.run(&gpu, grid, cutters) {
                     failed = Some(error);
                 }
             });
@@ -165,7 +177,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
                 return Err(error.into());
             }
             print_row(&format!("residual field 1024² × 1000 positions, {}", gpu.info.name), seconds)?;
-            super::bench_frames::run(&gpu, &outcome)?;
+            super::bench_frames::run(&gpu, outcome)?;
         }
     }
     Ok(())

@@ -4,10 +4,11 @@ use super::bench::{build_sample, median, print_row};
 use super::{Failure, print_stdout};
 use crate::flank::LayoutInputs;
 use crate::flank::choice::choose_tool;
-use crate::formats::tool_library::flank_cutters;
+use crate::io::tool_library::flank_cutters;
 use crate::job::flank::{FlankJob, FlankRequest};
 use crate::monitor::Monitor;
-use crate::part::{Channel, Setup};
+use crate::part::Channel;
+use crate::setup::Setup;
 
 /// Layer depths for the growth measurement, mm: the smaller the depth, the more points the passes have.
 const DEPTHS: [f64; 4] = [6.0, 3.0, 1.5, 0.75];

@@ -8,14 +8,16 @@ use super::bench::build;
 use super::bench_flank::slope;
 use super::bench_wheel::scaled_wheel;
 use super::{Failure, print_stdout};
-use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use crate::formats::plan_file::write_plan;
+use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::plan_file::write_plan;
 use crate::job::Summary;
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Channel, Impeller, PartDescription, Setup};
+use crate::part::{Channel, Impeller, PartDescription};
 use crate::plunge::Planner;
 use crate::plunge::sections::MAX_POSITIONS;
-use crate::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::setup::{AxisPolicy, Setup};
+use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::toolpath::ClProgram;
 use crate::verify::verify;
 
 /// Minimum number of positions for a meaningful comparison with the original wheel.

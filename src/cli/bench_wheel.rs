@@ -62,7 +62,7 @@ fn camber_foot(blade: &Blade, u: f64) -> (Meridional, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::part_file::read_part_bytes;
+    use crate::io::part_file::read_part_bytes;
     use crate::part::Channel;
 
     fn wheel() -> Impeller {

@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 use super::args::{ConvertArgs, MeshArgs};
 use super::plan::FIELD_CELLS;
 use super::{Failure, open, print_stdout};
-use crate::formats::flank_file::{StoredFlank, is_flank, read_flank_bytes};
-use crate::formats::gltf::{CutterNodes, GltfScene, PlanScene};
-use crate::formats::native::write_native;
-use crate::formats::plan_file::{StoredPlan, read_plan_bytes};
-use crate::formats::source::{name_of, read_bytes};
-use crate::formats::write::{write_all_atomically, write_atomically};
+use crate::io::flank_file::{StoredFlank, is_flank, read_flank_bytes};
+use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
+use crate::io::native::write_native;
+use crate::io::plan_file::{StoredPlan, read_plan_bytes};
+use crate::io::source::{name_of, read_bytes};
+use crate::io::write::{write_all_atomically, write_atomically};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::{Blank, Channel, Impeller, PartDescription};
-use crate::residual::surface::fitting_range;
-use crate::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::stock::surface::fitting_range;
+use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 
 /// Output format, by extension.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -10,13 +10,15 @@ use super::report::{fault_list, head, number};
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};
 use crate::flank::FlankPlan;
-use crate::formats::apt::{ClProgram, write_apt};
-use crate::formats::flank_file::write_flank;
-use crate::formats::setup_file::parse_flank_strategy;
-use crate::formats::write::write_all_atomically;
+use crate::io::apt::write_apt;
+use crate::io::flank_file::write_flank;
+use crate::io::setup_file::parse_flank_strategy;
+use crate::io::write::write_all_atomically;
 use crate::job::JobError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
-use crate::part::{FlankStrategy, Impeller};
+use crate::part::Impeller;
+use crate::setup::FlankStrategy;
+use crate::toolpath::ClProgram;
 use crate::verify::count_by_kind;
 
 /// Plans, writes the files and prints the figures.

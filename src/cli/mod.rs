@@ -3,9 +3,11 @@
 
 mod args;
 mod assess;
+#[cfg(feature = "gpu")]
 mod assess_pictures;
 mod bench;
 mod bench_flank;
+#[cfg(feature = "gpu")]
 mod bench_frames;
 mod bench_growth;
 mod bench_wheel;
@@ -13,20 +15,27 @@ mod convert;
 mod flank;
 mod open;
 mod plan;
+#[cfg(feature = "gpu")]
 mod plot;
+#[cfg(feature = "gpu")]
 mod render;
+#[cfg(feature = "gpu")]
 mod render_flank;
 mod report;
 mod verify;
 mod watch;
+#[cfg(not(feature = "gpu"))]
+mod without_gpu;
 
 use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::formats::InputError;
+use crate::io::InputError;
 use args::{Arguments, Command};
+#[cfg(not(feature = "gpu"))]
+use without_gpu::{assess_pictures, render};
 
 /// Error of a command.
 #[derive(Debug)]
@@ -123,7 +132,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
             let name = arguments.file.unwrap_or_default();
             Err(Failure::Input(format!("{}: no such file or command; see `vanecut --help`", name.display())))
         }
-        None => crate::app::run(arguments.file).map_err(|e| Failure::Work(e.to_string())),
+        None => open_window(arguments.file),
         Some(Command::Plan(a)) => plan::run(&a),
         Some(Command::Flank(a)) => flank::run(&a),
         Some(Command::Assess(a)) => assess::run(&a),
@@ -132,4 +141,19 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Convert(a)) => convert::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
     }
+}
+
+/// Opens the window, with a file if one is given.
+#[cfg(feature = "window")]
+fn open_window(file: Option<std::path::PathBuf>) -> Result<(), Failure> {
+    crate::app::run(file).map_err(|e| Failure::Work(e.to_string()))
+}
+
+#[cfg(not(feature = "window"))]
+fn open_window(_: Option<std::path::PathBuf>) -> Result<(), Failure> {
+    Err(Failure::Work(
+        "this program was built without its window; give a command (`vanecut --help`), or build it with \
+         --features window"
+            .to_owned(),
+    ))
 }

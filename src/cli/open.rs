@@ -5,11 +5,11 @@ use std::path::Path;
 
 use super::Failure;
 use super::args::MeshArgs;
-use crate::formats::part_file::read_part_with;
-use crate::formats::setup_file::{line_of_place, read_setup_with_defaults};
-use crate::formats::source::{MAX_BYTES, name_of, read_bytes};
-use crate::part::{Impeller, PartDescription, Setup};
-use crate::plunge::sections::SetupFault;
+use crate::io::part_file::read_part_with;
+use crate::io::setup_file::{line_of_place, read_setup_with_defaults};
+use crate::io::source::{MAX_BYTES, name_of, read_bytes};
+use crate::part::{Impeller, PartDescription};
+use crate::setup::{Setup, SetupFault};
 
 /// How messages name standard input.
 const STANDARD_INPUT: &str = "standard input";

@@ -10,14 +10,16 @@ use super::open::OpenSetup;
 use super::report::PlanFigures;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout, render, report};
-use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use crate::formats::plan_file::write_plan;
-use crate::formats::setup_file::parse_axis_policy;
-use crate::formats::write::write_all_atomically;
+use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::plan_file::write_plan;
+use crate::io::setup_file::parse_axis_policy;
+use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Blank, Channel, Impeller};
+use crate::part::{Blank, Channel, Impeller};
 use crate::plunge::whole::plan_channels;
+use crate::setup::AxisPolicy;
+use crate::toolpath::ClProgram;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
 /// Cells of the residual field along s and λ.

@@ -8,21 +8,19 @@ use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
 use super::plot::escaped;
 use super::{Failure, open, plan, render_flank, report};
-use crate::formats::flank_file::{is_flank, read_flank_bytes};
-use crate::formats::plan_file::read_plan_bytes;
-use crate::formats::source::{name_of, read_bytes};
-use crate::formats::write::write_atomically;
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View, encode_png,
 };
+use crate::io::flank_file::{is_flank, read_flank_bytes};
+use crate::io::plan_file::read_plan_bytes;
+use crate::io::source::{name_of, read_bytes};
+use crate::io::write::write_atomically;
 use crate::job::PlanOutcome;
 use crate::part::{Blank, Channel, Impeller};
 use crate::plunge::PlungePlan;
-use crate::residual::surface::fitting_range;
-use crate::residual::{
-    FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_plan,
-};
+use crate::stock::surface::fitting_range;
+use crate::stock::{FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_plan};
 
 /// Largest side of a picture, pixels.
 const MAX_SIDE: u32 = 8192;

@@ -5,9 +5,9 @@ use glam::UVec2;
 use super::Failure;
 use super::args::RenderArgs;
 use super::render::draw;
-use crate::formats::flank_file::StoredFlank;
 use crate::gpu::flank::{FlankColours, toolpath_lines, wall_deviations};
 use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
+use crate::io::flank_file::StoredFlank;
 
 /// PNG file of a flank plan: passes coloured by layer or region, moves by feed rate (`--show feed`), or walls
 /// by the residual stock (`--show walls`). `--at` limits the number of moves.

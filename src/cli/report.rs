@@ -3,9 +3,10 @@
 use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
-use crate::part::{CutDirection, Impeller};
+use crate::part::Impeller;
 use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
-use crate::residual::FloorGrid;
+use crate::setup::CutDirection;
+use crate::stock::FloorGrid;
 use crate::verify::{Fault, PlungeReport};
 
 /// A number, or null if it is not finite.

@@ -10,9 +10,10 @@ use super::args::VerifyArgs;
 use super::plan::FIELD_CELLS;
 use super::report::PlanFigures;
 use super::{Failure, open, print_stdout, report};
-use crate::formats::apt::{ClWarning, read_apt_bytes};
+use crate::io::apt::read_apt_bytes;
 use crate::part::{Channel, Impeller};
 use crate::plunge::sections::check_part;
+use crate::toolpath::ClWarning;
 use crate::verify::{Fault, PlungeReport, is_flank, report_plunges, verify_flank};
 
 /// Number of faults that are printed; further ones are only counted.

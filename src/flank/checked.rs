@@ -7,7 +7,7 @@ use super::passes::{UncutLength, is_open};
 use super::path::{FlankMove, LayerPasses, MoveKind, Pass, PathMaker, Program};
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::Tool;
+use crate::setup::Tool;
 
 /// A move that the check rejects.
 #[derive(Clone, Debug, PartialEq)]

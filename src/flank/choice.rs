@@ -1,8 +1,8 @@
 //! The choice of the tool of a flank plan: the one that the setup names, otherwise the thickest that leaves
 //! room for passes side by side, or a thicker one where that is too short.
 
-use crate::part::{Channel, Impeller, Passage, PassageWidth, Setup, Tool};
-use crate::plunge::sections::{SetupFault, SetupPlace, tool_of};
+use crate::part::{Channel, Impeller, Passage, PassageWidth};
+use crate::setup::{Setup, SetupFault, SetupPlace, Tool, tool_of};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
 /// walls at once.

@@ -8,8 +8,8 @@ use super::interval::stepover;
 use super::layer::{LayerPoint, LayerSurface};
 use super::schemes::{self, PassCurve, PassRole};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Channel, FlankStrategy, Impeller, Setup, Tool};
-use crate::plunge::sections::{SetupFault, SetupPlace};
+use crate::part::{Channel, Impeller};
+use crate::setup::{FlankStrategy, Setup, SetupFault, SetupPlace, Tool};
 
 /// Maximum number of layers of a channel.
 const MAX_LAYERS: usize = 1000;

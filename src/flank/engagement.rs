@@ -1,7 +1,7 @@
 //! Which passes of a layer run through full stock, and which beside one that is already cut.
 
 use crate::geometry::{Point, Vector};
-use crate::part::Tool;
+use crate::setup::Tool;
 
 /// The passes of a layer that are already cut, as paths of the centre of the tool's corner: unlike the tip it
 /// does not depend on the axis.

@@ -10,10 +10,11 @@
 mod scene;
 mod search;
 
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, Point, Vector};
-use crate::part::{Blank, Channel, Tool};
-use crate::plunge::clearance::FinishedPart;
-use crate::plunge::slotting::DepthSurface;
+use crate::part::{Blank, Channel};
+use crate::setup::Tool;
 use scene::{BladePoints, Cone, DistanceTable, MinDistances, NearPoints, ToolShape};
 use search::Greedy;
 

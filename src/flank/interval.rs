@@ -1,7 +1,7 @@
 //! Stepover: the distance between neighbouring passes, by tool, scallop height and curvature of the surface
 //! [flank paper, step 2 of the new tool path curves].
 
-use crate::part::Tool;
+use crate::setup::Tool;
 
 /// Radius of curvature beyond which a surface counts as flat, mm.
 const FLAT_RADIUS: f64 = 1e9;

@@ -30,6 +30,7 @@ pub mod layer;
 mod passes;
 pub mod path;
 pub mod plan;
+mod program;
 pub mod schemes;
 pub mod wall;
 

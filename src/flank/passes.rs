@@ -19,10 +19,11 @@ use super::layer::{LayerPoint, LayerSurface};
 use super::path::Pass;
 use super::plan::{MilledWall, RegionAxis};
 use super::schemes::PassRole;
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Point, Vector};
-use crate::part::{Blank, Channel, Impeller, Setup, Tool};
-use crate::plunge::clearance::FinishedPart;
-use crate::plunge::slotting::DepthSurface;
+use crate::part::{Blank, Channel, Impeller};
+use crate::setup::{Setup, Tool};
 use along_wall::{LayerPose, WallPositions};
 use stretches::{CurvePiece, split_by_region};
 

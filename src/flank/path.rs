@@ -11,12 +11,13 @@ use super::chart::Region;
 use super::engagement::CutPasses;
 use super::layer::{LayerPoint, LayerSurface};
 use super::schemes::PassRole;
+use crate::cutting::link::LinkMove;
+use crate::cutting::retract::{NearBottom, RetractSurface, bottom_clearance, retract_clear};
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Blank, FlankFeedRates, Tool};
-use crate::plunge::choice::estimate::RAPID_MM_PER_MIN;
-use crate::plunge::flight::LinkMove;
-use crate::plunge::retract::{NearBottom, RetractSurface, bottom_clearance, retract_clear};
+use crate::part::Blank;
+use crate::setup::{FlankFeedRates, Tool};
+use crate::toolpath::RAPID_MM_PER_MIN;
 
 /// Kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]

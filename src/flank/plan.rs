@@ -11,11 +11,12 @@ use super::curves::{FlankError, FlankLayout, LayoutInputs};
 use super::passes::{PassMaker, PlannedLayer, UncutLength};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::wall::{SweptWall, WallAxes, WallFit, WallMilling};
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{MeridionalCurve, Vector};
 use crate::monitor::Monitor;
-use crate::part::{Blank, Channel, FlankFeedRates, FlankStrategy, Impeller, Setup, Tool};
-use crate::plunge::clearance::FinishedPart;
-use crate::plunge::slotting::DepthSurface;
+use crate::part::{Blank, Channel, Impeller};
+use crate::setup::{FlankFeedRates, FlankStrategy, Setup, Tool};
 
 use super::chart::WallName;
 

@@ -12,10 +12,11 @@ mod swept;
 
 use rayon::prelude::*;
 
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
-use crate::part::{Passage, SideProbe, Tool};
-use crate::plunge::clearance::FinishedPart;
-use crate::plunge::slotting::DepthSurface;
+use crate::part::{Passage, SideProbe};
+use crate::setup::Tool;
 use fit::{AxisLine, FittedAxis, OffsetSide};
 use places::{evenly, station_parameters};
 use strip::WallStrip;

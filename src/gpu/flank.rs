@@ -6,8 +6,8 @@ use super::mesh::{Mesh, Segment};
 use super::walls::wall_mesh;
 use crate::flank::chart::{Region, WallName};
 use crate::flank::{FlankMove, MoveKind};
-use crate::formats::flank_file::{ShownPass, ShownWall};
 use crate::geometry::Point;
+use crate::io::flank_file::{ShownPass, ShownWall};
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN};
 use crate::part::Impeller;
 

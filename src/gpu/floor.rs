@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::mesh::{Mesh, Vertex};
 use crate::plunge::plan::PlungePlan;
-use crate::residual::FloorGrid;
-use crate::residual::surface::{FloorSurface, MAX_LINES, is_uncut};
+use crate::stock::FloorGrid;
+use crate::stock::surface::{FloorSurface, MAX_LINES, is_uncut};
 
 /// Maximum number of grid lines along s and across, for pictures in motion.
 pub const DRAFT_LINES: (usize, usize) = (65, 25);

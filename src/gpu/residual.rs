@@ -1,5 +1,5 @@
 //! The residual heightfield on the graphics device; the CPU implementation is
-//! [`crate::residual::residual_field`].
+//! [`crate::stock::residual_field`].
 //!
 //! On a software driver ([`Gpu::is_software`]) the CPU implementation gives the same result several times
 //! faster.
@@ -10,9 +10,9 @@ use bytemuck::{Pod, Zeroable};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::device::{Gpu, GpuError};
-use crate::residual::field::{CONTACT_TOLERANCE, CUT_TOLERANCE};
-use crate::residual::trace::{TraceSums, VolumeUnit};
-use crate::residual::{FieldCutter, FloorGrid, PositionTrace, ResidualField, TileBins};
+use crate::stock::field::{CONTACT_TOLERANCE, CUT_TOLERANCE};
+use crate::stock::trace::{TraceSums, VolumeUnit};
+use crate::stock::{FieldCutter, FloorGrid, PositionTrace, ResidualField, TileBins};
 
 /// A cutter in the layout of the shader's struct: tip and R, axis and core radius, corner radius and padding.
 type PackedCutter = [f32; 12];
@@ -237,8 +237,8 @@ impl Gpu {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::residual::field::tests::{any_cutter, saddle};
-    use crate::residual::residual_field;
+    use crate::stock::field::tests::{any_cutter, saddle};
+    use crate::stock::residual_field;
     use proptest::strategy::{Strategy, ValueTree};
     use proptest::test_runner::TestRunner;
 

@@ -16,8 +16,8 @@ use super::view::{ViewTarget, ViewTargets};
 use crate::palette::{ColourMap, Theme};
 use crate::part::Impeller;
 use crate::plunge::plan::PlungePlan;
-use crate::residual::FloorGrid;
-use crate::residual::surface::MAX_LINES;
+use crate::stock::FloorGrid;
+use crate::stock::surface::MAX_LINES;
 
 /// Quantity shown as colours on the floor of the active channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

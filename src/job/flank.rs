@@ -6,11 +6,13 @@ use super::JobError;
 use crate::flank::checked::MoveFault;
 use crate::flank::choice::choose_tool;
 use crate::flank::{FlankError, FlankMove, FlankPlan, FlankStages, plan};
-use crate::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use crate::formats::tool_library::flank_cutters;
+use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::tool_library::flank_cutters;
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Channel, Impeller, Setup, Tool};
+use crate::part::{Channel, Impeller};
 use crate::plunge::sections::check_part;
+use crate::setup::{Setup, Tool};
+use crate::toolpath::ClProgram;
 use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier};
 
 /// Request for a flank plan.

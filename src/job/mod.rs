@@ -13,12 +13,13 @@ pub use stage::{Listener, PlanStage};
 
 use rayon::prelude::*;
 
-use crate::formats::tool_library::plunge_cutters;
+use crate::io::tool_library::plunge_cutters;
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Channel, Impeller, Setup};
-use crate::plunge::sections::{self, Resolved, SetupFault};
-use crate::plunge::{PlanError, Planner, PlungePlan, SectionCache};
-use crate::residual::{
+use crate::part::{Channel, Impeller};
+use crate::plunge::sections::Resolved;
+use crate::plunge::{PlanError, Planner, PlungePlan, SectionCache, sections};
+use crate::setup::{AxisPolicy, Setup, SetupFault};
+use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
 

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::PolicyResult;
-use crate::part::Setup;
 use crate::plunge::PlungePlan;
-use crate::residual::FloorGrid;
+use crate::setup::Setup;
+use crate::stock::FloorGrid;
 
 /// An intermediate result of a planning job.
 #[derive(Clone, Debug)]

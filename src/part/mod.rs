@@ -10,9 +10,7 @@ mod flowpath;
 pub mod impeller;
 pub mod probe;
 mod rotation;
-pub mod setup;
 mod side;
-pub mod tool;
 mod width;
 
 pub use blade::Blade;
@@ -26,7 +24,5 @@ pub use flowpath::Flowpath;
 pub use impeller::Impeller;
 pub use probe::{NearestOnSide, SideProbe};
 pub use rotation::Rotation;
-pub use setup::{AxisPolicy, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy, Machine, Setup};
 pub use side::BladeSide;
-pub use tool::Tool;
 pub use width::PassageWidth;

@@ -3,13 +3,13 @@
 
 use std::convert::Infallible;
 
-use super::contact::{BlankTop, Columns, PlungeColumn, core_interferes};
 use super::cycle::{PlanError, PlannedRow, Planner};
 use super::ground::RowLayout;
 use super::row::{RowMaker, Station};
-use super::sections::SetupPlace;
+use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_interferes};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{AxisPolicy, Blank};
+use crate::part::Blank;
+use crate::setup::{AxisPolicy, SetupPlace};
 
 /// Iterations after which a row that still changes is reported as not converged.
 const MAX_ITERATIONS: usize = 12;

@@ -6,16 +6,15 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::contact::Columns;
 use super::cycle::{PlanError, PlannedRow, Planner, SectionCut};
 use super::ground::StretchLayout;
 use super::known::SectionCache;
 use super::minimal::MAX_LIFT_OF_DEPTH;
 use super::plan::PlungePlan;
 use super::row::Station;
-use super::sections::tool_of;
+use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
-use crate::part::{AxisPolicy, Tool};
+use crate::setup::{AxisPolicy, Tool, tool_of};
 
 impl Planner<'_> {
     /// Plan with the axes of the last finished plan by `policy` in the cache `known`, fitted to this setup.

@@ -5,19 +5,19 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::clearance::FinishedPart;
-use super::contact::{BlankTop, Columns, Earlier, PlungeColumn, core_contact, planned_contact};
 use super::ground::StretchLayout;
 use super::known::SectionCache;
 use super::links::raise_links;
 use super::plan::{DropReason, Dropped, PlungePlan, Position, SectionPlan, StopReason};
-use super::retract::RetractSurface;
 use super::row::Station;
-use super::sections::{MAX_POSITIONS, SetupFault, SetupPlace, too_many_positions, tool_of};
+use super::sections::{MAX_POSITIONS, too_many_positions};
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, core_contact, planned_contact};
+use crate::cutting::retract::RetractSurface;
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::setup::{AxisPolicy, CutDirection, SectionSetup};
-use crate::part::{Blank, Channel, Impeller, Setup, Tool};
+use crate::part::{Blank, Channel, Impeller};
+use crate::setup::{AxisPolicy, CutDirection, SectionSetup, Setup, SetupFault, SetupPlace, Tool, tool_of};
 
 /// Maximum number of lifts of one plunge; contact that remains is reported as interference.
 const MAX_LIFTS: usize = 8;

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::cycle::{PlanError, Planner};
 use super::lane::{Lane, is_wall};
 use super::row::{RowMaker, Runs, Station};
-use super::sections::{max_shroud_spacing, step_limit, stepover, tool_of};
-use super::slotting::DepthSurface;
+use super::sections::{max_shroud_spacing, step_limit, stepover};
+use crate::cutting::drop_cutter::DepthSurface;
 use crate::monitor::Monitor;
-use crate::part::setup::{CutDirection, SectionSetup};
-use crate::part::{Passage, Tool};
+use crate::part::Passage;
+use crate::setup::{CutDirection, SectionSetup, Tool, tool_of};
 
 /// Gap between the core and the rim at the start of a row, mm.
 const START_MARGIN: f64 = 0.05;

@@ -8,7 +8,8 @@
 
 use super::plan::{PlungePlan, Position};
 use crate::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, norm2};
-use crate::part::{Blank, Impeller, Tool};
+use crate::part::{Blank, Impeller};
+use crate::setup::Tool;
 
 /// A point of the view: (x, y), mm.
 pub type SectionPoint = [f64; 2];

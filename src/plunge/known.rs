@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::choice::rest::rest_threshold_after;
 use super::cycle::SectionCut;
-use super::sections::{SetupFault, tool_of};
-use crate::part::setup::{AllowanceSetup, AxisPolicy, PlungeSetup, SectionSetup};
-use crate::part::{Machine, Setup, Tool};
+use crate::setup::{
+    AllowanceSetup, AxisPolicy, Machine, PlungeSetup, SectionSetup, Setup, SetupFault, Tool, tool_of,
+};
 
 /// Cache key of a section: what its rows depend on, besides the part and the earlier sections.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,11 +12,11 @@
 
 use std::sync::Arc;
 
-use super::clearance::FinishedPart;
 use super::fit_table::{FitNode, FitTable, Reading};
+use crate::cutting::clearance::FinishedPart;
 use crate::geometry::{CutterSolid, Point, Vector, norm2, wrap_angle};
-use crate::part::setup::AllowanceSetup;
-use crate::part::{Impeller, NearestOnSide, Passage, SideProbe, Tool};
+use crate::part::{Impeller, NearestOnSide, Passage, SideProbe};
+use crate::setup::{AllowanceSetup, Tool};
 
 /// A passage with the axes of one cutter along its walls.
 #[derive(Debug)]

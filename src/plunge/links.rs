@@ -5,9 +5,9 @@
 
 use rayon::prelude::*;
 
-use super::flight::LinkMove;
 use super::plan::{PlungePlan, Position};
-use super::retract::{NearBottom, retract_clear};
+use crate::cutting::link::LinkMove;
+use crate::cutting::retract::{NearBottom, retract_clear};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 

@@ -6,20 +6,16 @@
 //! | axes that clear the walls | [`lane`] |
 //! | 1 conventional positions, 2 step inspection | [`row`] |
 //! | 3 axis optimisation | [`monotone`] |
-//! | 4 drop-cutter depth (slotting depth in the paper) | [`slotting`] |
-//! | 5 safe height | [`retract`], [`flight`], [`links`] |
+//! | 4 drop-cutter depth (slotting depth in the paper) | [`crate::cutting::drop_cutter`] |
+//! | 5 safe height | [`crate::cutting::retract`], [`links`] |
 //! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `carried` |
-//! | verification: contact of the core, clearances | [`contact`], [`clearance`] |
-//! | sectional view through one position | [`inspect`] |
+//! //! | sectional view through one position | [`inspect`] |
 
 mod attempts;
 mod carried;
 pub mod choice;
-pub mod clearance;
-pub mod contact;
 pub mod cycle;
 mod fit_table;
-pub mod flight;
 mod ground;
 pub mod inspect;
 mod known;
@@ -28,15 +24,12 @@ pub mod links;
 mod minimal;
 pub mod monotone;
 pub mod plan;
-pub mod retract;
+mod program;
 pub mod row;
 pub mod sections;
-pub mod slotting;
 pub mod survey;
 pub mod whole;
 
 pub use cycle::{PlacedPlan, PlanError, Planner};
 pub use known::SectionCache;
-pub use plan::{
-    Blocked, CoreContact, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason,
-};
+pub use plan::{Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};

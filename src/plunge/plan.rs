@@ -1,27 +1,8 @@
 //! The plunge plan: positions in cutting order, each with its measured contact and clearances.
 
+use crate::cutting::contact::CoreContact;
 use crate::geometry::{Point, Vector};
-use crate::part::Tool;
-use crate::part::setup::{AxisPolicy, CutDirection};
-
-/// Contact of the core with stock during one plunge.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct CoreContact {
-    /// Height above the final bottom up to which the core meets stock, mm; 0 when the core is free.
-    pub depth: f64,
-    /// Share of the core disc in stock at the end of the plunge, 0…1.
-    pub area_share: f64,
-}
-
-/// Contact depth above which a plunge counts as interfering, mm.
-pub const CONTACT_TOLERANCE: f64 = 0.02;
-
-impl CoreContact {
-    /// Whether the plunge interferes.
-    pub fn interferes(&self) -> bool {
-        self.depth > CONTACT_TOLERANCE
-    }
-}
+use crate::setup::{AxisPolicy, CutDirection, Tool};
 
 /// Overall condition of a position, from good to bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

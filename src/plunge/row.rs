@@ -2,10 +2,11 @@
 
 use super::lane::{AxisEnds, Lane};
 use super::plan::{Blocked, LimitedBy};
-use super::slotting::DepthSurface;
+use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Impeller, Tool};
+use crate::part::Impeller;
+use crate::setup::Tool;
 
 /// One position while it is being planned.
 #[derive(Clone, Copy, Debug)]

@@ -5,56 +5,8 @@ use super::choice::fit::cylinders;
 use super::choice::search::MIN_SECTION_S;
 use super::choice::{choose, choose_rest};
 use super::survey::Survey;
-use crate::part::setup::{PlungeSetup, SectionSetup};
-use crate::part::{Channel, Impeller, Setup, Tool};
-
-/// Location of a fault in a setup, from which the reader of the file finds the line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SetupPlace {
-    /// No particular key.
-    Whole,
-    /// The key `part`.
-    Part,
-    /// A key of `[stock]`.
-    Stock(&'static str),
-    /// A key of `[plunge]`.
-    Plunge(&'static str),
-    /// A key of `[flank]`.
-    Flank(&'static str),
-    /// The tool of this number.
-    Tool(u32),
-    /// A section by its index, or its tool where the sections are chosen automatically.
-    Section {
-        /// Index in the list of sections.
-        index: usize,
-        /// Number of its tool.
-        tool: u32,
-    },
-}
-
-/// Mismatch of a setup and a part.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{what}; {cure}")]
-pub struct SetupFault {
-    /// What is wrong.
-    pub what: String,
-    /// What to do about it.
-    pub cure: String,
-    /// Where in the setup it is.
-    pub place: SetupPlace,
-}
-
-impl SetupFault {
-    /// A fault of the setup as a whole: what is wrong and how to fix it.
-    pub fn new(what: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self { what: what.into(), cure: cure.into(), place: SetupPlace::Whole }
-    }
-
-    /// The fault at `place`.
-    pub fn at(self, place: SetupPlace) -> Self {
-        Self { place, ..self }
-    }
-}
+use crate::part::{Channel, Impeller};
+use crate::setup::{PlungeSetup, SectionSetup, Setup, SetupFault, SetupPlace, Tool, tool_of};
 
 /// Maximum number of positions in the plan of one channel. Planning half as many takes about a gigabyte.
 pub const MAX_POSITIONS: usize = 200_000;
@@ -237,20 +189,6 @@ pub(super) fn too_many_positions(
     let count = if positions < 1e6 { format!("about {positions:.0}") } else { "over a million".to_owned() };
     let what = format!("the plan would have {count} positions; the limit is {MAX_POSITIONS}");
     SetupFault::new(what, cure).at(place)
-}
-
-/// Tool number `number` of the setup.
-///
-/// # Errors
-/// When the setup has no tool of that number.
-pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
-    setup.tools.iter().find(|t| t.number == number).ok_or_else(|| {
-        SetupFault::new(
-            format!("a section uses tool {number}, which the setup does not define"),
-            "add the tool or name another",
-        )
-        .at(SetupPlace::Tool(number))
-    })
 }
 
 /// Errors when no cutter fits anywhere in the channel because of the blade allowance.

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::clearance::FinishedPart;
 use super::lane::Lane;
+use crate::cutting::clearance::FinishedPart;
 use crate::geometry::{Point, Vector};
-use crate::part::setup::AllowanceSetup;
-use crate::part::{Channel, Impeller, Passage, PassageWidth, Tool};
+use crate::part::{Channel, Impeller, Passage, PassageWidth};
+use crate::setup::{AllowanceSetup, Tool};
 
 /// Number of equal steps of s at which the channel is measured.
 const STEPS: usize = 50;

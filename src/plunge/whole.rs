@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::contact::{BlankTop, Columns, PlungeColumn, core_contact};
 use super::links::raise_links;
 use super::plan::{PlungePlan, Position};
+use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
 use crate::geometry::{rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};

@@ -1,8 +1,8 @@
 //! Faults of a program and their messages, common to plunge and flank programs.
 
 use crate::geometry::Vector;
-use crate::part::setup::AllowanceSetup;
-use crate::part::{Impeller, Setup, Tool};
+use crate::part::Impeller;
+use crate::setup::{AllowanceSetup, Setup, Tool};
 
 /// Tolerance of the safety distance in a rapid, for rounding, mm.
 const RAPID_TOLERANCE: f64 = 1e-3;

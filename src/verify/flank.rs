@@ -19,13 +19,14 @@ use super::fault::{
     tool_mismatch,
 };
 use super::too_deep;
-use crate::formats::apt::{ClProgram, Motion, Move};
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::retract::bottom_clearance;
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Blank, Channel, Impeller, Setup, Tool};
-use crate::plunge::choice::estimate::RAPID_MM_PER_MIN;
-use crate::plunge::clearance::FinishedPart;
-use crate::plunge::retract::bottom_clearance;
-use crate::residual::ResidualStatistics;
+use crate::part::{Blank, Channel, Impeller};
+use crate::setup::{Setup, Tool};
+use crate::stock::ResidualStatistics;
+use crate::toolpath::RAPID_MM_PER_MIN;
+use crate::toolpath::{ClProgram, Motion, Move};
 use gouge::{StepClearance, StepSurroundings};
 use steps::{CutterStep, steps_of};
 use stock::{FloorResult, ProbeSample, StockCollision, StockProbe, evaluate_floor};

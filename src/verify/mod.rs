@@ -18,16 +18,15 @@ pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
 
-use crate::formats::apt::ClProgram;
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn, core_contact};
+use crate::cutting::link::LinkMove;
+use crate::cutting::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
-use crate::part::setup::AllowanceSetup;
-use crate::part::{AxisPolicy, CutDirection, Tool};
-use crate::part::{Blank, Channel, Impeller, Setup};
-use crate::plunge::clearance::FinishedPart;
-use crate::plunge::contact::{BlankTop, Columns, PlungeColumn, core_contact};
-use crate::plunge::flight::LinkMove;
-use crate::plunge::retract::{NearBottom, RetractSurface};
-use crate::plunge::{CoreContact, PlungePlan, Position, SectionPlan};
+use crate::part::{Blank, Channel, Impeller};
+use crate::plunge::{PlungePlan, Position, SectionPlan};
+use crate::setup::{AllowanceSetup, AxisPolicy, CutDirection, Setup, Tool};
+use crate::toolpath::ClProgram;
 
 /// Tolerance of distances in a program with six decimals, mm.
 const PROGRAM_TOLERANCE: f64 = 2e-6;

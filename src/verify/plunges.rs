@@ -1,10 +1,10 @@
 //! Groups the moves of a program into cuts, each with the rapids around it.
 
 use super::Fault;
-use crate::formats::apt::{ClProgram, ClTool, Motion, Move};
 use crate::geometry::{CutterSolid, Point, Vector};
-use crate::part::{Setup, Tool};
 use crate::plunge::SectionPlan;
+use crate::setup::{Setup, Tool};
+use crate::toolpath::{ClProgram, ClTool, Motion, Move};
 
 /// One move under feed, with the rapids around it.
 #[derive(Clone, Debug)]

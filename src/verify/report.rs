@@ -2,11 +2,12 @@
 
 use super::summary::{Floors, Summary, Travel};
 use super::{Fault, PlungeVerdict, verify};
-use crate::formats::apt::ClProgram;
 use crate::geometry::{rotate_vector_z, rotate_z};
-use crate::part::{Blank, Channel, Impeller, Setup};
+use crate::part::{Blank, Channel, Impeller};
 use crate::plunge::{PlungePlan, Position};
-use crate::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::setup::Setup;
+use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::toolpath::ClProgram;
 
 /// Tolerance within which plunges of two channels count as equal, mm: a program has six decimals.
 const SAME_TOLERANCE: f64 = 1e-5;

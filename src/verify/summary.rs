@@ -1,10 +1,10 @@
 //! Key figures of a plan, or of one section of it.
 
-use crate::formats::apt::{ClProgram, Motion};
-use crate::plunge::choice::estimate::RAPID_MM_PER_MIN;
 use crate::plunge::{PlungePlan, Position};
-use crate::residual::statistics::statistics_of_channels;
-use crate::residual::{FloorGrid, ResidualField};
+use crate::stock::statistics::statistics_of_channels;
+use crate::stock::{FloorGrid, ResidualField};
+use crate::toolpath::RAPID_MM_PER_MIN;
+use crate::toolpath::{ClProgram, Motion};
 
 /// Key figures of a plan, or of one section of it (mm; NaN where there is nothing to measure).
 #[derive(Clone, Debug, Default, PartialEq)]

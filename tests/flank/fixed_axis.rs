@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use vanecut::cutting::clearance::FinishedPart;
+use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::fixed_axis::{
     AxisObstacle, Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Unreachable,
 };
-use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Circle, CutterSolid, Meridional, Vector};
-use vanecut::part::{Blank, Channel, Impeller, Passage, SideProbe, Tool};
-use vanecut::plunge::clearance::FinishedPart;
-use vanecut::plunge::slotting::DepthSurface;
+use vanecut::io::part_file::read_part;
+use vanecut::part::{Blank, Channel, Impeller, Passage, SideProbe};
+use vanecut::setup::Tool;
 
 const LIMITS: FixedAxisLimits = FixedAxisLimits {
     hub_allowance: 0.5,

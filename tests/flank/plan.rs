@@ -8,10 +8,11 @@ use vanecut::flank::chart::{LayerChart, WallName};
 use vanecut::flank::choice::choose_tool;
 use vanecut::flank::curves::{FlankError, FlankLayout, LayoutInputs};
 use vanecut::flank::layer::{LayerPoint, LayerSurface};
-use vanecut::formats::read_part;
-use vanecut::formats::tool_library::flank_cutters;
+use vanecut::io::read_part;
+use vanecut::io::tool_library::flank_cutters;
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, FlankStrategy, Impeller, Setup, Tool};
+use vanecut::part::{Channel, Impeller};
+use vanecut::setup::{FlankStrategy, Setup, Tool};
 
 fn open(path: &Path) -> Impeller {
     Impeller::build(&read_part(path).expect("readable")).expect("an impeller")

@@ -4,12 +4,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use vanecut::flank::MoveKind;
-use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use vanecut::formats::flank_file::{is_flank, read_flank_bytes, write_flank};
-use vanecut::formats::read_part;
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::flank_file::{is_flank, read_flank_bytes, write_flank};
+use vanecut::io::read_part;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, FlankStrategy, Impeller, Setup};
+use vanecut::part::{Channel, Impeller};
+use vanecut::setup::{FlankStrategy, Setup};
+use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify_flank;
 
 fn request(name: &str, change: impl FnOnce(&mut Setup)) -> FlankRequest {

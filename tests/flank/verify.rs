@@ -3,13 +3,15 @@
 
 use std::path::Path;
 
+use vanecut::cutting::clearance::FinishedPart;
+use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::wall::{WallFit, WallMilling, WallStation};
-use vanecut::formats::apt::{ClProgram, ClTool, Motion, Move, read_apt_bytes, write_apt};
-use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Point, Vector};
-use vanecut::part::{Channel, Impeller, Setup, Tool};
-use vanecut::plunge::clearance::FinishedPart;
-use vanecut::plunge::slotting::DepthSurface;
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::part_file::read_part;
+use vanecut::part::{Channel, Impeller};
+use vanecut::setup::{Setup, Tool};
+use vanecut::toolpath::{ClProgram, ClTool, Motion, Move};
 use vanecut::verify::{FaultKind, FlankVerdict, is_flank, verify_flank};
 
 /// Range of the passes, as s of the foot of the axis: beyond the hub's ends, cutters would drop too low.

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use vanecut::cutting::clearance::FinishedPart;
+use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::layer::LayerSurface;
 use vanecut::flank::wall::{WallAxes, WallFit, WallMilling, WallStation};
-use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, frame_about};
-use vanecut::part::{BladeSide, BladeWall, Channel, Impeller, Passage, Tool, WallEnvelope};
-use vanecut::plunge::clearance::FinishedPart;
-use vanecut::plunge::slotting::DepthSurface;
+use vanecut::io::part_file::read_part;
+use vanecut::part::{BladeSide, BladeWall, Channel, Impeller, Passage, WallEnvelope};
+use vanecut::setup::Tool;
 
 /// A part with bowed blades through three span sections.
 const BOWED: &str = "tests/cli/assess_bowed/part.toml";

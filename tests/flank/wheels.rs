@@ -5,12 +5,14 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use vanecut::flank::choice::choose_tool;
-use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use vanecut::formats::part_file::{read_part, read_part_bytes};
-use vanecut::formats::tool_library::flank_cutters;
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::part_file::{read_part, read_part_bytes};
+use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, FlankStrategy, Impeller, Setup, Tool};
+use vanecut::part::{Channel, Impeller};
+use vanecut::setup::{FlankStrategy, Setup, Tool};
+use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FlankVerdict, verify_flank};
 
 /// A pump with five nearly cylindrical blades that overlap far: blade angles at the leading edge are 70° from

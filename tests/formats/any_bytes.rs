@@ -7,15 +7,16 @@ use std::time::{Duration, Instant};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use vanecut::formats::plan_file::{read_plan_bytes, write_plan};
-use vanecut::formats::{read_part, read_part_bytes, read_setup_bytes, write_native};
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::plan_file::{read_plan_bytes, write_plan};
+use vanecut::io::{read_part, read_part_bytes, read_setup_bytes, write_native};
 use vanecut::job::{PlanRequest, resolve, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{
-    AxisPolicy, BladeDescription, BladeSide, Channel, CurveDescription, Impeller, Meridional,
-    PartDescription, Setup,
+    BladeDescription, BladeSide, Channel, CurveDescription, Impeller, Meridional, PartDescription,
 };
+use vanecut::setup::{AxisPolicy, Setup};
+use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify;
 
 const LONGEST: Duration = Duration::from_secs(2);

@@ -7,9 +7,9 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use file::{GltfFile, Matrix};
-use vanecut::formats::gltf::GltfScene;
-use vanecut::formats::part_file::read_part;
 use vanecut::geometry::rotate_z;
+use vanecut::io::gltf::GltfScene;
+use vanecut::io::part_file::read_part;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::part::Impeller;
 

@@ -8,15 +8,16 @@ use std::path::Path;
 
 use body::Body;
 use nalgebra::Rotation3;
-use vanecut::formats::gltf::GltfScene;
-use vanecut::formats::{read_part, read_part_bytes};
 use vanecut::geometry::{Point, Vector, rotate_z};
+use vanecut::io::gltf::GltfScene;
+use vanecut::io::{read_part, read_part_bytes};
 use vanecut::job::{PlanRequest, PolicyResult, run};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, Role, TriangleMesh, describe};
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, Blade, BladeSide, Impeller, Rotation, Setup, SideProbe};
+use vanecut::part::{Blade, BladeSide, Impeller, Rotation, SideProbe};
 use vanecut::plunge::{PlungePlan, Position};
+use vanecut::setup::{AxisPolicy, Setup};
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);

@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 
 use proptest::prelude::*;
-use vanecut::formats::{
-    InputError, read_apt_bytes, read_part, read_part_bytes, read_setup_bytes, write_native,
-};
 use vanecut::geometry::Point;
+use vanecut::io::{InputError, read_apt_bytes, read_part, read_part_bytes, read_setup_bytes, write_native};
 use vanecut::part::{BladeDescription, CurveDescription, PartDescription};
 
 /// A real part from outside the repository, if available.

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Meridional, Point, Vector, rotate_z};
+use vanecut::io::part_file::read_part;
 use vanecut::mesh::TriangleMesh;
 use vanecut::mesh::solid::{FaceKind, Solid};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};

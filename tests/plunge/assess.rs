@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use vanecut::assess::Assessment;
 use vanecut::assess::passage::{PassageKind, PassageMeasure};
 use vanecut::assess::reach::{ReachLimits, ReachMap, ReachSection, ReachSides};
-use vanecut::formats::read_part;
+use vanecut::io::read_part;
 use vanecut::part::{
-    BladeDescription, Channel, CurveDescription, Impeller, Meridional, PartDescription, SideProbe, Tool,
+    BladeDescription, Channel, CurveDescription, Impeller, Meridional, PartDescription, SideProbe,
 };
+use vanecut::setup::Tool;
 
 const LIMITS: ReachLimits =
     ReachLimits { hub_allowance: 0.5, blade_allowance: 0.5, max_tilt_rad: std::f64::consts::FRAC_PI_4 };

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use vanecut::formats::part_file::read_part;
+use vanecut::io::part_file::read_part;
 use vanecut::part::{Channel, Impeller, SideProbe};
 
 fn sample(name: &str) -> Impeller {

@@ -1,20 +1,19 @@
 //! The floor under inclined walls: ray lengths and inaccessible floor, compared with cutters placed in the
 //! corner and measured.
 
-use vanecut::formats::part_file::read_part_bytes;
+use vanecut::cutting::clearance::FinishedPart;
 use vanecut::geometry::{
     CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z, search, wrap_angle,
 };
+use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::setup::AllowanceSetup;
 use vanecut::part::{
-    AxisPolicy, BladeDescription, Blank, Channel, CurveDescription, Impeller, PartDescription, Setup,
-    SideProbe,
+    BladeDescription, Blank, Channel, CurveDescription, Impeller, PartDescription, SideProbe,
 };
 use vanecut::plunge::Planner;
-use vanecut::plunge::clearance::FinishedPart;
-use vanecut::residual::{
+use vanecut::setup::{AllowanceSetup, AxisPolicy, Setup};
+use vanecut::stock::{
     CutterStretch, FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_setup,
 };
 

@@ -3,12 +3,13 @@
 
 use std::path::Path;
 
-use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use vanecut::formats::part_file::{read_part, read_part_bytes};
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::part_file::{read_part, read_part_bytes};
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::setup::SectionSetup;
-use vanecut::part::{AxisPolicy, Channel, Impeller, Setup, Tool};
+use vanecut::part::{Channel, Impeller};
+use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
+use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify;
 
 fn sample(name: &str) -> Impeller {

@@ -1,12 +1,13 @@
 //! The sectional view through a position, compared with the plan it shows.
 
-use vanecut::formats::read_part;
 use vanecut::geometry::{Meridional, Point};
+use vanecut::io::read_part;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
+use vanecut::part::{Blank, Channel, Impeller};
 use vanecut::plunge::inspect::{row_of, section_view, step_before};
 use vanecut::plunge::{Planner, PlungePlan};
+use vanecut::setup::{AxisPolicy, Setup};
 
 struct Case {
     part: Impeller,

@@ -2,19 +2,20 @@
 
 use std::path::Path;
 
-use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
-use vanecut::formats::part_file::read_part;
+use vanecut::cutting::clearance::FinishedPart;
+use vanecut::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
+use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::geometry::{Meridional, Vector, frame_about};
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::part_file::read_part;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::setup::{CutDirection, SectionSetup};
-use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Machine, Setup};
-use vanecut::plunge::clearance::FinishedPart;
-use vanecut::plunge::contact::{BlankTop, Columns, PlungeColumn, core_contact};
+use vanecut::part::{Blank, Channel, Impeller};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
-use vanecut::plunge::slotting::DepthSurface;
 use vanecut::plunge::{Planner, PlungePlan, SectionCache};
+use vanecut::setup::{AxisPolicy, CutDirection, Machine, SectionSetup, Setup};
+use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify;
 
 fn sample(name: &str) -> Impeller {

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use vanecut::formats::part_file::read_part;
 use vanecut::geometry::CutterSolid;
+use vanecut::io::part_file::read_part;
 use vanecut::part::{BladeSide, Channel, Impeller, SideProbe};
 
 fn sample(name: &str) -> Impeller {

@@ -6,13 +6,15 @@ use std::process::Command;
 use std::sync::LazyLock;
 
 use serde_json::Value;
-use vanecut::formats::apt::{ClProgram, Motion, Move, read_apt_bytes, write_apt};
-use vanecut::formats::part_file::read_part;
 use vanecut::geometry::{Meridional, Vector};
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::part_file::read_part;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
+use vanecut::part::{Blank, Channel, Impeller};
 use vanecut::plunge::whole::plan_channels;
+use vanecut::setup::{AxisPolicy, Setup};
+use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, PlungeReport, report_plunges, verify};
 
 fn sample_path(name: &str) -> PathBuf {

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use vanecut::formats::part_file::read_part;
+use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::geometry::{Meridional, MeridionalCurve, Point, Vector, frame_about};
+use vanecut::io::part_file::read_part;
 use vanecut::part::Impeller;
-use vanecut::plunge::slotting::DepthSurface;
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);

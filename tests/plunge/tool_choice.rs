@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use vanecut::formats::part_file::{read_part, read_part_bytes};
-use vanecut::formats::tool_library::plunge_cutters;
+use vanecut::io::part_file::{read_part, read_part_bytes};
+use vanecut::io::tool_library::plunge_cutters;
 use vanecut::job::{PlanRequest, resolve, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::setup::SectionSetup;
-use vanecut::part::{AxisPolicy, Channel, Impeller, PassageWidth, Setup, Tool};
-use vanecut::plunge::sections::{self, Resolved, SetupPlace};
+use vanecut::part::{Channel, Impeller, PassageWidth};
+use vanecut::plunge::sections;
+use vanecut::plunge::sections::Resolved;
+use vanecut::setup::{AxisPolicy, SectionSetup, Setup, SetupPlace, Tool};
 
 fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts"))

@@ -1,11 +1,13 @@
 //! Invariants of the plans of a wheel with the default setup.
 
-use vanecut::formats::apt::{ClProgram, read_apt_bytes, write_apt};
+use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{AxisPolicy, Blank, Channel, Impeller, Setup};
-use vanecut::residual::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use vanecut::part::{Blank, Channel, Impeller};
+use vanecut::setup::{AxisPolicy, Setup};
+use vanecut::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use vanecut::toolpath::ClProgram;
 use vanecut::verify::{verify, verify_flank};
 
 /// Largest share of the accessible floor that may remain uncut without a reason.

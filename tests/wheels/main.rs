@@ -8,8 +8,8 @@ mod make;
 
 use vanecut::assess::Assessment;
 use vanecut::assess::reach::ReachLimits;
-use vanecut::formats::part_file::read_part_bytes;
-use vanecut::formats::write_native;
+use vanecut::io::part_file::read_part_bytes;
+use vanecut::io::write_native;
 use vanecut::part::{Channel, Impeller};
 
 use make::Wheel;

@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::look::{Arrangement, PlaneOrientation};
 use vanecut::app::planned::Side;
-use vanecut::part::AxisPolicy;
+use vanecut::setup::AxisPolicy;
 
 use crate::fake;
 use crate::harness::{Window, press, settle, snapshot_view, with_sample};

@@ -7,7 +7,7 @@ use vanecut::app::App;
 use vanecut::app::dialogs::Purpose;
 use vanecut::app::engine::Engine;
 use vanecut::app::handover::RecoverySlot;
-use vanecut::formats::project_file::read_project;
+use vanecut::io::project_file::read_project;
 
 use crate::fake;
 use crate::harness::{Window, press, sample_in, settle, vulkan, window};

@@ -5,15 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use vanecut::app::engine::Engine;
+use vanecut::cutting::contact::CoreContact;
 use vanecut::geometry::Vector;
 use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, Summary};
 use vanecut::monitor::Monitor;
+use vanecut::part::Impeller;
 use vanecut::part::channel::{Channel, Passage};
-use vanecut::part::setup::{CutDirection, SectionSetup};
-use vanecut::part::{AxisPolicy, Impeller, Tool};
-use vanecut::plunge::sections::SetupFault;
-use vanecut::plunge::{Blocked, CoreContact, PlungePlan, Position, SectionPlan, StopReason};
-use vanecut::residual::{FloorGrid, ResidualField};
+use vanecut::plunge::{Blocked, PlungePlan, Position, SectionPlan, StopReason};
+use vanecut::setup::{AxisPolicy, CutDirection, SectionSetup, SetupFault, Tool};
+use vanecut::stock::{FloorGrid, ResidualField};
 
 /// Number of interfering plunges of the conventional plan at the automatic step.
 pub const FAULTS: usize = 5;

@@ -2,7 +2,7 @@
 
 use egui_kittest::kittest::Queryable;
 use vanecut::app::dialogs::Purpose;
-use vanecut::part::FlankStrategy;
+use vanecut::setup::FlankStrategy;
 
 use crate::fake;
 use crate::harness::{settle, snapshot_view, with_sample, words};
@@ -64,7 +64,7 @@ fn flank_curves_are_planned_shown_and_written() {
     let ctx = window.ctx.clone();
     window.state_mut().file_chosen(&ctx, Purpose::ExportFlank, path.clone());
     settle(&mut window);
-    let program = vanecut::formats::read_apt(&path).expect("a CL file");
+    let program = vanecut::io::apt::read_apt(&path).expect("a CL file");
     assert_eq!(program.moves.len(), planned.plan.moves.len());
 }
 

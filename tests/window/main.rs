@@ -368,10 +368,10 @@ fn setup_cl_file_and_picture_are_written() {
         let notice = window.state().state().notice.clone().expect("a word about it");
         assert_eq!(notice.tone, Tone::Done, "{notice:?}");
     }
-    let setup = vanecut::formats::setup_file::read_setup(&path("s.toml"), &vanecut::part::Setup::default())
+    let setup = vanecut::io::setup_file::read_setup(&path("s.toml"), &vanecut::setup::Setup::default())
         .expect("a setup");
     assert_eq!(setup.plunge.step, Some(6.0), "the setup as it was edited");
-    let program = vanecut::formats::read_apt(&path("p.apt")).expect("a CL file");
+    let program = vanecut::io::apt::read_apt(&path("p.apt")).expect("a CL file");
     let positions =
         window.state().state().results.planned.as_ref().expect("planned").outcome.after.plan.positions.len();
     assert_eq!(program.moves.len(), 3 * positions, "down and back per position");

@@ -6,7 +6,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::dialogs::Purpose;
 use vanecut::app::state::Tone;
-use vanecut::formats::project_file::read_project;
+use vanecut::io::project_file::read_project;
 
 use crate::fake;
 use crate::harness::{Window, click_enabled, settle, snapshot_ui, window, with_sample};

@@ -3,7 +3,7 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::engine::Engine;
-use vanecut::part::AxisPolicy;
+use vanecut::setup::AxisPolicy;
 
 use crate::harness::{settle, with_sample};
 

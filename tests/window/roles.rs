@@ -7,9 +7,8 @@ use egui_kittest::kittest::Queryable;
 use serde_json::{Value, json};
 use vanecut::app::dialogs::Purpose;
 use vanecut::app::engine::PartSource;
-use vanecut::formats::GltfScene;
-use vanecut::formats::project_file::{PartLocation, read_project};
-use vanecut::formats::read_part_bytes;
+use vanecut::io::project_file::{PartLocation, read_project};
+use vanecut::io::{GltfScene, read_part_bytes};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::part::Impeller;
 

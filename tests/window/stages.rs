@@ -10,8 +10,8 @@ use vanecut::app::engine::Engine;
 use vanecut::app::planned::Side;
 use vanecut::job::{Listener, PlanJob, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
-use vanecut::part::AxisPolicy;
 use vanecut::plunge::PlungePlan;
+use vanecut::setup::AxisPolicy;
 
 use crate::harness::{Window, settle, snapshot_view, with_sample};
 

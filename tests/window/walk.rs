@@ -10,7 +10,7 @@ use vanecut::app::dialogs::Purpose;
 use vanecut::app::engine::Engine;
 use vanecut::app::state::Tone;
 use vanecut::app::theme::Condition;
-use vanecut::formats::read_apt;
+use vanecut::io::apt::read_apt;
 
 use crate::drop::drop_on;
 use crate::harness::{Window, settle, window, words};

@@ -8,7 +8,7 @@ use crate::flank::chart::Region;
 use crate::gpu::flank::{FlankColours, RAPID_COLOUR, REGION_COLOURS, feed_range};
 use crate::job::flank::FlankOutcome;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
-use crate::part::{FlankStrategy, Setup};
+use crate::setup::{FlankStrategy, Setup};
 
 use super::super::command::Command;
 use super::super::look::FlankLook;

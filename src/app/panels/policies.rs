@@ -3,7 +3,7 @@
 use egui::{Align, Layout, RichText, Ui};
 
 use crate::job::Summary;
-use crate::part::AxisPolicy;
+use crate::setup::AxisPolicy;
 
 use super::super::planned::DisplayPlan;
 use super::super::theme::Condition;

@@ -2,7 +2,7 @@
 
 use egui::{Grid, Ui};
 
-use crate::part::{AxisPolicy, Setup};
+use crate::setup::{AxisPolicy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
 

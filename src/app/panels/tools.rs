@@ -2,8 +2,7 @@
 
 use egui::{ComboBox, Grid, RichText, Ui};
 
-use crate::part::setup::{CutDirection, SectionSetup};
-use crate::part::{Setup, Tool};
+use crate::setup::{CutDirection, SectionSetup, Setup, Tool};
 
 use super::fields::{self, FieldSpec};
 

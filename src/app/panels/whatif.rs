@@ -2,9 +2,9 @@
 
 use egui::{RichText, TextEdit, Ui};
 
-use crate::formats::project_file::SetFigures;
-use crate::formats::write_setup;
-use crate::part::Setup;
+use crate::io::project_file::SetFigures;
+use crate::io::write_setup;
+use crate::setup::Setup;
 
 use super::super::command::Command;
 use super::super::state::AppState;

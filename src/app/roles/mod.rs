@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use egui::{Button, Color32, Key, Modal, Modifiers, RichText, Ui};
 
-use crate::formats::InputError;
-use crate::formats::gltf::read_meshes;
+use crate::io::InputError;
+use crate::io::gltf::read_meshes;
 use crate::mesh::nodes::{MeshNode, nodes};
 use crate::mesh::{MeshOptions, Role};
 

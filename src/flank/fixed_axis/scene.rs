@@ -2,7 +2,8 @@
 //! safe side by a few hundredths of a millimetre.
 
 use crate::geometry::{Meridional, Point, Vector, norm2};
-use crate::part::{BladeSide, Blank, Impeller, Tool};
+use crate::part::{BladeSide, Blank, Impeller};
+use crate::setup::Tool;
 
 /// Points sampled on the blades, at most [`SPACING`] apart along u.
 #[derive(Debug)]

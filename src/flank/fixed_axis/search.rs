@@ -7,8 +7,8 @@ use super::scene::Cone;
 use super::{
     AxisObstacle, Contact, FixedAxes, FixedAxisSearch, FixedRun, PreparedContact, SpareClearance, Unreachable,
 };
+use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Vector, frame_about};
-use crate::plunge::slotting::DepthSurface;
 
 /// An axis with its minimum spare clearance over the stations of a run, mm.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@ use super::fit::{AxisLine, FittedAxis, Heights, OffsetSide};
 use super::places::evenly;
 use super::swept::{MapColumn, correct_overcuts};
 use super::{MARGIN, MAX_UNFORMED, WallMilling};
-use crate::plunge::slotting::DepthSurface;
+use crate::cutting::drop_cutter::DepthSurface;
 
 /// Heights of a fit, on a ruled wall and on another one; an evaluation uses about twice as many.
 const RULED_HEIGHTS: usize = 11;

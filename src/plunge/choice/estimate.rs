@@ -2,15 +2,11 @@
 //! by the planner, each plunge at its feed rate over the depth of the channel, retracts in rapid.
 
 use super::fit::{Rules, ToolFit};
-use crate::part::Tool;
-use crate::part::setup::PlungeSetup;
 use crate::plunge::sections::{max_shroud_spacing, step_limit, stepover};
 use crate::plunge::survey::{PassageExtent, Survey};
+use crate::setup::{PlungeSetup, Tool};
+use crate::toolpath::{RAPID_MM_PER_MIN, TOOL_CHANGE_S};
 
-/// Rapid feed rate assumed for time estimates, mm/min.
-pub const RAPID_MM_PER_MIN: f64 = 10_000.0;
-/// Time of a tool change including the approach with the next tool, s.
-pub const TOOL_CHANGE_S: f64 = 120.0;
 /// Number of passages: the full channel and those beside the splitter.
 const PASSAGES: usize = 3;
 

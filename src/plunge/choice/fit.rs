@@ -1,8 +1,7 @@
 //! Rules for whether a cutter fits at a station of the channel.
 
-use crate::part::Tool;
-use crate::part::setup::AllowanceSetup;
 use crate::plunge::survey::SurveyStation;
+use crate::setup::{AllowanceSetup, Tool};
 
 /// Width between the allowances that a cutter needs to be inclined, in diameters.
 const TILT_ROOM: f64 = 1.12;

@@ -18,9 +18,8 @@ mod reason;
 pub mod rest;
 pub mod search;
 
-use crate::part::setup::{AllowanceSetup, SectionSetup};
-use crate::part::{Setup, Tool};
 use crate::plunge::survey::Survey;
+use crate::setup::{AllowanceSetup, SectionSetup, Setup, Tool};
 use estimate::Estimator;
 use fit::Rules;
 use reason::Reasons;

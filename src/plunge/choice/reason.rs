@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::estimate::Estimator;
 use super::fit::ToolFit;
 use super::search::{SectionChoice, ToolStretch, cheapest};
-use crate::part::Tool;
 use crate::plunge::survey::SurveyStation;
+use crate::setup::Tool;
 
 /// Data from which the reasons of a choice are derived.
 pub struct Reasons<'a> {

@@ -5,10 +5,8 @@
 
 use super::ChosenSection;
 use super::fit::{Rules, ToolFit};
-use crate::part::setup::SectionSetup;
-use crate::part::{Setup, Tool};
-use crate::plunge::sections::{SetupFault, tool_of};
 use crate::plunge::survey::Survey;
+use crate::setup::{SectionSetup, Setup, SetupFault, Tool, tool_of};
 
 /// Maximum diameter for rest milling, in diameters of the previous cutter.
 const MAX_DIAMETER_SHARE: f64 = 0.6;

@@ -10,7 +10,7 @@
 //! - `after[n][i][t]` = minimum of `ready[n][j][t]` + cost of t from j to i over the stations j outside i.
 
 use super::estimate::{Cost, Estimator};
-use crate::part::Tool;
+use crate::setup::Tool;
 
 /// Maximum number of cutters of a choice.
 pub const MAX_TOOLS: usize = 4;

@@ -4,12 +4,12 @@
 //! The lead angle is the inclination of the axis from the hub normal along the row, positive towards the
 //! uncut side. The tilt angle is that across the row.
 
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::contact::{BlankTop, PlungeColumn};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
-use crate::part::Machine;
-use crate::plunge::clearance::FinishedPart;
-use crate::plunge::contact::{BlankTop, PlungeColumn};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::{RowMaker, Station};
+use crate::setup::Machine;
 
 /// First lead angle of the grid, degrees. The grid is shifted where the conventional axis has so large a lead
 /// angle that `max_tilt` would leave less than half of the grid.

@@ -4,8 +4,8 @@
 
 use super::candidate::{CandidateMaker, RowCandidate};
 use super::path::PathSearch;
+use crate::cutting::contact::{Columns, ContactSearch};
 use crate::monitor::Cancelled;
-use crate::plunge::contact::{Columns, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
 /// Step across in step limits of the row: the hub curves across the row, so smaller steps need smaller lifts.

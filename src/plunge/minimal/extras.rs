@@ -18,10 +18,10 @@ use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
 use super::floor::{FloorHeightMap, Gain};
+use crate::cutting::contact::{Columns, ContactSearch};
 use crate::geometry::{CutterSolid, Point, ProximityGrid};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
-use crate::plunge::contact::{Columns, ContactSearch};
 use crate::plunge::row::{RowMaker, Station};
 
 /// Lead angles of the pool: first one and step, degrees, and their number.

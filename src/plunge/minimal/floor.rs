@@ -1,8 +1,9 @@
 //! Height map of the stock on the hub of a stretch, and the gain of one more plunge.
 
 use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
-use crate::part::{Impeller, Tool};
+use crate::part::Impeller;
 use crate::plunge::ground::PassageStretch;
+use crate::setup::Tool;
 
 /// Edge length of a cell in cutter radii.
 const CELL_RADII: f64 = 0.2;

@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use super::candidate::{CandidateMaker, CandidateStage, RowCandidate};
 use super::section::MAX_LIFT_OF_DEPTH;
+use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
-use crate::plunge::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::plunge::plan::LimitedBy;
 use crate::plunge::row::Station;
 

@@ -2,16 +2,15 @@
 //! ones, in the cutting direction that leaves less.
 
 use super::{CandidateMaker, PathSearch, RowCrossing};
+use crate::cutting::contact::{BlankTop, Columns};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
-use crate::part::Tool;
-use crate::part::setup::CutDirection;
-use crate::plunge::contact::{BlankTop, Columns};
 use crate::plunge::cycle::{PlanError, PlannedRow, Planner, SectionCut};
 use crate::plunge::ground::{PassageStretch, RowLayout, StretchLayout};
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
-use crate::plunge::sections::{max_shroud_spacing, tool_of};
+use crate::plunge::sections::max_shroud_spacing;
+use crate::setup::{CutDirection, Tool, tool_of};
 
 /// Layer e for which the square term of the cost equals e, in cutter radii.
 pub const SCALE_RADII: f64 = 0.5;

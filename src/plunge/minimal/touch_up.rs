@@ -5,15 +5,15 @@ use rayon::prelude::*;
 
 use super::section::SCALE_RADII;
 use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
+use crate::cutting::contact::{BlankTop, Columns};
 use crate::monitor::Monitor;
-use crate::part::setup::CutDirection;
 use crate::plunge::choice::rest::{rest_threshold, rest_threshold_after};
-use crate::plunge::contact::{BlankTop, Columns};
 use crate::plunge::cycle::{CutRow, PlanError, Planner, SectionCut};
 use crate::plunge::ground::StretchLayout;
 use crate::plunge::plan::StopReason;
 use crate::plunge::row::RowMaker;
-use crate::plunge::sections::{MAX_POSITIONS, tool_of};
+use crate::plunge::sections::MAX_POSITIONS;
+use crate::setup::{CutDirection, tool_of};
 
 /// Settings of a search for single plunges.
 #[derive(Clone, Copy, Debug)]

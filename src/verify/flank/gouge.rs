@@ -1,9 +1,9 @@
 //! Clearance of cutter and holder from the finished part along a step.
 
 use super::steps::CutterStep;
+use crate::cutting::clearance::FinishedPart;
 use crate::geometry::{CutterSolid, Meridional};
-use crate::part::Tool;
-use crate::plunge::clearance::FinishedPart;
+use crate::setup::Tool;
 
 /// The finished part, prepared for the clearances of many steps.
 pub(super) struct StepSurroundings<'a> {

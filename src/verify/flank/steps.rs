@@ -2,10 +2,11 @@
 
 use super::super::Fault;
 use super::super::plunges::tool_of;
-use crate::formats::apt::{ClProgram, Motion};
+use crate::cutting::link::AxisTurn;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
-use crate::part::{Channel, Impeller, Setup, Tool, passage_angle};
-use crate::plunge::flight::AxisTurn;
+use crate::part::{Channel, Impeller, passage_angle};
+use crate::setup::{Setup, Tool};
+use crate::toolpath::{ClProgram, Motion};
 
 /// A linear move of a cutter. Under feed the axis is interpolated linearly and normalised, as by a
 /// controller; in rapid it turns at a constant rate, as links are planned.

@@ -3,10 +3,11 @@
 
 use super::steps::CutterStep;
 use super::uncovered::Uncovered;
+use crate::cutting::clearance::FinishedPart;
 use crate::geometry::CutterSolid;
-use crate::part::{Blank, Channel, Setup, Tool};
-use crate::plunge::clearance::FinishedPart;
-use crate::residual::{
+use crate::part::{Blank, Channel};
+use crate::setup::{Setup, Tool};
+use crate::stock::{
     CutterStretch, FieldCutter, FloorGrid, FloorSource, ResidualStatistics, residual_field, statistics,
 };
 

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::stock::SAMPLE_SCALLOP;
+use crate::cutting::clearance::FinishedPart;
+use crate::cutting::drop_cutter::DepthSurface;
 use crate::flank::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
 use crate::geometry::{Meridional, Point, Vector};
-use crate::part::{Blank, Channel, Setup, Tool};
-use crate::plunge::clearance::FinishedPart;
-use crate::plunge::slotting::DepthSurface;
-use crate::residual::FloorGrid;
+use crate::part::{Blank, Channel};
+use crate::setup::{Setup, Tool};
+use crate::stock::FloorGrid;
 
 /// Shares of the reachable floor with more stock than the hub's allowance and the scallop height.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

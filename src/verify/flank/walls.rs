@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::steps::CutterStep;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, search};
-use crate::part::{Channel, Impeller, Tool};
+use crate::part::{Channel, Impeller};
+use crate::setup::Tool;
 
 /// Number of steps with a common bound.
 const CHUNK: usize = 16;

@@ -1,14 +1,16 @@
 //! glTF scenes of plans.
 
 use serde_json::Value;
-use vanecut::formats::gltf::{CutterNodes, GltfScene, PlanScene};
+use vanecut::cutting::contact::CoreContact;
 use vanecut::geometry::{Point, Vector};
+use vanecut::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use vanecut::mesh::tessellate::Tessellation;
 use vanecut::palette::{ColourMap, colour_of_value};
-use vanecut::part::{AxisPolicy, Blank, Channel, CutDirection, Impeller, Setup, Tool};
+use vanecut::part::{Blank, Channel, Impeller};
 use vanecut::plunge::PlungePlan;
-use vanecut::plunge::plan::{Blocked, CoreContact, Position, SectionPlan};
-use vanecut::residual::{FloorGrid, FloorSource};
+use vanecut::plunge::plan::{Blocked, Position, SectionPlan};
+use vanecut::setup::{AxisPolicy, CutDirection, Setup, Tool};
+use vanecut::stock::{FloorGrid, FloorSource};
 
 use super::file::GltfFile;
 use super::{sample, written};

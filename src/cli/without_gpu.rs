@@ -1,0 +1,44 @@
+//! What the commands answer that draw pictures, in a program that was built without the feature `gpu`.
+
+use super::Failure;
+
+fn no_pictures<T>() -> Result<T, Failure> {
+    Err(Failure::Work("this program was built without pictures; build it with --features gpu".to_owned()))
+}
+
+/// Stands in for the pictures of plans and parts.
+pub mod render {
+    use std::path::Path;
+
+    use super::{Failure, no_pictures};
+    use crate::cli::args::RenderArgs;
+    use crate::job::PlanOutcome;
+
+    /// # Errors
+    /// Always [`Failure::Work`].
+    pub fn run(_: &RenderArgs) -> Result<(), Failure> {
+        no_pictures()
+    }
+
+    /// # Errors
+    /// Always [`Failure::Work`].
+    pub fn write_report(_: &Path, _: &PlanOutcome) -> Result<(), Failure> {
+        no_pictures()
+    }
+}
+
+/// Stands in for the pictures of an assessment.
+pub mod assess_pictures {
+    use std::path::Path;
+
+    use super::{Failure, no_pictures};
+    use crate::assess::Assessment;
+    use crate::part::{Channel, Impeller};
+    use crate::setup::Setup;
+
+    /// # Errors
+    /// Always [`Failure::Work`].
+    pub fn write(_: &Path, _: &Impeller, _: &Channel, _: &Setup, _: &Assessment) -> Result<String, Failure> {
+        no_pictures()
+    }
+}

@@ -1,0 +1,347 @@
+//! Contact of the core: where the part of the cutter without cutting edges meets stock that no earlier plunge
+//! removed. Plunges are half-infinite cylinders, the blank is a body of revolution. Contact is evaluated by
+//! exact intervals along lines of the core, as in a dexel model.
+
+mod columns;
+mod crossed;
+mod index;
+
+pub use columns::{BlankTop, Columns, Earlier, PlungeColumn};
+use crossed::{CoreLine, CrossedPlunge, Neighbours};
+
+use crate::geometry::{Meridional, Point, search};
+use crate::part::Blank;
+
+/// Contact of the core with stock during one plunge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct CoreContact {
+    /// Height above the final bottom up to which the core meets stock, mm; 0 when the core is free.
+    pub depth: f64,
+    /// Share of the core disc in stock at the end of the plunge, 0…1.
+    pub area_share: f64,
+}
+
+/// Contact depth above which a plunge counts as interfering, mm.
+pub const CONTACT_TOLERANCE: f64 = 0.02;
+
+impl CoreContact {
+    /// Whether the plunge interferes.
+    pub fn interferes(&self) -> bool {
+        self.depth > CONTACT_TOLERANCE
+    }
+}
+
+/// Rings of lines through the core: (share of the core radius, lines). Contact starts at the
+/// rim of the core, so most lines are there.
+const RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25, 8), (0.0, 1)];
+/// Fewer lines, for searches.
+const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
+/// Number of rim lines of the quick test, which are evaluated first.
+const QUICK_LINES: usize = 8;
+/// Maximum number of disjoint uncut intervals of one line.
+const MAX_INTERVALS: usize = 12;
+/// Contact depth that planning tolerates, mm: well below [`CONTACT_TOLERANCE`], so that rounding in a CL file
+/// or the samples of another checker do not exceed it.
+const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
+/// Height below the bottom, mm, below which entries are not distinguished.
+const DEEP_ENTRY: f64 = -0.2;
+/// Height above the bottom, mm, up to which stock counts for the contact area.
+const AREA_HEIGHT: f64 = 0.02;
+
+/// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
+pub fn core_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> CoreContact {
+    let near = Neighbours::of(column, earlier.near(column));
+    contact_up_to(column, StockLines::new(column, &near, blank), &RINGS, f64::INFINITY)
+}
+
+/// Whether the core of `column` has more contact than planning tolerates, given the `earlier` plunges that
+/// may meet it. As [`core_contact`], but returns at the first such line.
+pub fn core_interferes<'c>(
+    column: &PlungeColumn,
+    earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
+    blank: &Blank,
+) -> bool {
+    let near = Neighbours::of(column, earlier);
+    contact_up_to(column, StockLines::new(column, &near, blank), &RINGS, PLANNED_CONTACT).depth
+        > PLANNED_CONTACT
+}
+
+/// Lift that frees the core of a planned plunge, mm: the depth of [`core_contact`], 0 when planning tolerates
+/// it.
+pub fn planned_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> f64 {
+    let depth = core_contact(column, earlier, blank).depth;
+    if depth > PLANNED_CONTACT { depth } else { 0.0 }
+}
+
+/// Contact for searches, with fewer lines than [`core_contact`]. What earlier plunges left on each line is
+/// cached, so that evaluating many transitions to a plunge costs only the plunges passed on them.
+#[derive(Debug, Default)]
+pub struct ContactSearch {
+    near: Neighbours,
+    /// What the plunges gathered in `near` left on each of the lines evaluated so far.
+    left: Vec<Option<LineRemainder>>,
+}
+
+impl ContactSearch {
+    /// The lines of the core of `column` after the `earlier` plunges that may meet it, in cutting order.
+    pub fn among<'c, 's>(
+        &'s mut self,
+        column: &PlungeColumn,
+        earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
+    ) -> SearchLines<'s> {
+        self.near.gather(column, earlier);
+        self.left.clear();
+        self.left.resize(SEARCH_RINGS.iter().map(|(_, count)| count).sum(), None);
+        SearchLines { column: *column, search: self }
+    }
+
+    /// The lines of the same core after additional `passed` plunges, in cutting order.
+    pub fn after<'c, 's>(
+        &'s mut self,
+        column: &PlungeColumn,
+        passed: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
+    ) -> SearchLines<'s> {
+        self.near.set_passed(passed);
+        SearchLines { column: *column, search: self }
+    }
+}
+
+/// The lines of a core on which a search evaluates contact.
+#[derive(Debug)]
+pub struct SearchLines<'s> {
+    column: PlungeColumn,
+    search: &'s mut ContactSearch,
+}
+
+impl SearchLines<'_> {
+    /// Contact depth, mm; 0 when planning tolerates it. If it exceeds `enough` (mm), any value above `enough`
+    /// may be returned.
+    pub fn depth(&mut self, blank: &Blank, enough: f64) -> f64 {
+        let enough = enough.max(PLANNED_CONTACT);
+        let ContactSearch { near, left } = &mut *self.search;
+        let mut stock = StockLines::new(&self.column, near, blank);
+        stock.kept = Some(left);
+        let depth = contact_up_to(&self.column, stock, &SEARCH_RINGS, enough).depth;
+        if depth > PLANNED_CONTACT { depth } else { 0.0 }
+    }
+
+    /// Lower bound on [`Self::depth`] from a few of the lines, usually close to it.
+    pub fn depth_by_few(&mut self, blank: &Blank, enough: f64) -> f64 {
+        if self.column.top <= 0.0 {
+            return 0.0;
+        }
+        let ContactSearch { near, left } = &mut *self.search;
+        let mut stock = StockLines::new(&self.column, near, blank);
+        stock.kept = Some(left);
+        let lines = SEARCH_RINGS[0].1;
+        let mut deepest = 0.0f64;
+        for k in 0..QUICK_LINES {
+            let number = k * (lines / QUICK_LINES);
+            let phi = std::f64::consts::TAU * number as f64 / lines as f64;
+            let line = stock.near.line(self.column.core_radius, phi);
+            deepest = deepest.max(stock.on_cached_line(number, &line, DEEP_ENTRY).1);
+            if deepest > enough.max(PLANNED_CONTACT) {
+                break;
+            }
+        }
+        if deepest > PLANNED_CONTACT { deepest } else { 0.0 }
+    }
+}
+
+/// Contact on the lines of `rings`; may return as soon as the depth exceeds `enough`.
+fn contact_up_to(
+    column: &PlungeColumn,
+    mut stock: StockLines,
+    rings: &[(f64, usize)],
+    enough: f64,
+) -> CoreContact {
+    if column.top <= 0.0 {
+        return CoreContact::default();
+    }
+    let near = stock.near;
+    let line = |rho: f64, phi: f64| near.line(rho, phi);
+    let mut depth = 0.0f64;
+    let mut area = 0.0;
+    // (entry, angle) of the rim lines: height at which the line enters removed stock, negative below the
+    // bottom.
+    let mut rim = [(0.0f64, 0.0f64); RINGS[0].1];
+    let mut before = 0;
+    for (ring, &(share, count)) in rings.iter().enumerate() {
+        let rho = share * column.core_radius;
+        let mut hits = 0usize;
+        // With a finite `enough`, interleave the lines so that the early exit triggers soonest.
+        let parts = if ring == 0 && enough.is_finite() { QUICK_LINES } else { 1 };
+        for k in 0..count {
+            let i = k % parts * (count / parts) + k / parts;
+            let phi = std::f64::consts::TAU * i as f64 / count as f64;
+            let line = line(rho, phi);
+            // Only for rim lines the entry below the bottom is needed, for the refinement below.
+            let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
+            let (entry, highest) = stock.on_cached_line(before + i, &line, deep);
+            depth = depth.max(highest);
+            if depth > enough {
+                return CoreContact { depth, area_share: area };
+            }
+            if entry > AREA_HEIGHT && stock.is_stock(&line.at(0.5 * AREA_HEIGHT)) {
+                hits += 1;
+            }
+            if ring == 0 {
+                rim[i] = (entry, phi);
+            }
+        }
+        area += hits as f64 / count as f64 * ring_weight(rings, ring);
+        before += count;
+    }
+    // Between rim lines the first entry may be higher: search its local maxima.
+    let rim = &rim[..rings[0].1];
+    let count = rim.len();
+    let step = std::f64::consts::TAU / count as f64;
+    for i in 0..count {
+        let (before, here, after) = (rim[(i + count - 1) % count].0, rim[i].0, rim[(i + 1) % count].0);
+        if here < before || here < after || here < DEEP_ENTRY || !here.is_finite() {
+            continue;
+        }
+        // Bound of the maximum: twice the rise of the steeper side.
+        let most = here + 2.0 * (here - before).max(here - after);
+        // A search skips maxima whose bound does not exceed the depth.
+        if enough.is_finite() && most <= depth {
+            continue;
+        }
+        let angle = rim[i].1;
+        let around = [angle - step, angle, angle + step].map(|phi| line(column.core_radius, phi));
+        let entered = near.entered_below(most, &around);
+        let (phi, _) = search::minimum(
+            |phi| -entered.first_entry(&line(column.core_radius, phi)),
+            angle - step,
+            angle + step,
+            1e-4,
+        );
+        depth = depth.max(stock.on_line(&line(column.core_radius, phi), 0.0).1);
+    }
+    CoreContact { depth, area_share: area }
+}
+
+/// Share of the core disc that each ring represents: annuli with borders midway between the rings.
+fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
+    let border = |i: usize| 0.5 * (rings[i].0 + rings[i + 1].0);
+    let outer = if ring == 0 { 1.0 } else { border(ring - 1) };
+    let inner = if ring + 1 == rings.len() { 0.0 } else { border(ring) };
+    outer * outer - inner * inner
+}
+
+/// What plunges left of a line: uncut intervals and the first entry.
+#[derive(Clone, Copy, Debug)]
+struct LineRemainder {
+    /// Intervals of height that none of them removed, mm.
+    open: [(f64, f64); MAX_INTERVALS],
+    count: usize,
+    /// Lowest height at which one of them removed something, mm; infinite where none did.
+    first: f64,
+}
+
+impl LineRemainder {
+    /// The line from the bottom of the core up to `top`.
+    fn whole(top: f64) -> Self {
+        Self { open: [(0.0, top); MAX_INTERVALS], count: 1, first: f64::INFINITY }
+    }
+
+    /// Whether nothing is left and `first` is at most `deep`, so that further plunges change nothing
+    /// relevant.
+    fn is_complete(&self, deep: f64) -> bool {
+        self.count == 0 && self.first <= deep
+    }
+
+    /// What `plunges`, latest first, leave of it; stops as soon as further ones change nothing relevant.
+    fn after(mut self, plunges: &[CrossedPlunge], line: &CoreLine, deep: f64) -> Self {
+        for crossed in plunges {
+            if self.is_complete(deep) {
+                break;
+            }
+            self.remove(crossed, line);
+        }
+        self
+    }
+
+    /// Removes the interval that a plunge cut.
+    fn remove(&mut self, crossed: &CrossedPlunge, line: &CoreLine) {
+        let Some((low, high)) = crossed.removed_by_sharp(line) else { return };
+        // A rounded corner removes less than a sharp one, so the sharp interval is a quick reject.
+        let matters = low < self.first || self.open[..self.count].iter().any(|&(a, b)| low < b && high > a);
+        if !matters {
+            return;
+        }
+        let Some((low, high)) = crossed.round_corner(line, low, high) else { return };
+        if high > 0.0 {
+            self.first = self.first.min(low);
+        }
+        let mut kept = [(0.0, 0.0); MAX_INTERVALS];
+        let mut n = 0;
+        for &(a, b) in &self.open[..self.count] {
+            for piece in [(a, b.min(low)), (a.max(high), b)] {
+                if piece.0 >= piece.1 {
+                    continue;
+                }
+                if n < MAX_INTERVALS {
+                    kept[n] = piece;
+                    n += 1;
+                } else {
+                    // On the safe side: the gap before the piece counts as stock.
+                    kept[n - 1].1 = piece.1;
+                }
+            }
+        }
+        (self.open, self.count) = (kept, n);
+    }
+}
+
+/// Finds stock on lines of one core.
+struct StockLines<'a> {
+    near: &'a Neighbours,
+    blank: &'a Blank,
+    top: f64,
+    /// Warm start: shroud position of the last query.
+    warm: Option<f64>,
+    /// Cache for lines that are evaluated more than once.
+    kept: Option<&'a mut [Option<LineRemainder>]>,
+}
+
+impl<'a> StockLines<'a> {
+    fn new(column: &PlungeColumn, near: &'a Neighbours, blank: &'a Blank) -> Self {
+        Self { near, blank, top: column.top, warm: None, kept: None }
+    }
+
+    fn is_stock(&mut self, point: &Point) -> bool {
+        self.blank.is_solid(Meridional::of(point), &mut self.warm)
+    }
+
+    /// (first entry into removed stock, highest stock) on the line, mm above the bottom; infinite and 0 where
+    /// there is none. Where no stock is left, an entry below `deep` may be any such value.
+    fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
+        let left = LineRemainder::whole(self.top).after(self.near.passed(), line, deep);
+        let left = left.after(self.near.columns(), line, deep);
+        (left.first, self.highest(&left, line))
+    }
+
+    /// As [`Self::on_line`], for line `number` of the cache.
+    fn on_cached_line(&mut self, number: usize, line: &CoreLine, deep: f64) -> (f64, f64) {
+        let Some(kept) = &mut self.kept else { return self.on_line(line, deep) };
+        let gathered = kept[number]
+            .get_or_insert_with(|| LineRemainder::whole(self.top).after(self.near.columns(), line, deep));
+        let left = gathered.after(self.near.passed(), line, deep);
+        (left.first, self.highest(&left, line))
+    }
+
+    /// The highest stock in what is left of a line, mm above the bottom.
+    fn highest(&mut self, left: &LineRemainder, line: &CoreLine) -> f64 {
+        let mut highest = 0.0f64;
+        for &(a, b) in left.open[..left.count].iter().filter(|(a, b)| b - a > 1e-9 && *b > 0.0) {
+            if b <= highest {
+                continue;
+            }
+            if let Some(h) = self.blank.highest_inside(&line.origin, &line.axis, a, b, &mut self.warm) {
+                highest = highest.max(h);
+            }
+        }
+        highest
+    }
+}

@@ -1,0 +1,109 @@
+//! Rapid links above the blank: the tip moves straight from one position to another while the axis turns at a
+//! constant rate.
+
+use rayon::prelude::*;
+
+use super::retract::{NearBottom, RetractSurface};
+use crate::geometry::{Point, Vector, frame_about, search};
+use crate::part::Blank;
+use crate::setup::Tool;
+
+/// Spacing of the samples along a link, in cutter diameters.
+const SAMPLE_DIAMETERS: f64 = 0.25;
+/// Maximum number of samples along a link.
+const MAX_SAMPLES: usize = 400;
+
+/// A rapid link of a tool between two positions, each a tip (mm) and a unit axis.
+#[derive(Clone, Copy, Debug)]
+pub struct LinkMove<'a> {
+    /// The tool.
+    pub tool: &'a Tool,
+    /// The blank to stay clear of.
+    pub blank: &'a Blank,
+    /// Start of the link.
+    pub from: (Point, Vector),
+    /// End of the link.
+    pub to: (Point, Vector),
+}
+
+/// Maximum turn of the axis between two samples, rad.
+const SAMPLE_TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
+
+/// Turn of an axis at a constant rate (spherical linear interpolation).
+#[derive(Clone, Copy, Debug)]
+pub struct AxisTurn {
+    from: Vector,
+    /// Unit vector across `from`, towards the other end.
+    across: Vector,
+    angle: f64,
+}
+
+impl AxisTurn {
+    /// Turn from one unit axis to another; between opposite axes an arbitrary one of the possible turns.
+    pub fn new(from: Vector, to: &Vector) -> Self {
+        let across = (to - from * from.dot(to)).try_normalize(1e-12);
+        Self { from, across: across.unwrap_or_else(|| frame_about(&from).0), angle: from.angle(to) }
+    }
+
+    /// The axis at `share` (0…1) of the turn, and its derivative by the share.
+    pub fn at(&self, share: f64) -> (Vector, Vector) {
+        let (sin, cos) = (share * self.angle).sin_cos();
+        (self.from * cos + self.across * sin, (self.across * cos - self.from * sin) * self.angle)
+    }
+}
+
+impl LinkMove<'_> {
+    /// Number of samples between both ends for at most `spacing` mm between them.
+    fn samples(&self, turn: &AxisTurn, spacing: f64) -> usize {
+        let looks = ((self.to.0 - self.from.0).norm() / spacing).max(turn.angle / SAMPLE_TURN);
+        (looks.ceil() as usize).clamp(1, MAX_SAMPLES)
+    }
+
+    /// Minimum distance of the cutter's bottom to the blank between both ends, mm; if a sample is below
+    /// `enough`, that minimum is not refined further. `ends` are the bottoms at start and end.
+    pub fn clearance(&self, ends: [&NearBottom; 2], enough: f64) -> f64 {
+        let (from, to) = (self.from, self.to);
+        let (motion, turn) = (to.0 - from.0, AxisTurn::new(from.1, &to.1));
+        let samples = self.samples(&turn, SAMPLE_DIAMETERS * self.tool.diameter);
+        let spacing = 1.0 / (samples + 1) as f64;
+        // Clearance at a share of the link, and its derivative by the share.
+        let look = |share: f64, known: Option<&NearBottom>| {
+            let (axis, turning) = turn.at(share);
+            let cutter = self.tool.placed(from.0 + motion * share, axis);
+            let near = known.copied().unwrap_or_else(|| NearBottom::of(&cutter, self.blank));
+            (near.clearance, near.clearance_rate(&cutter, &motion, &turning))
+        };
+        let at = |i: usize| match i {
+            0 => look(0.0, Some(ends[0])),
+            i if i == samples + 1 => look(1.0, Some(ends[1])),
+            i => look(spacing * i as f64, None),
+        };
+        let looks: Vec<(f64, f64)> = (0..samples + 2).into_par_iter().with_min_len(16).map(at).collect();
+        let mut least = looks[1..=samples].iter().map(|look| look.0).fold(f64::INFINITY, f64::min);
+        // Where the clearance falls at one sample and rises at the next, it has a minimum in between.
+        for (i, pair) in looks.windows(2).enumerate() {
+            let (from, to) = (pair[0], pair[1]);
+            if least < enough || from.1 >= 0.0 || to.1 <= 0.0 {
+                continue;
+            }
+            let start = spacing * i as f64;
+            let ends = ((start, from.1), (start + spacing, to.1));
+            least = least.min(search::min_between_slopes(|x| look(x, None), ends.0, ends.1, 0.02 * spacing));
+        }
+        least
+    }
+
+    /// Maximum depth over the link to which the tool, taken as an endless cylinder, is in the blank, measured
+    /// from its bottom, mm; 0 where it is clear. `surface` is that of the blank at the distance of the corner
+    /// radius.
+    pub fn max_tool_depth(&self, surface: &RetractSurface) -> f64 {
+        let (motion, turn) = (self.to.0 - self.from.0, AxisTurn::new(self.from.1, &self.to.1));
+        let samples = self.samples(&turn, self.tool.diameter);
+        let flat = self.tool.radius() - self.tool.corner_radius;
+        let height = |i: usize| {
+            let share = i as f64 / samples as f64;
+            surface.height(&(self.from.0 + motion * share), &turn.at(share).0, flat)
+        };
+        (1..=samples).map(height).fold(0.0, f64::max)
+    }
+}

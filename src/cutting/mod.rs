@@ -1,0 +1,15 @@
+//! A cutter against part and stock: distances, drop-cutter depth, retracts, rapid links, contact of the core.
+//!
+//! | file | answers |
+//! |---|---|
+//! | [`clearance`] | how far a cutter is from the finished part |
+//! | [`drop_cutter`] | how deep it goes along its axis until it touches a surface of revolution |
+//! | [`retract`] | from which height a rapid is clear of the blank |
+//! | [`link`] | whether a rapid between two plunges is |
+//! | [`contact`] | where the core of a plunge meets stock that earlier plunges left |
+
+pub mod clearance;
+pub mod contact;
+pub mod drop_cutter;
+pub mod link;
+pub mod retract;

@@ -1,0 +1,106 @@
+//! Stage 5, safe height: how far a cutter must be retracted along its axis to be clear of the blank.
+
+use super::drop_cutter::DepthSurface;
+use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, distance_rate, search};
+use crate::part::Blank;
+
+/// The top of the blank as a drop-cutter surface: the shroud surface and the circles of the leading-edge line
+/// and of the rim.
+#[derive(Debug)]
+pub struct RetractSurface<'a> {
+    top: DepthSurface<'a>,
+}
+
+impl<'a> RetractSurface<'a> {
+    /// The surface at `distance` mm (safety distance plus corner radius) from `blank`.
+    pub fn new(blank: &'a Blank, distance: f64) -> Self {
+        Self { top: DepthSurface::new(&blank.shroud, distance).with_edges(blank.end_circles()) }
+    }
+
+    /// Height above `tip` along `axis` (unit), mm, from which on a flat bottom of `radius` mm is clear of the
+    /// blank; at least 0.
+    pub fn height(&self, tip: &Point, axis: &Vector, radius: f64) -> f64 {
+        self.top.touch(tip, axis, radius).map_or(0.0, |touch| touch.height.max(0.0))
+    }
+}
+
+/// The nearest points of a cutter's bottom and the blank.
+#[derive(Clone, Copy, Debug)]
+pub struct NearBottom {
+    /// Minimum distance of the bottom to the blank, mm. Negative when the bottom is in the blank.
+    pub clearance: f64,
+    /// The point of the bottom, inset by the corner radius, and that of the blank's outline.
+    point: Point,
+    foot: Meridional,
+}
+
+impl NearBottom {
+    /// Initial value of a minimum search.
+    pub const NOWHERE: Self = Self {
+        clearance: f64::INFINITY,
+        point: Point::new(0.0, 0.0, 0.0),
+        foot: Meridional { r: 0.0, z: 0.0 },
+    };
+
+    /// Searches rim, a ring and centre of the bottom, independently of how the retract height was computed.
+    pub fn of(cutter: &CutterSolid, blank: &Blank) -> Self {
+        let flat = cutter.radius - cutter.corner_radius;
+        let centre = cutter.tip + cutter.axis * cutter.corner_radius;
+        let mut warm = None;
+        let mut nearest = Self::NOWHERE;
+        let mut distance = |point: Point| {
+            let (clearance, foot) = blank.nearest_top(Meridional::of(&point), &mut warm);
+            if clearance < nearest.clearance {
+                nearest = Self { clearance, point, foot };
+            }
+            (clearance, foot)
+        };
+        distance(centre);
+        let half_way = Circle::new(&centre, &cutter.axis, 0.5 * flat);
+        for i in 0..8 {
+            distance(half_way.point_and_derivative((std::f64::consts::FRAC_PI_4 * f64::from(i)).sin_cos()).0);
+        }
+        let rim = Circle::new(&centre, &cutter.axis, flat);
+        let on_rim = |phi: f64| {
+            let (p, turning) = rim.point_and_derivative(phi.sin_cos());
+            let (d, foot) = distance(p);
+            (d, distance_rate(&p, &turning, foot) * d.signum())
+        };
+        search::min_over_turn::<16>(on_rim, 0.2);
+        Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest }
+    }
+
+    /// Derivative of the clearance, mm per unit, while the tip of its `cutter` moves by `motion` and the axis
+    /// by `turning` (perpendicular to it).
+    pub fn clearance_rate(&self, cutter: &CutterSolid, motion: &Vector, turning: &Vector) -> f64 {
+        let turn = cutter.axis.cross(turning);
+        let velocity = motion + turn.cross(&(self.point - cutter.tip));
+        let depth = self.clearance + cutter.corner_radius;
+        distance_rate(&self.point, &velocity, self.foot) * depth.signum()
+    }
+}
+
+/// Minimum distance of a cutter's bottom to the blank, mm. Negative when the bottom is in the blank.
+pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
+    NearBottom::of(cutter, blank).clearance
+}
+
+/// Maximum number of retract steps.
+const MAX_RETRACT_STEPS: usize = 30;
+
+/// Tip of `cutter` after retracting along its axis until its bottom keeps `safety` mm from `blank`, and the
+/// clearance there; `clearance` is the current one, mm.
+///
+/// After [`RetractSurface::height`] this rarely moves the tip: only near the flat ends of the blank, which
+/// that surface represents by their circles.
+pub fn retract_clear(cutter: &CutterSolid, clearance: f64, blank: &Blank, safety: f64) -> (Point, f64) {
+    let (mut cutter, mut clearance) = (*cutter, clearance);
+    for _ in 0..MAX_RETRACT_STEPS {
+        if clearance >= safety {
+            break;
+        }
+        cutter.tip += cutter.axis * (1.5 * (safety - clearance) + 1e-3);
+        clearance = bottom_clearance(&cutter, blank);
+    }
+    (cutter.tip, clearance)
+}

@@ -1,0 +1,12 @@
+//! Cutter-location programs in APT (ISO 4343): a writer and a tolerant reader.
+
+mod read;
+mod transform;
+mod words;
+mod write;
+
+pub use read::{read_apt, read_apt_bytes};
+pub use write::write_apt;
+
+#[cfg(test)]
+mod tests;

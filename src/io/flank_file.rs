@@ -1,0 +1,279 @@
+//! `flank.json`: a flank plan with everything needed to display it again, including part and setup.
+
+use serde::{Deserialize, Serialize};
+
+use super::InputError;
+use super::native::write_native;
+use super::setup_file::write_setup;
+use super::stored;
+use super::stored::{StoredInputs, are_coordinates, damaged};
+use crate::flank::chart::{Region, WallName};
+use crate::flank::schemes::PassRole;
+use crate::flank::wall::DeviationMap;
+use crate::flank::{FlankMove, FlankPlan, MilledWall, MoveKind};
+use crate::geometry::Point;
+use crate::part::{Impeller, PartDescription};
+use crate::setup::{FlankStrategy, Setup};
+use crate::toolpath::RAPID_MM_PER_MIN;
+
+/// Version of the file format; newer files are rejected.
+const VERSION: u32 = 1;
+/// Steps per mm to which positions and points are rounded.
+const STEPS_PER_MM: f64 = 1e6;
+/// Steps per unit to which axis components are rounded.
+const AXIS_STEPS: f64 = 1e9;
+/// Steps per mm/min to which feed rates are rounded.
+const FEED_STEPS: f64 = 1e3;
+
+#[derive(Serialize, Deserialize)]
+struct FlankFile {
+    vanecut_flank: u32,
+    /// The part in the native format.
+    part: String,
+    /// The setup in its file format, with the chosen tool filled in.
+    setup: String,
+    scheme: FlankStrategy,
+    /// Feed rate along passes beside one that is already cut, mm/min.
+    feed: f64,
+    layers: Vec<LayerFile>,
+    #[serde(default)]
+    walls: Vec<WallFile>,
+    moves: Vec<MoveFile>,
+    /// Feed rate of each move, mm/min; older files have one feed rate for all moves that are not rapid.
+    #[serde(default)]
+    feeds: Vec<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct LayerFile {
+    /// Height above the hub, mm.
+    height: f64,
+    /// Stepover between neighbouring passes, mm.
+    interval: f64,
+    curves: Vec<CurveFile>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct CurveFile {
+    wall: bool,
+    region: Region,
+    points: Vec<[f64; 3]>,
+}
+
+/// Deviation of a milled wall.
+#[derive(Serialize, Deserialize)]
+struct WallFile {
+    wall: WallName,
+    region: Region,
+    u: Vec<f64>,
+    v: Vec<f64>,
+    /// Deviation, row by row of u, mm: stock above the blade allowance, negative below it.
+    deviation: Vec<f64>,
+}
+
+/// What the swept cutter leaves on a wall.
+#[derive(Clone, Debug)]
+pub struct ShownWall {
+    /// Which wall.
+    pub wall: WallName,
+    /// The passage beside it.
+    pub region: Region,
+    /// Stock above the blade allowance, mm.
+    pub map: DeviationMap,
+}
+
+/// Kind, layer, region, whether it runs along a wall, tip (mm), axis (unit vector).
+type MoveFile = (MoveKind, usize, Region, bool, [f64; 3], [f64; 3]);
+
+/// A pass as it is displayed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShownPass {
+    /// Layer index, 0 at the hub.
+    pub layer: usize,
+    /// Region of its middle.
+    pub region: Region,
+    /// Whether it runs along a wall.
+    pub wall: bool,
+    /// Its points on the layer, in the part frame, mm.
+    pub points: Vec<Point>,
+}
+
+/// A flank plan read back.
+#[derive(Debug)]
+pub struct StoredFlank {
+    /// Description of the part when the plan was made.
+    pub description: PartDescription,
+    /// The part built from it.
+    pub part: Impeller,
+    /// The setup the plan was made with.
+    pub setup: Setup,
+    /// Strategy of the passes.
+    pub scheme: FlankStrategy,
+    /// Feed rate along passes beside one that is already cut, mm/min.
+    pub feed_mm_per_min: f64,
+    /// Number of layers.
+    pub layers: usize,
+    /// The passes of all layers.
+    pub passes: Vec<ShownPass>,
+    /// Deviation of the milled walls.
+    pub walls: Vec<ShownWall>,
+    /// All moves in cutting order.
+    pub moves: Vec<FlankMove>,
+}
+
+/// The passes of a plan as they are displayed.
+pub fn shown_passes(plan: &FlankPlan) -> Vec<ShownPass> {
+    let layers = plan.layout.layers.iter().enumerate();
+    layers
+        .flat_map(|(number, layer)| {
+            layer.pass_curves.iter().map(move |curve| ShownPass {
+                layer: number,
+                region: curve.region,
+                wall: matches!(
+                    curve.role,
+                    PassRole::Wall(WallName::Low | WallName::High | WallName::Splitter)
+                ),
+                points: curve.points.iter().map(|p| layer.layer.point(*p)).collect(),
+            })
+        })
+        .collect()
+}
+
+/// The milled walls of a plan as they are displayed.
+pub fn shown_walls(plan: &FlankPlan) -> Vec<ShownWall> {
+    let shown = |w: &MilledWall| ShownWall { wall: w.wall, region: w.region, map: w.axes.map.clone() };
+    plan.walls.iter().map(shown).collect()
+}
+
+fn rounded(coordinates: [f64; 3], decimals: f64) -> [f64; 3] {
+    coordinates.map(|x| (x * decimals).round() / decimals)
+}
+
+/// Writes a flank plan file (JSON); lengths in mm, feed rates in mm/min, part frame.
+pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPlan) -> String {
+    let curves = shown_passes(plan);
+    let layers = plan.layout.layers.iter().enumerate().map(|(number, layer)| LayerFile {
+        height: layer.layer.height,
+        interval: layer.stepover,
+        curves: curves
+            .iter()
+            .filter(|curve| curve.layer == number)
+            .map(|curve| CurveFile {
+                wall: curve.wall,
+                region: curve.region,
+                points: curve.points.iter().map(|p| rounded(p.coords.into(), STEPS_PER_MM)).collect(),
+            })
+            .collect(),
+    });
+    let file = FlankFile {
+        vanecut_flank: VERSION,
+        part: write_native(description),
+        setup: write_setup(setup),
+        scheme: plan.layout.strategy,
+        feed: plan.feeds.step_mm_per_min,
+        layers: layers.collect(),
+        walls: plan
+            .walls
+            .iter()
+            .map(|w| {
+                let round = |x: &f64| (x * STEPS_PER_MM).round() / STEPS_PER_MM;
+                let map = &w.axes.map;
+                let (u, v) = (map.u.iter().map(round).collect(), map.v.iter().map(round).collect());
+                WallFile {
+                    wall: w.wall,
+                    region: w.region,
+                    u,
+                    v,
+                    deviation: map.deviation.iter().map(round).collect(),
+                }
+            })
+            .collect(),
+        moves: plan
+            .moves
+            .iter()
+            .map(|m| {
+                let (tip, axis) =
+                    (rounded(m.tip.coords.into(), STEPS_PER_MM), rounded(m.axis.into(), AXIS_STEPS));
+                (m.kind, m.layer, m.region, m.along_wall, tip, axis)
+            })
+            .collect(),
+        feeds: plan.moves.iter().map(|m| (m.feed_mm_per_min * FEED_STEPS).round() / FEED_STEPS).collect(),
+    };
+    let mut text = serde_json::to_string(&file).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// Whether the bytes look like a flank plan file rather than a plunge plan file.
+pub fn is_flank(bytes: &[u8]) -> bool {
+    let head = &bytes[..bytes.len().min(64)];
+    head.windows(15).any(|w| w == b"\"vanecut_flank\"")
+}
+
+/// Reads a flank plan file; `name` is the file name used in messages.
+///
+/// # Errors
+/// When the bytes are not a flank plan file of a supported version, or hold unusable values.
+pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputError> {
+    let file: FlankFile = serde_json::from_slice(bytes).map_err(|e| {
+        InputError::new(
+            name,
+            e.line(),
+            format!("this is not a flank plan file ({e})"),
+            "give a flank.json that `vanecut flank` wrote",
+        )
+    })?;
+    stored::check_version(name, "flank plan file", file.vanecut_flank, VERSION)?;
+    let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup)?;
+    let layers = file.layers.len();
+    let mut curves = Vec::new();
+    for (layer, found) in file.layers.into_iter().enumerate() {
+        for curve in found.curves {
+            if !are_coordinates(curve.points.iter().flatten()) {
+                return Err(damaged(name, format!("a curve of layer {} is damaged", layer + 1)));
+            }
+            let points = curve.points.into_iter().map(stored::point).collect();
+            curves.push(ShownPass { layer, region: curve.region, wall: curve.wall, points });
+        }
+    }
+    let mut moves = Vec::with_capacity(file.moves.len());
+    for (number, (kind, layer, region, wall, tip, axis)) in file.moves.into_iter().enumerate() {
+        let axis = stored::unit_axis(axis).filter(|_| are_coordinates(&tip) && layer < layers.max(1));
+        let feed = file.feeds.get(number).copied().unwrap_or(match kind {
+            MoveKind::Rapid => RAPID_MM_PER_MIN,
+            _ => file.feed,
+        });
+        let Some(axis) = axis.filter(|_| feed > 0.0 && feed.is_finite()) else {
+            return Err(damaged(name, format!("move {} is damaged", number + 1)));
+        };
+        moves.push(FlankMove {
+            kind,
+            tip: stored::point(tip),
+            axis,
+            feed_mm_per_min: feed,
+            layer,
+            region,
+            along_wall: wall,
+        });
+    }
+    let mut walls = Vec::new();
+    for wall in file.walls {
+        let numbers = wall.u.iter().chain(&wall.v).chain(&wall.deviation);
+        if wall.deviation.len() != wall.u.len() * wall.v.len() || !are_coordinates(numbers) {
+            return Err(damaged(name, "the deviation of a wall is damaged"));
+        }
+        let map = DeviationMap { u: wall.u, v: wall.v, deviation: wall.deviation };
+        walls.push(ShownWall { wall: wall.wall, region: wall.region, map });
+    }
+    Ok(StoredFlank {
+        walls,
+        description,
+        part,
+        setup,
+        scheme: file.scheme,
+        feed_mm_per_min: file.feed,
+        layers,
+        passes: curves,
+        moves,
+    })
+}

@@ -1,0 +1,190 @@
+//! `plan.json`: a plunge plan with everything needed to display it again, including part and setup.
+
+use serde::{Deserialize, Serialize};
+
+use super::InputError;
+use super::native::write_native;
+use super::setup_file::write_setup;
+use super::stored;
+use super::stored::{StoredInputs, are_coordinates, damaged};
+use crate::cutting::contact::CoreContact;
+use crate::part::{Impeller, PartDescription};
+use crate::plunge::{Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
+use crate::setup::{AxisPolicy, Setup, tool_of};
+
+/// Version of the file format; newer files are rejected.
+const VERSION: u32 = 1;
+
+#[derive(Serialize, Deserialize)]
+struct PlanFile {
+    vanecut_plan: u32,
+    /// The part in the native format.
+    part: String,
+    /// The setup with every default filled in.
+    setup: String,
+    policy: AxisPolicy,
+    channels: usize,
+    rounds: usize,
+    settled: bool,
+    rows: Vec<usize>,
+    /// Plunges added to each section and why adding stopped. Absent in files of earlier versions.
+    #[serde(default)]
+    added: Vec<Option<(usize, StopReason)>>,
+    positions: Vec<PositionFile>,
+    dropped: Vec<(usize, usize, f64)>,
+    /// Why each entry of `dropped` was left out. Absent in files of earlier versions.
+    #[serde(default)]
+    dropped_why: Vec<DropReason>,
+}
+
+/// One plunge; lengths in mm, angles in degrees, part frame.
+#[derive(Serialize, Deserialize)]
+struct PositionFile {
+    section: usize,
+    row: usize,
+    s: f64,
+    lambda: f64,
+    tip: [f64; 3],
+    axis: [f64; 3],
+    retract: [f64; 3],
+    contact_point: [f64; 3],
+    alpha: f64,
+    contact_depth: f64,
+    contact_area: f64,
+    /// Absent in files of earlier versions.
+    #[serde(default)]
+    lift: f64,
+    blocked: Option<Blocked>,
+    #[serde(default)]
+    held: Option<LimitedBy>,
+    hub_clearance: f64,
+    blade_clearance: f64,
+    retract_clearance: f64,
+}
+
+/// A plan read back.
+#[derive(Debug)]
+pub struct StoredPlan {
+    /// Description of the part when the plan was made.
+    pub description: PartDescription,
+    /// The part built from it.
+    pub part: Impeller,
+    /// The setup the plan was made with.
+    pub setup: Setup,
+    /// The plan.
+    pub plan: PlungePlan,
+}
+
+/// Writes a plan file (JSON); lengths in mm, angles in degrees, part frame. `channels` is the number of
+/// channels that the plan is repeated for.
+pub fn write_plan(
+    description: &PartDescription,
+    setup: &Setup,
+    plan: &PlungePlan,
+    channels: usize,
+) -> String {
+    let file = PlanFile {
+        vanecut_plan: VERSION,
+        part: write_native(description),
+        setup: write_setup(setup),
+        policy: plan.policy,
+        channels,
+        rounds: plan.iterations,
+        settled: plan.converged,
+        rows: plan.sections.iter().map(|s| s.rows).collect(),
+        added: plan.sections.iter().map(|s| s.added).collect(),
+        positions: plan
+            .positions
+            .iter()
+            .map(|p| PositionFile {
+                section: p.section,
+                row: p.row,
+                s: p.s,
+                lambda: p.lambda,
+                tip: p.tip.coords.into(),
+                axis: p.axis.into(),
+                retract: p.retract.coords.into(),
+                contact_point: p.contact_point.coords.into(),
+                alpha: p.alpha_rad.to_degrees(),
+                contact_depth: p.contact.depth,
+                contact_area: p.contact.area_share,
+                lift: p.lift,
+                blocked: p.blocked,
+                held: p.limited_by,
+                hub_clearance: p.hub_clearance,
+                blade_clearance: p.blade_clearance,
+                retract_clearance: p.retract_clearance,
+            })
+            .collect(),
+        dropped: plan.dropped.iter().map(|d| (d.section, d.row, d.s)).collect(),
+        dropped_why: plan.dropped.iter().map(|d| d.why).collect(),
+    };
+    let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// Reads a plan file; `name` is the file name used in messages.
+///
+/// # Errors
+/// When the bytes are not a plan file of a supported version, or hold unusable values.
+pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputError> {
+    let file: PlanFile = serde_json::from_slice(bytes).map_err(|e| {
+        InputError::new(
+            name,
+            e.line(),
+            format!("this is not a plan file ({e})"),
+            "give a plan.json that `vanecut plan` wrote",
+        )
+    })?;
+    stored::check_version(name, "plan file", file.vanecut_plan, VERSION)?;
+    let StoredInputs { description, part, setup } = stored::read_inputs(name, &file.part, &file.setup)?;
+    let mut sections = Vec::new();
+    for (index, section) in setup.plunge.sections.iter().enumerate() {
+        sections.push(SectionPlan {
+            tool: tool_of(&setup, section.tool).map_err(|e| damaged(name, e.what))?.clone(),
+            from: section.from,
+            to: section.to,
+            feed: section.cut_direction.unwrap_or(crate::setup::CutDirection::Inward),
+            rows: file.rows.get(index).copied().unwrap_or(0),
+            rest: section.rest,
+            added: file.added.get(index).copied().flatten(),
+        });
+    }
+    let mut positions = Vec::with_capacity(file.positions.len());
+    for (index, p) in file.positions.into_iter().enumerate() {
+        let sane = are_coordinates(p.tip.iter().chain(&p.retract)) && p.section < sections.len();
+        let Some(axis) = stored::unit_axis(p.axis).filter(|_| sane) else {
+            return Err(damaged(name, format!("position {} is damaged", index + 1)));
+        };
+        positions.push(Position {
+            tip: stored::point(p.tip),
+            axis,
+            retract: stored::point(p.retract),
+            section: p.section,
+            row: p.row,
+            s: p.s,
+            lambda: p.lambda,
+            alpha_rad: p.alpha.to_radians(),
+            contact_point: stored::point(p.contact_point),
+            contact: CoreContact { depth: p.contact_depth, area_share: p.contact_area },
+            lift: p.lift,
+            blocked: p.blocked,
+            limited_by: p.held,
+            hub_clearance: p.hub_clearance,
+            blade_clearance: p.blade_clearance,
+            retract_clearance: p.retract_clearance,
+        });
+    }
+    let why = file.dropped_why.into_iter().chain(std::iter::repeat(DropReason::Blades));
+    let dropped = file.dropped.into_iter().zip(why);
+    let plan = PlungePlan {
+        policy: file.policy,
+        sections,
+        positions,
+        dropped: dropped.map(|((section, row, s), why)| Dropped { section, row, s, why }).collect(),
+        iterations: file.rounds,
+        converged: file.settled,
+    };
+    Ok(StoredPlan { description, part, setup, plan })
+}

@@ -1,0 +1,370 @@
+//! The project file: the part, its setup, the what-if sets to compare, and the view. It is JSON, so that
+//! it can be read in an editor; setups are embedded as the text of setup files.
+//!
+//! The part is not embedded: the file gives its path, relative to the project file where possible, and a
+//! hash of the part description, so that a later change of the part is detected.
+
+use std::path::{Component, Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::InputError;
+use super::native::write_native;
+use super::setup_file::write_setup;
+use super::source::{name_of, read_bytes};
+use super::stored::{check_version, setup_within};
+use crate::mesh::MeshOptions;
+use crate::part::PartDescription;
+use crate::setup::Setup;
+
+/// Version of the file format; newer files are rejected.
+pub const VERSION: u32 = 2;
+/// Extension of project files.
+pub const EXTENSION: &str = "vanecut";
+/// Maximum number of sets in a project.
+const MAX_SETS: usize = 1000;
+
+/// Where the part of a project comes from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PartLocation {
+    /// A file.
+    File(PathBuf),
+    /// A mesh file, with the user's options for it.
+    Mesh {
+        /// The file.
+        file: PathBuf,
+        /// Roles, unit, axis and other options.
+        choices: MeshOptions,
+    },
+    /// A sample that comes with the program.
+    Sample(String),
+}
+
+impl PartLocation {
+    /// The same with its file path replaced by `to(path)`.
+    fn with_path(&self, to: impl FnOnce(&Path) -> PathBuf) -> Self {
+        match self {
+            Self::File(file) => Self::File(to(file)),
+            Self::Mesh { file, choices } => Self::Mesh { file: to(file), choices: choices.clone() },
+            Self::Sample(name) => Self::Sample(name.clone()),
+        }
+    }
+}
+
+/// The camera of the view; lengths mm, angles rad.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Viewpoint {
+    /// Point at the centre of the view, part frame, mm.
+    pub target: [f32; 3],
+    /// Angle about the rotation axis, rad.
+    pub yaw: f32,
+    /// Angle above the horizon, rad.
+    pub pitch: f32,
+    /// Distance from the target, mm.
+    pub distance: f32,
+    /// Whether the projection is parallel.
+    pub parallel: bool,
+}
+
+/// What of the plan was selected and displayed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanSelection {
+    /// Whether the conventional plan was shown.
+    #[serde(default)]
+    pub before: bool,
+    /// Position, counted from 0 in cutting order.
+    #[serde(default)]
+    pub position: Option<usize>,
+    /// Number of positions displayed as cut; `None`: all.
+    #[serde(default)]
+    pub cut: Option<usize>,
+}
+
+/// Results of planning a setup, by which sets are compared. Lengths mm, time s, share 0…1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SetFigures {
+    /// Number of plunges.
+    pub positions: usize,
+    /// Number of interfering plunges: their core meets stock.
+    pub interferential: usize,
+    /// Mean residual stock on the channel floor, mm.
+    pub residual_mean: f64,
+    /// Its 95th percentile, mm.
+    pub residual_p95: f64,
+    /// Share of the accessible floor that no plunge cuts.
+    pub uncut_share: f64,
+    /// Estimated machining time of one channel, s.
+    pub time: f64,
+}
+
+/// A what-if set kept for comparison.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredSet {
+    /// Its name.
+    pub name: String,
+    /// The setup.
+    pub setup: Setup,
+    /// Its results, if it was planned.
+    pub figures: Option<SetFigures>,
+}
+
+/// A project.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Project {
+    /// Where the part comes from. When read, relative paths are resolved against the project's folder.
+    pub part: PartLocation,
+    /// [`part_hash`] of its description.
+    pub part_hash: u64,
+    /// The current setup.
+    pub setup: Setup,
+    /// Sets kept for comparison.
+    pub sets: Vec<StoredSet>,
+    /// The camera of the view.
+    pub viewpoint: Option<Viewpoint>,
+    /// What of the plan was selected and displayed.
+    pub chosen: PlanSelection,
+    /// In recovery copies that were saved automatically, the project file they belong to.
+    pub original: Option<PathBuf>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ProjectFile {
+    vanecut_project: u32,
+    part: PartLocation,
+    part_hash: String,
+    setup: String,
+    #[serde(default)]
+    sets: Vec<SetFile>,
+    #[serde(default)]
+    viewpoint: Option<Viewpoint>,
+    #[serde(default)]
+    chosen: PlanSelection,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    original: Option<PathBuf>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SetFile {
+    name: String,
+    setup: String,
+    #[serde(default)]
+    figures: Option<SetFigures>,
+}
+
+/// Hash of a part description; equal for all files that describe the same part.
+pub fn part_hash(part: &PartDescription) -> u64 {
+    // FNV-1a hash: small, and the same on every machine and in every version.
+    let start = 0xcbf2_9ce4_8422_2325u64;
+    write_native(part)
+        .bytes()
+        .fold(start, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// Writes a project file (JSON) to be saved at `path`: the part's path is relative to it if the part is
+/// in the same folder or below.
+pub fn write_project(project: &Project, path: &Path) -> String {
+    let part = project.part.with_path(|part| relative(part, path));
+    let file = ProjectFile {
+        vanecut_project: VERSION,
+        part,
+        part_hash: format!("{:016x}", project.part_hash),
+        setup: write_setup(&project.setup),
+        sets: project
+            .sets
+            .iter()
+            .map(|set| SetFile {
+                name: set.name.clone(),
+                setup: write_setup(&set.setup),
+                // JSON has no NaN; figures without a value are omitted.
+                figures: set.figures.filter(|f| f.residual_mean.is_finite() && f.residual_p95.is_finite()),
+            })
+            .collect(),
+        viewpoint: project.viewpoint,
+        chosen: project.chosen,
+        original: project.original.clone(),
+    };
+    let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+fn relative(part: &Path, path: &Path) -> PathBuf {
+    let folder = |path: &Path| std::path::absolute(path).ok();
+    let (Some(whole), Some(own)) = (folder(part), folder(path)) else { return part.to_owned() };
+    let beside = own.parent().and_then(|folder| whole.strip_prefix(folder).ok().map(Path::to_owned));
+    beside.unwrap_or(whole)
+}
+
+/// Reads a project file.
+///
+/// # Errors
+/// As [`read_project_bytes`], or when the file cannot be read.
+pub fn read_project(path: &Path) -> Result<Project, InputError> {
+    read_project_bytes(path, &read_bytes(path)?)
+}
+
+/// Reads a project file from bytes; `path` is where it is saved.
+///
+/// # Errors
+/// When the bytes are not a project file of a supported version, or a setup in it has an error.
+pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputError> {
+    let name = name_of(path);
+    let fault = |line: usize, what: String, cure: &str| InputError::new(&name, line, what, cure);
+    // The version is checked first: a newer file may have keys that this version does not support.
+    #[derive(Deserialize)]
+    struct Version {
+        vanecut_project: u32,
+    }
+    let broken = |e: serde_json::Error| {
+        fault(e.line(), format!("this is not a project file ({e})"), "open a project file (.vanecut)")
+    };
+    let version: Version = serde_json::from_slice(bytes).map_err(broken)?;
+    check_version(&name, "project", version.vanecut_project, VERSION)?;
+    let file: ProjectFile = serde_json::from_slice(bytes).map_err(broken)?;
+    if file.sets.len() > MAX_SETS {
+        let what = format!("{} sets, more than {MAX_SETS}", file.sets.len());
+        return Err(fault(0, what, "remove some"));
+    }
+    let part_hash = u64::from_str_radix(&file.part_hash, 16).map_err(|_| {
+        fault(0, "part_hash is not a hexadecimal number".to_owned(), "save the project again")
+    })?;
+    let setup = |what: &str, text: &str| setup_within(&name, what, text);
+    let sets = file.sets.iter().map(|set| {
+        Ok(StoredSet { name: set.name.clone(), setup: setup(&set.name, &set.setup)?, figures: set.figures })
+    });
+    let is_relative = |part: &Path| {
+        let first = part.components().next();
+        first.is_some_and(|c| matches!(c, Component::Normal(_) | Component::ParentDir | Component::CurDir))
+    };
+    let part = file.part.with_path(|part| match is_relative(part) {
+        true => path.parent().unwrap_or(Path::new("")).join(part),
+        false => part.to_owned(),
+    });
+    Ok(Project {
+        part,
+        part_hash,
+        setup: setup("setup", &file.setup)?,
+        sets: sets.collect::<Result<_, InputError>>()?,
+        viewpoint: file.viewpoint.filter(Viewpoint::is_usable),
+        chosen: file.chosen,
+        original: file.original,
+    })
+}
+
+impl Viewpoint {
+    fn is_usable(&self) -> bool {
+        let all = [self.yaw, self.pitch, self.distance].into_iter().chain(self.target);
+        all.into_iter().all(f32::is_finite) && self.distance > 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::axis::Axis;
+    use crate::mesh::{LengthUnit, Role};
+    use crate::part::Rotation;
+
+    fn project() -> Project {
+        let mut setup = Setup::default();
+        setup.plunge.step = Some(7.5);
+        Project {
+            part: PartLocation::File("/parts/wheel.toml".into()),
+            part_hash: 0x1234_5678_9abc_def0,
+            setup: setup.clone(),
+            sets: vec![StoredSet {
+                name: "Set 1".to_owned(),
+                setup,
+                figures: Some(SetFigures {
+                    positions: 120,
+                    interferential: 0,
+                    residual_mean: 0.83,
+                    residual_p95: 1.5,
+                    uncut_share: 0.01,
+                    time: 900.0,
+                }),
+            }],
+            viewpoint: Some(Viewpoint {
+                target: [1.0, 2.0, 3.0],
+                yaw: 0.5,
+                pitch: 0.25,
+                distance: 400.0,
+                parallel: true,
+            }),
+            chosen: PlanSelection { before: true, position: Some(16), cut: None },
+            original: None,
+        }
+    }
+
+    #[test]
+    fn a_project_comes_back_as_it_was_written() {
+        let choices = MeshOptions {
+            roles: vec![("Body 3".to_owned(), Role::Hub), ("#7".to_owned(), Role::Ignored)],
+            unit: Some(LengthUnit::Inch),
+            axis: Some(Axis::Y),
+            blades: Some(9),
+            rotation: Some(Rotation::Clockwise),
+        };
+        for place in [
+            PartLocation::File("/parts/wheel.toml".into()),
+            PartLocation::Sample("pump6".to_owned()),
+            PartLocation::Mesh { file: "/parts/tuning/wheel.glb".into(), choices },
+            PartLocation::Mesh { file: "/parts/wheel.glb".into(), choices: MeshOptions::default() },
+        ] {
+            let project = Project { part: place, ..project() };
+            let path = Path::new("/parts/tuning/wheel.vanecut");
+            let text = write_project(&project, path);
+            assert_eq!(read_project_bytes(path, text.as_bytes()), Ok(project));
+        }
+    }
+
+    #[test]
+    fn a_project_of_the_first_version_still_opens() {
+        let path = Path::new("/parts/wheel.vanecut");
+        let text = write_project(&project(), path);
+        let from = text.find(",\n  \"chosen\"").expect("it is written last");
+        let first = format!("{}\n}}\n", &text[..from]).replace("project\": 2", "project\": 1");
+        let read = read_project_bytes(path, first.as_bytes()).expect("reads");
+        assert_eq!(read, Project { chosen: PlanSelection::default(), ..project() });
+    }
+
+    #[test]
+    fn a_part_beside_the_project_moves_with_it() {
+        let text = write_project(&project(), Path::new("/parts/wheel.vanecut"));
+        assert!(text.contains("\"wheel.toml\""), "{text}");
+        let moved =
+            read_project_bytes(Path::new("/elsewhere/wheel.vanecut"), text.as_bytes()).expect("reads");
+        assert_eq!(moved.part, PartLocation::File("/elsewhere/wheel.toml".into()));
+    }
+
+    #[test]
+    fn bad_files_are_named_with_what_to_do() {
+        let path = Path::new("p.vanecut");
+        let text = write_project(&project(), path);
+        for (bytes, word) in [
+            (String::new(), "not a project file"),
+            ("{\"vanecut_project\": 1}".to_owned(), "not a project file"),
+            (text.replace("\"vanecut_project\": 2", "\"vanecut_project\": 99"), "newer vanecut"),
+            (text.replace("step = 7.5", "stepp = 7.5"), "step"),
+            (text.replace("123456789abcdef0", "xyz"), "hexadecimal"),
+        ] {
+            let error = read_project_bytes(path, bytes.as_bytes()).expect_err("is refused").to_string();
+            assert!(error.starts_with("p.vanecut") && error.contains(word), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_hash_tells_parts_apart() {
+        let read = |text: &str| crate::io::read_part_bytes("p.toml", text.as_bytes(), "toml").expect("reads");
+        let text = include_str!("../../assets/parts/pump6.toml");
+        let (a, b) = (read(text), read(&format!("# a remark\n{text}")));
+        assert_eq!(part_hash(&a), part_hash(&b), "remarks do not count");
+        let mut other = a.clone();
+        other.blade_count += 1;
+        assert_ne!(part_hash(&a), part_hash(&other));
+    }
+}

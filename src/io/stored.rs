@@ -1,0 +1,71 @@
+//! Shared by plan and project files: the version check, the part and setup embedded as text in their own
+//! formats, and checks of coordinates.
+
+use super::InputError;
+use super::part_file::read_part_bytes;
+use super::setup_file::read_setup_bytes;
+use crate::geometry::{Point, Vector};
+use crate::part::{Impeller, PartDescription};
+use crate::setup::Setup;
+
+/// Maximum absolute coordinate, mm.
+const MAX_COORDINATE: f64 = 1e6;
+/// Tolerance on the length of a unit axis.
+const UNIT_TOLERANCE: f64 = 1e-6;
+
+/// The part and setup that a plan was made from.
+pub(super) struct StoredInputs {
+    pub(super) description: PartDescription,
+    pub(super) part: Impeller,
+    pub(super) setup: Setup,
+}
+
+/// Returns an error if a file's `version` is newer than `known`, the newest supported one; `kind` is the
+/// kind of the file `name` in the message.
+pub(super) fn check_version(name: &str, kind: &str, version: u32, known: u32) -> Result<(), InputError> {
+    if version <= known {
+        return Ok(());
+    }
+    let what = format!("the {kind} has version {version}, this program reads up to {known}");
+    Err(InputError::new(name, 0, what, "open it with a newer vanecut"))
+}
+
+/// Reads the part and setup of a plan file from the texts under its keys `part` and `setup`.
+pub(super) fn read_inputs(name: &str, part: &str, setup: &str) -> Result<StoredInputs, InputError> {
+    let place = inside(name, "part");
+    let description = read_part_bytes(&place, part.as_bytes(), "toml")?;
+    let part =
+        Impeller::build(&description).map_err(|e| InputError::new(&place, e.line, e.message, e.help))?;
+    Ok(StoredInputs { description, part, setup: setup_within(name, "setup", setup)? })
+}
+
+/// Reads the setup that is embedded in the file `name` under `what`.
+pub(super) fn setup_within(name: &str, what: &str, text: &str) -> Result<Setup, InputError> {
+    read_setup_bytes(&inside(name, what), text.as_bytes())
+}
+
+/// Name in messages of a text embedded in a file.
+fn inside(name: &str, what: &str) -> String {
+    format!("{name} ({what})")
+}
+
+/// The error of a plan file whose syntax is valid but whose values are not.
+pub(super) fn damaged(name: &str, what: impl Into<String>) -> InputError {
+    InputError::new(name, 0, what, "plan the part again")
+}
+
+/// Whether all `numbers` are finite and within the coordinate limit, mm.
+pub(super) fn are_coordinates<'n>(numbers: impl IntoIterator<Item = &'n f64>) -> bool {
+    numbers.into_iter().all(|x| x.abs() < MAX_COORDINATE)
+}
+
+/// A point from its coordinates in a file, mm.
+pub(super) fn point(coordinates: [f64; 3]) -> Point {
+    Point::from(Vector::from(coordinates))
+}
+
+/// A tool axis from its components in a file; `None` if it is not a unit vector.
+pub(super) fn unit_axis(axis: [f64; 3]) -> Option<Vector> {
+    let axis = Vector::from(axis);
+    ((axis.norm() - 1.0).abs() <= UNIT_TOLERANCE).then_some(axis)
+}

@@ -1,0 +1,487 @@
+//! A TOML document with line numbers: keys are checked by name, numbers by range, and every error has
+//! the line of its value.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::InputError;
+use super::source;
+use super::source::{Source, quote_for_message};
+
+/// Maximum number of list items in a document: 1,000,000 points of three numbers have 4,000,000.
+const MAX_ITEMS: usize = 5_000_000;
+/// Maximum number of keys, headers and tables: each needs far more memory than a number.
+const MAX_KEYS: usize = 200_000;
+
+/// Maximum number of separators and runs of blanks in a document: this bounds the parser's own memory.
+/// 1,000,000 points on a line each have 9,000,000.
+const MAX_TOKENS: usize = 12_000_000;
+
+/// Checks by counting separators that the tree of a document will be small enough to build.
+fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
+    let (mut items, mut keys, mut tokens) = (0_usize, 0_usize, 0_usize);
+    for line in text.lines() {
+        tokens += 1;
+        let line = line.trim_start();
+        // A header has no comma; a row of numbers has one.
+        keys += usize::from(line.starts_with('[') && !line.contains(','));
+        let mut before = b' ';
+        let mut dots_in_word = 0;
+        for byte in line.bytes() {
+            match byte {
+                b',' | b'[' => items += 1,
+                b'=' | b'{' => keys += 1,
+                // A single dot after a digit is a decimal point; other dots separate the parts of a key.
+                b'.' => {
+                    dots_in_word += 1;
+                    keys += usize::from(dots_in_word > 1 || !before.is_ascii_digit());
+                }
+                byte if byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b' ') => {}
+                _ => dots_in_word = 0,
+            }
+            if matches!(byte, b',' | b'[') {
+                dots_in_word = 0;
+            }
+            let in_word = byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_' | b'+' | 0x80..);
+            tokens += usize::from(!in_word && (byte != b' ' || before != b' '));
+            before = byte;
+        }
+    }
+    if items > MAX_ITEMS || tokens > MAX_TOKENS {
+        return Err(source.fault(0, "holds more than 1,000,000 points", "give fewer points"));
+    }
+    if keys > MAX_KEYS {
+        return Err(source.fault(0, "holds more than 200,000 keys", "check that this is the right file"));
+    }
+    Ok(())
+}
+
+/// Text of a document and the offsets of its line ends.
+pub struct TomlDocument<'a> {
+    source: Source<'a>,
+    text: &'a str,
+    newlines: Vec<usize>,
+}
+
+impl<'a> TomlDocument<'a> {
+    /// Checks the bytes and finds the line ends.
+    ///
+    /// # Errors
+    /// When the bytes are not text, or the document is too large.
+    pub fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, InputError> {
+        let source = Source { file };
+        let text = source::text(source, bytes)?;
+        check_weight(source, text)?;
+        let newlines = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at).collect();
+        Ok(Self { source, text, newlines })
+    }
+
+    /// Parses the document.
+    ///
+    /// # Errors
+    /// When the text is not valid TOML.
+    pub fn parse(&self) -> Result<Spanned<DeTable<'a>>, InputError> {
+        DeTable::parse(self.text).map_err(|error| {
+            let at = error.span().map_or(self.text.len(), |span| span.start);
+            let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+            self.fault(at, format!("not valid TOML: {what}"), "correct the line")
+        })
+    }
+
+    /// The root table.
+    pub fn root<'t>(&'t self, table: &'t Spanned<DeTable<'a>>) -> TomlTable<'t> {
+        TomlTable { doc: self, name: String::new(), table: table.get_ref(), at: 0 }
+    }
+
+    /// Line of a byte offset.
+    pub fn line(&self, at: usize) -> usize {
+        1 + self.newlines.partition_point(|n| *n < at)
+    }
+
+    /// An error at a byte offset.
+    pub fn fault(&self, at: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
+        self.source.fault(self.line(at), what, cure)
+    }
+}
+
+/// Allowed values of a number.
+#[derive(Clone, Copy)]
+pub enum NumberRange {
+    /// Both ends allowed.
+    Between(f64, f64),
+    /// Lower end not allowed, upper end allowed.
+    Above(f64, f64),
+    /// Neither end allowed.
+    Within(f64, f64),
+}
+
+impl NumberRange {
+    fn holds(self, x: f64) -> bool {
+        match self {
+            Self::Between(a, b) => a <= x && x <= b,
+            Self::Above(a, b) => a < x && x <= b,
+            Self::Within(a, b) => a < x && x < b,
+        }
+    }
+
+    /// Checks that `x` is in the range.
+    ///
+    /// # Errors
+    /// When it is not: what to give instead.
+    pub fn check(self, x: f64) -> Result<(), String> {
+        if self.holds(x) { Ok(()) } else { Err(self.cure()) }
+    }
+
+    fn cure(self) -> String {
+        match self {
+            Self::Between(a, b) => format!("give a number from {a} to {b}"),
+            Self::Above(a, b) => format!("give a number greater than {a} and at most {b}"),
+            Self::Within(a, b) => format!("give a number between {a} and {b}"),
+        }
+    }
+}
+
+/// A value and its byte offset.
+#[derive(Clone, Copy)]
+pub struct Located<T> {
+    /// The value.
+    pub value: T,
+    /// Byte offset, for [`TomlDocument::fault`].
+    pub at: usize,
+}
+
+/// Rows of `N` numbers, each with its byte offset.
+pub type NumberRows<const N: usize> = Vec<Located<[f64; N]>>;
+
+/// One table of a document.
+pub struct TomlTable<'t> {
+    doc: &'t TomlDocument<'t>,
+    name: String,
+    table: &'t DeTable<'t>,
+    at: usize,
+}
+
+impl<'t> TomlTable<'t> {
+    /// Line of the table's header.
+    pub fn line(&self) -> usize {
+        self.doc.line(self.at)
+    }
+
+    /// An error of the table as a whole.
+    pub fn fault(&self, what: impl Into<String>, cure: impl Into<String>) -> InputError {
+        self.doc.fault(self.at, what, cure)
+    }
+
+    /// Name of the table in messages.
+    pub fn shown(&self) -> String {
+        if self.name.is_empty() { "the file".to_owned() } else { format!("[{}]", self.name) }
+    }
+
+    /// Line of `key`, if present.
+    pub fn line_of(&self, key: &str) -> Option<usize> {
+        self.get(key).map(|value| self.doc.line(value.span().start))
+    }
+
+    fn get(&self, key: &str) -> Option<&'t Spanned<DeValue<'t>>> {
+        self.table.get(key)
+    }
+
+    /// Checks that the table has no keys other than `known`.
+    ///
+    /// # Errors
+    /// At the first unknown key, with the nearest known one.
+    pub fn check_keys(&self, known: &[&str]) -> Result<(), InputError> {
+        let mut unknown: Vec<_> =
+            self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).collect();
+        unknown.sort_by_key(|key| key.span().start);
+        let Some(key) = unknown.first() else { return Ok(()) };
+        let name: &str = key.get_ref();
+        let near = nearest(name, known).unwrap_or_default();
+        Err(self.doc.fault(
+            key.span().start,
+            format!("unknown key {} in {}", quote_for_message(name), self.shown()),
+            format!("use `{near}`, the nearest known key, or remove it"),
+        ))
+    }
+
+    /// A number within `range`, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not a number or is outside `range`.
+    pub fn number(&self, key: &str, range: NumberRange) -> Result<Option<Located<f64>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let x = self.number_of(key, value)?;
+        let at = value.span().start;
+        range.check(x).map_err(|cure| self.doc.fault(at, format!("`{key}` is {x}"), cure))?;
+        Ok(Some(Located { value: x, at }))
+    }
+
+    /// A number within `range`, or `default` when the key is absent.
+    ///
+    /// # Errors
+    /// As [`Self::number`].
+    pub fn number_or(&self, key: &str, range: NumberRange, default: f64) -> Result<f64, InputError> {
+        Ok(self.number(key, range)?.map_or(default, |x| x.value))
+    }
+
+    fn number_of(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<f64, InputError> {
+        let at = value.span().start;
+        let token = match value.get_ref() {
+            DeValue::Float(float) => float.as_str(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+            other => {
+                let what = format!("`{key}` holds a {}, not a number", other.type_str());
+                return Err(self.doc.fault(at, what, "give a decimal number"));
+            }
+        };
+        source::number(token)
+            .map_err(|what| self.doc.fault(at, format!("`{key}`: {what}"), "give a finite number"))
+    }
+
+    /// A whole number from `low` to `high`, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not such a number.
+    pub fn whole(&self, key: &str, low: u32, high: u32) -> Result<Option<Located<u32>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let at = value.span().start;
+        let whole = match value.get_ref() {
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse::<u32>().ok(),
+            _ => None,
+        };
+        match whole {
+            Some(n) if (low..=high).contains(&n) => Ok(Some(Located { value: n, at })),
+            _ => Err(self.doc.fault(
+                at,
+                format!("`{key}` is not a whole number from {low} to {high}"),
+                format!("give a whole number from {low} to {high}"),
+            )),
+        }
+    }
+
+    /// A string, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not a string.
+    pub fn string(&self, key: &str) -> Result<Option<Located<&'t str>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let at = value.span().start;
+        match value.get_ref() {
+            DeValue::String(text) => Ok(Some(Located { value: text.as_ref(), at })),
+            other => {
+                let what = format!("`{key}` holds a {}, not a text", other.type_str());
+                Err(self.doc.fault(at, what, "put it in quotes"))
+            }
+        }
+    }
+
+    /// A boolean, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not a boolean.
+    pub fn boolean(&self, key: &str) -> Result<Option<Located<bool>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let at = value.span().start;
+        match value.get_ref() {
+            DeValue::Boolean(value) => Ok(Some(Located { value: *value, at })),
+            other => {
+                let what = format!("`{key}` holds a {}, not true or false", other.type_str());
+                Err(self.doc.fault(at, what, "write true or false, without quotes"))
+            }
+        }
+    }
+
+    fn child(&self, key: &str, value: &'t Spanned<DeValue<'t>>) -> Result<TomlTable<'t>, InputError> {
+        let name = if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) };
+        match value.get_ref() {
+            DeValue::Table(table) => Ok(TomlTable { doc: self.doc, name, table, at: value.span().start }),
+            _ => Err(self.doc.fault(
+                value.span().start,
+                format!("`{key}` is not a table"),
+                format!("write it under a header [{name}]"),
+            )),
+        }
+    }
+
+    /// The table `[key]`, if present.
+    ///
+    /// # Errors
+    /// When the value is not a table.
+    pub fn table(&self, key: &str) -> Result<Option<TomlTable<'t>>, InputError> {
+        self.get(key).map(|value| self.child(key, value)).transpose()
+    }
+
+    /// The tables `[[key]]`, in file order; none when the key is absent.
+    ///
+    /// # Errors
+    /// When the value is not a list of tables.
+    pub fn tables(&self, key: &str) -> Result<Vec<TomlTable<'t>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(Vec::new()) };
+        match value.get_ref() {
+            DeValue::Array(list) => list.iter().map(|item| self.child(key, item)).collect(),
+            _ => Err(self.doc.fault(
+                value.span().start,
+                format!("`{key}` is not a list of tables"),
+                format!("write each under a header [[{key}]] with two brackets"),
+            )),
+        }
+    }
+
+    /// A list of numbers, if the key is present.
+    ///
+    /// # Errors
+    /// When the value is not a list of finite numbers.
+    pub fn numbers(&self, key: &str) -> Result<Option<Located<Vec<f64>>>, InputError> {
+        let Some((list, at)) = self.list(key)? else { return Ok(None) };
+        let numbers = list.iter().map(|item| self.number_of(key, item)).collect::<Result<_, _>>()?;
+        Ok(Some(Located { value: numbers, at }))
+    }
+
+    /// A list of rows of `N` numbers, if the key is present; each row with its byte offset.
+    ///
+    /// # Errors
+    /// When the value is not a list of such rows.
+    pub fn rows<const N: usize>(&self, key: &str) -> Result<Option<Located<NumberRows<N>>>, InputError> {
+        let Some((list, at)) = self.list(key)? else { return Ok(None) };
+        let mut rows = Vec::with_capacity(list.len());
+        for item in list {
+            let place = item.span().start;
+            let row = match item.get_ref() {
+                DeValue::Array(row) if row.len() == N => row,
+                _ => {
+                    let what = format!("`{key}` has a row that is not {N} numbers");
+                    return Err(self.doc.fault(place, what, format!("give {N} numbers in brackets")));
+                }
+            };
+            let mut numbers = [0.0; N];
+            for (number, value) in numbers.iter_mut().zip(row.iter()) {
+                *number = self.number_of(key, value)?;
+            }
+            rows.push(Located { value: numbers, at: place });
+        }
+        Ok(Some(Located { value: rows, at }))
+    }
+
+    fn list(&self, key: &str) -> Result<Option<(&'t toml::de::DeArray<'t>, usize)>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let at = value.span().start;
+        match value.get_ref() {
+            DeValue::Array(list) if list.len() > source::MAX_POINTS => Err(self.doc.fault(
+                at,
+                format!("`{key}` holds more than 1,000,000 points"),
+                "give fewer points",
+            )),
+            DeValue::Array(list) => Ok(Some((list, at))),
+            other => {
+                let what = format!("`{key}` holds a {}, not a list", other.type_str());
+                Err(self.doc.fault(at, what, "put it in brackets"))
+            }
+        }
+    }
+
+    /// An error at a byte offset of this document.
+    pub fn fault_at(&self, at: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
+        self.doc.fault(at, what, cure)
+    }
+}
+
+/// The first of the `known` names with the smallest edit distance to `name`.
+pub fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
+    let name: Vec<char> = name.chars().take(64).flat_map(char::to_lowercase).collect();
+    known.iter().copied().min_by_key(|candidate| edit_distance(&name, candidate))
+}
+
+/// Levenshtein distance, with one row of the table.
+fn edit_distance(a: &[char], b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=a.len()).collect();
+    for (i, cb) in b.chars().enumerate() {
+        let mut diagonal = i;
+        let mut left = i + 1;
+        if let Some(first) = row.first_mut() {
+            *first = left;
+        }
+        for (ca, above) in a.iter().zip(row.iter_mut().skip(1)) {
+            let least = (diagonal + usize::from(*ca != cb)).min(left + 1).min(*above + 1);
+            diagonal = *above;
+            *above = least;
+            left = least;
+        }
+    }
+    row.last().copied().unwrap_or_default()
+}
+
+/// A string as a TOML basic string, with quotes.
+pub fn quoted(text: &str) -> String {
+    let mut out = String::with_capacity(text.len() + 2);
+    out.push('"');
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            c if c.is_control() => out.push_str(&format!("\\u{:04X}", c as u32)),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+/// An angle in rad as the shortest number of degrees that reads back as the same angle, or the nearest
+/// one if none does (not every f64 is a product with π/180).
+pub fn degrees_text(rad: f64) -> String {
+    let exact = rad.to_degrees();
+    let short = (1..=15).map(|digits| format!("{exact:.digits$}"));
+    let close = [exact, exact.next_up(), exact.next_down()].map(|degrees| format!("{degrees:?}"));
+    short
+        .chain(close)
+        .find(|text| text.parse::<f64>().is_ok_and(|degrees| degrees.to_radians() == rad))
+        .unwrap_or_else(|| format!("{exact:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_name_by_edit_distance() {
+        assert_eq!(nearest("diametr", &["number", "diameter", "overhang"]), Some("diameter"));
+        assert_eq!(nearest("STEP", &["axis", "step"]), Some("step"));
+        assert_eq!(edit_distance(&"kitten".chars().collect::<Vec<_>>(), "sitting"), 3);
+        assert_eq!(edit_distance(&[], "abc"), 3);
+    }
+
+    #[test]
+    fn degrees_are_short_and_exact() {
+        assert_eq!(degrees_text(5f64.to_radians()), "5.0");
+        assert_eq!(degrees_text(22.5f64.to_radians()), "22.5");
+        for k in 0..2000 {
+            let rad = (f64::from(k) * 0.037).to_radians();
+            let back = degrees_text(rad).parse::<f64>().unwrap().to_radians();
+            assert_eq!(back, rad, "angle {k} must survive");
+        }
+    }
+
+    #[test]
+    fn lines_and_nesting() {
+        let text = "a = 1\n\n[b]\nc = [[1, 2],\n [3, nan]]\n[[d.e]]\nf = 1";
+        let doc = TomlDocument::new("f", text.as_bytes()).unwrap();
+        let tree = doc.parse().unwrap();
+        let root = doc.root(&tree);
+        let b = root.table("b").unwrap().unwrap();
+        assert_eq!(b.line(), 3);
+        assert_eq!(b.rows::<2>("c").err().unwrap().line, 5);
+        assert_eq!(root.table("d").unwrap().unwrap().tables("e").unwrap()[0].line(), 6);
+        assert_eq!(root.check_keys(&["a", "b"]).unwrap_err().line, 6);
+        let deep = "[".repeat(200_000);
+        assert!(TomlDocument::new("f", format!("a = {deep}").as_bytes()).unwrap().parse().is_err());
+    }
+
+    #[test]
+    fn trees_too_large_to_build_are_refused() {
+        for (piece, times) in [("[1],", 3_000_000), ("a.b.c=1\n", 70_000), ("# \n", 6_000_000)] {
+            let text = piece.repeat(times);
+            let error = TomlDocument::new("f", text.as_bytes()).err().expect(piece);
+            assert!(error.message.contains("more than"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Faults of a setup: what is wrong, what to do, and the key where it is.
+
+use super::{Setup, Tool};
+
+/// Location of a fault in a setup, from which the reader of the file finds the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetupPlace {
+    /// No particular key.
+    Whole,
+    /// The key `part`.
+    Part,
+    /// A key of `[stock]`.
+    Stock(&'static str),
+    /// A key of `[plunge]`.
+    Plunge(&'static str),
+    /// A key of `[flank]`.
+    Flank(&'static str),
+    /// The tool of this number.
+    Tool(u32),
+    /// A section by its index, or its tool where the sections are chosen automatically.
+    Section {
+        /// Index in the list of sections.
+        index: usize,
+        /// Number of its tool.
+        tool: u32,
+    },
+}
+
+/// Mismatch of a setup and a part.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{what}; {cure}")]
+pub struct SetupFault {
+    /// What is wrong.
+    pub what: String,
+    /// What to do about it.
+    pub cure: String,
+    /// Where in the setup it is.
+    pub place: SetupPlace,
+}
+
+impl SetupFault {
+    /// A fault of the setup as a whole: what is wrong and how to fix it.
+    pub fn new(what: impl Into<String>, cure: impl Into<String>) -> Self {
+        Self { what: what.into(), cure: cure.into(), place: SetupPlace::Whole }
+    }
+
+    /// The fault at `place`.
+    pub fn at(self, place: SetupPlace) -> Self {
+        Self { place, ..self }
+    }
+}
+
+/// Tool number `number` of the setup.
+///
+/// # Errors
+/// When the setup has no tool of that number.
+pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
+    setup.tools.iter().find(|t| t.number == number).ok_or_else(|| {
+        SetupFault::new(
+            format!("a section uses tool {number}, which the setup does not define"),
+            "add the tool or name another",
+        )
+        .at(SetupPlace::Tool(number))
+    })
+}

@@ -1,0 +1,18 @@
+//! The setup: allowances and clearances, tools, machine, and the settings of the planners.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`settings`](Setup) | the setup with its defaults, which follow the size of the wheel |
+//! | [`tool`] | cutters and their holder |
+//! | [`fault`](SetupFault) | the error of a setup that a part cannot be planned with |
+
+mod fault;
+mod settings;
+pub mod tool;
+
+pub use fault::{SetupFault, SetupPlace, tool_of};
+pub use settings::{
+    AllowanceSetup, AxisPolicy, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy, Machine,
+    PlungeSetup, SectionSetup, Setup,
+};
+pub use tool::Tool;

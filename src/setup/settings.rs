@@ -1,0 +1,354 @@
+//! The setup: allowances, clearances, tools and planner parameters. Keys as in the TOML file.
+
+use super::Tool;
+use crate::geometry::Vector;
+use crate::part::{Channel, Impeller, PassageWidth};
+
+/// Axis policy of the plunge planner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisPolicy {
+    /// Isoparametric axes, as commercial modules plan them.
+    Conventional,
+    /// The angle between hub normal and axis grows from position to position ([plunge paper]).
+    Monotone,
+    /// Vanecut's own: the least residual stock without core contact.
+    Minimal,
+    /// Isoparametric axes, each plunge shortened until its core is free.
+    Staircase,
+}
+
+impl AxisPolicy {
+    /// All policies, from current practice to Vanecut's own.
+    pub const ALL: [Self; 4] = [Self::Conventional, Self::Monotone, Self::Staircase, Self::Minimal];
+
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Conventional => "conventional",
+            Self::Monotone => "monotone",
+            Self::Minimal => "minimal",
+            Self::Staircase => "staircase",
+        }
+    }
+}
+
+/// Direction in which the rows of a section are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CutDirection {
+    /// Outlet → inlet.
+    Inward,
+    /// Inlet → outlet.
+    Outward,
+}
+
+impl CutDirection {
+    /// +1 when rows run inwards, −1 when they run outwards.
+    pub fn inward_sign(self) -> f64 {
+        match self {
+            Self::Inward => 1.0,
+            Self::Outward => -1.0,
+        }
+    }
+}
+
+/// `[stock]`: allowances and clearances, mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AllowanceSetup {
+    /// Stock that must stay on the hub.
+    pub hub_allowance: f64,
+    /// Stock that must stay on the blades.
+    pub blade_allowance: f64,
+    /// Clearance between the cutter and the blank in a rapid.
+    pub safety_distance: f64,
+    /// Length of blank upstream of the leading edge, along hub and shroud.
+    pub inlet_extension: f64,
+}
+
+/// `[[plunge.section]]`: a range of s cut with one tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionSetup {
+    /// Number of the tool in the list of tools.
+    pub tool: u32,
+    /// s at the outlet end.
+    pub from: f64,
+    /// s at the inlet end.
+    pub to: f64,
+    /// Direction of the rows; absent: inward.
+    pub cut_direction: Option<CutDirection>,
+    /// Whether it is a rest milling section: single plunges only where earlier sections left a thick layer.
+    /// Only `minimal` plans it; the other policies skip it.
+    pub rest: bool,
+}
+
+/// `[plunge]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlungeSetup {
+    /// Policy of the result.
+    pub axis: AxisPolicy,
+    /// Upper limit of the step along a row, mm; absent: the insert width of each tool.
+    pub step: Option<f64>,
+    /// Upper limit of the stepover between rows, mm; absent: 4/3 of each tool's radius.
+    pub stepover: Option<f64>,
+    /// Largest scallop height between plunges along a wall, mm.
+    pub wall_scallop: f64,
+    /// Largest angle between the axes of neighbouring positions, rad (degrees in the file).
+    pub max_axis_change_rad: f64,
+    /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
+    pub max_tilt_rad: f64,
+    /// Whether automatically chosen sections are followed by rest milling with smaller tools, for the stock
+    /// beside leaning walls ([`SectionSetup::rest`]).
+    pub rest: bool,
+    /// Sections, outlet → inlet; empty: chosen from the tools, for the least time.
+    pub sections: Vec<SectionSetup>,
+}
+
+/// Strategy of the flank planner: how passes fill the channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FlankStrategy {
+    /// Isoparametric layers and passes through the whole channel, as commercial modules plan them.
+    Isoparametric,
+    /// Layers of constant depth, with isoparametric passes region by region.
+    Layers,
+    /// Layers of constant depth, and in each region fans of offsets from both walls ([flank paper]).
+    Regions,
+    /// Vanecut's own: as few offsets as keep every gap within the stepover.
+    Balanced,
+}
+
+impl FlankStrategy {
+    /// All strategies, from the longest toolpath to Vanecut's own.
+    pub const ALL: [Self; 4] = [Self::Isoparametric, Self::Layers, Self::Regions, Self::Balanced];
+
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Isoparametric => "isoparametric",
+            Self::Layers => "layers",
+            Self::Regions => "regions",
+            Self::Balanced => "balanced",
+        }
+    }
+}
+
+/// `[flank]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlankSetup {
+    /// Number of the tool; absent: chosen for the part.
+    pub tool: Option<u32>,
+    /// Strategy of the result.
+    pub strategy: FlankStrategy,
+    /// Depth of a layer, mm.
+    pub layer_depth: f64,
+    /// Largest scallop height on the floor, mm.
+    pub scallop_height: f64,
+    /// Length of lead-in and lead-out beyond leading and trailing edge, mm along the meridian; absent: the
+    /// cutter's radius.
+    pub lead_in_out: Option<f64>,
+    /// Feed rate of passes beside others, mm/min; absent: 0.016 diameters per revolution.
+    pub feed_mm_per_min: Option<f64>,
+    /// Feed rate of passes in full stock, mm/min; absent: 0.6 of `feed`.
+    pub slot_feed_mm_per_min: Option<f64>,
+    /// Feed rate of passes along the walls, mm/min; absent: 0.8 of `feed`.
+    pub wall_feed_mm_per_min: Option<f64>,
+    /// Feed rate of ramps down into stock, mm/min; absent: 0.5 of `feed`.
+    pub ramp_feed_mm_per_min: Option<f64>,
+}
+
+/// Feed rates of a flank plan by engagement, mm/min.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlankFeedRates {
+    /// Passes beside others that are already cut.
+    pub step_mm_per_min: f64,
+    /// Passes with stock on both sides.
+    pub slot_mm_per_min: f64,
+    /// Passes along walls.
+    pub wall_mm_per_min: f64,
+    /// Ramps down into stock.
+    pub ramp_mm_per_min: f64,
+}
+
+impl FlankSetup {
+    /// Feed rates with `tool`.
+    pub fn feed_rates_for(&self, tool: &Tool) -> FlankFeedRates {
+        let step = self.feed_mm_per_min.unwrap_or(0.016 * tool.diameter * tool.spindle);
+        FlankFeedRates {
+            step_mm_per_min: step,
+            slot_mm_per_min: self.slot_feed_mm_per_min.unwrap_or(0.6 * step),
+            wall_mm_per_min: self.wall_feed_mm_per_min.unwrap_or(0.8 * step),
+            ramp_mm_per_min: self.ramp_feed_mm_per_min.unwrap_or(0.5 * step),
+        }
+    }
+
+    /// Length of lead-in and lead-out with `tool`, mm.
+    pub fn lead_in_out_for(&self, tool: &Tool) -> f64 {
+        self.lead_in_out.unwrap_or(tool.radius())
+    }
+}
+
+/// `[machine]`: limits of the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// Largest angle between a tool axis and the part's axis of rotation, in the direction out of the inlet,
+    /// rad (degrees in the file). π: no limit.
+    pub max_axis_tilt_rad: f64,
+}
+
+impl Machine {
+    /// Angle by which `axis` (unit, tip → holder) on `part` exceeds the machine's limit, rad; 0 or less
+    /// within it.
+    pub fn excess_tilt_rad(&self, part: &Impeller, axis: &Vector) -> f64 {
+        axis.angle(&part.out_of_inlet()) - self.max_axis_tilt_rad
+    }
+}
+
+/// A complete setup. [`Setup::for_part`] gives that of an empty file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// Name of the part the setup is meant for, if it says so (`part = "…"`).
+    pub part: Option<String>,
+    /// `[stock]`.
+    pub allowances: AllowanceSetup,
+    /// `[[tool]]`, in file order; empty: chosen for the part from the tool library.
+    pub tools: Vec<Tool>,
+    /// `[plunge]`.
+    pub plunge: PlungeSetup,
+    /// `[flank]`.
+    pub flank: FlankSetup,
+    /// `[machine]`.
+    pub machine: Machine,
+}
+
+impl Setup {
+    /// Whether the other setup leads to the same plunge plan: both differ at most in `[flank]`.
+    pub fn equals_except_flank(&self, other: &Self) -> bool {
+        Self { flank: other.flank.clone(), ..self.clone() } == *other
+    }
+}
+
+/// Ratio of the outlet diameter to the default allowances on a small wheel.
+const ALLOWANCES_PER_DIAMETER: f64 = 200.0;
+/// Default allowances on wheels of usual size, mm, and the diameter above which they grow again, mm.
+const USUAL_ALLOWANCE: f64 = 0.5;
+const LARGE_DIAMETER: f64 = 500.0;
+/// Largest default allowance, as shares of the narrowest passage and of the least height of the channel.
+const NARROWEST_SHARE: f64 = 0.1;
+const HEIGHT_SHARE: f64 = 0.1;
+
+impl Setup {
+    /// The setup of an empty file for `part`: [`Setup::default`], which suits wheels of 100 to 500 mm, scaled
+    /// to the size of the wheel, with allowances that are small relative to its narrowest passage and its
+    /// least height.
+    pub fn for_part(part: &Impeller) -> Self {
+        let diameter = 2.0 * part.rim_radius();
+        let usual = (diameter / ALLOWANCES_PER_DIAMETER).min(USUAL_ALLOWANCE);
+        let unit = round_down(usual.max(USUAL_ALLOWANCE * diameter / LARGE_DIAMETER));
+        let channel = Channel::of(part);
+        let passages = [&channel.full].into_iter().chain(&channel.beside_splitter);
+        let widths: Vec<PassageWidth> = passages.map(|passage| PassageWidth::new(part, passage)).collect();
+        let (mut width, mut height) = (f64::INFINITY, f64::INFINITY);
+        for i in 0..=STATIONS {
+            let s = f64::from(i) / f64::from(STATIONS);
+            width = widths.iter().map(|passage| passage.min_width(s)).fold(width, f64::min);
+            // Near the leading edge, where hub and shroud may meet, there is nothing to cut.
+            if (0.1..=1.0).contains(&s) {
+                height = height.min(part.hub.point(s).distance(part.shroud.point(s)));
+            }
+        }
+        let blade_allowance = unit.min(round_down(NARROWEST_SHARE * width));
+        let hub_allowance = unit.min(round_down(HEIGHT_SHARE * height)).max(MIN_ALLOWANCE);
+        let mut setup = Self::default();
+        let scaled = |value: f64| round_down(value * unit / USUAL_ALLOWANCE * (1.0 + 1e-9));
+        setup.allowances.hub_allowance = hub_allowance;
+        setup.allowances.blade_allowance = blade_allowance.max(MIN_ALLOWANCE);
+        setup.allowances.safety_distance = scaled(setup.allowances.safety_distance);
+        setup.plunge.wall_scallop = scaled(setup.plunge.wall_scallop);
+        setup.flank.layer_depth = scaled(setup.flank.layer_depth);
+        setup.flank.scallop_height = scaled(setup.flank.scallop_height);
+        setup
+    }
+}
+
+/// Stations along the channel at which its width and height are sampled.
+const STATIONS: u32 = 40;
+/// Smallest default allowance, mm.
+const MIN_ALLOWANCE: f64 = 0.02;
+
+/// Rounds down to a preferred number: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 times a power of ten. Infinite
+/// values are returned as they are.
+fn round_down(value: f64) -> f64 {
+    const DIGITS: [f64; 10] = [80.0, 60.0, 50.0, 40.0, 30.0, 25.0, 20.0, 15.0, 12.0, 10.0];
+    if !value.is_finite() || value <= 0.0 {
+        return value;
+    }
+    let exponent = value.log10().floor() as i32 - 1;
+    // Dividing by a power of ten gives the number nearest to the decimal one; multiplying by 0.1 would not.
+    let scaled = |digits: f64| match exponent {
+        0.. => digits * 10f64.powi(exponent),
+        _ => digits / 10f64.powi(-exponent),
+    };
+    let digits = value / scaled(1.0) * (1.0 + 1e-12);
+    scaled(DIGITS.into_iter().find(|plain| *plain <= digits).unwrap_or(10.0))
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            part: None,
+            allowances: AllowanceSetup {
+                hub_allowance: 0.5,
+                blade_allowance: 0.5,
+                safety_distance: 2.0,
+                inlet_extension: 0.0,
+            },
+            tools: Vec::new(),
+            plunge: PlungeSetup {
+                axis: AxisPolicy::Minimal,
+                step: None,
+                stepover: None,
+                wall_scallop: 0.6,
+                max_axis_change_rad: 5f64.to_radians(),
+                max_tilt_rad: 45f64.to_radians(),
+                rest: true,
+                sections: Vec::new(),
+            },
+            flank: FlankSetup {
+                tool: None,
+                strategy: FlankStrategy::Balanced,
+                layer_depth: 3.0,
+                scallop_height: 0.25,
+                lead_in_out: None,
+                feed_mm_per_min: None,
+                slot_feed_mm_per_min: None,
+                wall_feed_mm_per_min: None,
+                ramp_feed_mm_per_min: None,
+            },
+            machine: Machine { max_axis_tilt_rad: std::f64::consts::PI },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_numbers_one_would_write() {
+        for (value, written) in [
+            (0.5, 0.5),
+            (0.532, 0.5),
+            (0.114, 0.1),
+            (0.0972, 0.08),
+            (0.077, 0.06),
+            (3.0, 3.0),
+            (2.13, 2.0),
+            (17.0, 15.0),
+            (900.0, 800.0),
+        ] {
+            assert_eq!(round_down(value), written, "{value}");
+        }
+        assert_eq!(round_down(f64::INFINITY), f64::INFINITY);
+    }
+}

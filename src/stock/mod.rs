@@ -1,0 +1,57 @@
+//! The residual stock as a heightfield over one channel's hub floor: a fast estimate of what a plan leaves.
+//! Single precision, same arithmetic as the WGSL kernel.
+
+use crate::plunge::PlungePlan;
+use crate::plunge::plan::SectionPlan;
+use crate::setup::{SectionSetup, Setup, Tool};
+
+mod bounds;
+pub mod field;
+pub mod grid;
+mod meeting;
+mod overhang;
+mod profile;
+pub mod reach;
+pub mod statistics;
+pub mod surface;
+pub mod tiles;
+pub(crate) mod trace;
+
+pub use field::{FieldCutter, ResidualField, residual_field};
+pub use grid::{FloorGrid, FloorSource};
+pub use reach::CutterStretch;
+pub use statistics::{ResidualStatistics, statistics};
+pub use tiles::TileBins;
+pub use trace::PositionTrace;
+
+/// The plunges of a plan, in cutting order, as input of the kernels.
+pub fn field_cutters(plan: &PlungePlan) -> Vec<FieldCutter> {
+    let single = |v: [f64; 3]| v.map(|x| x as f32);
+    plan.positions
+        .iter()
+        .map(|p| {
+            let tool = &plan.sections[p.section].tool;
+            FieldCutter {
+                tip: single(p.tip.coords.into()),
+                radius: tool.radius() as f32,
+                axis: single(p.axis.into()),
+                core_radius: tool.core_radius() as f32,
+                corner_radius: tool.corner_radius as f32,
+            }
+        })
+        .collect()
+}
+
+/// The ranges of s of the sections of a setup, with the cutter of each; all sections only if the setup is
+/// resolved. Rest milling sections do not count: the rows define which floor is reachable.
+pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
+    let radius = |number: u32| setup.tools.iter().find(|tool| tool.number == number).map(Tool::radius);
+    let stretch = |s: &SectionSetup| Some(CutterStretch { from: s.from, to: s.to, radius: radius(s.tool)? });
+    setup.plunge.sections.iter().filter(|section| !section.rest).filter_map(stretch).collect()
+}
+
+/// As [`stretches_of_setup`], of the sections of a plan.
+pub fn stretches_of_plan(plan: &PlungePlan) -> Vec<CutterStretch> {
+    let stretch = |s: &SectionPlan| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
+    plan.sections.iter().filter(|section| !section.rest).map(stretch).collect()
+}

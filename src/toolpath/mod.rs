@@ -1,0 +1,125 @@
+//! Toolpaths as data: tools, moves, sections and rows of a cutter-location program.
+//!
+//! Positions are in the part frame, rotation axis Z, in mm; feed rates in mm/min, spindle speeds in
+//! rev/min. Tool axes are unit vectors from tip to holder.
+
+use crate::geometry::{Point, Vector};
+use crate::setup::{CutDirection, Tool};
+
+/// Rapid feed rate assumed for time estimates, mm/min.
+pub const RAPID_MM_PER_MIN: f64 = 10_000.0;
+/// Time of a tool change including the approach with the next tool, s.
+pub const TOOL_CHANGE_S: f64 = 120.0;
+
+/// A tool as a CL program describes it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClTool {
+    /// Tool number; 0 when the program gives none.
+    pub number: u32,
+    /// Diameter, mm; 0 when the program gives none.
+    pub diameter: f64,
+    /// Corner radius, mm.
+    pub corner_radius: f64,
+    /// Radial width of the bottom cutting edges, mm (`PPRINT/INSERT WIDTH n w`).
+    pub insert_width: Option<f64>,
+    /// Free length from the tip to the holder, mm.
+    pub overhang: Option<f64>,
+    /// First feed rate used with the tool, mm/min. The writer uses the feed rates of the moves.
+    pub feed_mm_per_min: Option<f64>,
+    /// Spindle speed, rev/min.
+    pub spindle_rpm: Option<f64>,
+}
+
+impl ClTool {
+    /// The tool as a program describes it.
+    pub fn of(tool: &Tool) -> Self {
+        Self {
+            number: tool.number,
+            diameter: tool.diameter,
+            corner_radius: tool.corner_radius,
+            insert_width: Some(tool.insert_width),
+            overhang: Some(tool.overhang),
+            feed_mm_per_min: Some(tool.plunge_feed),
+            spindle_rpm: Some(tool.spindle),
+        }
+    }
+}
+
+/// Rapid or feed motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    /// Rapid motion.
+    Rapid,
+    /// Feed motion at a feed rate in mm/min; `None` when the program gives none.
+    Feed(Option<f64>),
+}
+
+/// A linear move to a position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Move {
+    /// Rapid or feed.
+    pub motion: Motion,
+    /// Tip of the tool (centre of its bottom) at the end of the move, mm.
+    pub tip: Point,
+    /// Unit tool axis, tip → holder.
+    pub axis: Vector,
+    /// Index into [`ClProgram::tools`]; `None` before any tool is loaded.
+    pub tool: Option<usize>,
+    /// Line of the file; 0 when the program was not read from a file.
+    pub line: usize,
+}
+
+/// An oddity in a program that does not prevent reading it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ClWarning {
+    /// Line of the file.
+    pub line: usize,
+    /// What was found and how it was interpreted.
+    pub message: String,
+}
+
+/// A section of the plan in the program: `PPRINT/SECTION n FROM s TO s D d INWARD [REST]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClSection {
+    /// s at the outlet end.
+    pub from: f64,
+    /// s at the inlet end.
+    pub to: f64,
+    /// Diameter of its tool, mm.
+    pub diameter: f64,
+    /// Cutting direction of its rows.
+    pub feed: CutDirection,
+    /// Whether it is rest milling of what the sections before it left.
+    pub rest: bool,
+}
+
+/// Start of a row of plunges: `PPRINT/ROW section row`, both counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClRow {
+    /// Index of its first move.
+    pub first_move: usize,
+    /// Index into [`ClProgram::sections`].
+    pub section: usize,
+    /// Number within the section, from 0.
+    pub row: usize,
+}
+
+/// A cutter-location program.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClProgram {
+    /// Name of the part (`PARTNO`).
+    pub part: String,
+    /// Tools in the order of their first use.
+    pub tools: Vec<ClTool>,
+    /// Moves in cutting order.
+    pub moves: Vec<Move>,
+    /// Sections of the plan it was written from; empty for other programs.
+    pub sections: Vec<ClSection>,
+    /// Rows of that plan, in cutting order.
+    pub rows: Vec<ClRow>,
+    /// Warnings of the reader, by line; at most [`MAX_WARNINGS`].
+    pub warnings: Vec<ClWarning>,
+}
+
+/// Maximum number of warnings that the reader collects.
+pub const MAX_WARNINGS: usize = 100;
