@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use proptest::prelude::*;
 use vanecut::geometry::Point;
-use vanecut::io::{InputError, read_apt_bytes, read_part, read_part_bytes, read_setup_bytes, write_native};
+use vanecut::io::apt::read_apt_bytes;
+use vanecut::io::{InputError, read_part, read_part_bytes, read_setup_bytes, write_native};
 use vanecut::part::{BladeDescription, CurveDescription, PartDescription};
 
 /// A real part from outside the repository, if available.
