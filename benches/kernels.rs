@@ -74,7 +74,7 @@ fn residual(criterion: &mut Criterion) {
             let kernel = vanecut::gpu::ResidualKernel::new(&gpu).expect("the kernel compiles");
             let label = if gpu.is_software() { "software" } else { "gpu" };
             group.bench_function(format!("{label} {name}"), |b| {
-                b.iter(|| kernel.run(&gpu, &grid, &cutters).expect("the kernel runs"))
+                b.iter(|| kernel.run(&gpu, &grid, &cutters).expect("the kernel runs"));
             });
         }
     }

@@ -1,5 +1,7 @@
 //! Writes made wheels as native part files: `cargo run --example wheels -- SEED COUNT DIR`.
 
+#![expect(clippy::disallowed_methods, reason = "an example writes plainly")]
+
 #[path = "../tests/wheels/make/mod.rs"]
 mod make;
 

@@ -1,6 +1,8 @@
 //! Cancelling acts at once; stopping keeps the best result so far. In a file of its own, because other tests
 //! would take the cores on which it is timed.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

@@ -10,11 +10,12 @@
 //! | `contains` | lines that standard output must contain |
 //! | `json` | checks of the JSON object on standard output, see [`json_fault`] |
 //! | `same` | pairs of files that must be equal byte for byte |
-//! | `needs` | a path; the case is skipped if it does not exist |
 //!
 //! A case with several runs numbers them: `args`, `args.2`, `stdout.2` and so on. In all files `{parts}` is
-//! the directory of the sample parts, `{shared}` that of third-party samples, `{out}` an empty directory.
+//! the directory of the sample parts, `{data}` that of third-party files, `{out}` an empty directory.
 //! Runs start in the case's directory. A run that exits with 2 must not write any files.
+
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -72,12 +73,7 @@ impl Case {
     }
 
     /// All deviations from what the case expects; `None` when it was skipped.
-    fn faults(&self) -> Option<Vec<String>> {
-        if let Some(needed) = self.text("needs", 1)
-            && !Path::new(needed.trim()).exists()
-        {
-            return None;
-        }
+    fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
         let mut objects = Vec::new();
         for run in 1.. {
@@ -131,7 +127,7 @@ impl Case {
                 faults.push(format!("{pair} are not the same"));
             }
         }
-        Some(faults)
+        faults
     }
 
     /// Names of all files in the case's directory and in `{out}`.
@@ -198,16 +194,11 @@ fn command_line() {
         let out = tempfile::tempdir().expect("a temporary folder");
         let words = [
             ("{parts}", root.join("assets/parts").display().to_string()),
-            ("{shared}", root.join("../shared").display().to_string()),
+            ("{data}", root.join("tests/data").display().to_string()),
             ("{out}", out.path().display().to_string()),
         ];
-        match (Case { folder, words }).faults() {
-            None => println!("skipped {name}: its input is not here"),
-            Some(faults) => {
-                for fault in faults {
-                    report += &format!("{name}: {fault}\n");
-                }
-            }
+        for fault in (Case { folder, words }).faults() {
+            report += &format!("{name}: {fault}\n");
         }
     }
     assert!(report.is_empty(), "\n{report}");

@@ -1,5 +1,7 @@
 //! The order of the modules of the library: each uses only those above it.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

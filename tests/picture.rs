@@ -1,4 +1,6 @@
 //! Pictures of a sample part, drawn without a window and checked pixel by pixel.
+
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 #![cfg(feature = "gpu")]
 
 use std::path::Path;

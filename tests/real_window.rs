@@ -1,6 +1,8 @@
 //! End-to-end test: the program on a virtual X screen, driven by key and mouse events. Needs Xvfb, xdotool
 //! and a Vulkan driver; skipped with a message if Xvfb or xdotool is missing.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 

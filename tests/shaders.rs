@@ -1,5 +1,7 @@
 //! Every shader parses and validates; no device is needed.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 use std::path::Path;
 
 #[test]

@@ -11,7 +11,7 @@ macro_rules! commands {
     ($($name:ident $label:literal $tip:literal [$($keys:expr, $key:ident)?];)*) => {
         /// A command of the window.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[allow(missing_docs)] // The tips below describe the variants.
+        #[allow(missing_docs, reason = "the tips below describe the variants")]
         pub enum Command {
             $($name,)*
         }

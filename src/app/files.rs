@@ -10,6 +10,7 @@ use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::io::project_file::{EXTENSION, part_hash};
 use crate::io::setup_file::write_setup;
+use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
@@ -87,7 +88,8 @@ pub fn is_setup(path: &Path) -> bool {
     if !toml || std::fs::metadata(path).is_ok_and(|data| data.len() > LARGEST_SETUP) {
         return false;
     }
-    let Ok(text) = std::fs::read_to_string(path) else { return false };
+    let Ok(bytes) = read_bytes(path) else { return false };
+    let text = String::from_utf8_lossy(&bytes);
     text.lines().any(|line| {
         let line = line.trim();
         ["[stock]", "[[tool]]", "[plunge]", "[[plunge.section]]", "[flank]", "[machine]"]

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::io::InputError;
 use crate::io::project_file::EXTENSION;
+use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 
 use super::mouse::MousePreset;
@@ -82,7 +83,7 @@ impl Home {
 
     /// Recent projects that still exist, latest first.
     pub fn recents(&self) -> Vec<PathBuf> {
-        let text = std::fs::read_to_string(self.list()).unwrap_or_default();
+        let text = text_of(&self.list());
         let paths: Vec<PathBuf> = serde_json::from_str(&text).unwrap_or_default();
         paths.into_iter().filter(|path| path.is_file()).take(MAX_RECENTS).collect()
     }
@@ -103,7 +104,7 @@ impl Home {
 
     /// Stored preferences; the defaults where there are none or they cannot be read.
     pub fn preferences(&self) -> Preferences {
-        let text = std::fs::read_to_string(self.folder.join(HABITS)).unwrap_or_default();
+        let text = text_of(&self.folder.join(HABITS));
         serde_json::from_str(&text).unwrap_or_default()
     }
 
@@ -134,7 +135,14 @@ fn is_in_use(path: &Path, changed: SystemTime) -> bool {
     }
 }
 
+/// The text of a small file of our own; empty where it cannot be read.
+fn text_of(path: &Path) -> String {
+    let text = read_bytes(path).ok().and_then(|bytes| String::from_utf8(bytes).ok());
+    text.unwrap_or_default()
+}
+
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "tests make their own files")]
 mod tests {
     use super::*;
 

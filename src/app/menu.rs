@@ -206,13 +206,13 @@ impl App {
             C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
             C::SaveSetup => {
-                self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"))
+                self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"));
             }
             C::ExportCl => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportCl, self.suggest_file_name("plunge.apt"))
+                self.dialogs.open_dialog(ctx, Purpose::ExportCl, self.suggest_file_name("plunge.apt"));
             }
             C::ExportScene => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"))
+                self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"));
             }
             C::SavePicture => self.export_dialog.open(),
             C::Quit => self.run_guarded(ctx, Pending::Quit),
@@ -221,7 +221,7 @@ impl App {
             C::Plan => self.plan(),
             C::PlanFlank => self.plan_flank(),
             C::ExportFlank => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportFlank, self.suggest_file_name("flank.apt"))
+                self.dialogs.open_dialog(ctx, Purpose::ExportFlank, self.suggest_file_name("flank.apt"));
             }
             C::FlankCurves => look.flank.shown ^= true,
             C::Cancel if self.work.running().is_none() => look.measure = None,

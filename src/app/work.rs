@@ -295,7 +295,7 @@ impl App {
                 }
             }
             Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => {
-                self.state.report_done("Calculation cancelled")
+                self.state.report_done("Calculation cancelled");
             }
             Outcome::Failed(JobError::Setup(fault)) => {
                 self.state.report_problem(Problem::from_planning(fault.what, fault.cure));
@@ -435,7 +435,7 @@ impl App {
             Purpose::SaveProject => self.write_project(path),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
             Purpose::SaveSetup => {
-                self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())))
+                self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())));
             }
             Purpose::ExportCl => {
                 if let Some(planned) = self.state.results.planned.clone() {

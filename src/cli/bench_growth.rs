@@ -117,6 +117,7 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
 }
 
 /// Peak memory of the process, MB, if the system reports it.
+#[expect(clippy::disallowed_methods, reason = "a file of the system, of a few lines")]
 fn memory() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -18,6 +18,11 @@ pub fn run_with_progress<T>(job: impl FnOnce(&Monitor) -> T) -> T {
     // If no handler can be set, Ctrl+C ends the program as by default.
     let _ = ctrlc::set_handler(move || {
         if asked.is_stopped() {
+            #[expect(
+                clippy::exit,
+                clippy::disallowed_methods,
+                reason = "the job did not react to the first one"
+            )]
             std::process::exit(INTERRUPTED);
         }
         asked.stop();

@@ -16,7 +16,7 @@
 //! | `engagement` | which passes run through full stock |
 //! | [`checked`] | removal of the moves that a check of the whole program rejects |
 //! | [`path`] | order, links and rapids: from passes to a program |
-//! | [`plan`] | the whole plan, stage by stage |
+//! | [`plan`](mod@plan) | the whole plan, stage by stage |
 
 pub mod border;
 pub mod chart;

@@ -268,7 +268,7 @@ mod tests {
         };
         let ring = |r: f32, z: f32| {
             (0..24).map(move |i| {
-                let (sin, cos) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
+                let (sin, cos) = (i as f32 / 24.0 * TAU).sin_cos();
                 Vec3::new(3.0 + r * cos, r * sin - 2.0, z)
             })
         };
@@ -326,7 +326,7 @@ mod tests {
                 let (right, up, _) = camera.basis();
                 let mut widest = 0f32;
                 for i in 0..64 {
-                    let (s, c) = (i as f32 / 64.0 * std::f32::consts::TAU).sin_cos();
+                    let (s, c) = (i as f32 / 64.0 * TAU).sin_cos();
                     let p = camera.target + (right * c + up * s) * 120.0;
                     let q = (camera.project(p, size).expect("in front") / size - 0.5).abs();
                     widest = widest.max(q.x.max(q.y));

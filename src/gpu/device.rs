@@ -93,7 +93,7 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::NoVulkan`], [`GpuError::NoSoftware`] or [`GpuError::UnknownChoice`] when there is no
     /// suitable adapter, [`GpuError::Open`] when the driver refuses.
-    pub fn headless() -> Result<Gpu, GpuError> {
+    pub fn headless() -> Result<Self, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::VULKAN,
             ..wgpu::InstanceDescriptor::new_without_display_handle()
@@ -103,12 +103,12 @@ impl Gpu {
         let info = adapter.get_info();
         let (device, queue) = pollster::block_on(adapter.request_device(&device_descriptor(&adapter)))
             .map_err(|source| GpuError::Open { name: info.name.clone(), source })?;
-        Ok(Gpu::from_parts(device, queue, info))
+        Ok(Self::from_parts(device, queue, info))
     }
 
     /// Wraps a device that was opened elsewhere, e.g. by the window. Its uncaptured errors are then recorded
     /// instead of ending the program.
-    pub fn from_parts(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Gpu {
+    pub fn from_parts(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Self {
         let errors = Arc::new(ErrorLog::default());
         let log = errors.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| log.record(error.to_string())));
@@ -118,7 +118,7 @@ impl Gpu {
             let message = format!("{DEVICE_LOST_PREFIX}: {message}");
             log.record(message.trim_end_matches([':', ' ']).to_owned());
         });
-        Gpu { device, queue, info, errors }
+        Self { device, queue, info, errors }
     }
 
     /// Creates a buffer with contents. Unlike wgpu's own helper it does not panic on a lost device.

@@ -211,7 +211,7 @@ impl Mesh {
     }
 
     /// Adds the triangles of another mesh.
-    pub fn append(&mut self, other: &Mesh) {
+    pub fn append(&mut self, other: &Self) {
         let base = self.vertices.len() as u32;
         self.vertices.extend_from_slice(&other.vertices);
         self.indices.extend(other.indices.iter().map(|i| i + base));

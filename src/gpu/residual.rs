@@ -60,7 +60,7 @@ impl ResidualKernel {
     ///
     /// # Errors
     /// [`GpuError::Failed`] if the device rejects it.
-    pub fn new(gpu: &Gpu) -> Result<ResidualKernel, GpuError> {
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let pipeline = gpu.in_error_scope(|| {
             let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("residual"),
@@ -81,7 +81,7 @@ impl ResidualKernel {
                 cache: None,
             })
         })?;
-        Ok(ResidualKernel { pipeline })
+        Ok(Self { pipeline })
     }
 
     /// Applies `cutters` in cutting order to every cell of `grid`, and waits for the result.

@@ -55,7 +55,7 @@ impl FrameUniform {
             lines[colour as usize] = rgb(value);
         }
         let perspective = on(camera.projection == Projection::Perspective);
-        FrameUniform {
+        Self {
             clip_from_world: camera.clip_from_world(size.x / size.y).to_cols_array_2d(),
             eye: camera.eye().extend(perspective).to_array(),
             right: vec(right),

@@ -291,7 +291,7 @@ impl<'t> TomlTable<'t> {
         }
     }
 
-    fn child(&self, key: &str, value: &'t Spanned<DeValue<'t>>) -> Result<TomlTable<'t>, InputError> {
+    fn child(&self, key: &str, value: &'t Spanned<DeValue<'t>>) -> Result<Self, InputError> {
         let name = if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) };
         match value.get_ref() {
             DeValue::Table(table) => Ok(TomlTable { doc: self.doc, name, table, at: value.span().start }),
@@ -307,7 +307,7 @@ impl<'t> TomlTable<'t> {
     ///
     /// # Errors
     /// When the value is not a table.
-    pub fn table(&self, key: &str) -> Result<Option<TomlTable<'t>>, InputError> {
+    pub fn table(&self, key: &str) -> Result<Option<Self>, InputError> {
         self.get(key).map(|value| self.child(key, value)).transpose()
     }
 
@@ -315,7 +315,7 @@ impl<'t> TomlTable<'t> {
     ///
     /// # Errors
     /// When the value is not a list of tables.
-    pub fn tables(&self, key: &str) -> Result<Vec<TomlTable<'t>>, InputError> {
+    pub fn tables(&self, key: &str) -> Result<Vec<Self>, InputError> {
         let Some(value) = self.get(key) else { return Ok(Vec::new()) };
         match value.get_ref() {
             DeValue::Array(list) => list.iter().map(|item| self.child(key, item)).collect(),

@@ -45,9 +45,9 @@ pub(super) struct RowVerdicts {
 
 impl RowBounds {
     /// Bounds of the cells with these feet and normals, by component, and heights of the blank.
-    pub(super) fn new(points: &[TileCells; 3], normals: &[TileCells; 3], blank: &TileCells) -> RowBounds {
+    pub(super) fn new(points: &[TileCells; 3], normals: &[TileCells; 3], blank: &TileCells) -> Self {
         let middle = |cells: &TileCells| cells.map(|row| 0.5 * (row[0] + row[LAST]));
-        let mut bounds = RowBounds {
+        let mut bounds = Self {
             foot: points.each_ref().map(middle),
             normal: normals.each_ref().map(middle),
             span: points.each_ref().map(|cells| cells.map(|row| 0.5 * (row[LAST] - row[0]))),
@@ -121,9 +121,9 @@ pub(super) struct RowStock {
 }
 
 impl RowStock {
-    pub(super) fn new(heights: &TileCells) -> RowStock {
+    pub(super) fn new(heights: &TileCells) -> Self {
         let zero = [0.0; TILE];
-        let mut stock = RowStock { middle: zero, tilt: zero, bulge: zero, highest: zero };
+        let mut stock = Self { middle: zero, tilt: zero, bulge: zero, highest: zero };
         for row in 0..TILE {
             stock.set(row, &heights[row]);
         }

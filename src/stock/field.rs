@@ -89,7 +89,7 @@ struct Tile {
 }
 
 impl Tile {
-    fn load(grid: &FloorGrid, unit: VolumeUnit, down: usize, across: usize) -> Tile {
+    fn load(grid: &FloorGrid, unit: VolumeUnit, down: usize, across: usize) -> Self {
         let zero = [[0.0; TILE]; TILE];
         let (mut point, mut normal, mut blank, mut units) = ([zero; 3], [zero; 3], zero, zero);
         let mut floor = [[0; TILE]; TILE];
@@ -109,7 +109,7 @@ impl Tile {
                 units[row][lane] = if is_floor { unit.per_height(grid.areas[cell]) } else { 0.0 };
             }
         }
-        Tile {
+        Self {
             bounds: RowBounds::new(&point, &normal, &blank),
             floor_cells: floor.map(|row| row.iter().sum()),
             stock: RowStock::new(&blank),

@@ -33,7 +33,7 @@ pub(super) struct Meeting {
 
 impl Meeting {
     #[inline(always)]
-    pub(super) fn new(point: [f32; 3], normal: [f32; 3], cutter: &FieldCutter) -> Meeting {
+    pub(super) fn new(point: [f32; 3], normal: [f32; 3], cutter: &FieldCutter) -> Self {
         let axis = cutter.axis;
         let from_tip = [point[0] - cutter.tip[0], point[1] - cutter.tip[1], point[2] - cutter.tip[2]];
         let z = dot(from_tip, axis);
@@ -41,7 +41,7 @@ impl Meeting {
         // Across the axis. Forming the vectors first keeps small tilts exact; 1 − slope² would not.
         let start = [from_tip[0] - axis[0] * z, from_tip[1] - axis[1] * z, from_tip[2] - axis[2] * z];
         let step = [normal[0] - axis[0] * slope, normal[1] - axis[1] * slope, normal[2] - axis[2] * slope];
-        Meeting {
+        Self {
             z,
             slope,
             squared_sine: larger(dot(step, step), MIN_SQUARED_SINE),
@@ -81,8 +81,8 @@ impl Meeting {
 
     /// The same ray, `by` mm higher above the bottom.
     #[inline(always)]
-    pub(super) fn raised(self, by: f32) -> Meeting {
-        Meeting { z: self.z + by, ..self }
+    pub(super) fn raised(self, by: f32) -> Self {
+        Self { z: self.z + by, ..self }
     }
 
     /// False only where [`Meeting::contact_depth`] is 0: the cylinder misses the ray, or all stock is below

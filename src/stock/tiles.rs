@@ -30,7 +30,7 @@ pub struct TileBins {
 
 impl TileBins {
     /// Assigns `cutters` to the tiles of `grid`. Conservative: a tile may get cutters that do not reach it.
-    pub fn new(grid: &FloorGrid, cutters: &[FieldCutter]) -> TileBins {
+    pub fn new(grid: &FloorGrid, cutters: &[FieldCutter]) -> Self {
         let down = grid.rows.div_ceil(TILE);
         let across = grid.columns.div_ceil(TILE);
         let capsules: Vec<Capsule> = (0..down * across)
@@ -67,7 +67,7 @@ impl TileBins {
             list.extend(cutters);
             offsets.push(list.len() as u32);
         }
-        TileBins { down, across, offsets, list }
+        Self { down, across, offsets, list }
     }
 
     /// The cutters of tile (I, J), in cutting order.
@@ -87,7 +87,7 @@ struct Capsule {
 }
 
 impl Capsule {
-    fn around_tile(grid: &FloorGrid, down: usize, across: usize) -> Capsule {
+    fn around_tile(grid: &FloorGrid, down: usize, across: usize) -> Self {
         // All rays get the greatest height: beside leaning walls, heights drop to zero from cell to cell.
         let rows = down * TILE..((down + 1) * TILE).min(grid.rows);
         let lanes = TILE.min(grid.columns - across * TILE);
@@ -111,17 +111,17 @@ impl Capsule {
         // Distance to a segment is convex along a ray, so the two ends of each ray decide.
         let squared = feet.iter().map(|&p| distance2(p, foot)).fold(0.0, larger);
         let squared = tops.iter().map(|&p| distance2(p, top)).fold(squared, larger);
-        Capsule { foot, top, radius: squared.sqrt() }
+        Self { foot, top, radius: squared.sqrt() }
     }
 
-    fn around<'a>(members: impl Iterator<Item = &'a Capsule> + Clone) -> Capsule {
+    fn around<'a>(members: impl Iterator<Item = &'a Self> + Clone) -> Self {
         let feet: Vec<_> = members.clone().map(|member| member.foot).collect();
         let tops: Vec<_> = members.clone().map(|member| member.top).collect();
         let (foot, top) = (centre(&feet), centre(&tops));
         let radius = members
             .map(|m| distance2(m.foot, foot).max(distance2(m.top, top)).sqrt() + m.radius)
             .fold(0.0, f32::max);
-        Capsule { foot, top, radius }
+        Self { foot, top, radius }
     }
 
     /// Whether the cutter's half-infinite cylinder may touch the capsule.

@@ -37,7 +37,7 @@ pub(crate) struct TraceSums {
 
 impl TraceSums {
     /// Adds the sums over another part of the grid for the same position.
-    pub(crate) fn add(&mut self, other: &TraceSums) {
+    pub(crate) fn add(&mut self, other: &Self) {
         self.contact_depth = self.contact_depth.max(other.contact_depth);
         self.contact_cells += other.contact_cells;
         self.swept_cells += other.swept_cells;
@@ -73,7 +73,7 @@ const MAX_UNITS_OF_CELL: f64 = (1_u32 << 22) as f64;
 
 impl VolumeUnit {
     /// The smallest unit for the stock of `grid`.
-    pub(crate) fn of(grid: &FloorGrid) -> VolumeUnit {
+    pub(crate) fn of(grid: &FloorGrid) -> Self {
         // Row by row: sums in a fixed order give both kernels the same unit.
         let rows: Vec<[f64; 2]> =
             (0..grid.rows).into_par_iter().with_min_len(16).map(|row| stock_of_row(grid, row)).collect();
@@ -82,7 +82,7 @@ impl VolumeUnit {
         let least = (stock / MAX_UNITS).max(greatest / MAX_UNITS_OF_CELL);
         // Without stock any unit will do; the lower limit keeps it representable.
         let exponent = if least > 0.0 { least.log2().ceil().max(-100.0) } else { 0.0 };
-        VolumeUnit(exponent.exp2() as f32)
+        Self(exponent.exp2() as f32)
     }
 
     /// Units of stock per mm of height over the area of one cell, mm².

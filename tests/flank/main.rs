@@ -1,5 +1,7 @@
 //! Flank plans of real and synthetic parts: walls, floors, programs, and their check by `verify`.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 mod fixed_axis;
 mod plan;
 mod program;

@@ -1,7 +1,7 @@
 //! Layers and passes of the flank planner, compared with their definitions: geodesic distances by length
 //! minimisation, gaps by dense sampling, and the published lengths of the strategies.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use vanecut::flank::border::LayerWalls;
 use vanecut::flank::chart::{LayerChart, WallName};
@@ -22,15 +22,12 @@ fn sample(name: &str) -> Impeller {
     open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name))
 }
 
-/// The three sample parts, and a real compressor from outside the repository where its file exists.
+/// The three sample parts, and a real compressor.
 fn parts() -> Vec<Impeller> {
     let mut parts: Vec<Impeller> =
         ["impeller532.toml", "impeller9x9.toml", "pump6.toml"].map(sample).into_iter().collect();
-    let path =
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data/cc_autoblade/cc_autoblade.geomTurbo");
-    if path.exists() {
-        parts.push(open(&path));
-    }
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    parts.push(open(&tests.join("data/cc_autoblade/cc_autoblade.geomTurbo")));
     parts
 }
 

@@ -87,12 +87,12 @@ fn broken_files_are_refused_in_one_line() {
         ("no such scene", "scene 3", |d, _| d["scene"] = json!(3)),
         ("no such mesh", "mesh 9", |d, _| d["nodes"][0]["mesh"] = json!(9)),
         ("no such accessor", "accessor 5", |d, _| {
-            d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(5)
+            d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(5);
         }),
         ("no such view", "buffer view 8", |d, _| d["accessors"][0]["bufferView"] = json!(8)),
         ("no such buffer", "buffer 4", |d, _| d["bufferViews"][0]["buffer"] = json!(4)),
         ("no data", "has no data", |d, _| {
-            drop(d["accessors"][0].as_object_mut().unwrap().remove("bufferView"))
+            drop(d["accessors"][0].as_object_mut().unwrap().remove("bufferView"));
         }),
         ("view too long", "but buffer 0 has", |d, _| d["bufferViews"][0]["byteLength"] = json!(4000)),
         ("view overflows", "but buffer 0 has", |d, _| d["bufferViews"][0]["byteOffset"] = json!(u64::MAX)),
@@ -111,16 +111,16 @@ fn broken_files_are_refused_in_one_line() {
             d["scenes"][0]["nodes"] = json!([1]);
         }),
         ("buffer too short", "of its 6000 bytes", |d, _| {
-            d["buffers"][0] = json!({ "byteLength": 6000, "uri": "data:;base64,AAAA" })
+            d["buffers"][0] = json!({ "byteLength": 6000, "uri": "data:;base64,AAAA" });
         }),
         ("absurd buffer", "512 MiB", |d, _| {
-            d["buffers"][0] = json!({ "byteLength": u64::MAX, "uri": "data:;base64,AAAA" })
+            d["buffers"][0] = json!({ "byteLength": u64::MAX, "uri": "data:;base64,AAAA" });
         }),
         ("missing buffer", "in another file", |d, _| d["buffers"][0]["uri"] = json!("there.bin")),
         ("bad data URI", "not base64", |d, _| d["buffers"][0]["uri"] = json!("data:;base64,***")),
         ("Draco", "Draco", |d, _| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
         ("meshopt", "meshopt", |d, _| {
-            d["bufferViews"][0]["extensions"] = json!({ "EXT_meshopt_compression": { "buffer": 0 } })
+            d["bufferViews"][0]["extensions"] = json!({ "EXT_meshopt_compression": { "buffer": 0 } });
         }),
         ("unknown extension", "`ACME_x`", |d, _| d["extensionsRequired"] = json!(["ACME_x"])),
         ("too many instances", "more than 10000", |d, _| {

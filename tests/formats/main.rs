@@ -1,5 +1,7 @@
 //! Files: reading, writing, and errors of invalid files.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 mod any_bytes;
 mod gltf;
 mod gltf_faults;

@@ -1,4 +1,4 @@
-//! Readers and writers on whole files: real parts if available, and damaged input of every format.
+//! Readers and writers on whole files: real parts, and damaged input of every format.
 
 use std::path::PathBuf;
 
@@ -8,14 +8,9 @@ use vanecut::io::apt::read_apt_bytes;
 use vanecut::io::{InputError, read_part, read_part_bytes, read_setup_bytes, write_native};
 use vanecut::part::{BladeDescription, CurveDescription, PartDescription};
 
-/// A real part from outside the repository, if available.
-fn sample(name: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if !path.exists() {
-        println!("skipped: {name} is not available");
-        return None;
-    }
-    Some(path)
+/// A real part.
+fn sample(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
 
 fn points(curve: &CurveDescription) -> &[vanecut::part::Meridional] {
@@ -34,7 +29,7 @@ fn sections(blade: &BladeDescription) -> (&[Vec<Point>], &[Vec<Point>]) {
 
 #[test]
 fn compressor_geomturbo() {
-    let Some(path) = sample("cc_autoblade/cc_autoblade.geomTurbo") else { return };
+    let path = sample("cc_autoblade/cc_autoblade.geomTurbo");
     let part = read_part(&path).expect("the compressor is a valid file");
     assert_eq!((part.name.as_str(), part.blade_count, part.splitters.len()), ("cc_autoblade", 12, 1));
     assert_eq!((points(&part.hub).len(), points(&part.shroud).len()), (100, 100));
@@ -66,7 +61,7 @@ fn turn(a: Point, b: Point) -> f64 {
 /// not name their sides, are split by this rule; it is checked against a file that names them.
 #[test]
 fn named_sides_agree_with_the_wrap() {
-    let Some(path) = sample("cc_autoblade/cc_autoblade.geomTurbo") else { return };
+    let path = sample("cc_autoblade/cc_autoblade.geomTurbo");
     let part = read_part(&path).unwrap();
     for blade in [&part.main, &part.splitters[0]] {
         let (suction, pressure) = sections(blade);
@@ -80,7 +75,7 @@ fn named_sides_agree_with_the_wrap() {
 
 #[test]
 fn axial_turbogrid_set() {
-    let Some(path) = sample("rotor37/rotor37_BladeGen.inf") else { return };
+    let path = sample("rotor37/rotor37_BladeGen.inf");
     let part = read_part(&path).expect("the axial rotor is a valid set of files");
     assert_eq!((part.name.as_str(), part.blade_count, part.splitters.len()), ("rotor37_BladeGen", 36, 0));
     let hub = points(&part.hub);

@@ -1,5 +1,7 @@
 //! Plunge plans of real and random parts, and the stages of the planner.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 mod assess;
 mod channel;
 mod floor;

@@ -3,6 +3,8 @@
 //! The default test run takes a few; `scripts/nightly` takes more, chosen by the variables `WHEELS_SEED` and
 //! `WHEELS_COUNT`.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 mod judge;
 mod make;
 

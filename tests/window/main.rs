@@ -1,5 +1,7 @@
 //! The window, driven through accessible names on software Vulkan.
 
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
 mod borders;
 mod compare;
 mod device;

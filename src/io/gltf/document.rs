@@ -100,7 +100,7 @@ impl<'de> Deserialize<'de> for Extras {
                 while let Some(key) = map.next_key::<String>()? {
                     match self.0.split_first() {
                         Some((wanted, rest)) if *wanted == key => {
-                            found = map.next_value_seed(Within(rest))?
+                            found = map.next_value_seed(Self(rest))?;
                         }
                         _ => drop(map.next_value::<IgnoredAny>()?),
                     }

@@ -214,4 +214,5 @@ fn profile_header(line: &str) -> Option<Option<f64>> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "tests make their own files")]
 mod tests;

@@ -86,7 +86,7 @@ impl CandidateStage {
 
     /// Minimum angle between axes of the same lead angle at this stage and `next`, rad; 0 when there are
     /// none.
-    pub fn min_turn(&self, next: &CandidateStage) -> f64 {
+    pub fn min_turn(&self, next: &Self) -> f64 {
         let axes = |tilt: &[Option<RowCandidate>; TILT_COUNT]| tilt.map(|c| c.map(|c| c.station.axis));
         let turns = self.by_lead.iter().zip(&next.by_lead).flat_map(|(here, next)| {
             let (here, next) = (axes(here).into_iter().flatten(), axes(next));
