@@ -12,7 +12,7 @@
 //! | [`mesh`] | triangle meshes of a part, and parts from triangle meshes |
 //! | [`assess`] | machinability before any plan: twist, bow, depth, width, reach ([assessment paper]) |
 //! | [`toolpath`] | programs as data: tools, moves, sections, rows |
-//! | [`cutting`] | a cutter against part and stock: clearance, drop-cutter depth, retracts, contact of the core |
+//! | [`cutting`] | a cutter against part and stock: clearance, drop-cutter depth, links, core contact |
 //! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper] |
 //! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
 //! | [`stock`] | the heightfield of residual stock on the channel floor, and its CPU kernel |
@@ -24,8 +24,6 @@
 //!
 //! Lengths are mm, angles radians, times seconds, feed rates mm/min; files and user interfaces show degrees.
 //! The axis of rotation is Z. `docs/REFERENCES.md` cites the papers.
-#![forbid(unsafe_code)]
-#![warn(missing_docs)]
 
 #[cfg(feature = "window")]
 pub mod app;

@@ -209,6 +209,7 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
         ui.spacing_mut().item_spacing.y = 2.0;
         for (name, command) in [("Wheel", Command::ViewIso), ("Channel", Command::ViewChannel)] {
             let button = egui::Button::new(name).min_size(egui::vec2(58.0, 22.0));
+            let button = button.wrap_mode(egui::TextWrapMode::Extend);
             if ui.add(button).on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
                 chosen = Some(command);
             }

@@ -61,7 +61,7 @@ impl DisplayPlan {
         Self { setup, outcome: Arc::new(outcome), stock, range }
     }
 
-    /// Whether planning was cancelled before the plan was finished.
+    /// Whether planning was stopped before the plan was finished.
     pub fn is_unfinished(&self) -> bool {
         self.outcome.after.plan.is_unfinished()
     }

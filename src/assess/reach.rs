@@ -5,13 +5,13 @@
 //! holder clears the blades and the turned blank, in which the neighbouring channels may still be solid.
 //! Floor is *reached* where the bottom of a tool on some centre covers it.
 //!
-//! An axis comes **from the outlet** when it is inclined by [`MIN_INCLINATION`] or more from the hub normal of its foot
-//! towards the outlet (α ≤ −[`MIN_INCLINATION`]), so that the spindle is on the side of the outlet. It comes **from the
-//! inlet** when it is inclined as much towards the inlet. An axis along the normal reaches a point too, but
-//! from neither side. Inclinations along the flow range to `max_tilt` in both directions; across the flow the
-//! axis is interpolated between the walls and pushed off the one it is too near to. Rows that are cut from
-//! the outlet inwards need axes inclined towards the inlet, and vice versa: where a point is reached from one
-//! side only, the map shows which cutting direction can work.
+//! An axis comes **from the outlet** when it is inclined by [`MIN_INCLINATION`] or more from the hub normal
+//! of its foot towards the outlet (α ≤ −[`MIN_INCLINATION`]), so that the spindle is on the side of the
+//! outlet. It comes **from the inlet** when it is inclined as much towards the inlet. An axis along the
+//! normal reaches a point too, but from neither side. Inclinations along the flow range to `max_tilt` in both
+//! directions; across the flow the axis is interpolated between the walls and pushed off the one it is too
+//! near to. Rows that are cut from the outlet inwards need axes inclined towards the inlet, and vice versa:
+//! where a point is reached from one side only, the map shows which cutting direction can work.
 //!
 //! The lift of a tilted tool bottom over a curved hub leaves stock but does not affect reach, so it is not
 //! included.

@@ -43,8 +43,8 @@ pub fn check_positions(positions: usize) -> Result<(), Failure> {
 /// Measured steps of a plan.
 const MEASURED_STEPS: [&str; 4] = ["planned", "evaluated", "written", "verified"];
 
-/// Plans wheels like `part` of growing hub area with the sections of `setup`, until a plan has about `most`
-/// positions. Prints the times, and the exponents with which they grow with the number of positions.
+/// Plans wheels like `part` of growing hub area with the sections of `setup`, until a plan has about
+/// `max_positions`. Prints the times, and the exponents with which they grow with the number of positions.
 ///
 /// # Errors
 /// [`Failure::Work`] when planning or verification fails.

@@ -223,8 +223,8 @@ impl<'a> DepthSurface<'a> {
         self.root_between(rim, (a, b), a.0 + turn, |hit| hit.arc_slope).filter(|(_, hit)| other_way(hit))
     }
 
-    /// As [`Self::maximum_between`], between a hit on the surface and one beyond its end: the interval is cut at
-    /// that end.
+    /// As [`Self::maximum_between`], between a hit on the surface and one beyond its end: the interval is cut
+    /// at that end.
     fn maximum_up_to_end(
         &self,
         rim: &Rim,
@@ -409,7 +409,6 @@ impl<'a> DepthSurface<'a> {
 
     /// Contact with a circle about Z that the disc must clear by the offset in every direction, if it is
     /// higher than `known` mm.
-    /// mm.
     fn edge_touch(
         &self,
         edge: Meridional,

@@ -4,8 +4,8 @@
 //! |---|---|
 //! | [`clearance`] | how far a cutter is from the finished part |
 //! | [`drop_cutter`] | how deep it goes along its axis until it touches a surface of revolution |
-//! | [`retract`] | from which height a rapid is clear of the blank |
-//! | [`link`] | whether a rapid between two plunges is |
+//! | [`retract`] | from which height above its tip a tool is clear of the blank |
+//! | [`link`] | how far a rapid from one position to another stays clear of the blank |
 //! | [`contact`] | where the core of a plunge meets stock that earlier plunges left |
 
 pub mod clearance;

@@ -1,4 +1,5 @@
-//! Stage 5, safe height: how far a cutter must be retracted along its axis to be clear of the blank.
+//! Stage 5 of [plunge paper], safe height: how far a cutter must be retracted along its axis to be clear of
+//! the blank.
 
 use super::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, distance_rate, search};

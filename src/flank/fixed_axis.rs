@@ -265,8 +265,8 @@ impl<'a> FixedAxisSearch<'a> {
         (self.above_stock(&holder.tip, &axis, top) < HUB_SLACK).then_some(AxisObstacle::Stock)
     }
 
-    /// What the tool collides with at `tip`: a blade too near to the cutter, or what [`Self::obstacle_except_blades`]
-    /// finds.
+    /// What the tool collides with at `tip`: a blade too near to the cutter, or what
+    /// [`Self::obstacle_except_blades`] finds.
     pub fn find_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
         if !self.finished.clears(&self.tool.placed(tip, axis), self.limits.blade_allowance) {
             return Some(AxisObstacle::Blade);

@@ -17,6 +17,7 @@
 //! | [`checked`] | removal of the moves that a check of the whole program rejects |
 //! | [`path`] | order, links and rapids: from passes to a program |
 //! | [`plan`](mod@plan) | the whole plan, stage by stage |
+//! | `program` | the plan as a cutter-location program |
 
 pub mod border;
 pub mod chart;

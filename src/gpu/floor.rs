@@ -10,7 +10,7 @@ use crate::stock::surface::{FloorSurface, MAX_LINES, is_uncut};
 /// Maximum number of grid lines along s and across, for pictures in motion.
 pub const DRAFT_LINES: (usize, usize) = (65, 25);
 
-/// Mesh of the floor with a stock height (mm) per corner, thinned to at most `most` lines along s and across.
+/// Mesh of the floor with a stock height (mm) per corner, thinned to at most `max_lines` along s and across.
 /// Cells that are not floor (under a splitter, within the allowance of a wall) are omitted.
 ///
 /// Returns `None` when `heights` does not fit the grid.

@@ -324,9 +324,9 @@ impl Renderer {
         }
     }
 
-    /// Position whose cutter is under a pixel of a picture of `size`, or within [`pick::PICK_RADIUS`] pixels of it;
-    /// `None` if there is none or the part hides it. Ids are drawn on the device, so that transparency,
-    /// section plane and layers count as drawn.
+    /// Position whose cutter is under a pixel of a picture of `size`, or within [`pick::PICK_RADIUS`] pixels
+    /// of it; `None` if there is none or the part hides it. Ids are drawn on the device, so that
+    /// transparency, section plane and layers count as drawn.
     ///
     /// # Errors
     /// [`GpuError::Failed`] when the device fails.

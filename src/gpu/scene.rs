@@ -420,7 +420,8 @@ impl Scene {
         }
     }
 
-    /// Sets lines in the channel, such as those of [`super::flank::toolpath_lines`]; an empty slice removes them.
+    /// Sets lines in the channel, such as those of [`super::flank::toolpath_lines`]; an empty slice removes
+    /// them.
     pub fn set_paths(&mut self, gpu: &Gpu, lines: &[Segment]) {
         let buffer = || (vertex_buffer(gpu, "paths", lines), lines.len() as u32);
         self.paths = (!lines.is_empty()).then(buffer);

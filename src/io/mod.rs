@@ -30,7 +30,7 @@ pub use setup_file::{
 };
 pub use write::write_atomically;
 
-/// An error in user input. Displayed as `FILE:LINE: what; cure`.
+/// An error in user input. Displayed as `FILE:LINE: message; help`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct InputError {
     /// File as the user named it; empty when the error is not in a file.

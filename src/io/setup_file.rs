@@ -247,7 +247,7 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
     Ok(())
 }
 
-/// Returns an error at the first table beyond `most`.
+/// Returns an error at the first table beyond `max_count`.
 fn check_count(tables: &[TomlTable<'_>], max_count: usize, what: &str) -> Result<(), InputError> {
     match tables.get(max_count) {
         Some(table) => {

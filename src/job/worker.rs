@@ -177,8 +177,8 @@ where
         ticket
     }
 
-    /// Cancels the waiting or running request, if any: [`Self::take_outcome`] returns the outcome at once, and
-    /// any later result of that request is dropped.
+    /// Cancels the waiting or running request, if any: [`Self::take_outcome`] returns the outcome at once,
+    /// and any later result of that request is dropped.
     pub fn cancel(&self) {
         let mut desk = self.shared.lock_queue();
         let waiting = desk.waiting.take().map(|(_, ticket)| ticket);

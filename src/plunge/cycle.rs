@@ -82,8 +82,8 @@ pub(super) struct PlannedRow {
     pub lambda: f64,
     pub iterations: usize,
     pub converged: bool,
-    /// s at which no axis clears the walls.
-    pub missing: Vec<f64>,
+    /// s at which the row has no position, and why.
+    pub missing: Vec<(f64, DropReason)>,
 }
 
 impl PlannedRow {
@@ -177,21 +177,21 @@ impl SectionCut {
         Self { feed, rows: Vec::new(), columns, added: None }
     }
 
-    /// As [`Self::empty`], for a section that planning did not reach before it was cancelled.
+    /// As [`Self::empty`], for a section that planning did not reach before it was stopped.
     fn not_started(section: &SectionSetup, columns: Columns) -> Self {
         let feed = section.cut_direction.unwrap_or(CutDirection::Inward);
         Self { added: Some((0, StopReason::Cancelled)), ..Self::empty(feed, columns) }
     }
 
-    /// Records that the row at `lambda` has no axis at the s in `missing`.
-    pub fn note_missing(&mut self, lambda: f64, missing: Vec<f64>) {
+    /// Records that the row at `lambda` has no position at the s in `missing`.
+    pub fn note_missing(&mut self, lambda: f64, missing: Vec<(f64, DropReason)>) {
         if !missing.is_empty() {
             let row = PlannedRow { missing, ..PlannedRow::empty(lambda) };
             self.rows.push(CutRow { row, placed: Vec::new() });
         }
     }
 
-    /// Whether planning was cancelled before the section was finished.
+    /// Whether planning was stopped before the section was finished.
     pub fn is_unfinished(&self) -> bool {
         matches!(self.added, Some((_, StopReason::Cancelled)))
     }
@@ -334,11 +334,11 @@ impl<'a> Planner<'a> {
                 plan.iterations = plan.iterations.max(row.iterations);
                 plan.converged &= row.converged;
                 let missing = row.missing.iter();
-                plan.dropped.extend(missing.map(|&s| Dropped {
+                plan.dropped.extend(missing.map(|&(s, why)| Dropped {
                     section: index,
                     row: row_index,
                     s,
-                    why: DropReason::Blades,
+                    why,
                 }));
                 for (station, placed) in row.stations.iter().zip(placed) {
                     let placed = match placed {
@@ -567,7 +567,7 @@ impl<'a> Planner<'a> {
                         rows.push(PlannedRow { lambda, ..row });
                     }
                     if !runs.missing.is_empty() {
-                        let missing = runs.missing;
+                        let missing = runs.missing.iter().map(|&s| (s, DropReason::Blades)).collect();
                         rows.push(PlannedRow { missing, ..PlannedRow::empty(lambda) });
                     }
                     Ok(rows)

@@ -5,11 +5,13 @@
 //! | which tool cuts which section | [`sections`], [`survey`], [`choice`] |
 //! | axes that clear the walls | [`lane`] |
 //! | 1 conventional positions, 2 step inspection | [`row`] |
-//! | 3 axis optimisation | [`monotone`] |
+//! | 3 axis optimisation | [`monotone`], `minimal`; rows of the policies that plan row by row: `attempts` |
 //! | 4 drop-cutter depth (slotting depth in the paper) | [`crate::cutting::drop_cutter`] |
 //! | 5 safe height | [`crate::cutting::retract`], [`links`] |
 //! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `carried` |
-//! //! | sectional view through one position | [`inspect`] |
+//! | layout of a section, shared by all policies | `ground` |
+//! | the finished plan, over several channels, as a program | [`plan`], [`whole`], `program` |
+//! | sectional view through one position | [`inspect`] |
 
 mod attempts;
 mod carried;

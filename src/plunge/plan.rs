@@ -38,7 +38,7 @@ pub enum StopReason {
     PlanFull,
     /// The remaining stock is left to the smaller tool of a later rest-milling section.
     SmallerCutter,
-    /// Planning was cancelled; the section holds the best result so far.
+    /// Planning was stopped; the section holds the best result so far.
     Cancelled,
 }
 
@@ -231,7 +231,7 @@ pub struct SectionPlan {
     /// Whether it is a rest-milling section, which cuts only where earlier sections left thick stock.
     pub rest: bool,
     /// Number of plunges added to those of the rows, and why no more; `None` for policies that add none,
-    /// unless they were cancelled.
+    /// unless they were stopped.
     pub added: Option<(usize, StopReason)>,
 }
 
@@ -260,7 +260,7 @@ pub struct PlungePlan {
 }
 
 impl PlungePlan {
-    /// Whether planning was cancelled before the plan was finished: it is valid, but leaves more stock than a
+    /// Whether planning was stopped before the plan was finished: it is valid, but leaves more stock than a
     /// finished one.
     pub fn is_unfinished(&self) -> bool {
         self.sections.iter().any(|s| matches!(s.added, Some((_, StopReason::Cancelled))))

@@ -201,8 +201,8 @@ impl<'a> Surveyor<'a> {
         Some([at(0.0)?, at(1.0)?])
     }
 
-    /// See [`PassageExtent::hub`]. The nearest distance is not used here: near the ends of the blades the other wall
-    /// ends, while rows continue.
+    /// See [`PassageExtent::hub`]. The nearest distance is not used here: near the ends of the blades the
+    /// other wall ends, while rows continue.
     fn width(&self, passage: &Passage, s: f64, eta: f64) -> Option<f64> {
         let near = passage.point(self.part, s, 0.0, eta)?;
         let gap = passage.point(self.part, s, 1.0, eta)?.point - near.point;

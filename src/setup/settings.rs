@@ -75,7 +75,7 @@ pub struct SectionSetup {
     pub from: f64,
     /// s at the inlet end.
     pub to: f64,
-    /// Direction of the rows; absent: inward.
+    /// Direction of the rows; absent: inward, or with `minimal` the one that leaves less.
     pub cut_direction: Option<CutDirection>,
     /// Whether it is a rest milling section: single plunges only where earlier sections left a thick layer.
     /// Only `minimal` plans it; the other policies skip it.

@@ -12,6 +12,8 @@ use vanecut::verify::{verify, verify_flank};
 
 /// Largest share of the accessible floor that may remain uncut without a reason.
 const MAX_UNCUT: f64 = 0.03;
+/// The same with a reason.
+const MAX_EXPLAINED_UNCUT: f64 = 0.15;
 /// Largest difference of a figure between a plan and its program, which has six decimals.
 const SAME: f64 = 5e-6;
 /// Cells of the floor's grid.
@@ -78,6 +80,9 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
     // `staircase` stops plunges above the hub on purpose.
     let stops_short = result.plan.positions.iter().any(|position| position.lift > 0.0);
     let explained = !result.plan.dropped.is_empty() || policy == AxisPolicy::Staircase && stops_short;
+    if policy == AxisPolicy::Minimal && summary.uncut_share > MAX_EXPLAINED_UNCUT {
+        wrong(format!("{:.3} of the reachable floor is uncut", summary.uncut_share));
+    }
     if is_free && summary.uncut_share > MAX_UNCUT && !explained {
         wrong(format!("{:.3} of the reachable floor is uncut, and nothing says why", summary.uncut_share));
     }

@@ -102,8 +102,8 @@ pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) -> bool {
     labelled(ui, value, None, spec, None)
 }
 
-/// Like [`number_row`], for an optional value: 0 means automatic. `now`: the automatic value, which the slider then
-/// shows.
+/// Like [`number_row`], for an optional value: 0 means automatic. `now`: the automatic value, which the
+/// slider then shows.
 pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now: Option<f64>) -> bool {
     let mut number = value.unwrap_or(0.0);
     let changed = labelled(ui, &mut number, Some(0.0), spec, Some(("auto", now)));

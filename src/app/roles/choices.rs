@@ -71,7 +71,7 @@ impl RoleChoices {
         }
     }
 
-    /// Sets the role of the selected node and, with `alike`, of all nodes of the same shape.
+    /// Sets the role of the selected node and, with `apply_to_identical`, of all nodes of the same shape.
     pub fn set_role(&mut self, nodes: &[MeshNode], role: Option<Role>) {
         let Some(chosen) = self.selected.and_then(|k| nodes.get(k)) else { return };
         for (node, own) in nodes.iter().zip(&mut self.roles) {

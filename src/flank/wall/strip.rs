@@ -124,7 +124,7 @@ impl WallStrip {
     }
 
     /// The axes moved along the wall's normals, so that neither they nor those half way between them cut more
-    /// than `tolerance` mm below the allowance, as far as `settle` converges.
+    /// than `tolerance` mm below the allowance, as far as [`correct_overcuts`] converges.
     pub(super) fn moved_off(&self, face: &OffsetSide, places: &[f64], tolerance: f64) -> Vec<AxisLine> {
         let moved = |(k, &u): (usize, &f64)| face.moved_off(u, &self.fitted[k], &self.heights(k), tolerance);
         let mut lines: Vec<AxisLine> = places.par_iter().enumerate().map(moved).collect();

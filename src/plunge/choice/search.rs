@@ -1,9 +1,9 @@
 //! The cheapest choice of sections, by dynamic programming over their borders.
 //!
 //! Cutters are ordered large to small from the outlet inwards, as they cut. A section runs from station to
-//! station, none crosses a joint, none is shorter than [`MIN_SECTION_S`]. Let `after[n][i][t]` be the minimum cost
-//! of everything outside station i with n cutters used, t the last of them, and `ready[n][i][t]` the same
-//! with t about to begin a section at i. Then:
+//! station, none crosses a joint, none is shorter than [`MIN_SECTION_S`]. Let `after[n][i][t]` be the minimum
+//! cost of everything outside station i with n cutters used, t the last of them, and `ready[n][i][t]` the
+//! same with t about to begin a section at i. Then:
 //!
 //! - `ready[n][i][t]` = minimum of `after[n−1][i][u]` + change from u to t over larger u; at a joint also
 //!   `after[n][i][t]`, as the same cutter continues in a new section;

@@ -9,7 +9,7 @@ use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
-use crate::plunge::plan::LimitedBy;
+use crate::plunge::plan::{DropReason, LimitedBy};
 use crate::plunge::row::Station;
 
 /// Number of previous positions of the own row that are checked for contact, besides all earlier rows.
@@ -24,7 +24,7 @@ const TURN_SHARE: f64 = 0.7;
 const BEAM: f64 = 3.0;
 /// Cost of ending a row and beginning another, mm.
 const COST_OF_NEW_ROW: f64 = 5.0;
-/// Cost of each stage with candidates that the path does not reach, mm.
+/// Minimum cost of a stage that the path does not reach, mm.
 const COST_OF_MISSED_STAGE: f64 = 30.0;
 /// Lift from which on a finer grid of lead angles is tried, in cutter radii.
 const COARSE_LIFT_RADII: f64 = 0.3;
@@ -46,8 +46,8 @@ pub struct RowPath {
     pub cost: f64,
     /// Lower bound on the cost of any path, mm: blades and contact are ignored.
     pub lower_bound: f64,
-    /// s of the stages from the start on at which the cutter has no axis at all.
-    pub missing: Vec<f64>,
+    /// s of the stages from the start on that it does not reach.
+    pub missing: Vec<(f64, DropReason)>,
 }
 
 impl RowPath {
@@ -180,24 +180,52 @@ impl PathSearch<'_> {
         }
         // A layer left before the start is free.
         let counts = |s: f64| (start - s) * inward >= -1e-9;
-        let least: f64 = places
-            .iter()
-            .filter(|(s, _)| counts(*s))
-            .filter_map(|(_, place)| place.as_ref()?.cheapest(self.candidates.scale))
-            .map(|cost| cost + COST_PER_POSITION)
-            .sum();
-        let path = self.trace_back(&places, &states, last);
-        let missing = places.iter().filter(|(s, place)| counts(*s) && place.is_none()).map(|(s, _)| *s);
-        let path = RowPath { missing: missing.collect(), lower_bound: least, ..path };
-        let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(path) };
-        let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
-        let skipped: f64 = (1..last.unwrap_or(0))
-            .filter(|&k| counts(places[k].0) && places[k].1.is_some())
-            .filter(|&k| states[k].iter().all(Option::is_none))
-            .map(|k| 0.5 * (places[k + 1].0 - places[k - 1].0).abs())
-            .sum();
-        let missed = ((end - reached).abs() + skipped) / (second - first).abs();
-        Ok(RowPath { cost: path.cost + COST_OF_MISSED_STAGE * missed, ..path })
+        let mut path = self.trace_back(&places, &states, last);
+        let step = if let [first, second, ..] = s { (second - first).abs() } else { f64::INFINITY };
+        for (k, (s, place)) in places.iter().enumerate().filter(|(_, (s, _))| counts(*s)) {
+            if let Some(cheapest) = place.as_ref().and_then(|place| place.cheapest(self.candidates.scale)) {
+                path.lower_bound += cheapest + COST_PER_POSITION;
+            }
+            if states[k].iter().any(Option::is_some) {
+                continue;
+            }
+            // Stages between others count by their share of a step.
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(places.len() - 1));
+            let share = 0.5 * (places[after].0 - places[before].0).abs() / step;
+            let (cost, why) = match place {
+                None => (COST_OF_MISSED_STAGE, DropReason::Blades),
+                Some(place) => (self.uncut_cost(place), self.why_unreached(place)),
+            };
+            path.cost += cost * share;
+            if why == DropReason::Blades {
+                path.lower_bound += cost * share;
+            }
+            path.missing.push((*s, why));
+        }
+        Ok(path)
+    }
+
+    /// Cost of a stage that no position of the row cuts: the stock stays as high as the channel.
+    fn uncut_cost(&self, place: &CandidateStage) -> f64 {
+        let lane = self.candidates.maker.lane;
+        let height = place.by_lead.iter().flatten().flatten().next().map_or(0.0, |candidate| {
+            let ends = &candidate.station.ends;
+            (lane.shroud_point(ends) - lane.hub_point(ends)).norm() - self.candidates.hub_allowance
+        });
+        (height + height * height / self.candidates.scale).max(COST_OF_MISSED_STAGE)
+    }
+
+    /// Why no candidate of a stage is on a path.
+    fn why_unreached(&self, place: &CandidateStage) -> DropReason {
+        let candidates = place.by_lead.iter().flatten().flatten();
+        let mut cleared = candidates.filter_map(|c| self.candidates.cleared(c, place)).peekable();
+        if cleared.peek().is_none() {
+            return DropReason::Blades;
+        }
+        match cleared.any(|c| self.candidates.is_long_enough(&c.station)) {
+            true => DropReason::Contact,
+            false => DropReason::Overhang,
+        }
     }
 
     /// The stages at every s, and between two of them where the axes turn too much.

@@ -89,8 +89,8 @@ impl Planner<'_> {
         }
     }
 
-    /// Adds row after row to `fed`; `false` when it costs `limit` or more. Rows are complete even when this
-    /// ends early.
+    /// Plans row after row into `fed`; `false` when it costs `limit` or more. Its rows are complete even when
+    /// this ends early.
     fn plan_rows(
         &self,
         index: usize,
