@@ -46,6 +46,8 @@ pub struct RowPath {
     pub cost: f64,
     /// Lower bound on the cost of any path, mm: blades and contact are ignored.
     pub lower_bound: f64,
+    /// Whether it counts on plunges that stop so short that they are left out when the row is cut.
+    pub is_optimistic: bool,
     /// s of the stages from the start on that it does not reach.
     pub missing: Vec<(f64, DropReason)>,
 }
@@ -83,6 +85,8 @@ pub struct PathSearch<'a> {
     pub blank: &'a Blank,
     /// Largest angle between neighbouring axes, rad.
     pub max_axis_change_rad: f64,
+    /// Whether plunges that stop so short that they are left out when the row is cut end the path.
+    pub is_strict: bool,
 }
 
 /// What all candidates of a stage share.
@@ -96,6 +100,8 @@ struct StageContext<'h> {
     may_begin: bool,
     /// Whether the layer left at this stage counts.
     counts: bool,
+    /// Cost of the stage when nothing is cut there: no position costs more.
+    uncut: f64,
     /// Plunges of earlier rows.
     earlier: &'h Columns,
 }
@@ -106,6 +112,11 @@ struct Transition {
     column: PlungeColumn,
     /// Contact with the plunges of earlier rows.
     search: ContactSearch,
+}
+
+/// Whether a plunge that stops `lift` mm short cuts so little that it is left out.
+fn is_left_out(column: &PlungeColumn, lift: f64) -> bool {
+    lift > 0.0 && lift >= MAX_LIFT_OF_DEPTH * column.top
 }
 
 /// Indices of states, the cheapest first.
@@ -170,6 +181,7 @@ impl PathSearch<'_> {
                 order: last.map_or_else(Vec::new, |last| by_cost(&states[last])),
                 may_begin: ahead <= 1e-9 || last.is_none(),
                 counts: ahead >= -1e-9,
+                uncut: self.uncut_cost(place),
                 earlier,
             };
             let reached = self.stage_states(place, &here);
@@ -283,7 +295,7 @@ impl PathSearch<'_> {
     /// Cost of a candidate alone when it stops `lift` mm short.
     fn own_cost(&self, candidate: &RowCandidate, lift: f64, here: &StageContext) -> f64 {
         let layer = if here.counts { candidate.cost(lift, self.candidates.scale) } else { 0.0 };
-        layer + COST_PER_POSITION
+        layer.min(here.uncut) + COST_PER_POSITION
     }
 
     /// Cost of the cheapest path to the previous stage.
@@ -379,14 +391,17 @@ impl PathSearch<'_> {
             Some(b) if !here.counts && cost_before + COST_PER_POSITION >= b.cost => return,
             Some(_) if !here.counts => 0.0,
             Some(b) => {
-                candidate.affordable_lift(b.cost - cost_before - COST_PER_POSITION, self.candidates.scale)
+                let budget = b.cost - cost_before - COST_PER_POSITION;
+                if budget > here.uncut {
+                    f64::INFINITY
+                } else {
+                    candidate.affordable_lift(budget, self.candidates.scale)
+                }
             }
         };
         if affordable < 0.0 {
             return;
         }
-        // A plunge that stops shorter is left out when the row is cut: the path must not rely on it.
-        let longest = (MAX_LIFT_OF_DEPTH * column.top - LIFT_MARGIN).max(0.0);
         let mut passed = [*column; LOOK_BACK];
         let mut count = 0;
         let mut at = before;
@@ -399,11 +414,11 @@ impl PathSearch<'_> {
             at = state.before;
         }
         let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
-        let depth = search.after(column, passed).depth(self.blank, affordable.min(longest));
-        if depth > longest {
+        let depth = search.after(column, passed).depth(self.blank, affordable);
+        let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
+        if self.is_strict && is_left_out(column, lift) {
             return;
         }
-        let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
         let cost = cost_before + self.own_cost(candidate, lift, here);
         let better =
             |b: &PathState| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };
@@ -424,6 +439,7 @@ impl PathSearch<'_> {
         {
             let before = state.before.and_then(|(k, j)| states[k][j]).map(|s| s.candidate.station.axis);
             let held = places[k].1.as_ref().and_then(|place| self.limited_by(place, state, before));
+            path.is_optimistic |= is_left_out(&state.column, state.lift);
             path.steps.push((Station { limited_by: held, ..state.candidate.station }, state.lift));
             at = state.before;
         }
