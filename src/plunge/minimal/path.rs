@@ -24,7 +24,7 @@ const TURN_SHARE: f64 = 0.7;
 const BEAM: f64 = 3.0;
 /// Cost of ending a row and beginning another, mm.
 const COST_OF_NEW_ROW: f64 = 5.0;
-/// Minimum cost of a stage that the path does not reach, mm.
+/// Cost of each stage at the end that the path does not reach, mm.
 const COST_OF_MISSED_STAGE: f64 = 30.0;
 /// Lift from which on a finer grid of lead angles is tried, in cutter radii.
 const COARSE_LIFT_RADII: f64 = 0.3;
@@ -48,7 +48,7 @@ pub struct RowPath {
     pub lower_bound: f64,
     /// Whether it counts on plunges that stop so short that they are left out when the row is cut.
     pub is_optimistic: bool,
-    /// s of the stages from the start on that it does not reach.
+    /// s of the stages from the start on at which the cutter has no axis, and why.
     pub missing: Vec<(f64, DropReason)>,
 }
 
@@ -100,8 +100,7 @@ struct StageContext<'h> {
     may_begin: bool,
     /// Whether the layer left at this stage counts.
     counts: bool,
-    /// Cost of the stage when nothing is cut there: no position costs more.
-    uncut: f64,
+
     /// Plunges of earlier rows.
     earlier: &'h Columns,
 }
@@ -181,7 +180,6 @@ impl PathSearch<'_> {
                 order: last.map_or_else(Vec::new, |last| by_cost(&states[last])),
                 may_begin: ahead <= 1e-9 || last.is_none(),
                 counts: ahead >= -1e-9,
-                uncut: self.uncut_cost(place),
                 earlier,
             };
             let reached = self.stage_states(place, &here);
@@ -192,52 +190,20 @@ impl PathSearch<'_> {
         }
         // A layer left before the start is free.
         let counts = |s: f64| (start - s) * inward >= -1e-9;
-        let mut path = self.trace_back(&places, &states, last);
-        let step = if let [first, second, ..] = s { (second - first).abs() } else { f64::INFINITY };
-        for (k, (s, place)) in places.iter().enumerate().filter(|(_, (s, _))| counts(*s)) {
-            if let Some(cheapest) = place.as_ref().and_then(|place| place.cheapest(self.candidates.scale)) {
-                path.lower_bound += cheapest + COST_PER_POSITION;
-            }
-            if states[k].iter().any(Option::is_some) {
-                continue;
-            }
-            // Stages between others count by their share of a step.
-            let (before, after) = (k.saturating_sub(1), (k + 1).min(places.len() - 1));
-            let share = 0.5 * (places[after].0 - places[before].0).abs() / step;
-            let (cost, why) = match place {
-                None => (COST_OF_MISSED_STAGE, DropReason::Blades),
-                Some(place) => (self.uncut_cost(place), self.why_unreached(place)),
-            };
-            path.cost += cost * share;
-            if why == DropReason::Blades {
-                path.lower_bound += cost * share;
-            }
-            path.missing.push((*s, why));
-        }
-        Ok(path)
-    }
-
-    /// Cost of a stage that no position of the row cuts: the stock stays as high as the channel.
-    fn uncut_cost(&self, place: &CandidateStage) -> f64 {
-        let lane = self.candidates.maker.lane;
-        let height = place.by_lead.iter().flatten().flatten().next().map_or(0.0, |candidate| {
-            let ends = &candidate.station.ends;
-            (lane.shroud_point(ends) - lane.hub_point(ends)).norm() - self.candidates.hub_allowance
-        });
-        (height + height * height / self.candidates.scale).max(COST_OF_MISSED_STAGE)
-    }
-
-    /// Why no candidate of a stage is on a path.
-    fn why_unreached(&self, place: &CandidateStage) -> DropReason {
-        let candidates = place.by_lead.iter().flatten().flatten();
-        let mut cleared = candidates.filter_map(|c| self.candidates.cleared(c, place)).peekable();
-        if cleared.peek().is_none() {
-            return DropReason::Blades;
-        }
-        match cleared.any(|c| self.candidates.is_long_enough(&c.station)) {
-            true => DropReason::Contact,
-            false => DropReason::Overhang,
-        }
+        let least: f64 = places
+            .iter()
+            .filter(|(s, _)| counts(*s))
+            .filter_map(|(_, place)| place.as_ref()?.cheapest(self.candidates.scale))
+            .map(|cost| cost + COST_PER_POSITION)
+            .sum();
+        let path = self.trace_back(&places, &states, last);
+        let missing = places.iter().filter(|(s, place)| counts(*s) && place.is_none());
+        let missing = missing.map(|(s, _)| (*s, DropReason::Blades)).collect();
+        let path = RowPath { missing, lower_bound: least, ..path };
+        let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(path) };
+        let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
+        let missed = ((end - reached) / (second - first)).abs();
+        Ok(RowPath { cost: path.cost + COST_OF_MISSED_STAGE * missed, ..path })
     }
 
     /// The stages at every s, and between two of them where the axes turn too much.
@@ -295,7 +261,7 @@ impl PathSearch<'_> {
     /// Cost of a candidate alone when it stops `lift` mm short.
     fn own_cost(&self, candidate: &RowCandidate, lift: f64, here: &StageContext) -> f64 {
         let layer = if here.counts { candidate.cost(lift, self.candidates.scale) } else { 0.0 };
-        layer.min(here.uncut) + COST_PER_POSITION
+        layer + COST_PER_POSITION
     }
 
     /// Cost of the cheapest path to the previous stage.
@@ -391,12 +357,7 @@ impl PathSearch<'_> {
             Some(b) if !here.counts && cost_before + COST_PER_POSITION >= b.cost => return,
             Some(_) if !here.counts => 0.0,
             Some(b) => {
-                let budget = b.cost - cost_before - COST_PER_POSITION;
-                if budget > here.uncut {
-                    f64::INFINITY
-                } else {
-                    candidate.affordable_lift(budget, self.candidates.scale)
-                }
+                candidate.affordable_lift(b.cost - cost_before - COST_PER_POSITION, self.candidates.scale)
             }
         };
         if affordable < 0.0 {

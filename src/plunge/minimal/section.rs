@@ -139,8 +139,8 @@ impl Planner<'_> {
                     let strict =
                         PathSearch { is_strict: true, candidates: search.candidates.clone(), ..search };
                     let strict = strict.path(&places, start, &cut.columns)?;
-                    let lost = |path: &RowPath| self.positions_lost(path, &maker, &cut.columns, closing);
-                    if lost(&strict)? < lost(&path)? {
+                    let kept = |path: &RowPath| self.positions_kept(path, &maker, &cut.columns, closing);
+                    if kept(&strict)? > kept(&path)? {
                         path = strict;
                     }
                 }
@@ -159,21 +159,18 @@ impl Planner<'_> {
         Ok(true)
     }
 
-    /// Number of stages of a path that it does not reach, or whose plunge is left out when the row is cut after the
-    /// plunges of `earlier`.
-    fn positions_lost(
+    /// Number of positions of a path that remain when the row is cut after the plunges of `earlier`.
+    fn positions_kept(
         &self,
         path: &RowPath,
         maker: &RowMaker,
         earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<usize, PlanError> {
-        let stations: Vec<Station> =
-            path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
-        let planned = stations.len();
+        let stations = path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
         let row = PlannedRow { stations, ..PlannedRow::empty(maker.lambda) };
         let row = self.cut_row(row, maker.tool, Some(MAX_LIFT_OF_DEPTH), &mut earlier.clone(), monitor)?;
-        Ok(path.missing.len() + planned - row.len())
+        Ok(row.len())
     }
 
     /// Candidates of a row without a floor to clear and without limit of its tilt angle.
