@@ -4,7 +4,6 @@
 use rayon::prelude::*;
 
 use super::candidate::{CandidateMaker, CandidateStage, RowCandidate};
-use super::section::MAX_LIFT_OF_DEPTH;
 use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
@@ -46,8 +45,6 @@ pub struct RowPath {
     pub cost: f64,
     /// Lower bound on the cost of any path, mm: blades and contact are ignored.
     pub lower_bound: f64,
-    /// Whether it counts on plunges that stop so short that they are left out when the row is cut.
-    pub is_optimistic: bool,
     /// s of the stages from the start on at which the cutter has no axis, and why.
     pub missing: Vec<(f64, DropReason)>,
 }
@@ -85,8 +82,6 @@ pub struct PathSearch<'a> {
     pub blank: &'a Blank,
     /// Largest angle between neighbouring axes, rad.
     pub max_axis_change_rad: f64,
-    /// Whether plunges that stop so short that they are left out when the row is cut end the path.
-    pub is_strict: bool,
 }
 
 /// What all candidates of a stage share.
@@ -111,11 +106,6 @@ struct Transition {
     column: PlungeColumn,
     /// Contact with the plunges of earlier rows.
     search: ContactSearch,
-}
-
-/// Whether a plunge that stops `lift` mm short cuts so little that it is left out.
-fn is_left_out(column: &PlungeColumn, lift: f64) -> bool {
-    lift > 0.0 && lift >= MAX_LIFT_OF_DEPTH * column.top
 }
 
 /// Indices of states, the cheapest first.
@@ -377,9 +367,6 @@ impl PathSearch<'_> {
         let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
         let depth = search.after(column, passed).depth(self.blank, affordable);
         let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-        if self.is_strict && is_left_out(column, lift) {
-            return;
-        }
         let cost = cost_before + self.own_cost(candidate, lift, here);
         let better =
             |b: &PathState| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };
@@ -400,7 +387,6 @@ impl PathSearch<'_> {
         {
             let before = state.before.and_then(|(k, j)| states[k][j]).map(|s| s.candidate.station.axis);
             let held = places[k].1.as_ref().and_then(|place| self.limited_by(place, state, before));
-            path.is_optimistic |= is_left_out(&state.column, state.lift);
             path.steps.push((Station { limited_by: held, ..state.candidate.station }, state.lift));
             at = state.before;
         }

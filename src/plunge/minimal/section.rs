@@ -1,7 +1,7 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
-use super::{CandidateMaker, PathSearch, RowCrossing, RowPath};
+use super::{CandidateMaker, PathSearch, RowCrossing};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
@@ -121,7 +121,6 @@ impl Planner<'_> {
                     },
                     blank: &self.blank,
                     max_axis_change_rad: self.setup.plunge.max_axis_change_rad,
-                    is_strict: false,
                 };
                 let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
                 let places = stage_positions(&maker, start + run_up, start, end);
@@ -134,15 +133,6 @@ impl Planner<'_> {
                     let crossing = RowCrossing { search: &search, from: rows[row - 1], s: first.ends.s_hub };
                     self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
                     path = search.path(&places, start, &cut.columns)?;
-                }
-                if path.is_optimistic {
-                    let strict =
-                        PathSearch { is_strict: true, candidates: search.candidates.clone(), ..search };
-                    let strict = strict.path(&places, start, &cut.columns)?;
-                    let kept = |path: &RowPath| self.positions_kept(path, &maker, &cut.columns, closing);
-                    if kept(&strict)? > kept(&path)? {
-                        path = strict;
-                    }
                 }
                 *least += path.lower_bound;
                 *cost += path.cost;
@@ -157,20 +147,6 @@ impl Planner<'_> {
             }
         }
         Ok(true)
-    }
-
-    /// Number of positions of a path that remain when the row is cut after the plunges of `earlier`.
-    fn positions_kept(
-        &self,
-        path: &RowPath,
-        maker: &RowMaker,
-        earlier: &Columns,
-        monitor: &Monitor,
-    ) -> Result<usize, PlanError> {
-        let stations = path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
-        let row = PlannedRow { stations, ..PlannedRow::empty(maker.lambda) };
-        let row = self.cut_row(row, maker.tool, Some(MAX_LIFT_OF_DEPTH), &mut earlier.clone(), monitor)?;
-        Ok(row.len())
     }
 
     /// Candidates of a row without a floor to clear and without limit of its tilt angle.
