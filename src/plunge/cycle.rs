@@ -111,6 +111,13 @@ impl CutRow {
         self.row.lambda
     }
 
+    /// Lift of the plunge at an s of the hub, mm; `None` where there is none or it is dropped.
+    pub fn lift_at(&self, s_hub: f64) -> Option<f64> {
+        let is_there = |station: &Station| (station.ends.s_hub - s_hub).abs() < 1e-9;
+        let at = self.row.stations.iter().position(is_there)?;
+        self.placed[at].as_ref().ok().map(|placed| placed.lift)
+    }
+
     /// The stations that are not dropped.
     pub fn stations(&self) -> impl Iterator<Item = &Station> {
         self.row

@@ -2,14 +2,18 @@
 //!
 //! The checks are independent of the planner: they use only the tool positions of the program.
 
+mod channels;
 mod fault;
 mod flank;
 mod plunges;
 mod report;
 mod summary;
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
+use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, count_by_kind};
 use fault::{Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank, tool_mismatch};
 pub use flank::{FlankVerdict, FlankVerifier, Uncovered, is_flank, verify_flank};
@@ -50,9 +54,6 @@ pub struct PlungeVerdict {
     /// All faults, by line.
     pub faults: Vec<Fault>,
 }
-
-/// Least number of cuts in a channel that counts, as a share of that in the channel with the most.
-const MIN_CHANNEL_SHARE: f64 = 0.1;
 
 /// Measurements of one cut.
 struct Measured {
@@ -96,7 +97,8 @@ pub fn verify(
     let finished = FinishedPart::new(part, &channel.sides);
     let columns: Columns =
         cuts.iter().map(|c| PlungeColumn::new(c.cutter, c.tool.core_radius(), &top)).collect();
-    let turns: Vec<i64> = cuts.iter().map(|c| channel_of(part, channel, &c.cutter.tip)).collect();
+    let found = |cut: &ProgramCut| (nearest_channel(part, channel, &cut.cutter.tip), 1.0);
+    let turns = channels_of(&cuts.par_iter().map(found).collect::<Vec<_>>());
 
     let measured: Vec<Measured> = (0..cuts.len())
         .into_par_iter()
@@ -185,7 +187,7 @@ pub fn verify(
     }
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
-    let channels = count_channels(&turns);
+    let channels = turns.iter().collect::<BTreeSet<_>>().len();
     Ok(PlungeVerdict { plan, channel_offsets: turns, channels, deepest_plunge, faults })
 }
 
@@ -245,28 +247,8 @@ fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (f64
     (least, faults)
 }
 
-/// Number of channels with cuts. A few cuts over leaning blades are assigned to a neighbouring channel; they
-/// do not count.
-fn count_channels(turns: &[i64]) -> usize {
-    let mut sorted = turns.to_vec();
-    sorted.sort_unstable();
-    let counts: Vec<usize> = sorted.chunk_by(|a, b| a == b).map(<[i64]>::len).collect();
-    let most = counts.iter().copied().max().unwrap_or(0);
-    counts.iter().filter(|&&count| count as f64 >= MIN_CHANNEL_SHARE * most as f64).count()
-}
-
 fn rotate_cutter(cutter: &CutterSolid, angle: f64) -> CutterSolid {
     CutterSolid { tip: rotate_z(&cutter.tip, angle), axis: rotate_vector_z(&cutter.axis, angle), ..*cutter }
-}
-
-/// Number of pitches by which `tip` is ahead of channel 1.
-fn channel_of(part: &Impeller, channel: &Channel, tip: &Point) -> i64 {
-    let s = part.hub.s_at(part.hub.curve().project(Meridional::of(tip)).0).clamp(0.0, 1.0);
-    let Some([low, high]) = channel.full.wall_angles(part, s, 0.0) else { return 0 };
-    let from_middle = (tip.y.atan2(tip.x) - 0.5 * (low + high)) / part.pitch();
-    let count = part.blade_count as i64;
-    let turns = (from_middle.round() as i64).rem_euclid(count);
-    if turns > count / 2 { turns - count } else { turns }
 }
 
 /// The cuts between two tool changes as sections, each with its tool and range of s.

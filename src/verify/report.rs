@@ -1,5 +1,7 @@
 //! Report on a plunge program: of the one that `plan` writes, and of any that `verify` reads.
 
+use std::collections::BTreeSet;
+
 use super::summary::{Floors, Summary, Travel};
 use super::{Fault, PlungeVerdict, verify};
 use crate::geometry::{rotate_vector_z, rotate_z};
@@ -61,18 +63,9 @@ pub fn report_plunges(
 /// Heights of the floor after the program, once per group of equal channels, and the number of channels in
 /// the group.
 fn fields_of(part: &Impeller, verdict: &PlungeVerdict, grid: &FloorGrid) -> Vec<(Vec<f32>, usize)> {
-    let mut numbers = verdict.channel_offsets.clone();
-    numbers.sort_unstable();
-    let counts: Vec<(i64, usize)> =
-        numbers.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect();
-    // A few cuts over leaning blades are assigned to a neighbouring channel: only the channels with the most
-    // cuts count.
-    let mut worked_in = counts.clone();
-    worked_in.sort_by_key(|&(number, count)| (std::cmp::Reverse(count), number));
-    worked_in.truncate(verdict.channels);
-    worked_in.sort_unstable();
+    let worked_in: BTreeSet<i64> = verdict.channel_offsets.iter().copied().collect();
     let around: Vec<Vec<Position>> =
-        worked_in.iter().map(|&(number, _)| plunges_around(part, verdict, number)).collect();
+        worked_in.iter().map(|&number| plunges_around(part, verdict, number)).collect();
     let mut kinds: Vec<(usize, usize)> = Vec::new();
     for (index, ours) in around.iter().enumerate() {
         match kinds.iter_mut().find(|(first, _)| same_plunges(&around[*first], ours)) {

@@ -73,7 +73,7 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
 }
 
 /// Wheels of the default test run, (seed, index): several kinds, chosen for plans with few positions.
-const GATE: [(u64, usize); 4] = [(1, 9), (1, 10), (1, 11), (1, 14)];
+const GATE: [(u64, usize); 4] = [(7, 9), (1, 10), (1, 11), (1, 14)];
 
 /// A number from an environment variable.
 fn variable(name: &str) -> Option<u64> {

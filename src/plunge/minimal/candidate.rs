@@ -42,26 +42,44 @@ pub struct RowCandidate {
     pub station: Station,
     /// Layer left above the allowance when this cutter moves along the row, per strip of the row's floor, mm.
     layer: [f64; STRIPS],
+    /// Layer left where nothing is cut, mm.
+    uncut: f64,
+}
+
+/// Cost of a layer `e`, mm: e + e²/`scale`. The square gives weight to the thickest strips, hence to the
+/// 95th percentile.
+fn layer_cost(e: f64, scale: f64) -> f64 {
+    e + e * e / scale
 }
 
 impl RowCandidate {
-    /// Maximum lift, mm, for which the candidate costs at most `budget`; negative when it costs more without
-    /// lift.
+    /// Lift, mm, up to which the candidate costs at most `budget`; negative when it costs more without lift.
     pub fn affordable_lift(&self, budget: f64, scale: f64) -> f64 {
-        // Inverse of the quadratic cost(l) = cost(0) + l·(1 + 2·mean(e)/scale) + l²/scale.
         let spare = budget - self.cost(0.0, scale);
         if spare < 0.0 {
             return spare;
         }
-        let half = 0.5 * (scale + 2.0 * self.layer.iter().sum::<f64>() / STRIPS as f64);
-        (half * half + scale * spare).sqrt() - half
+        let covered = self.layer.iter().filter(|e| **e < self.uncut);
+        let (count, sum) = covered.fold((0.0, 0.0), |(count, sum), e| (count + 1.0, sum + e));
+        if count == 0.0 || budget >= self.uncut_cost(scale) {
+            return f64::INFINITY;
+        }
+        // Inverse of cost(l) = cost(0) + n/N·(l·(1 + 2·mean(e)/scale) + l²/scale) over the n covered ones of N
+        // strips.
+        let half = 0.5 * (scale + 2.0 * sum / count);
+        (half * half + scale * spare * STRIPS as f64 / count).sqrt() - half
     }
 
-    /// Cost of the candidate when it stops `lift` mm short: the mean of e + e²/`scale` over the layer e it
-    /// leaves, mm. The square gives weight to the thickest strips, hence to the 95th percentile.
+    /// Cost when nothing is cut here, mm.
+    pub fn uncut_cost(&self, scale: f64) -> f64 {
+        layer_cost(self.uncut, scale)
+    }
+
+    /// Cost of the candidate when it stops `lift` mm short: the mean of [`layer_cost`] over the layers it
+    /// leaves, mm. No layer is thicker than the uncut one.
     pub fn cost(&self, lift: f64, scale: f64) -> f64 {
-        let weigh = |e: f64| e + e * e / scale;
-        self.layer.iter().map(|e| weigh(e + lift)).sum::<f64>() / STRIPS as f64
+        let cost = |e: &f64| layer_cost((e + lift).min(self.uncut.max(*e)), scale);
+        self.layer.iter().map(cost).sum::<f64>() / STRIPS as f64
     }
 }
 
@@ -347,7 +365,13 @@ impl CandidateMaker<'_> {
     }
 
     fn candidate(&self, station: Station, floor: &FloorPoints) -> RowCandidate {
-        RowCandidate { station, layer: self.layer(&self.maker.cutter(&station), &station.ends, floor) }
+        let cutter = self.maker.cutter(&station);
+        let height = (self.maker.lane.shroud_point(&station.ends) - cutter.tip).norm();
+        RowCandidate {
+            station,
+            layer: self.layer(&cutter, height, floor),
+            uncut: (height - self.hub_allowance).max(0.0),
+        }
     }
 
     /// A candidate of `place` that clears the blades, refitted if needed; `None` where that is impossible.
@@ -384,10 +408,8 @@ impl CandidateMaker<'_> {
     }
 
     /// Layer left per strip: minimum height of the cutter above the hub while it moves along the row, minus
-    /// the allowance.
-    fn layer(&self, cutter: &CutterSolid, ends: &AxisEnds, floor: &FloorPoints) -> [f64; STRIPS] {
-        // Floor that the cutter never covers keeps stock up to the shroud.
-        let uncut = (self.maker.lane.shroud_point(ends) - cutter.tip).norm();
+    /// the allowance. Floor that the cutter never covers keeps stock up to the height `uncut`.
+    fn layer(&self, cutter: &CutterSolid, uncut: f64, floor: &FloorPoints) -> [f64; STRIPS] {
         std::array::from_fn(|i| {
             let lowest = floor[i]
                 .iter()

@@ -18,5 +18,5 @@ pub use candidate::CandidateMaker;
 pub use crossing::RowCrossing;
 pub use extras::ExtraSearch;
 pub use floor::FloorHeightMap;
-pub use path::PathSearch;
+pub use path::{PathSearch, RowPath};
 pub use section::MAX_LIFT_OF_DEPTH;

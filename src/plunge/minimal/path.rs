@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::candidate::{CandidateMaker, CandidateStage, RowCandidate};
+use super::section::MAX_LIFT_OF_DEPTH;
 use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
@@ -23,36 +24,62 @@ const TURN_SHARE: f64 = 0.7;
 const BEAM: f64 = 3.0;
 /// Cost of ending a row and beginning another, mm.
 const COST_OF_NEW_ROW: f64 = 5.0;
-/// Cost of each stage at the end that the path does not reach, mm.
-const COST_OF_MISSED_STAGE: f64 = 30.0;
 /// Lift from which on a finer grid of lead angles is tried, in cutter radii.
 const COARSE_LIFT_RADII: f64 = 0.3;
 /// Maximum number of parts into which the steps of the grid are divided.
 const MAX_FINENESS: usize = 4;
 /// Share of its cost that a path must save by a finer grid for a still finer one to be tried.
 const MIN_SAVED_SHARE: f64 = 0.02;
+/// Excess over the lower bound that is acceptable, as a share of it; a stage counts with at most
+/// [`CandidateMaker::scale`], as floor out of a row's reach would otherwise excuse anything.
+const ACCEPTED_EXCESS: f64 = 0.2;
 /// Saving of another axis from which on a position is reported as limited, mm.
 const MIN_REPORTED_SAVING: f64 = 0.02;
 /// Margin added to lifts found with the few lines of the search, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
+/// A position of a path.
+#[derive(Clone, Debug)]
+pub struct PathStep {
+    /// Axis and depth.
+    pub station: Station,
+    /// Lift that the search gave it, mm.
+    pub lift: f64,
+    candidate: RowCandidate,
+    /// Whether the layer left there counts: not before the start of the row.
+    counts: bool,
+}
+
 /// A path along a row.
 #[derive(Clone, Debug, Default)]
 pub struct RowPath {
-    /// Stations with the lift the search gave them, mm.
-    pub steps: Vec<(Station, f64)>,
+    /// Its positions in cutting order.
+    pub steps: Vec<PathStep>,
     /// Cost: the sum over its positions and the stages that it does not reach, mm.
     pub cost: f64,
-    /// Lower bound on the cost of any path, mm: blades and contact are ignored.
-    pub lower_bound: f64,
-    /// s of the stages from the start on at which the cutter has no axis, and why.
+    /// Cost up to which a path is hardly worse than the lower bound on any path (blades and contact are
+    /// ignored), mm.
+    pub acceptable_cost: f64,
+    /// s of the stages from the start on at which nothing is cut, and why.
     pub missing: Vec<(f64, DropReason)>,
+    /// Cost of these stages, mm.
+    missing_cost: f64,
 }
 
 impl RowPath {
     /// Maximum lift of its plunges, mm.
     fn highest_lift(&self) -> f64 {
-        self.steps.iter().map(|(_, lift)| *lift).fold(0.0, f64::max)
+        self.steps.iter().map(|step| step.lift).fold(0.0, f64::max)
+    }
+
+    /// Cost of the path as it was cut: `lift_at` gives the lift (mm) at an s of the hub, `None` where the
+    /// plunge was left out.
+    pub fn cost_as_cut(&self, scale: f64, lift_at: impl Fn(f64) -> Option<f64>) -> f64 {
+        let cost = |step: &PathStep| match lift_at(step.station.ends.s_hub) {
+            Some(lift) => step.candidate.cost(lift, scale),
+            None => step.candidate.uncut_cost(scale),
+        };
+        self.missing_cost + self.steps.iter().filter(|step| step.counts).map(cost).sum::<f64>()
     }
 }
 
@@ -65,6 +92,8 @@ struct PathState {
     cost: f64,
     /// How far the plunge stops short, mm.
     lift: f64,
+    /// Whether the plunge stops so short that it is left out.
+    is_left_out: bool,
     /// Back-pointer: stage and lead angle of the previous position.
     before: Option<(usize, usize)>,
 }
@@ -82,6 +111,10 @@ pub struct PathSearch<'a> {
     pub blank: &'a Blank,
     /// Largest angle between neighbouring axes, rad.
     pub max_axis_change_rad: f64,
+    /// Whether plunges that stop so short that they will be left out cut nothing for those after them. The
+    /// search sees too much contact where the row will get positions between its stages; it is right
+    /// without this as long as they suffice.
+    pub is_strict: bool,
 }
 
 /// What all candidates of a stage share.
@@ -95,7 +128,6 @@ struct StageContext<'h> {
     may_begin: bool,
     /// Whether the layer left at this stage counts.
     counts: bool,
-
     /// Plunges of earlier rows.
     earlier: &'h Columns,
 }
@@ -180,20 +212,51 @@ impl PathSearch<'_> {
         }
         // A layer left before the start is free.
         let counts = |s: f64| (start - s) * inward >= -1e-9;
-        let least: f64 = places
-            .iter()
-            .filter(|(s, _)| counts(*s))
-            .filter_map(|(_, place)| place.as_ref()?.cheapest(self.candidates.scale))
-            .map(|cost| cost + COST_PER_POSITION)
-            .sum();
-        let path = self.trace_back(&places, &states, last);
-        let missing = places.iter().filter(|(s, place)| counts(*s) && place.is_none());
-        let missing = missing.map(|(s, _)| (*s, DropReason::Blades)).collect();
-        let path = RowPath { missing, lower_bound: least, ..path };
-        let (Some(&end), [first, second, ..]) = (s.last(), s) else { return Ok(path) };
-        let reached = path.steps.last().map_or(start, |(station, _)| station.ends.s_hub);
-        let missed = ((end - reached) / (second - first)).abs();
-        Ok(RowPath { cost: path.cost + COST_OF_MISSED_STAGE * missed, ..path })
+        let mut path = self.trace_back(&places, &states, last, counts);
+        let uncut_costs = places.iter().filter_map(|(_, place)| Some(self.uncut_cost(place.as_ref()?)));
+        let (count, sum) = uncut_costs.fold((0.0, 0.0), |(count, sum), cost| (count + 1.0, sum + cost));
+        let mean_uncut_cost = sum / f64::max(count, 1.0);
+        let step = if let [first, second, ..] = s { (second - first).abs() } else { f64::INFINITY };
+        for (k, (s, place)) in places.iter().enumerate().filter(|(_, (s, _))| counts(*s)) {
+            if let Some(cheapest) = place.as_ref().and_then(|place| place.cheapest(self.candidates.scale)) {
+                let excess = ACCEPTED_EXCESS * cheapest.min(self.candidates.scale);
+                path.acceptable_cost += cheapest + excess + COST_PER_POSITION;
+            }
+            if states[k].iter().any(Option::is_some) {
+                continue;
+            }
+            // Stages between others count by their share of a step.
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(places.len() - 1));
+            let share = 0.5 * (places[after].0 - places[before].0).abs() / step;
+            let (cost, why) = match place {
+                None => (mean_uncut_cost, DropReason::Blades),
+                Some(place) => (self.uncut_cost(place), self.why_unreached(place)),
+            };
+            path.cost += cost * share;
+            path.missing_cost += cost * share;
+            path.missing.push((*s, why));
+        }
+        path.missing.sort_by(|(a, _), (b, _)| (a * inward).total_cmp(&(b * inward)));
+        Ok(path)
+    }
+
+    /// Cost of a stage that no position of the row cuts, mm; 0 without candidates.
+    fn uncut_cost(&self, place: &CandidateStage) -> f64 {
+        let first = place.by_lead.iter().flatten().flatten().next();
+        first.map_or(0.0, |candidate| candidate.uncut_cost(self.candidates.scale))
+    }
+
+    /// Why no candidate of a stage is on a path.
+    fn why_unreached(&self, place: &CandidateStage) -> DropReason {
+        let candidates = place.by_lead.iter().flatten().flatten();
+        let mut cleared = candidates.filter_map(|c| self.candidates.cleared(c, place)).peekable();
+        if cleared.peek().is_none() {
+            return DropReason::Blades;
+        }
+        match cleared.any(|c| self.candidates.is_long_enough(&c.station)) {
+            true => DropReason::Contact,
+            false => DropReason::Overhang,
+        }
     }
 
     /// The stages at every s, and between two of them where the axes turn too much.
@@ -360,23 +423,38 @@ impl PathSearch<'_> {
             && let Some(state) = &here.states[k][j]
             && count < LOOK_BACK
         {
-            passed[count] = state.column.lifted(state.lift);
-            count += 1;
+            if !(self.is_strict && state.is_left_out) {
+                passed[count] = state.column.lifted(state.lift);
+                count += 1;
+            }
             at = state.before;
         }
         let passed = passed[..count].iter().rev().filter(|passed| column.may_meet(&passed.cutter));
         let depth = search.after(column, passed).depth(self.blank, affordable);
         let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-        let cost = cost_before + self.own_cost(candidate, lift, here);
+        let is_left_out = lift > 0.0 && lift >= MAX_LIFT_OF_DEPTH * column.top;
+        let own = match self.is_strict && is_left_out && here.counts {
+            true => candidate.uncut_cost(self.candidates.scale) + COST_PER_POSITION,
+            false => self.own_cost(candidate, lift, here),
+        };
+        let cost = cost_before + own;
         let better =
             |b: &PathState| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };
         if best.as_ref().is_none_or(better) {
-            *best = Some(PathState { candidate: *candidate, column: *column, cost, lift, before });
+            *best =
+                Some(PathState { candidate: *candidate, column: *column, cost, lift, is_left_out, before });
         }
     }
 
     /// Follows the back-pointers from the cheapest state of stage `last`.
-    fn trace_back(&self, places: &[StageAt], states: &[StageStates], last: Option<usize>) -> RowPath {
+    /// Stages whose s does not count are before the start of the row.
+    fn trace_back(
+        &self,
+        places: &[StageAt],
+        states: &[StageStates],
+        last: Option<usize>,
+        counts: impl Fn(f64) -> bool,
+    ) -> RowPath {
         let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
         let end = last
             .and_then(|k| (0..states[k].len()).map(|j| (k, j)).min_by(|a, b| cost(a).total_cmp(&cost(b))));
@@ -387,7 +465,17 @@ impl PathSearch<'_> {
         {
             let before = state.before.and_then(|(k, j)| states[k][j]).map(|s| s.candidate.station.axis);
             let held = places[k].1.as_ref().and_then(|place| self.limited_by(place, state, before));
-            path.steps.push((Station { limited_by: held, ..state.candidate.station }, state.lift));
+            let station = Station { limited_by: held, ..state.candidate.station };
+            let (s, counts) = (station.ends.s_hub, counts(station.ends.s_hub));
+            let PathState { candidate, lift, .. } = *state;
+            match self.is_strict && state.is_left_out {
+                true if counts => {
+                    path.missing.push((s, DropReason::Contact));
+                    path.missing_cost += candidate.uncut_cost(self.candidates.scale);
+                }
+                true => {}
+                false => path.steps.push(PathStep { station, lift, candidate, counts }),
+            }
             at = state.before;
         }
         path.steps.reverse();

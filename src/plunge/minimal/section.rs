@@ -1,21 +1,20 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
-use super::{CandidateMaker, PathSearch, RowCrossing};
+use super::{CandidateMaker, PathSearch, RowCrossing, RowPath};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
-use crate::plunge::cycle::{PlanError, PlannedRow, Planner, SectionCut};
+use crate::plunge::cycle::{CutRow, PlanError, PlannedRow, Planner, SectionCut};
 use crate::plunge::ground::{PassageStretch, RowLayout, StretchLayout};
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
+use crate::plunge::plan::DropReason;
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::sections::max_shroud_spacing;
 use crate::setup::{CutDirection, Tool, tool_of};
 
 /// Layer e for which the square term of the cost equals e, in cutter radii.
 pub const SCALE_RADII: f64 = 0.5;
-/// If outlet to inlet costs at most this multiple of the lower bound, inlet to outlet is not tried.
-const ACCEPTED_COST_RATIO: f64 = 1.2;
 /// Distance before its start at which a row may begin, in cutter diameters.
 const RUN_UP_DIAMETERS: f64 = 1.5;
 /// Height of the wedge under a leaning wall from which on a row is inserted beside that wall, in cutter
@@ -29,9 +28,23 @@ const CROSSING_RADII: f64 = 0.2;
 /// A section planned in one cutting direction.
 struct DirectedPlan {
     cut: SectionCut,
-    /// Cost of its paths, and the lower bound on it, mm.
+    /// Cost of its paths, mm.
     cost: f64,
-    lower_bound: f64,
+    /// See [`RowPath::acceptable_cost`].
+    acceptable_cost: f64,
+}
+
+/// A row as its path was cut.
+struct CutPath {
+    row: CutRow,
+    /// All plunges up to the end of the row.
+    columns: Columns,
+    /// Cost of the path with the lifts it was cut with, mm.
+    cost: f64,
+    /// Whether plunges of the path were left out.
+    has_lost: bool,
+    /// See [`RowPath::missing`].
+    missing: Vec<(f64, DropReason)>,
 }
 
 impl Planner<'_> {
@@ -47,18 +60,14 @@ impl Planner<'_> {
         earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
-        let fed = |feed: CutDirection, limit: f64| {
+        let plan_in = |feed: CutDirection, limit: f64| {
             self.plan_in_direction(index, grounds, earlier, feed, limit, monitor)
         };
         let asked = self.setup.plunge.sections[index].cut_direction;
-        let first = fed(asked.unwrap_or(CutDirection::Inward), f64::INFINITY)?;
+        let first = plan_in(asked.unwrap_or(CutDirection::Inward), f64::INFINITY)?;
         let other = match &first {
-            Some(first)
-                if asked.is_none()
-                    && first.cost > ACCEPTED_COST_RATIO * first.lower_bound
-                    && !monitor.is_stopped() =>
-            {
-                fed(CutDirection::Outward, first.cost)?
+            Some(first) if asked.is_none() && first.cost > first.acceptable_cost && !monitor.is_stopped() => {
+                plan_in(CutDirection::Outward, first.cost)?
             }
             _ => None,
         };
@@ -82,24 +91,24 @@ impl Planner<'_> {
         monitor: &Monitor,
     ) -> Result<Option<DirectedPlan>, PlanError> {
         let cut = SectionCut::empty(feed, earlier.clone());
-        let mut fed = DirectedPlan { cut, cost: 0.0, lower_bound: 0.0 };
-        match self.plan_rows(index, grounds, &mut fed, limit, monitor) {
-            Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(fed)),
-            within => Ok(within?.then_some(fed)),
+        let mut directed = DirectedPlan { cut, cost: 0.0, acceptable_cost: 0.0 };
+        match self.plan_rows(index, grounds, &mut directed, limit, monitor) {
+            Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(directed)),
+            within => Ok(within?.then_some(directed)),
         }
     }
 
-    /// Plans row after row into `fed`; `false` when it costs `limit` or more. Its rows are complete even when
+    /// Plans row after row into `directed`; `false` when it costs `limit` or more. Its rows are complete even when
     /// this ends early.
     fn plan_rows(
         &self,
         index: usize,
         grounds: &[StretchLayout],
-        fed: &mut DirectedPlan,
+        directed: &mut DirectedPlan,
         limit: f64,
         monitor: &Monitor,
     ) -> Result<bool, PlanError> {
-        let DirectedPlan { cut, cost, lower_bound: least } = fed;
+        let DirectedPlan { cut, cost, acceptable_cost } = directed;
         let feed = cut.feed;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
@@ -121,32 +130,63 @@ impl Planner<'_> {
                     },
                     blank: &self.blank,
                     max_axis_change_rad: self.setup.plunge.max_axis_change_rad,
+                    is_strict: false,
                 };
                 let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
                 let places = stage_positions(&maker, start + run_up, start, end);
                 let lambda = stretch.lambda_in_channel(lambda);
                 let mut path = search.path(&places, start, &cut.columns)?;
-                if let Some((first, lift)) = path.steps.first()
+                if let Some(first) = path.steps.first()
                     && row > 0
-                    && *lift > CROSSING_RADII * tool.radius()
+                    && first.lift > CROSSING_RADII * tool.radius()
                 {
-                    let crossing = RowCrossing { search: &search, from: rows[row - 1], s: first.ends.s_hub };
+                    let s = first.station.ends.s_hub;
+                    let crossing = RowCrossing { search: &search, from: rows[row - 1], s };
                     self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
                     path = search.path(&places, start, &cut.columns)?;
                 }
-                *least += path.lower_bound;
-                *cost += path.cost;
+                *acceptable_cost += path.acceptable_cost;
+                let mut best = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
+                if best.has_lost {
+                    let search =
+                        PathSearch { is_strict: true, candidates: search.candidates.clone(), ..search };
+                    let path = search.path(&places, start, &cut.columns)?;
+                    let strict = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
+                    if strict.cost < best.cost {
+                        best = strict;
+                    }
+                }
+                *cost += best.cost;
                 if *cost >= limit {
                     return Ok(false);
                 }
-                let mut stations: Vec<Station> =
-                    path.steps.iter().filter_map(|(station, _)| maker.exact(station)).collect();
-                fill_steps(&maker, &search.candidates, &mut stations);
-                self.cut_split(stations, lambda, tool, cut, closing)?;
-                cut.note_missing(lambda, path.missing);
+                cut.columns = best.columns;
+                cut.rows.extend(best.row.split_where_axes_turn(self.setup.plunge.max_axis_change_rad));
+                cut.note_missing(lambda, best.missing);
             }
         }
         Ok(true)
+    }
+
+    /// Cuts the path of a row at `lambda` of the channel after the plunges of `earlier`.
+    fn cut_path(
+        &self,
+        path: RowPath,
+        search: &PathSearch,
+        lambda: f64,
+        earlier: &Columns,
+        monitor: &Monitor,
+    ) -> Result<CutPath, PlanError> {
+        let maker = search.candidates.maker;
+        let mut stations: Vec<Station> =
+            path.steps.iter().filter_map(|step| maker.exact(&step.station)).collect();
+        fill_steps(maker, &search.candidates, &mut stations);
+        let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
+        let mut columns = earlier.clone();
+        let row = self.cut_row(row, maker.tool, Some(MAX_LIFT_OF_DEPTH), &mut columns, monitor)?;
+        let cost = path.cost_as_cut(search.candidates.scale, |s| row.lift_at(s));
+        let has_lost = path.steps.iter().any(|step| row.lift_at(step.station.ends.s_hub).is_none());
+        Ok(CutPath { row, columns, cost, has_lost, missing: path.missing })
     }
 
     /// Candidates of a row without a floor to clear and without limit of its tilt angle.

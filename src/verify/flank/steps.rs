@@ -1,10 +1,11 @@
 //! Converts the moves of a program to steps of a cutter in the frame of channel 1.
 
 use super::super::Fault;
+use super::super::channels::{channel_at, channels_of};
 use super::super::plunges::tool_of;
 use crate::cutting::link::AxisTurn;
-use crate::geometry::{CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
-use crate::part::{Channel, Impeller, passage_angle};
+use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
+use crate::part::{Channel, Impeller};
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Motion};
 
@@ -23,9 +24,6 @@ pub(super) struct CutterStep {
     pub(super) from: (Point, Vector),
     pub(super) to: (Point, Vector),
 }
-
-/// Least cutting length in a channel that counts, as a share of that in the channel with the most.
-const MIN_CHANNEL_SHARE: f64 = 0.1;
 
 impl CutterStep {
     /// Tip and axis at the parameter `share`, 0…1.
@@ -131,48 +129,12 @@ fn rotate_into_channel(part: &Impeller, channel: &Channel, steps: &mut [CutterSt
         });
         start = cuts.end;
     }
-    // Over blades that lean far a few cuts are assigned to a neighbouring channel. They get the channel of
-    // those before them.
-    let length_in =
-        |k: i64| -> f64 { stretches.iter().filter(|s| s.channel == Some(k)).map(|s| s.length).sum() };
-    let mut worked_in: Vec<i64> = stretches.iter().filter_map(|s| s.channel).collect();
-    worked_in.sort_unstable();
-    worked_in.dedup();
-    let longest = worked_in.iter().map(|&k| length_in(k)).fold(0.0, f64::max);
-    worked_in.retain(|&k| length_in(k) >= MIN_CHANNEL_SHARE * longest);
-    let known = |s: &ChannelRun| s.channel.filter(|k| worked_in.contains(k));
-    let mut last = stretches.iter().find_map(known).unwrap_or(0);
-    for stretch in &stretches {
-        last = known(stretch).unwrap_or(last);
-        let back = -part.pitch() * last as f64;
+    let votes: Vec<(Option<i64>, f64)> = stretches.iter().map(|s| (s.channel, s.length)).collect();
+    for (stretch, channel) in stretches.iter().zip(channels_of(&votes)) {
+        let back = -part.pitch() * channel as f64;
         let turned = |(p, a): (Point, Vector)| (rotate_z(&p, back), rotate_vector_z(&a, back));
         for step in &mut steps[stretch.range.clone()] {
-            (step.channel, step.from, step.to) = (last, turned(step.from), turned(step.to));
+            (step.channel, step.from, step.to) = (channel, turned(step.from), turned(step.to));
         }
     }
-}
-
-/// Number of pitches by which a tip is ahead of channel 1; `None` beyond leading edge and rim, where there
-/// are no walls.
-fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
-    let here = Meridional::of(tip);
-    let (t, height) = part.hub.curve().project(here);
-    let s = part.hub.s_at(t);
-    if !(0.0..=1.0).contains(&s) {
-        return None;
-    }
-    let depth = part.hub.point(s).distance(part.shroud.point(s));
-    let eta = (height / depth).clamp(0.0, 1.0);
-    let [low, high] = channel.full.walls.each_ref().map(|wall| {
-        let near = wall.at(part, s, eta)?;
-        // Evaluated at the point itself: beside leaning blades the wall at equal s and height may be far
-        // away.
-        Some(wall.at_meridional(here, near.u, near.v).map_or(near.theta, |there| there.theta))
-    });
-    let low = low?;
-    let high = low + passage_angle(low, high?, part.pitch());
-    let ahead = ((tip.y.atan2(tip.x) - 0.5 * (low + high)) / part.pitch()).round() as i64;
-    let count = part.blade_count as i64;
-    let turns = ahead.rem_euclid(count);
-    Some(if turns > count / 2 { turns - count } else { turns })
 }
