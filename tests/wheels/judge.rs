@@ -95,6 +95,9 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
         Ok(verdict) => verdict,
         Err(fault) => return wrong(format!("its program cannot be judged: {}", fault.message)),
     };
+    if verdict.channels != 1 {
+        wrong(format!("its program is found to work in {} channels", verdict.channels));
+    }
     if let (true, Some(fault)) = (is_free, verdict.faults.first()) {
         wrong(format!("{} faults, line {}: {}", verdict.faults.len(), fault.line, fault.message));
     }
