@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use super::args::FlankArgs;
 use super::plan::{check_directory, create_directory};
 use super::report::{fault_list, head, number};
+use super::verify::flank::walls_text;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};
 use crate::flank::FlankPlan;
@@ -19,7 +20,7 @@ use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::part::Impeller;
 use crate::setup::FlankStrategy;
 use crate::toolpath::ClProgram;
-use crate::verify::count_by_kind;
+use crate::verify::{FlankVerdict, count_by_kind};
 
 /// Plans, writes the files and prints the figures.
 ///
@@ -114,10 +115,13 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("area", number(curves.area));
     put("largest_gap_over_interval", number(of(scheme).coverage.largest_gap));
     put("wide_area_share", number(curves.wide_share(scheme)));
+    let judged = |figure: fn(&FlankVerdict) -> f64| number(outcome.verdict.as_ref().map_or(f64::NAN, figure));
     put("max_overcut", number(outcome.max_overcut()));
-    put("max_undercut", number(plan.max_undercut()));
+    put("max_undercut", judged(|v| v.max_undercut));
+    put("unmilled_wall_share", judged(|v| v.unmilled_wall_share));
+    put("planned_undercut", number(plan.max_undercut()));
     put("forced_deviation", number(plan.forced_deviation()));
-    put("uncovered_share", number(outcome.verdict.as_ref().map_or(f64::NAN, |v| v.uncovered.share())));
+    put("uncovered_share", judged(|v| v.uncovered.share()));
     put("positions", json!(plan.positions()));
     let axes = plan.axes.iter().map(|a| {
         json!({
@@ -146,13 +150,23 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("slot_feed", number(plan.feeds.slot_mm_per_min));
     put("wall_feed", number(plan.feeds.wall_mm_per_min));
     put("ramp_feed", number(plan.feeds.ramp_mm_per_min));
-    put("cut_length", number(plan.times.cut_length));
+    put("cut_length", judged(|v| v.cut_length));
+    put("pass_length", number(plan.times.cut_length));
     put("link_length", number(plan.times.link_length));
-    put("rapid_length", number(plan.times.rapid_length));
+    put("rapid_length", judged(|v| v.rapid_length));
+    put("min_hub_clearance", judged(|v| v.min_hub_clearance));
+    put("min_blade_clearance", judged(|v| v.min_blade_clearance));
+    put("min_retract_clearance", judged(|v| v.min_retract_clearance));
+    put("max_axis_change", judged(|v| v.max_axis_change_rad.to_degrees()));
+    put("residual_mean", judged(|v| v.layer.mean.into()));
+    put("residual_p95", judged(|v| v.layer.p95.into()));
+    put("residual_max", judged(|v| v.layer.max.into()));
+    put("uncut_share", judged(|v| v.layer.uncut_share.into()));
+    put("unreachable_share", judged(|v| v.layer.unreachable_share.into()));
     put("cut_time", number(plan.times.cut_time));
     put("link_time", number(plan.times.link_time));
     put("rapid_time", number(plan.times.rapid_time));
-    put("time_estimate", number(plan.times.total()));
+    put("time_estimate", judged(|v| v.time_estimate));
     // Gaps of the isoparametric strategy are measured only if it is the chosen one.
     let measured = |s: FlankStrategy| s != FlankStrategy::Isoparametric || s == scheme;
     let by_scheme: Map<String, Value> = FlankStrategy::ALL
@@ -242,13 +256,11 @@ fn text(outcome: &FlankOutcome) -> String {
         curves.totals[curves.strategy as usize].length / (curves.floor_length + 0.5 * curves.seam_length),
     );
     text += &format!(
-        "walls: overcut {:.4} mm, undercut {:.4} mm against the blade allowance, swept; \
-         twist alone forces ±{:.4} mm on a straight cutting edge, in the strip of one layer\n",
-        outcome.max_overcut(),
-        plan.max_undercut(),
+        "twist alone forces ±{:.4} mm on a straight cutting edge, in the strip of one layer\n",
         plan.forced_deviation(),
     );
     if let Some(verdict) = &outcome.verdict {
+        text += &walls_text(verdict);
         text += &format!(
             "{:.2} % of the floor keeps more stock than the allowed scallop height\n",
             100.0 * verdict.uncovered.share()

@@ -27,9 +27,41 @@ fn residual_keys(s: &Summary) -> Map<String, Value> {
     map
 }
 
+/// Keys that every object of `--json` has, null where they do not apply.
+const SHARED_KEYS: [&str; 26] = [
+    "channels",
+    "positions",
+    "rows",
+    "sections",
+    "interferential",
+    "max_contact_depth",
+    "residual_mean",
+    "residual_p95",
+    "residual_max",
+    "uncut_share",
+    "unreachable_share",
+    "min_hub_clearance",
+    "min_blade_clearance",
+    "min_retract_clearance",
+    "max_axis_change",
+    "cut_length",
+    "rapid_length",
+    "time_estimate",
+    "blocked",
+    "held",
+    "settled",
+    "stopped",
+    "rounds",
+    "elapsed",
+    "max_overcut",
+    "max_undercut",
+];
+
 /// The first keys of every object: the part, and the number of `channels` cut, if any.
 pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
-    let mut map = Map::new();
+    let mut map: Map<String, Value> =
+        SHARED_KEYS.iter().map(|key| ((*key).to_owned(), Value::Null)).collect();
+    map.insert("by_section".into(), json!([]));
     map.insert("part".into(), json!(part.name));
     map.insert("blades".into(), json!(part.blade_count));
     map.insert("splitters".into(), json!(part.splitters.len() * part.blade_count));

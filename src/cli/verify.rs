@@ -1,6 +1,6 @@
 //! `vanecut verify`.
 
-mod flank;
+pub(super) mod flank;
 
 use std::path::Path;
 

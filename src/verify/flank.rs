@@ -61,6 +61,8 @@ pub struct FlankVerdict {
     /// Greatest undercut: stock left on a wall above its allowance, where cutters come near to it; without
     /// noses, blunt trailing edges, and the foot of the wall that the tool corner does not reach.
     pub max_undercut: f64,
+    /// Share of the walls to which no cutter comes near, of the channel with the most of it, 0…1.
+    pub unmilled_wall_share: f64,
     /// Shares of the floor on which more is left than the setup's scallop height, of the channel with the
     /// most of it.
     pub uncovered: Uncovered,
@@ -216,6 +218,7 @@ impl<'a> FlankVerifier<'a> {
             let walls = wall_deviation(part, channel, tools, &cuts, setup.allowances.blade_allowance, uncut);
             verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
             verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
+            verdict.unmilled_wall_share = verdict.unmilled_wall_share.max(walls.unmilled_share);
         }
         verdict.max_overcut =
             verdict.max_overcut.max(setup.allowances.blade_allowance - verdict.min_blade_clearance).max(0.0);
@@ -490,6 +493,7 @@ impl FlankVerdict {
             max_axis_change_rad: 0.0,
             max_overcut: 0.0,
             max_undercut: f64::NAN,
+            unmilled_wall_share: 0.0,
             uncovered: Uncovered::default(),
             layer: ResidualStatistics::default(),
             deepest_cut: 0.0,

@@ -15,11 +15,6 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     };
     put("kind", json!("flank"));
     put("positions", json!(verdict.positions));
-    for key in
-        ["rows", "sections", "interferential", "max_contact_depth", "blocked", "held", "settled", "rounds"]
-    {
-        put(key, Value::Null);
-    }
     put("residual_mean", number(layer.mean.into()));
     put("residual_p95", number(layer.p95.into()));
     put("residual_max", number(layer.max.into()));
@@ -27,6 +22,7 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     put("unreachable_share", number(layer.unreachable_share.into()));
     put("max_overcut", number(verdict.max_overcut));
     put("max_undercut", number(verdict.max_undercut));
+    put("unmilled_wall_share", number(verdict.unmilled_wall_share));
     let uncovered = &verdict.uncovered;
     put("uncovered_share", number(uncovered.share()));
     put("uncovered_fillet_share", number(uncovered.fillet));
@@ -41,7 +37,6 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     put("cut_length", number(verdict.cut_length));
     put("rapid_length", number(verdict.rapid_length));
     put("time_estimate", number(verdict.time_estimate));
-    put("by_section", json!([]));
     map
 }
 
@@ -72,11 +67,7 @@ pub(super) fn text(verdict: &FlankVerdict) -> String {
         100.0 * uncovered.no_axis,
         100.0 * uncovered.gap,
     );
-    text += &if verdict.max_undercut.is_finite() {
-        format!("walls: {:.4} mm overcut, {:.4} mm undercut\n", verdict.max_overcut, verdict.max_undercut)
-    } else {
-        format!("walls: not milled; {:.4} mm overcut\n", verdict.max_overcut)
-    };
+    text += &walls_text(verdict);
     text += &format!(
         "least clearance: hub {:.4} mm, blades {:.4} mm; axis change up to {:.1}° per move\n",
         verdict.min_hub_clearance,
@@ -84,4 +75,18 @@ pub(super) fn text(verdict: &FlankVerdict) -> String {
         verdict.max_axis_change_rad.to_degrees()
     );
     text
+}
+
+/// The line about the walls, of a planned or any other flank program.
+pub fn walls_text(verdict: &FlankVerdict) -> String {
+    if verdict.max_undercut.is_finite() {
+        format!(
+            "walls: {:.4} mm overcut, {:.4} mm undercut where they are milled; {:.1} % not milled\n",
+            verdict.max_overcut,
+            verdict.max_undercut,
+            100.0 * verdict.unmilled_wall_share
+        )
+    } else {
+        format!("walls: not milled; {:.4} mm overcut\n", verdict.max_overcut)
+    }
 }

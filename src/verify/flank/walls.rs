@@ -22,6 +22,8 @@ pub(super) struct WallDeviation {
     pub(super) overcut: f64,
     /// Greatest stock left above it.
     pub(super) undercut: f64,
+    /// Share of the samples to which no cutter comes near, 0…1.
+    pub(super) unmilled_share: f64,
 }
 
 struct Chunk<'a> {
@@ -64,10 +66,12 @@ pub(super) fn wall_deviation(
         .map(|p| nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance)
         .filter(|left| *left < MILLED_DISTANCE)
         .collect();
+    let unmilled_share = 1.0 - left.len() as f64 / (samples.len() as f64).max(1.0);
     if left.is_empty() {
-        return WallDeviation { overcut: f64::NAN, undercut: f64::NAN };
+        return WallDeviation { overcut: f64::NAN, undercut: f64::NAN, unmilled_share };
     }
     WallDeviation {
+        unmilled_share,
         overcut: left.iter().fold(0.0, |most, d| f64::max(most, -d)),
         undercut: left.iter().fold(0.0, |most, d| f64::max(most, *d)),
     }
