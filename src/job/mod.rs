@@ -17,7 +17,7 @@ use crate::io::tool_library::plunge_cutters;
 use crate::monitor::Monitor;
 use crate::part::{Channel, Impeller};
 use crate::plunge::sections::Resolved;
-use crate::plunge::{PlanError, Planner, PlungePlan, SectionCache, sections};
+use crate::plunge::{DropReason, PlanError, Planner, PlungePlan, SectionCache, sections};
 use crate::setup::{AxisPolicy, Setup, SetupFault};
 use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
@@ -252,15 +252,35 @@ fn plan(
         None => before.clone(),
     };
     if after.plan.positions.is_empty() {
-        let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
-        return Err(JobError::Setup(SetupFault::new(
-            format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
-            "allow more tilt, or use smaller cutters",
-        )));
+        return Err(JobError::Setup(nothing_cut(&after.plan, &setup)));
     }
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
     Ok(PlanOutcome { part: part.clone(), grid, before, after, others, elapsed, setup, reasons })
+}
+
+/// The fault of a plan that cuts nothing, by the reason for which most of its positions are dropped.
+fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
+    let count = |why: DropReason| plan.dropped.iter().filter(|dropped| dropped.why == why).count();
+    let most = DropReason::ALL.into_iter().max_by_key(|&why| (count(why), why == DropReason::Blades));
+    match most {
+        Some(DropReason::Contact) => SetupFault::new(
+            "the core of every plunge would meet stock before it has cut a fifth of its depth",
+            "begin a section at the outlet (from = 1), give a cutter with wider inserts, or plan with \
+             axis = \"staircase\"",
+        ),
+        Some(DropReason::Overhang) => SetupFault::new(
+            "no tool reaches down to the hub: each is shorter below its holder than its plunges are deep",
+            "give more overhang",
+        ),
+        _ => {
+            let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
+            SetupFault::new(
+                format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
+                "allow more tilt, or use smaller cutters",
+            )
+        }
+    }
 }
 
 /// Computes the residual stock and the summary of a plan.
