@@ -12,6 +12,7 @@
 //! | [`mesh`] | triangle meshes of a part, and parts from triangle meshes |
 //! | [`assess`] | machinability before any plan: twist, bow, depth, width, reach ([assessment paper]) |
 //! | [`toolpath`] | programs as data: tools, moves, sections, rows |
+//! | [`machine`] | five-axis machines: chain of axes, rotary positions, links, time |
 //! | [`cutting`] | a cutter against part and stock: clearance, drop-cutter depth, links, core contact |
 //! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper] |
 //! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
@@ -37,6 +38,7 @@ pub mod geometry;
 pub mod gpu;
 pub mod io;
 pub mod job;
+pub mod machine;
 pub mod mesh;
 pub mod monitor;
 pub mod palette;

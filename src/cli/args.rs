@@ -29,6 +29,8 @@ pub enum Command {
     Assess(AssessArgs),
     /// Check any APT program against a part
     Verify(VerifyArgs),
+    /// NC program of a plan or an APT program for a machine
+    Post(PostArgs),
     /// Picture of a part, a plan.json or a flank.json, without a window
     Render(RenderArgs),
     /// Convert a part to another format, or a part or plan to a glTF scene
@@ -160,11 +162,42 @@ pub struct VerifyArgs {
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// APT program; `-` reads it from standard input
+    /// APT program, or with --machine an NC program; `-` reads it from standard input
     pub program: PathBuf,
+    /// Machine that an NC program is posted for: a name, or a machine file
+    #[arg(long, value_name = "M")]
+    pub machine: Option<PathBuf>,
+    /// Control of the NC program: a name, or a post file; absent: that of the machine
+    #[arg(long, value_name = "NAME", requires = "machine")]
+    pub control: Option<String>,
     /// Setup file with the allowances and the insert widths
     #[arg(long)]
     pub setup: Option<PathBuf>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `vanecut post`.
+#[derive(Debug, Args)]
+pub struct PostArgs {
+    /// plan.json, flank.json or an APT program; `-` reads APT from standard input
+    pub program: PathBuf,
+    /// Machine: ac-trunnion, bc-trunnion, b-head-c-table, bc-head, nutating-table, or a machine file
+    #[arg(long, value_name = "M")]
+    pub machine: PathBuf,
+    /// Control: heidenhain, siemens, fanuc, haas, linuxcnc, or a post file; absent: that of the machine
+    #[arg(long, value_name = "NAME")]
+    pub control: Option<String>,
+    /// What the program gives the control: tcp-angles, tcp-vectors, plane or joints; absent: from the machine
+    #[arg(long = "output", value_name = "KIND")]
+    pub kind: Option<String>,
+    /// Setup file with tools; what the program does not say of a tool is taken from it
+    #[arg(long)]
+    pub setup: Option<PathBuf>,
+    /// NC program to write
+    #[arg(short = 'o', value_name = "FILE")]
+    pub file: PathBuf,
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,

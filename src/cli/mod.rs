@@ -21,6 +21,7 @@ mod plot;
 mod render;
 #[cfg(feature = "gpu")]
 mod render_flank;
+mod post;
 mod report;
 mod verify;
 mod watch;
@@ -137,6 +138,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Flank(a)) => flank::run(&a),
         Some(Command::Assess(a)) => assess::run(&a),
         Some(Command::Verify(a)) => verify::run(&a),
+        Some(Command::Post(a)) => post::run(&a),
         Some(Command::Render(a)) => render::run(&a),
         Some(Command::Convert(a)) => convert::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),

@@ -362,6 +362,24 @@ impl<'t> TomlTable<'t> {
         Ok(Some(Located { value: rows, at }))
     }
 
+    /// A list of strings, if the key is present; each with its byte offset.
+    ///
+    /// # Errors
+    /// When the value is not a list of strings.
+    pub fn strings(&self, key: &str) -> Result<Option<Vec<Located<&'t str>>>, InputError> {
+        let Some((list, _)) = self.list(key)? else { return Ok(None) };
+        let mut texts = Vec::with_capacity(list.len());
+        for item in list {
+            let at = item.span().start;
+            let DeValue::String(text) = item.get_ref() else {
+                let what = format!("`{key}` holds a {}, not a text", item.get_ref().type_str());
+                return Err(self.doc.fault(at, what, "put it in quotes"));
+            };
+            texts.push(Located { value: text.as_ref(), at });
+        }
+        Ok(Some(texts))
+    }
+
     fn list(&self, key: &str) -> Result<Option<(&'t toml::de::DeArray<'t>, usize)>, InputError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let at = value.span().start;

@@ -143,6 +143,7 @@ fn fault_reason(kind: FaultKind) -> Option<&'static str> {
         }
         FaultKind::AxisTilt => "the tilt exceeds the limit of the machine",
         FaultKind::AxisTurn => "the axis would turn too far in one move",
+        FaultKind::AxisLimit => "an axis of the machine would pass its limit",
         FaultKind::TooDeep => "the cut would be too deep in one pass",
         FaultKind::CoreContact
         | FaultKind::NoFeed

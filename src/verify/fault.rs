@@ -31,6 +31,8 @@ pub enum FaultKind {
     HolderInStock,
     /// The axis tilts beyond the machine's limit; value: the tilt, degrees.
     AxisTilt,
+    /// An axis of the machine is beyond its limits; value: its position, mm or degrees.
+    AxisLimit,
     /// The axis turns too far in one move; value: the turn, degrees.
     AxisTurn,
     /// A cut engages deeper than the tool is long; value: the depth, mm.
@@ -58,6 +60,7 @@ impl FaultKind {
             Self::HolderCollision => "moves with the holder in the part",
             Self::HolderInStock => "moves with the holder in stock",
             Self::AxisTilt => "axes beyond the machine's tilt",
+            Self::AxisLimit => "positions beyond an axis limit",
             Self::AxisTurn => "moves that turn the axis too far",
             Self::TooDeep => "cuts deeper than the tool is long",
             Self::NoFeed => "cuts without a feed rate",
