@@ -17,11 +17,11 @@ mod open;
 mod plan;
 #[cfg(feature = "gpu")]
 mod plot;
+mod post;
 #[cfg(feature = "gpu")]
 mod render;
 #[cfg(feature = "gpu")]
 mod render_flank;
-mod post;
 mod report;
 mod verify;
 mod watch;

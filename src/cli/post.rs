@@ -26,8 +26,21 @@ struct PostSource {
     /// Whether the inlet points to +Z in the part frame.
     inlet_up: bool,
     blank: Option<BlankSize>,
-    /// File name for messages, where its lines count.
+    /// File name for messages.
     name: String,
+    /// Whether the lines of its moves are those of the file; in plans they are the numbers of the moves.
+    has_lines: bool,
+}
+
+impl PostSource {
+    /// Place of a move in messages.
+    fn place(&self, line: usize) -> String {
+        match (line, self.has_lines) {
+            (0, _) => self.name.clone(),
+            (_, true) => format!("{}:{line}", self.name),
+            (_, false) => format!("{}: move {line}", self.name),
+        }
+    }
 }
 
 /// Posts a program and prints its figures.
@@ -78,7 +91,7 @@ pub fn run(args: &PostArgs) -> Result<(), Failure> {
 fn refused(args: &PostArgs, machine: &MachineTool, source: &PostSource, fault: &MotionFault) -> Failure {
     let what = format!("{}: {fault}", machine.name);
     if matches!(fault, MotionFault::Lacks { .. }) {
-        return Failure::at(&source.name, fault.line(), &fault.to_string());
+        return Failure::Input(format!("{}: {fault}", source.place(fault.line())));
     }
     if args.json {
         let mut map = Map::new();
@@ -89,8 +102,7 @@ fn refused(args: &PostArgs, machine: &MachineTool, source: &PostSource, fault: &
         // The fault itself is what counts; a closed output adds nothing to it.
         let _ = print_stdout(&format!("{}\n", Value::Object(map)));
     }
-    let line = if fault.line() > 0 { format!(":{}", fault.line()) } else { String::new() };
-    Failure::Work(format!("{}{line}: {what}", source.name))
+    Failure::Work(format!("{}: {what}", source.place(fault.line())))
 }
 
 /// Reads a plan, a flank plan or an APT program.
@@ -103,9 +115,9 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         }
         // Tools come from the inlet: their axes lean to its side.
         let lean: f64 = program.moves.iter().map(|m| m.axis.z).sum();
-        return Ok(PostSource { program, inlet_up: lean >= 0.0, blank: None, name });
+        return Ok(PostSource { program, inlet_up: lean >= 0.0, blank: None, name, has_lines: true });
     }
-    let (program, part) = if is_flank(&bytes) {
+    let (mut program, part) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
         let missing = || Failure::at(&name, 0, "the plan names no tool; plan the part again");
         let number = stored.setup.flank.tool.ok_or_else(missing)?;
@@ -119,7 +131,10 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         return Err(Failure::at(&name, 0, "the plan has no positions; plan the part with tools that fit"));
     }
     let inlet_up = part.out_of_inlet().z > 0.0;
-    Ok(PostSource { program, inlet_up, blank: Some(blank_size(&part)), name })
+    for (number, step) in (1..).zip(&mut program.moves) {
+        step.line = number;
+    }
+    Ok(PostSource { program, inlet_up, blank: Some(blank_size(&part)), name, has_lines: false })
 }
 
 /// Extent of the turned body between hub and shroud.
@@ -212,7 +227,9 @@ fn text(
         let number = program.tools.get(time.tool).map_or(0, |tool| tool.number);
         let [total, feed, links, turns, change] =
             [time.total_s(), time.feed_s, time.links_s, time.turns_s, time.tool_change_s].map(minutes);
-        text += &format!("{section:>7}  {number:>4}  {total:>4}  {feed:>4}  {links:>5}  {turns:>5}  {change:>6}\n");
+        text += &format!(
+            "{section:>7}  {number:>4}  {total:>4}  {feed:>4}  {links:>5}  {turns:>5}  {change:>6}\n"
+        );
     }
     text += &format!(
         "{} min in all; {} turns {:.0}°, {} turns {:.0}°; {} links leave the part, {} of them unwind an axis\n",

@@ -7,7 +7,8 @@ use super::source::{name_of, quote_for_message, read_bytes};
 use super::table::{Located, NumberRange, TomlDocument, TomlTable};
 use crate::geometry::{Point, Vector};
 use crate::machine::{
-    LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis, Side, TurnLink,
+    LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis, Side,
+    TurnLink,
 };
 
 /// The machines that come with the program: name and text.
@@ -60,8 +61,17 @@ pub fn read_machine_bytes(name: &str, bytes: &[u8]) -> Result<MachineTool, Input
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&[
-        "name", "control", "output", "tool_change_time", "holder_length", "block_time", "corner_time", "linear",
-        "rotary", "part", "links",
+        "name",
+        "control",
+        "output",
+        "tool_change_time",
+        "holder_length",
+        "block_time",
+        "corner_time",
+        "linear",
+        "rotary",
+        "part",
+        "links",
     ])?;
     let linear = linear_axes(&root)?;
     let rotary = rotary_axes(&root)?;
@@ -211,7 +221,8 @@ fn rotary_axis(table: &TomlTable<'_>) -> Result<RotaryAxis, InputError> {
         direction: unit,
         point,
         limits,
-        rapid_rad_per_s: required(table, "rapid", table.number("rapid", POSITIVE)?)?.value.to_radians() / 60.0,
+        rapid_rad_per_s: required(table, "rapid", table.number("rapid", POSITIVE)?)?.value.to_radians()
+            / 60.0,
         acceleration: table.number_or("acceleration", POSITIVE, 1000.0)?.to_radians(),
         jerk: table.number("jerk", POSITIVE)?.map_or(f64::INFINITY, |x| x.value.to_radians()),
     })

@@ -66,7 +66,8 @@ pub(super) struct Choice {
     pub rewinds: usize,
 }
 
-/// Chooses the rotary positions of all `stretches`; `tips` are those of all moves.
+/// Chooses the rotary positions of all `stretches`; `tips` are those of all moves. Between the two solutions the
+/// axes may only change where the tool strays by no more than `axis_tolerance` (rad) from its turn.
 ///
 /// # Errors
 /// When a direction is out of reach or limits, the chosen positions leave no way, or on a cancel.
@@ -74,6 +75,7 @@ pub(super) fn choose(
     machine: &MachineTool,
     stretches: &[Stretch],
     tips: &[Point],
+    axis_tolerance: f64,
     monitor: &Monitor,
 ) -> Result<Choice, MotionFault> {
     let mut stages: Vec<Stage> = Vec::with_capacity(stretches.len());
@@ -93,8 +95,8 @@ pub(super) fn choose(
     if let Some(fault) = found.fault() {
         return Err(fault);
     }
-    run(machine, stretches, &mut stages, monitor)?;
-    assemble(machine, stretches, &stages)
+    run(machine, stretches, &mut stages, axis_tolerance, monitor)?;
+    assemble(machine, stretches, &stages, axis_tolerance)
 }
 
 /// The first position without a candidate, and how many there are.
@@ -212,6 +214,7 @@ fn run(
     machine: &MachineTool,
     stretches: &[Stretch],
     stages: &mut [Stage],
+    axis_tolerance: f64,
     monitor: &Monitor,
 ) -> Result<(), MotionFault> {
     let mut rest = stages.iter_mut();
@@ -235,7 +238,9 @@ fn run(
                     let near = [0, 1].map(|i| earlier.angles[i] + wrap_angle(turn[i]));
                     machine.axis_stray((from, earlier.angles), (to, near))
                 });
-                let cost = earlier.cost + step_cost(machine, &turn, *stray, feed);
+                // Points in between bring a stray within one solution down, but not one between the two.
+                let lasting = earlier.branch != candidate.branch && *stray > axis_tolerance;
+                let cost = earlier.cost + step_cost(machine, &turn, *stray, feed, lasting);
                 if cost < candidate.cost {
                     (candidate.cost, candidate.from) = (cost, index);
                 }
@@ -246,16 +251,19 @@ fn run(
     Ok(())
 }
 
-/// Cost of turning by `turn` (rad) between two stages, s.
-fn step_cost(machine: &MachineTool, turn: &[f64; 2], stray: f64, feed: bool) -> f64 {
+/// Cost of turning by `turn` (rad) between two stages, s; `lasting`: no points in between mend its stray.
+fn step_cost(machine: &MachineTool, turn: &[f64; 2], stray: f64, feed: bool, lasting: bool) -> f64 {
     let time = |i: usize| turn[i].abs() / machine.rotary[i].rapid_rad_per_s;
     let cost = time(0).max(time(1)) + TRAVEL_COST * (turn[0].abs() + turn[1].abs());
     let wide = turn.iter().any(|t| t.abs() > HALF_TURN);
     if feed {
-        cost + STRAY_COST * stray + if wide { FORBIDDEN_S } else { 0.0 }
+        cost + STRAY_COST * stray + if wide || lasting { FORBIDDEN_S } else { 0.0 }
     } else if wide {
         cost + CLEAR_COST_S + REWIND_COST_S
-    } else if stray > MAX_LINK_STRAY || (machine.links.turn == TurnLink::Clear && *turn != [0.0; 2]) {
+    } else if lasting
+        || stray > MAX_LINK_STRAY
+        || (machine.links.turn == TurnLink::Clear && *turn != [0.0; 2])
+    {
         cost + CLEAR_COST_S
     } else {
         cost
@@ -263,7 +271,12 @@ fn step_cost(machine: &MachineTool, turn: &[f64; 2], stray: f64, feed: bool) -> 
 }
 
 /// Reads the way back, counts endless axes on, and holds the first axis at poles.
-fn assemble(machine: &MachineTool, stretches: &[Stretch], stages: &[Stage]) -> Result<Choice, MotionFault> {
+fn assemble(
+    machine: &MachineTool,
+    stretches: &[Stretch],
+    stages: &[Stage],
+    axis_tolerance: f64,
+) -> Result<Choice, MotionFault> {
     let mut picked: Vec<Option<[f64; 2]>> = vec![None; stretches.len()];
     let last = stages.last().and_then(|stage| {
         let order = |a: &usize, b: &usize| stage.candidates[*a].cost.total_cmp(&stage.candidates[*b].cost);
@@ -277,7 +290,7 @@ fn assemble(machine: &MachineTool, stretches: &[Stretch], stages: &[Stage]) -> R
             at = candidate.from;
         }
         if cost >= FORBIDDEN_S {
-            return Err(turning_back(machine, stretches, &picked));
+            return Err(turning_back(machine, stretches, &picked, axis_tolerance));
         }
     }
     let mut angles = Vec::with_capacity(stretches.len());
@@ -304,15 +317,26 @@ fn assemble(machine: &MachineTool, stretches: &[Stretch], stages: &[Stage]) -> R
 }
 
 /// The fault of a program that turns an axis back in the middle of a cut.
-fn turning_back(machine: &MachineTool, stretches: &[Stretch], picked: &[Option<[f64; 2]>]) -> MotionFault {
+fn turning_back(
+    machine: &MachineTool,
+    stretches: &[Stretch],
+    picked: &[Option<[f64; 2]>],
+    axis_tolerance: f64,
+) -> MotionFault {
     let mut before: Option<[f64; 2]> = None;
+    let mut last_axis = Vector::z();
     for (stretch, angles) in stretches.iter().zip(picked) {
         let Some(here) = angles else { continue };
-        let wide = |b: [f64; 2]| (0..2).find(|&i| turn_of(machine, i, b[i], here[i]).abs() > HALF_TURN);
-        if let Some(axis) = before.and_then(wide).filter(|_| stretch.feed_in) {
-            return MotionFault::TurnsBack { line: stretch.line, letter: machine.rotary[axis].letter };
+        let back = |b: &[f64; 2]| {
+            let turn = [0, 1].map(|i| turn_of(machine, i, b[i], here[i]).abs());
+            let near = [0, 1].map(|i| b[i] + wrap_angle(here[i] - b[i]));
+            let stray = machine.axis_stray((&last_axis, *b), (&stretch.axis, near));
+            turn.iter().any(|t| *t > HALF_TURN) || stray > axis_tolerance
+        };
+        if stretch.feed_in && before.as_ref().is_some_and(back) {
+            return MotionFault::TurnsBack { line: stretch.line, letter: machine.rotary[0].letter };
         }
-        before = Some(*here);
+        (before, last_axis) = (Some(*here), stretch.axis);
     }
     MotionFault::TurnsBack { line: 0, letter: machine.rotary[0].letter }
 }

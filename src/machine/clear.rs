@@ -62,9 +62,8 @@ impl ClearanceSphere {
     /// The poses of a link from one pose to another by way of the sphere, without the first.
     pub fn around(&self, machine: &MachineTool, from: &Pose, to: &Pose) -> Vec<Pose> {
         let (start, end) = (self.outside(from), self.outside(to));
-        let seen = |pose: &Pose| {
-            machine.part_to_tool(&pose.angles, &(pose.tip - self.centre)).try_normalize(1e-9)
-        };
+        let seen =
+            |pose: &Pose| machine.part_to_tool(&pose.angles, &(pose.tip - self.centre)).try_normalize(1e-9);
         let mut poses = Vec::new();
         if start != *from {
             poses.push(start);

@@ -67,7 +67,8 @@ impl MachineTool {
         let distance = |share: f64| {
             let joints = a + (b - a) * share;
             let tip = self.tip(&joints.into(), &mixed_angles(&from.angles, &to.angles, share), length);
-            let along = if squared > 0.0 { ((tip - from.tip).dot(&line) / squared).clamp(0.0, 1.0) } else { 0.0 };
+            let along =
+                if squared > 0.0 { ((tip - from.tip).dot(&line) / squared).clamp(0.0, 1.0) } else { 0.0 };
             (tip - (from.tip + line * along)).norm()
         };
         SAMPLES.into_iter().map(distance).fold(0.0, f64::max)

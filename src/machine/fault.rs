@@ -6,7 +6,9 @@ use crate::monitor::Cancelled;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionFault {
     /// A position is out of the reach or the limits of the axes.
-    #[error("{what} ({count} directions like this); choose a machine that reaches it, or give the planner less max_axis_tilt")]
+    #[error(
+        "{what} ({count} directions like this); choose a machine that reaches it, or give the planner less max_axis_tilt"
+    )]
     OutOfLimits {
         /// Line of the first.
         line: usize,
@@ -16,7 +18,9 @@ pub enum MotionFault {
         count: usize,
     },
     /// An axis would have to turn back in the middle of a cut.
-    #[error("{letter} meets its limit in the middle of a cut; choose a machine with a wider or endless {letter}")]
+    #[error(
+        "{letter} meets its limit in the middle of a cut; choose a machine with a wider or endless {letter}"
+    )]
     TurnsBack {
         /// Line of the move.
         line: usize,
@@ -24,7 +28,9 @@ pub enum MotionFault {
         letter: char,
     },
     /// A move that cannot be followed: the axis passes a pole or a limit.
-    #[error("the axis turns so that the machine cannot follow within {tolerance} of the planned turn; add positions there")]
+    #[error(
+        "the axis turns so that the machine cannot follow within {tolerance} of the planned turn; add positions there"
+    )]
     CannotFollow {
         /// Line of the move.
         line: usize,

@@ -29,7 +29,8 @@ pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;
 pub use kinematics::{AngleSolution, turned};
 pub use model::{
-    LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis, Side, TurnLink,
+    LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis, Side,
+    TurnLink,
 };
 pub use motion::{
     BlankSize, MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program,

@@ -13,8 +13,8 @@ use crate::toolpath::{ClProgram, ClTool, Motion};
 
 /// Directions closer than this are the same, rad.
 const SAME_AXIS_RAD: f64 = 1e-10;
-/// Deviation of the tip in links whose tip is held, mm.
-const LINK_TIP_TOLERANCE: f64 = 0.5;
+/// Deviation of the tip and of the axis in links whose tip is held, mm and rad.
+const LINK_TOLERANCE: (f64, f64) = (0.05, 0.02 * std::f64::consts::PI / 180.0);
 /// Halvings of a move under feed.
 const MAX_HALVINGS: u32 = 40;
 /// Points that one move may be split into.
@@ -118,10 +118,21 @@ pub fn machine_program(
 ) -> Result<MachineProgram, MotionFault> {
     let tips: Vec<Point> = program.moves.iter().map(|m| placed.point_in_program(&m.tip)).collect();
     let stretches = stretches(machine, placed, program)?;
-    let choice = choose(machine, &stretches, &tips, monitor)?;
+    // The control turns vectors and planes evenly by itself, whatever the positions are.
+    let tolerance = match options.output {
+        OutputKind::TcpAngles | OutputKind::Joints => SAFE_SHARE * options.axis_tolerance_rad,
+        OutputKind::TcpVectors | OutputKind::Plane => f64::INFINITY,
+    };
+    let choice = choose(machine, &stretches, &tips, tolerance, monitor)?;
     let sphere = ClearanceSphere::new(machine, placed, program, &tips, options.blank);
-    let mut maker =
-        MotionMaker { machine, options, sphere, out: MachineProgram::default(), before: None, lengths: Vec::new() };
+    let mut maker = MotionMaker {
+        machine,
+        options,
+        sphere,
+        out: MachineProgram::default(),
+        before: None,
+        lengths: Vec::new(),
+    };
     maker.lengths = program.tools.iter().map(|tool| gauge_length(machine, tool)).collect();
     maker.out.rewinds = choice.rewinds;
     let grid = |angle: f64| (angle / options.angle_step_rad).round() * options.angle_step_rad;
@@ -156,8 +167,10 @@ fn stretches(
             return Err(MotionFault::Lacks { line: step.line, what });
         };
         match stretches.last_mut() {
-            Some(last) if tool == step.tool && last.axis.cross(&axis).norm() < SAME_AXIS_RAD
-                && last.axis.dot(&axis) > 0.0 =>
+            Some(last)
+                if tool == step.tool
+                    && last.axis.cross(&axis).norm() < SAME_AXIS_RAD
+                    && last.axis.dot(&axis) > 0.0 =>
             {
                 last.moves.end = index + 1;
             }
@@ -279,24 +292,32 @@ impl MotionMaker<'_> {
             self.out.clear_links += 1;
             self.leave();
             self.approach(to, tool, source);
-        } else if self.machine.links.turn == TurnLink::Feed && stray <= MAX_LINK_STRAY {
-            for pose in self.split(from, to, (LINK_TIP_TOLERANCE, 2.0 * MAX_LINK_STRAY), line)? {
-                self.push(StepMotion::Link, pose, tool, source);
+            return Ok(());
+        }
+        if self.machine.links.turn == TurnLink::Feed && stray <= MAX_LINK_STRAY {
+            // Past a pole there may be no way with the tip held: then the tool leaves the part.
+            if let Ok(poses) = self.split(from, to, LINK_TOLERANCE, line) {
+                poses.into_iter().for_each(|pose| self.push(StepMotion::Link, pose, tool, source));
+                return Ok(());
             }
-        } else {
-            self.out.clear_links += 1;
-            for mut pose in self.sphere.around(self.machine, &from, &to) {
-                pose.angles = pose.angles.map(|a| {
-                    (a / self.options.angle_step_rad).round() * self.options.angle_step_rad
-                });
-                self.push(StepMotion::Link, pose, tool, source);
-            }
+        }
+        self.out.clear_links += 1;
+        let step = self.options.angle_step_rad;
+        for mut pose in self.sphere.around(self.machine, &from, &to) {
+            pose.angles = pose.angles.map(|a| (a / step).round() * step);
+            self.push(StepMotion::Link, pose, tool, source);
         }
         Ok(())
     }
 
     /// The poses of a move, its end last, so close that tip and axis keep to `tolerance` (mm, rad).
-    fn split(&self, from: Pose, to: Pose, tolerance: (f64, f64), line: usize) -> Result<Vec<Pose>, MotionFault> {
+    fn split(
+        &self,
+        from: Pose,
+        to: Pose,
+        tolerance: (f64, f64),
+        line: usize,
+    ) -> Result<Vec<Pose>, MotionFault> {
         let length = self.lengths.get(self.before.map_or(0, |b| b.1)).copied().unwrap_or_default();
         let close = |a: &Pose, b: &Pose| match self.options.output {
             OutputKind::TcpVectors | OutputKind::Plane => true,

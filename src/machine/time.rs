@@ -54,7 +54,11 @@ struct Block {
 }
 
 /// Times of all sections of `motion`, in their order.
-pub fn section_times(machine: &MachineTool, program: &ClProgram, motion: &MachineProgram) -> Vec<SectionTime> {
+pub fn section_times(
+    machine: &MachineTool,
+    program: &ClProgram,
+    motion: &MachineProgram,
+) -> Vec<SectionTime> {
     let times = block_times(machine, program, motion);
     let mut sections: Vec<SectionTime> = Vec::new();
     let mut tool = None;

@@ -117,6 +117,8 @@ pub struct ClProgram {
     pub sections: Vec<ClSection>,
     /// Rows of that plan, in cutting order.
     pub rows: Vec<ClRow>,
+    /// Rounding of distances by the file's numbers, mm; 0: that of six decimals.
+    pub rounding: f64,
     /// Warnings of the reader, by line; at most [`MAX_WARNINGS`].
     pub warnings: Vec<ClWarning>,
 }

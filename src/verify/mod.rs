@@ -139,8 +139,8 @@ pub fn verify(
         let s = part.hub.s_at(part.hub.curve().project(Meridional::of(&here.tip)).0);
         let contact = seen.contact;
         let found = [
-            near_hub(seen.hub, &setup.allowances, PROGRAM_TOLERANCE),
-            near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE),
+            near_hub(seen.hub, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
+            near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| {
                 let what = format!(

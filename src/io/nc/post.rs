@@ -55,7 +55,8 @@ impl Dialect {
 pub(super) const GROUPS: [&str; 6] = ["start", "retract", "tool", "ready", "leave", "end"];
 /// Words in braces that the writer fills in.
 const WORDS: [&str; 13] = [
-    "name", "number", "machine", "offset", "tool", "diameter", "spindle", "x", "y", "angles", "p1", "p2", "p3",
+    "name", "number", "machine", "offset", "tool", "diameter", "spindle", "x", "y", "angles", "p1", "p2",
+    "p3",
 ];
 /// Longest list of blocks.
 const MAX_BLOCKS: usize = 100;
@@ -172,7 +173,14 @@ pub fn read_post_bytes(name: &str, bytes: &[u8]) -> Result<Post, InputError> {
 
 fn format(table: &TomlTable<'_>, format: &mut NumberFormat) -> Result<(), InputError> {
     table.check_keys(&[
-        "decimals", "angle_decimals", "vector_decimals", "feed_decimals", "comma", "plus", "short", "numbers",
+        "decimals",
+        "angle_decimals",
+        "vector_decimals",
+        "feed_decimals",
+        "comma",
+        "plus",
+        "short",
+        "numbers",
     ])?;
     for (key, low, high, value) in [
         ("decimals", 1, 9, &mut format.decimals),
@@ -195,8 +203,16 @@ fn format(table: &TomlTable<'_>, format: &mut NumberFormat) -> Result<(), InputE
         let whole = |x: &f64| x.fract() == 0.0 && (0.0..=1e6).contains(x);
         format.numbers = match value.as_slice() {
             [] => None,
-            [first, step] if whole(first) && whole(step) && *step >= 1.0 => Some((*first as u32, *step as u32)),
-            _ => return Err(table.fault_at(at, "`numbers` is not a first number and a step", "give [10, 10] or []")),
+            [first, step] if whole(first) && whole(step) && *step >= 1.0 => {
+                Some((*first as u32, *step as u32))
+            }
+            _ => {
+                return Err(table.fault_at(
+                    at,
+                    "`numbers` is not a first number and a step",
+                    "give [10, 10] or []",
+                ));
+            }
         };
     }
     Ok(())

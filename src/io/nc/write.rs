@@ -134,7 +134,10 @@ impl Turn {
             Dialect::Siemens => {
                 let about_y = axis.x.clamp(-1.0, 1.0).asin();
                 let about_x = (-axis.y).atan2(axis.z);
-                ([about_x, about_y, 0.0], [(Vector::x(), about_x), (Vector::y(), about_y), (Vector::z(), 0.0)])
+                (
+                    [about_x, about_y, 0.0],
+                    [(Vector::x(), about_x), (Vector::y(), about_y), (Vector::z(), 0.0)],
+                )
             }
             // Euler angles: about Z, the new X, the new Z.
             _ => {
@@ -183,7 +186,7 @@ impl NcWriter<'_> {
             self.text.push_str(&format!("{} ", self.number));
             self.number += 1;
         } else if let Some((_, step)) =
-            self.post.format.numbers.filter(|_| !text.starts_with(['%', 'O', '(', ';', ':']))
+            self.post.format.numbers.filter(|_| !is_unnumbered(self.post.dialect, text))
         {
             self.text.push_str(&format!("N{} ", self.number));
             self.number = self.number.checked_add(step).unwrap_or_default();
@@ -201,7 +204,9 @@ impl NcWriter<'_> {
     fn comment(&mut self, text: &str) {
         let text: String = text
             .chars()
-            .map(|c| if c.is_ascii_alphanumeric() || " .,=+-_/".contains(c) { c.to_ascii_uppercase() } else { ' ' })
+            .map(|c| {
+                if c.is_ascii_alphanumeric() || " .,=+-_/".contains(c) { c.to_ascii_uppercase() } else { ' ' }
+            })
             .collect();
         match self.post.dialect {
             Dialect::Heidenhain | Dialect::Siemens => self.line(&format!("; {text}")),
@@ -213,7 +218,8 @@ impl NcWriter<'_> {
     fn group(&mut self, group: &str, step: Option<&MachineStep>, lines: Option<&[String]>) {
         let post = self.post;
         let lines = lines.or_else(|| post.blocks.get(group).map(Vec::as_slice)).unwrap_or_default();
-        let name: String = self.program.part.chars().filter(char::is_ascii_alphanumeric).take(MAX_NAME).collect();
+        let name: String =
+            self.program.part.chars().filter(char::is_ascii_alphanumeric).take(MAX_NAME).collect();
         let name = if name.is_empty() { "VANECUT".to_owned() } else { name.to_ascii_uppercase() };
         for line in lines {
             let mut filled = line.clone();
@@ -382,8 +388,7 @@ impl NcWriter<'_> {
             None => format.text(rate, format.feed_decimals),
         };
         let fresh = before.is_none();
-        let changed: [bool; 6] =
-            std::array::from_fn(|i| fresh || words[i] != self.said.words[i]);
+        let changed: [bool; 6] = std::array::from_fn(|i| fresh || words[i] != self.said.words[i]);
         let turns = self.output == OutputKind::TcpVectors
             && (fresh || before.is_some_and(|before| before.pose.axis != pose.axis));
         if !changed[..5].iter().any(|c| *c) && !turns {
@@ -449,7 +454,13 @@ impl NcWriter<'_> {
     }
 }
 
-/// `text` without what ends a comment.
+/// Whether a line takes no block number: frames and names of programs, and comments.
+fn is_unnumbered(dialect: Dialect, text: &str) -> bool {
+    text.starts_with(['%', '(', ';']) || dialect != Dialect::Siemens && text.starts_with('O')
+}
+
+/// `text` without what ends a comment, in capitals.
 fn comment_text(text: &str) -> String {
-    text.chars().filter(|c| c.is_ascii() && !c.is_control() && !"();".contains(*c)).collect()
+    let plain = text.chars().filter(|c| c.is_ascii() && !c.is_control() && !"();".contains(*c));
+    plain.map(|c| c.to_ascii_uppercase()).collect()
 }

@@ -41,7 +41,8 @@ pub(super) fn words(dialect: Dialect, line: &str, out: &mut Vec<NcWord>) -> Resu
             return fault(format!("{letter} stands twice in the block"), "split the block");
         }
     }
-    let codes: Vec<i64> = letters.iter().filter(|l| l.0 == 'G').map(|l| (l.1 * 10.0).round() as i64).collect();
+    let codes: Vec<i64> =
+        letters.iter().filter(|l| l.0 == 'G').map(|l| (l.1 * 10.0).round() as i64).collect();
     let vectors = codes.contains(&435);
     if codes.contains(&682) {
         out.push(NcWord::Plane(euler_plane(&letters)?));

@@ -9,6 +9,8 @@ use crate::machine::{LINEAR_NAMES, MachineTool, Pose, gauge_length, mixed_angles
 use crate::setup::CutDirection;
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 
+/// Rounding of distances by four decimals of mm and degrees, mm.
+const ROUNDING: f64 = 1e-3;
 /// A rate this near to that of links, or a block this near to the machine's fastest, is a rapid.
 const RAPID_SHARE: f64 = 0.99;
 const RAPID_TIME: f64 = 1.05;
@@ -75,7 +77,10 @@ impl<'a> NcState<'a> {
             source,
             dialect,
             context,
-            out: NcReading { program: ClProgram { part, ..ClProgram::default() }, ..NcReading::default() },
+            out: NcReading {
+                program: ClProgram { part, rounding: ROUNDING, ..ClProgram::default() },
+                ..NcReading::default()
+            },
             frame: Frame::Joints,
             at: [None; 3],
             angles: [None; 2],
@@ -117,7 +122,11 @@ impl<'a> NcState<'a> {
     /// When it asks for what a control does not do.
     pub fn block(&mut self, line: usize, words: &[NcWord]) -> Result<(), InputError> {
         if self.ended && words.iter().any(|w| !matches!(w, NcWord::Nothing | NcWord::Comment(_))) {
-            return Err(self.source.fault(line, "the program goes on after its end", "give one program a file"));
+            return Err(self.source.fault(
+                line,
+                "the program goes on after its end",
+                "give one program a file",
+            ));
         }
         let home = words.contains(&NcWord::Home);
         let mut moved = false;
@@ -133,9 +142,14 @@ impl<'a> NcState<'a> {
                     (self.at[*axis], moved) = (Some(*x), true);
                 }
                 NcWord::Rotary(letter, degrees) => {
-                    let Some(axis) = self.machine().rotary.iter().position(|axis| axis.letter == *letter) else {
+                    let Some(axis) = self.machine().rotary.iter().position(|axis| axis.letter == *letter)
+                    else {
                         let what = format!("the machine has no axis {letter}");
-                        return Err(self.source.fault(line, what, "verify with the machine it is posted for"));
+                        return Err(self.source.fault(
+                            line,
+                            what,
+                            "verify with the machine it is posted for",
+                        ));
                     };
                     (self.angles[axis], moved) = (Some(degrees.to_radians()), true);
                     self.vector = None;
@@ -355,8 +369,7 @@ impl<'a> NcState<'a> {
                 if program.sections.len() < MAX_LISTED =>
             {
                 if let [Ok(from), Ok(to), Ok(diameter)] = [from, to, diameter].map(|x| source::number(x)) {
-                    let feed =
-                        if *feed == "OUTWARD" { CutDirection::Outward } else { CutDirection::Inward };
+                    let feed = if *feed == "OUTWARD" { CutDirection::Outward } else { CutDirection::Inward };
                     program.sections.push(ClSection { from, to, diameter, feed, rest: *rest == ["REST"] });
                 }
             }
