@@ -7,6 +7,7 @@
 
 use super::model::MachineTool;
 use super::motion::{MachineProgram, StepMotion, gauge_length};
+use crate::geometry::Point;
 use crate::toolpath::ClProgram;
 
 /// mm to which a radian of a rotary axis is compared in the length of a block: it only scales speeds.
@@ -91,8 +92,14 @@ pub fn block_times(machine: &MachineTool, program: &ClProgram, motion: &MachineP
     let limits = axis_limits(machine);
     let mut blocks: Vec<Option<Block>> = Vec::with_capacity(motion.steps.len());
     let mut before: Option<[f64; 5]> = None;
-    let mut tip = nalgebra::Point3::origin();
+    let mut tip = Point::origin();
+    let mut tool = None;
     for step in &motion.steps {
+        // The way from tool to tool is part of the tool change.
+        if step.motion == StepMotion::Approach && tool != Some(step.tool) {
+            before = None;
+        }
+        tool = Some(step.tool);
         let length = program.tools.get(step.tool).map_or(0.0, |tool| gauge_length(machine, tool));
         let [x, y, z] = machine.joints(&step.pose.tip, &step.pose.angles, length);
         let at = [x, y, z, step.pose.angles[0], step.pose.angles[1]];

@@ -229,13 +229,16 @@ impl<'a> NcState<'a> {
                     if matches!(self.dialect, Dialect::Fanuc | Dialect::Haas) {
                         self.length_on = false;
                     }
-                    self.set_frame(Frame::Joints);
+                    // What ends TCP does not end a tilted plane.
+                    if self.frame == Frame::Tip {
+                        self.set_frame(Frame::Joints);
+                    }
                 }
                 NcWord::Plane(frame) => {
                     self.set_frame(Frame::Plane(*frame));
                     self.angles = [None; 2];
                 }
-                NcWord::PlaneOff => self.set_frame(Frame::Joints),
+                NcWord::PlaneOff if matches!(self.frame, Frame::Plane(_)) => self.set_frame(Frame::Joints),
                 NcWord::Tool(number) => self.next_tool = Some(*number),
                 NcWord::Change => self.change_tool(line)?,
                 NcWord::Speed(speed) => {
