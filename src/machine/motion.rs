@@ -14,7 +14,7 @@ use crate::toolpath::{ClProgram, ClTool, Motion};
 /// Directions closer than this are the same, rad.
 const SAME_AXIS_RAD: f64 = 1e-10;
 /// Deviation of the tip and of the axis in links whose tip is held, mm and rad.
-const LINK_TOLERANCE: (f64, f64) = (0.05, 0.02 * std::f64::consts::PI / 180.0);
+const LINK_TOLERANCE: (f64, f64) = (0.01, 0.02 * std::f64::consts::PI / 180.0);
 /// Halvings of a move under feed.
 const MAX_HALVINGS: u32 = 40;
 /// Points that one move may be split into.
