@@ -16,7 +16,8 @@ use crate::machine::{
     machine_program, section_times,
 };
 use crate::monitor::Monitor;
-use crate::part::Impeller;
+use crate::part::{Blank, Impeller};
+use crate::plunge::whole::plan_channels;
 use crate::setup::{Setup, Tool, tool_of};
 use crate::toolpath::ClProgram;
 
@@ -125,7 +126,14 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         (ClProgram::of_flank(&stored.part.name, tool, &stored.moves), stored.part)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
-        (ClProgram::of_plan(&stored.part.name, &stored.plan), stored.part)
+        let channels = stored.channels.clamp(1, stored.part.blade_count);
+        let allowances = &stored.setup.allowances;
+        let blank = Blank::of(&stored.part, allowances.inlet_extension);
+        let safety = allowances.safety_distance;
+        let monitor = Monitor::default();
+        let plan = plan_channels(&stored.plan, &stored.part, &blank, safety, channels, &monitor)
+            .map_err(|cancelled| Failure::Work(cancelled.to_string()))?;
+        (ClProgram::of_plan(&stored.part.name, &plan), stored.part)
     };
     if program.moves.is_empty() {
         return Err(Failure::at(&name, 0, "the plan has no positions; plan the part with tools that fit"));

@@ -73,6 +73,8 @@ pub struct StoredPlan {
     pub setup: Setup,
     /// The plan.
     pub plan: PlungePlan,
+    /// Number of channels that it is repeated for.
+    pub channels: usize,
 }
 
 /// Writes a plan file (JSON); lengths in mm, angles in degrees, part frame. `channels` is the number of
@@ -186,5 +188,5 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
         iterations: file.rounds,
         converged: file.settled,
     };
-    Ok(StoredPlan { description, part, setup, plan })
+    Ok(StoredPlan { description, part, setup, plan, channels: file.channels })
 }

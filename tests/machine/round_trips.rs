@@ -57,7 +57,7 @@ fn cuts_stay_cuts_and_rapids_rapids() {
                 for step in &reading.program.moves {
                     if let Motion::Feed(rate) = step.motion {
                         let rate = rate.expect("a feed rate");
-                        assert!(rate > 0.0 && rate <= 801.0, "{name} {control} line {}: {rate}", step.line);
+                        assert!(rate > 0.0 && rate <= 840.0, "{name} {control} line {}: {rate}", step.line);
                     }
                 }
             }
