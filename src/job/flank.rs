@@ -147,6 +147,7 @@ fn fault_reason(kind: FaultKind) -> Option<&'static str> {
         FaultKind::TooDeep => "the cut would be too deep in one pass",
         FaultKind::CoreContact
         | FaultKind::NoFeed
+        | FaultKind::SpindleStopped
         | FaultKind::CutsNothing
         | FaultKind::ToolDiffers
         | FaultKind::NotJudged => return None,

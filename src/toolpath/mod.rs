@@ -119,6 +119,8 @@ pub struct ClProgram {
     pub rows: Vec<ClRow>,
     /// Rounding of distances by the file's numbers, mm; 0: that of six decimals.
     pub rounding: f64,
+    /// Lines of the moves under feed while the program has stopped the spindle.
+    pub stopped_spindle_lines: Vec<usize>,
     /// Warnings of the reader, by line; at most [`MAX_WARNINGS`].
     pub warnings: Vec<ClWarning>,
 }

@@ -39,6 +39,8 @@ pub enum FaultKind {
     TooDeep,
     /// Cuts without a feed rate; value: their number.
     NoFeed,
+    /// Cuts while the program has stopped the spindle; value: their number.
+    SpindleStopped,
     /// The program cuts nothing of the part.
     CutsNothing,
     /// A tool differs from the one of that number in the setup; value: its diameter, mm.
@@ -64,6 +66,7 @@ impl FaultKind {
             Self::AxisTurn => "moves that turn the axis too far",
             Self::TooDeep => "cuts deeper than the tool is long",
             Self::NoFeed => "cuts without a feed rate",
+            Self::SpindleStopped => "cuts with the spindle stopped",
             Self::CutsNothing => "programs that cut nothing",
             Self::ToolDiffers => "tools that differ from the setup",
             Self::NotJudged => "cuts that cannot be judged",
@@ -175,6 +178,22 @@ pub(super) fn missing_feed(lines: &[usize]) -> Option<Fault> {
         _ => format!("cuts without a feed rate, as {} others do; give FEDRAT before them", count - 1),
     };
     Some(Finding::new(FaultKind::NoFeed, count as f64, what).at(first))
+}
+
+/// The fault of cuts with a stopped spindle, by the lines of all cuts and those of the moves under feed while it
+/// is stopped (ascending).
+pub(super) fn stopped_spindle(cuts: impl Iterator<Item = usize>, stopped: &[usize]) -> Option<Fault> {
+    let lines: Vec<usize> = cuts.filter(|line| stopped.binary_search(line).is_ok()).collect();
+    let what = match lines.len() {
+        1 => "cuts with the spindle stopped; give SPINDL with a speed before it".to_owned(),
+        count => {
+            let others = count.saturating_sub(1);
+            format!(
+                "cuts with the spindle stopped, as {others} others do; give SPINDL with a speed before them"
+            )
+        }
+    };
+    lines.first().map(|&first| Finding::new(FaultKind::SpindleStopped, lines.len() as f64, what).at(first))
 }
 
 /// The fault of a tool of the program, first used in `line`, that differs from the setup's tool of the same

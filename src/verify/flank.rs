@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::fault::{
     Fault, FaultKind, Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank,
-    tool_mismatch,
+    stopped_spindle, tool_mismatch,
 };
 use super::too_deep;
 use crate::cutting::clearance::FinishedPart;
@@ -370,6 +370,8 @@ impl<'a> FlankVerifier<'a> {
         let no_feed = |step: &&Move| step.tool.is_some() && step.motion == Motion::Feed(None);
         let without: Vec<usize> = program.moves.iter().filter(no_feed).map(|step| step.line).collect();
         faults.extend(missing_feed(&without));
+        let cuts = steps.iter().filter(|step| step.feed.is_some()).map(|step| step.line);
+        faults.extend(stopped_spindle(cuts, &program.stopped_spindle_lines));
         for (index, tool) in self.tools.iter().enumerate() {
             let line = steps.iter().find(|step| step.tool == index).map(|step| step.line);
             faults.extend(line.and_then(|line| tool_mismatch(line, tool, self.setup)));

@@ -15,7 +15,10 @@ use rayon::prelude::*;
 
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, count_by_kind};
-use fault::{Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank, tool_mismatch};
+use fault::{
+    Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank, stopped_spindle,
+    tool_mismatch,
+};
 pub use flank::{FlankVerdict, FlankVerifier, Uncovered, is_flank, verify_flank};
 use plunges::named_sections;
 pub use plunges::{ProgramCut, Rapid, cuts_of};
@@ -181,6 +184,7 @@ pub fn verify(
     }
     let without: Vec<usize> = cuts.iter().filter(|cut| !cut.has_feed).map(|cut| cut.line).collect();
     faults.extend(missing_feed(&without));
+    faults.extend(stopped_spindle(cuts.iter().map(|cut| cut.line), &program.stopped_spindle_lines));
     for index in 0..program.tools.len() {
         let first = cuts.iter().find(|cut| cut.tool_index == index);
         faults.extend(first.and_then(|cut| tool_mismatch(cut.line, &cut.tool, setup)));

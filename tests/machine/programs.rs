@@ -79,7 +79,7 @@ pub fn sweeps() -> ClProgram {
     for (sweep, offset) in [(0, 0.8), (1, 0.0), (2, 30.0)] {
         for k in 0..60 {
             // From one side of the pole to the other, past it by the offset.
-            let (a, b) = (f64::from(k - 30) * 1.1_f64, f64::from(offset));
+            let (a, b) = (f64::from(k - 30) * 1.1_f64, offset);
             let tilt = a.hypot(b);
             let axis = leaning(tilt, b.atan2(a).to_degrees() + 40.0 * f64::from(sweep));
             let tip = Point::new(60.0 + f64::from(k) * 0.7, f64::from(sweep) * 25.0, -15.0);

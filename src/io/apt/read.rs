@@ -114,6 +114,8 @@ struct Reader<'a> {
     /// Whether the current tool was given a number.
     numbered: bool,
     spindle_rpm: Option<f64>,
+    /// Whether the program has stopped the spindle.
+    spindle_stopped: bool,
     insert_widths: Vec<(u32, f64)>,
     transform: Transform,
     /// List of the first `MSYS`: the frame of all positions.
@@ -139,6 +141,7 @@ impl<'a> Reader<'a> {
             used: false,
             numbered: false,
             spindle_rpm: None,
+            spindle_stopped: false,
             insert_widths: Vec::new(),
             transform: Transform::default(),
             frame: None,
@@ -399,6 +402,9 @@ impl<'a> Reader<'a> {
         self.used = true;
         self.ended = false;
         let motion = if rapid { Motion::Rapid } else { Motion::Feed(self.feed_mm_per_min) };
+        if !rapid && self.spindle_stopped {
+            self.program.stopped_spindle_lines.push(line);
+        }
         if let Motion::Feed(Some(feed)) = motion
             && let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index))
         {
@@ -439,8 +445,9 @@ impl<'a> Reader<'a> {
     }
 
     fn spindl(&mut self, words: &[String]) {
-        let speed = words.iter().find_map(|word| source::number(word).ok()).filter(|speed| *speed > 0.0);
-        let Some(speed) = speed else { return };
+        let number = words.iter().find_map(|word| source::number(word).ok());
+        self.spindle_stopped = words.iter().any(|word| word == "OFF") || number.is_some_and(|n| n <= 0.0);
+        let Some(speed) = number.filter(|speed| *speed > 0.0) else { return };
         self.spindle_rpm = Some(speed);
         if let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index)) {
             tool.spindle_rpm.get_or_insert(speed);
