@@ -60,6 +60,14 @@ pub fn read_setup(path: &Path, defaults: &Setup) -> Result<Setup, InputError> {
 
 /// Reads a setup from bytes over [`Setup::default`]; see [`read_setup_with_defaults`].
 ///
+/// ```
+/// let setup = vanecut::io::setup_file::read_setup_bytes("my.toml", b"[stock]\nhub_allowance = 0.8")?;
+/// assert_eq!(setup.allowances.hub_allowance, 0.8);
+/// let error = vanecut::io::setup_file::read_setup_bytes("my.toml", b"[stock]\nhub_allowence = 1").unwrap_err();
+/// assert!(error.to_string().starts_with("my.toml:2: "));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the bytes are not a valid setup.
 pub fn read_setup_bytes(name: &str, bytes: &[u8]) -> Result<Setup, InputError> {

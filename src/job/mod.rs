@@ -108,6 +108,22 @@ pub fn resolve(setup: &Setup, part: &Impeller, channel: &Channel) -> Result<Reso
 
 /// Plans one channel, without a cache of earlier plans.
 ///
+/// ```
+/// use vanecut::{job, monitor::Monitor, setup::{AxisPolicy, Setup}};
+/// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+/// # let part = vanecut::part::Impeller::build(&part)?;
+/// let request = job::PlanRequest {
+///     setup: Setup::for_part(&part),
+///     part: part.into(),
+///     policy: AxisPolicy::Monotone,
+///     compare: false,
+///     field_cells: 64,
+/// };
+/// let outcome = job::run(&request, &Monitor::default())?;
+/// assert!(outcome.after.summary.interfering < outcome.before.summary.interfering);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// The errors of [`PlanJob::run`].
 pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobError> {

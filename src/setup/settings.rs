@@ -241,6 +241,14 @@ impl Setup {
     /// The setup of an empty file for `part`: [`Setup::default`], which suits wheels of 100 to 500 mm, scaled
     /// to the size of the wheel, with allowances that are small relative to its narrowest passage and its
     /// least height.
+    ///
+    /// ```
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+    /// # let part = vanecut::part::Impeller::build(&part)?;
+    /// let setup = vanecut::setup::Setup::for_part(&part);
+    /// assert!(setup.allowances.hub_allowance > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn for_part(part: &Impeller) -> Self {
         let diameter = 2.0 * part.rim_radius();
         let usual = (diameter / ALLOWANCES_PER_DIAMETER).min(USUAL_ALLOWANCE);

@@ -76,6 +76,19 @@ struct Measured {
 /// Checks `program` against `part` with the allowances of `setup`. Where the program gives no insert width,
 /// that of the setup's tool is used.
 ///
+/// ```
+/// use vanecut::{io, part::Channel, setup::Setup, verify};
+/// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+/// # let part = vanecut::part::Impeller::build(&part)?;
+/// // A plunge of D 20 to the axis of rotation, straight through the hub.
+/// let text = b"LOADTL/1\nCUTTER/20\nRAPID\nGOTO/0,0,500,0,0,1\nFEDRAT/300,MMPM\nGOTO/0,0,0,0,0,1\nFINI";
+/// let program = io::apt::read_apt_bytes("through.apt", text)?;
+/// let verdict = verify::verify(&part, &Channel::of(&part), &Setup::for_part(&part), &program)
+///     .map_err(|fault| fault.message)?;
+/// assert!(!verdict.faults.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the program has no cuts, or a cut cannot be checked because no tool with a diameter comes before it;
 /// the fault names the line.

@@ -41,6 +41,13 @@ pub fn read_apt(path: &Path) -> Result<ClProgram, InputError> {
 
 /// Reads a CL program from bytes; `name` is the file name used in messages.
 ///
+/// ```
+/// let text = b"LOADTL/1\nCUTTER/10\nRAPID\nGOTO/0,0,50,0,0,1\nFEDRAT/300,MMPM\nGOTO/0,0,20,0,0,1\nFINI";
+/// let program = vanecut::io::apt::read_apt_bytes("one.apt", text)?;
+/// assert_eq!((program.tools[0].diameter, program.moves.len()), (10.0, 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a number or an axis is invalid, a statement moves or transforms in an unsupported way, or the
 /// program has no moves.
