@@ -1,0 +1,489 @@
+//! Pieces of a moving tool: what a slice of a body of revolution sweeps on a straight line, as an interval on
+//! a ray.
+
+use crate::geometry::{Point, Vector, frame_about};
+
+/// Newton steps to the rounded corner; the distance is convex along a ray, so they come closer without
+/// passing it.
+const CORNER_STEPS: usize = 40;
+/// Distance from the corner at which they end, mm.
+const CORNER_TOLERANCE: f64 = 1e-9;
+/// Components of unit vectors below this count as 0.
+const TINY: f64 = 1e-12;
+
+/// Outline of a slice of a body of revolution over heights 0 to `length` above its lower end. With x, y
+/// across the axis and z along it, its inside is x² + y² + α z² + 2 β z + γ ≤ 0: a cylinder, a cone or a ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outline {
+    alpha: f64,
+    beta: f64,
+    gamma: f64,
+    /// Height, mm.
+    pub length: f64,
+    /// Largest radius, mm.
+    pub radius: f64,
+    /// (ρ, c) where the lower end is a rounded corner of radius c about a flat disc of radius ρ. The quadric
+    /// is then the cylinder around it.
+    corner: Option<(f64, f64)>,
+}
+
+impl Outline {
+    /// A cylinder, or a cone between two radii.
+    pub fn cone(lower: f64, upper: f64, length: f64) -> Self {
+        let slope = if length > 0.0 { (upper - lower) / length } else { 0.0 };
+        Self {
+            alpha: -slope * slope,
+            beta: -slope * lower,
+            gamma: -lower * lower,
+            length,
+            radius: lower.max(upper),
+            corner: None,
+        }
+    }
+
+    /// The part of a ball of `radius` up to `length` above its lowest point.
+    pub fn ball(radius: f64, length: f64) -> Self {
+        let widest = if length >= radius { radius } else { (length * (2.0 * radius - length)).sqrt() };
+        Self { alpha: 1.0, beta: -radius, gamma: 0.0, length, radius: widest, corner: None }
+    }
+
+    /// A flat disc of radius `flat` with a rounded corner of radius `corner` around it, up to `length` ≤
+    /// `corner`. It can stand still only: see [`super::motion`].
+    pub fn rounded(flat: f64, corner: f64, length: f64) -> Self {
+        let up = corner - length;
+        let widest = flat + (corner * corner - up * up).max(0.0).sqrt();
+        Self { corner: Some((flat, corner)), ..Self::cone(widest, widest, length) }
+    }
+
+    /// The radius of a ball; `None` for other outlines.
+    pub fn ball_radius(&self) -> Option<f64> {
+        (self.alpha > 0.0).then_some(-self.beta)
+    }
+
+    /// Radius at a height, mm.
+    pub fn radius_at(&self, height: f64) -> f64 {
+        match self.corner {
+            Some((flat, corner)) => {
+                let up = (corner - height).clamp(0.0, corner);
+                flat + (corner * corner - up * up).max(0.0).sqrt()
+            }
+            None => (-(self.alpha * height * height + 2.0 * self.beta * height + self.gamma)).max(0.0).sqrt(),
+        }
+    }
+}
+
+/// What a piece does to the stock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Action {
+    /// It removes stock.
+    Cut,
+    /// It must not meet stock.
+    Check(ToolPart),
+}
+
+/// The part of a tool that meets stock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ToolPart {
+    /// The core of a plunging cutter, which has no edges.
+    Core,
+    /// The cutter in rapid.
+    Cutter,
+    /// The shank.
+    Shank,
+    /// The holder.
+    Holder,
+}
+
+impl ToolPart {
+    /// Its name in messages and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Core => "core",
+            Self::Cutter => "cutter",
+            Self::Shank => "shank",
+            Self::Holder => "holder",
+        }
+    }
+}
+
+/// A slice that moves on a straight line without turning.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece {
+    /// Its outline.
+    pub outline: Outline,
+    /// Centre of its lower end where it starts, mm.
+    pub base: Point,
+    /// Unit axis, tip → holder.
+    pub axis: Vector,
+    /// Its travel, mm; zero where it stands still.
+    pub travel: Vector,
+    /// What it does.
+    pub action: Action,
+    /// Number of its move.
+    pub number: u32,
+    /// Height of its lower end above that of the part of the tool it belongs to, mm.
+    pub above: f64,
+}
+
+/// A piece with the rays of one direction expressed in its own frame.
+pub struct PieceOnRays<'a> {
+    piece: &'a Piece,
+    frame: [Vector; 3],
+    /// Ray direction and travel in the frame (across, across, along).
+    ray: [f64; 3],
+    travel: [f64; 3],
+    moves: bool,
+    /// Squared length of the travel across the axis.
+    squared_across: f64,
+}
+
+/// The interval of a ray that a piece sweeps: coordinates, and the share of the travel at which they are
+/// reached.
+#[derive(Clone, Copy, Debug)]
+pub struct SweptInterval {
+    /// Where the ray enters, mm.
+    pub low: f64,
+    /// Share of the travel there, 0…1.
+    pub low_share: f64,
+    /// Where it leaves, mm.
+    pub high: f64,
+    /// Share of the travel there.
+    pub high_share: f64,
+}
+
+impl SweptInterval {
+    const NONE: Self =
+        Self { low: f64::INFINITY, low_share: 0.0, high: f64::NEG_INFINITY, high_share: 0.0 };
+
+    #[inline]
+    fn add(&mut self, t: f64, share: f64) {
+        if t < self.low {
+            (self.low, self.low_share) = (t, share);
+        }
+        if t > self.high {
+            (self.high, self.high_share) = (t, share);
+        }
+    }
+}
+
+impl<'a> PieceOnRays<'a> {
+    /// The piece for rays along coordinate `direction`.
+    pub fn new(piece: &'a Piece, direction: usize) -> Self {
+        let (x, y) = frame_about(&piece.axis);
+        let frame = [x, y, piece.axis];
+        let ray = frame.map(|unit| unit[direction]);
+        let travel = frame.map(|unit| unit.dot(&piece.travel));
+        let across = travel[0].hypot(travel[1]);
+        let moves = across > TINY || travel[2].abs() > TINY;
+        Self { piece, frame, ray, travel, moves, squared_across: across * across }
+    }
+
+    /// A point in the frame of the piece.
+    #[inline]
+    pub fn local(&self, point: &Point) -> [f64; 3] {
+        let d = point - self.piece.base;
+        [self.frame[0].dot(&d), self.frame[1].dot(&d), self.frame[2].dot(&d)]
+    }
+
+    /// The steps in the frame from a ray to its neighbours along both coordinates `across`.
+    pub fn steps(&self, across: (usize, usize), spacing: f64) -> ([f64; 3], [f64; 3]) {
+        (self.frame.map(|unit| unit[across.0] * spacing), self.frame.map(|unit| unit[across.1] * spacing))
+    }
+
+    /// Number of the piece's move.
+    pub fn number(&self) -> u32 {
+        self.piece.number
+    }
+
+    /// Whether the ray through `origin` (in the frame) misses the infinite cylinder about what the piece
+    /// sweeps: a cheap test that rejects most rays.
+    #[inline]
+    pub fn misses(&self, origin: &[f64; 3]) -> bool {
+        let [ex, ey, _] = self.ray;
+        let radius = self.piece.outline.radius;
+        let squared = ex * ex + ey * ey;
+        // Distance of the ray from the axis where it starts; on its way it changes by the travel across.
+        let start = origin[0] * ey - origin[1] * ex;
+        let change = self.travel[1] * ex - self.travel[0] * ey;
+        let (least, most) = if change < 0.0 { (start + change, start) } else { (start, start + change) };
+        let nearest = if least > 0.0 { least } else if most < 0.0 { -most } else { 0.0 };
+        nearest * nearest > squared * radius * radius && squared > 1e-18
+    }
+
+    /// The interval that the piece sweeps of the ray through `origin` (in the frame).
+    ///
+    /// The pairs (t, share) for which the point t of the ray is in the piece at this share of its travel are
+    /// a convex set, bounded by a conic section and four lines. The extreme t are where the conic's tangent
+    /// is parallel to the share, or on one of the lines; these are evaluated in closed form.
+    #[inline]
+    pub fn interval(&self, origin: &[f64; 3]) -> Option<SweptInterval> {
+        let outline = &self.piece.outline;
+        let mut found = SweptInterval::NONE;
+        if !self.moves {
+            let (low, high) = self.standing(origin)?;
+            return Some(SweptInterval { low, low_share: 0.0, high, high_share: 0.0 });
+        }
+        let [vx, vy, vz] = self.travel;
+        let moved = [origin[0] - vx, origin[1] - vy, origin[2] - vz];
+        for (origin, share) in [(origin, 0.0), (&moved, 1.0)] {
+            if let Some((low, high)) = self.standing(origin) {
+                found.add(low, share);
+                found.add(high, share);
+            }
+        }
+        let [ex, ey, ez] = self.ray;
+        let [ox, oy, oz] = *origin;
+        // On the planes of both ends.
+        for height in [0.0, outline.length] {
+            let radius = outline.radius_at(height);
+            let squared = radius * radius;
+            if vz.abs() > TINY {
+                // The share at which the point t of the ray is in the plane.
+                let (a, b) = ((oz - height) / vz, ez / vz);
+                let (px, py, qx, qy) = (ox - a * vx, oy - a * vy, ex - b * vx, ey - b * vy);
+                let Some((mut low, mut high)) = roots(
+                    qx * qx + qy * qy,
+                    px * qx + py * qy,
+                    px * px + py * py - squared,
+                ) else {
+                    continue;
+                };
+                clip(a, b, 0.0, 1.0, &mut low, &mut high);
+                if low <= high && low.is_finite() && high.is_finite() {
+                    found.add(low, (a + b * low).clamp(0.0, 1.0));
+                    found.add(high, (a + b * high).clamp(0.0, 1.0));
+                }
+            } else if ez.abs() > TINY {
+                let t = (height - oz) / ez;
+                let (x, y) = (ox + t * ex, oy + t * ey);
+                let share = ((x * vx + y * vy) / self.squared_across).clamp(0.0, 1.0);
+                let (x, y) = (x - share * vx, y - share * vy);
+                if x * x + y * y <= squared {
+                    found.add(t, share);
+                }
+            }
+        }
+        // On the envelope of the outline: where its rate of change along the travel is 0.
+        let (alpha, beta, gamma) = (outline.alpha, outline.beta, outline.gamma);
+        let ss = self.squared_across + alpha * vz * vz;
+        if ss.abs() > TINY * TINY {
+            let ts = -(ex * vx + ey * vy + alpha * ez * vz);
+            let tt = ex * ex + ey * ey + alpha * ez * ez;
+            let t1 = ox * ex + oy * ey + alpha * oz * ez + beta * ez;
+            let s1 = -(ox * vx + oy * vy + alpha * oz * vz + beta * vz);
+            let c = ox * ox + oy * oy + alpha * oz * oz + 2.0 * beta * oz + gamma;
+            // share = −(ts t + s1) / ss, put into the conic. Of a cone it may be a hyperbola; both roots are
+            // points of the cone all the same.
+            let (a, b, c) = (tt - ts * ts / ss, t1 - ts * s1 / ss, c - s1 * s1 / ss);
+            let discriminant = b * b - a * c;
+            if a.abs() > 1e-18 && discriminant > 0.0 {
+                let root = discriminant.sqrt();
+                for t in [(-b - root) / a, (-b + root) / a] {
+                    let share = -(ts * t + s1) / ss;
+                    let z = oz + t * ez - share * vz;
+                    if (0.0..=1.0).contains(&share) && (0.0..=outline.length).contains(&z) {
+                        found.add(t, share);
+                    }
+                }
+            }
+        }
+        (found.low < found.high).then_some(found)
+    }
+
+    /// The interval of the ray through `origin` in the piece where it starts.
+    #[inline]
+    fn standing(&self, origin: &[f64; 3]) -> Option<(f64, f64)> {
+        let outline = &self.piece.outline;
+        let [ex, ey, ez] = self.ray;
+        let [ox, oy, oz] = *origin;
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        clip(oz, ez, 0.0, outline.length, &mut low, &mut high);
+        if low > high {
+            return None;
+        }
+        let (alpha, beta) = (outline.alpha, outline.beta);
+        let a = ex * ex + ey * ey + alpha * ez * ez;
+        let b = ox * ex + oy * ey + alpha * oz * ez + beta * ez;
+        let c = ox * ox + oy * oy + alpha * oz * oz + 2.0 * beta * oz + outline.gamma;
+        if a > 1e-18 {
+            let discriminant = b * b - a * c;
+            if discriminant <= 0.0 {
+                return None;
+            }
+            let root = discriminant.sqrt();
+            low = low.max((-b - root) / a);
+            high = high.min((-b + root) / a);
+        } else {
+            // The ray runs more along the axis than the cone: between the planes of its ends it leaves the
+            // cone at most once.
+            let value = |t: f64| (a * t + 2.0 * b) * t + c;
+            if !(low.is_finite() && high.is_finite()) {
+                return None;
+            }
+            match (value(low) <= 0.0, value(high) <= 0.0) {
+                (true, true) => {}
+                (false, false) => return None,
+                (starts, _) => {
+                    let discriminant = (b * b - a * c).max(0.0).sqrt();
+                    let candidates = if a < -1e-18 {
+                        [(-b - discriminant) / a, (-b + discriminant) / a]
+                    } else {
+                        [-0.5 * c / b; 2]
+                    };
+                    let inside = candidates.into_iter().find(|t| (low..=high).contains(t));
+                    let Some(t) = inside else { return None };
+                    if starts { high = t } else { low = t }
+                }
+            }
+        }
+        if low >= high {
+            return None;
+        }
+        match outline.corner {
+            Some(corner) => self.round_corner(origin, corner, (low, high)),
+            None => Some((low, high)),
+        }
+    }
+
+    /// Distance of the point `t` of a ray from a rounded corner, negative inside, and its rate along the ray.
+    #[inline]
+    fn corner_distance(&self, origin: &[f64; 3], (flat, corner): (f64, f64), t: f64) -> (f64, f64) {
+        let [ex, ey, ez] = self.ray;
+        let (x, y, z) = (origin[0] + t * ex, origin[1] + t * ey, origin[2] + t * ez);
+        let radial = x.hypot(y);
+        let (out, down) = (radial - flat, corner - z);
+        let out_rate = if radial > TINY { (x * ex + y * ey) / radial } else { 0.0 };
+        if out <= 0.0 && down <= 0.0 {
+            return (-corner, 0.0);
+        }
+        if out <= 0.0 {
+            return (down - corner, -ez);
+        }
+        if down <= 0.0 {
+            return (out - corner, out_rate);
+        }
+        let length = out.hypot(down);
+        (length - corner, (out * out_rate - down * ez) / length)
+    }
+
+    /// Narrows the interval in the cylinder around a rounded corner to that in the corner.
+    fn round_corner(
+        &self,
+        origin: &[f64; 3],
+        corner: (f64, f64),
+        (mut low, mut high): (f64, f64),
+    ) -> Option<(f64, f64)> {
+        for at_high in [false, true] {
+            let t = if at_high { &mut high } else { &mut low };
+            for _ in 0..CORNER_STEPS {
+                let (distance, rate) = self.corner_distance(origin, corner, *t);
+                if distance <= CORNER_TOLERANCE {
+                    break;
+                }
+                if at_high == (rate <= 0.0) {
+                    return None;
+                }
+                *t -= distance / rate;
+            }
+        }
+        (low < high).then_some((low, high))
+    }
+
+    /// Unit normal out of the swept body at the point `t` of the ray, reached at `share`.
+    pub fn normal(&self, origin: &[f64; 3], t: f64, share: f64) -> Vector {
+        let outline = &self.piece.outline;
+        let at: [f64; 3] = std::array::from_fn(|k| origin[k] + t * self.ray[k] - share * self.travel[k]);
+        let radial = at[0].hypot(at[1]);
+        let (side, end) = match outline.corner {
+            Some((flat, corner)) => {
+                let (out, down) = ((radial - flat).max(0.0), (corner - at[2]).max(0.0));
+                let out = out / radial.max(TINY);
+                ([at[0] * out, at[1] * out, -down], None)
+            }
+            None => {
+                let up = outline.alpha * at[2] + outline.beta;
+                let height = at[2].min(outline.length - at[2]);
+                let end = [0.0, 0.0, if at[2] < 0.5 * outline.length { -1.0 } else { 1.0 }];
+                let off = (outline.radius_at(at[2].clamp(0.0, outline.length)) - radial).abs();
+                let tolerance = 1e-6 * (1.0 + outline.radius);
+                let side = [at[0], at[1], up];
+                match (off < tolerance, height < tolerance) {
+                    (true, true) => (side, Some(end)),
+                    (false, true) => (end, None),
+                    (false, false) if height < off => (end, None),
+                    _ => (side, None),
+                }
+            }
+        };
+        let unit = |v: [f64; 3]| Vector::from(v).try_normalize(1e-300).unwrap_or_else(Vector::z);
+        let mut local = unit(side);
+        if let Some(end) = end.filter(|_| self.moves && share > 0.0 && share < 1.0) {
+            // The moving edge sweeps a surface that contains the travel: the normal across it, between those
+            // of both faces.
+            let (end, travel) = (Vector::from(end), Vector::from(self.travel));
+            let across = local * end.dot(&travel) - end * local.dot(&travel);
+            let outwards = if across.dot(&(local + end)) < 0.0 { -across } else { across };
+            local = outwards.try_normalize(1e-12).unwrap_or(local);
+        }
+        self.frame[0] * local.x + self.frame[1] * local.y + self.frame[2] * local.z
+    }
+
+    /// Height above the lower end of the whole part at the point `t` of a ray, mm.
+    pub fn height(&self, origin: &[f64; 3], t: f64) -> f64 {
+        self.piece.above + origin[2] + t * self.ray[2]
+    }
+
+    /// How deep the points `low` to `high` of a ray get into the piece on its way, mm, and where.
+    pub fn depth(&self, origin: &[f64; 3], low: f64, high: f64) -> (f64, f64) {
+        /// Points tried along ray and travel.
+        const TRIED: u32 = 8;
+        let outline = &self.piece.outline;
+        let mut deepest = (0.0, 0.5 * (low + high));
+        for i in 0..=TRIED {
+            let t = low + (high - low) * f64::from(i) / f64::from(TRIED);
+            for j in 0..=if self.moves { TRIED } else { 0 } {
+                let share = f64::from(j) / f64::from(TRIED);
+                let at: [f64; 3] =
+                    std::array::from_fn(|k| origin[k] + t * self.ray[k] - share * self.travel[k]);
+                if (0.0..=outline.length).contains(&at[2]) {
+                    let in_side = outline.radius_at(at[2]) - at[0].hypot(at[1]);
+                    let depth = in_side.min(self.piece.above + at[2]);
+                    if depth > deepest.0 {
+                        deepest = (depth, t);
+                    }
+                }
+            }
+        }
+        deepest
+    }
+}
+
+/// The interval between the roots of a t² + 2 b t + c, where it is negative; all t where it is negative
+/// everywhere.
+#[inline]
+fn roots(a: f64, b: f64, c: f64) -> Option<(f64, f64)> {
+    if a > 1e-18 {
+        let discriminant = b * b - a * c;
+        if discriminant <= 0.0 {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        Some(((-b - root) / a, (-b + root) / a))
+    } else {
+        (c <= 0.0).then_some((f64::NEG_INFINITY, f64::INFINITY))
+    }
+}
+
+/// Narrows [`low`, `high`] to the t with `least` ≤ a + b t ≤ `most`; `low` > `high` where there is none.
+#[inline]
+fn clip(a: f64, b: f64, least: f64, most: f64, low: &mut f64, high: &mut f64) {
+    if b.abs() > TINY {
+        let (p, q) = ((least - a) / b, (most - a) / b);
+        *low = low.max(p.min(q));
+        *high = high.min(p.max(q));
+    } else if a < least || a > most {
+        *high = f64::NEG_INFINITY;
+        *low = f64::INFINITY;
+    }
+}
