@@ -67,13 +67,12 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         other => Failure::Input(format!("--spacing: {other}")),
     };
     let mut stock = SolidStock::new(&blank, spacing).map_err(failed)?;
-    let whole = stock.volume();
     let contacts = run_with_progress(|monitor| {
         stock.make_moves(&simulated.tools, simulated.first(made), monitor)
     })
     .map_err(failed)?;
-    let volume = stock.volume();
     let surface = StockSurface::of(&stock);
+    let (whole, volume) = (blank.volume(), surface.volume());
     let bytes = match format {
         Format::Stl => write_stl(&surface.mesh(), &part.name),
         Format::Glb => GltfScene::of_stock(&part.name, &surface, volume).glb(),
@@ -123,7 +122,13 @@ fn read_program(path: &Path) -> Result<(String, ClProgram, Option<Setup>), Failu
     }
     let (program, setup) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
-        (ClProgram::of_flank(&stored.part.name, &stored.plan.tool, &stored.plan.moves), stored.setup)
+        // The setup of a flank plan names the tool that was chosen.
+        let chosen = stored.setup.flank.tool;
+        let tool = stored.setup.tools.iter().find(|tool| chosen.is_none_or(|number| tool.number == number));
+        let Some(tool) = tool else {
+            return Err(Failure::at(&name, 0, "has no tool; plan it again"));
+        };
+        (ClProgram::of_flank(&stored.part.name, tool, &stored.moves), stored.setup.clone())
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
         (ClProgram::of_plan(&stored.part.name, &stored.plan), stored.setup)

@@ -63,6 +63,14 @@ impl SolidBlank {
         }
     }
 
+    /// Its volume, mm³.
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Turned(outline) => outline.volume(),
+            Self::Mesh(mesh) => mesh.volume(),
+        }
+    }
+
     /// Default spacing: the largest extent across the axis of rotation / 800, mm.
     pub fn default_spacing(&self) -> f64 {
         let (low, high) = self.bounds();
@@ -97,7 +105,8 @@ impl SolidStock {
         &self.lattice
     }
 
-    /// Volume, mm³: the mean of the three directions.
+    /// Volume, mm³: the mean of the three directions. Faces along the rays make it less exact than that of
+    /// [`StockSurface::volume`]; it takes a hundredth of the time.
     pub fn volume(&self) -> f64 {
         let length: f64 = self.fields.iter().map(RayField::length).sum();
         length / 3.0 * self.lattice.spacing * self.lattice.spacing

@@ -27,6 +27,10 @@ const FROM_NODE: f64 = 2e-3;
 const SHARP_COSINE: f64 = 0.87;
 /// Eigenvalues below this share of the largest do not move a sharp vertex: there its planes are parallel.
 const FLAT_SHARE: f64 = 0.05;
+/// Distance of a sharp vertex from one of its planes, in spacings, above which they do not meet.
+const PLANE_MISS: f64 = 0.05;
+/// Distance of such a vertex from the nearest exact one, in spacings.
+const NEAR_EXACT: f64 = 0.45;
 /// Distance of a sharp vertex from the faces of its cell, in spacings.
 const FROM_FACE: f64 = 0.02;
 
@@ -391,6 +395,18 @@ impl<'a> SlabMaker<'a> {
             let margin = FROM_FACE * lattice.spacing;
             let low = lattice.coordinate(k, cell[k]) + margin;
             point[k] = point[k].clamp(low, low + lattice.spacing - 2.0 * margin);
+        }
+        // Planes that do not meet in one point are not neighbours on the solid: then the vertex stays within
+        // half a spacing of one that is exact.
+        let miss = ring.iter().map(at).map(|(p, n)| n.dot(&(point - p)).abs()).fold(0.0, f64::max);
+        if miss > PLANE_MISS * lattice.spacing {
+            let exact = ring.iter().map(|i| at(i).0);
+            let nearest = exact.min_by(|a, b| (a - point).norm().total_cmp(&(b - point).norm()));
+            let way = nearest.map_or_else(Vector::zeros, |nearest| point - nearest);
+            let far = way.norm() / (NEAR_EXACT * lattice.spacing);
+            if far > 1.0 {
+                point -= way * (1.0 - 1.0 / far);
+            }
         }
         let normal = if sharp { Vector::zeros() } else { normal.try_normalize(1e-9).unwrap_or_else(Vector::zeros) };
         (point, normal)

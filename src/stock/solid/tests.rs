@@ -54,9 +54,9 @@ fn cut_with(
     (stock, contacts)
 }
 
+/// What moves remove, by the surface of what they leave.
 fn removed(blank: &SolidBlank, spacing: f64, tool: &Tool, moves: &[SolidMove]) -> f64 {
-    let whole = SolidStock::new(blank, spacing).expect("it fits").volume();
-    whole - cut(blank, spacing, tool, moves).0.volume()
+    blank.volume() - StockSurface::of(&cut(blank, spacing, tool, moves).0).volume()
 }
 
 fn assert_near(what: &str, found: f64, exact: f64, share: f64) {
@@ -67,14 +67,15 @@ fn assert_near(what: &str, found: f64, exact: f64, share: f64) {
 fn blanks_have_the_volume_of_their_outline() {
     let SolidBlank::Turned(outline) = disc() else { unreachable!("it is turned") };
     assert_near("disc", outline.volume(), PI * 1600.0 * 30.0, 1e-9);
-    let stock = SolidStock::new(&disc(), 0.2).expect("it fits");
-    assert_near("disc", stock.volume(), outline.volume(), 5e-4);
+    let stock = SolidStock::new(&disc(), 0.25).expect("it fits");
+    assert_near("disc, by rays", stock.volume(), outline.volume(), 5e-3);
+    assert_near("disc", StockSurface::of(&stock).volume(), outline.volume(), 2e-5);
 }
 
 #[test]
 fn plunges_remove_what_their_cutters_sweep() {
     let straight = pose([1.0, 2.0, 10.0], [0.0, 0.0, 1.0]);
-    let spacing = 0.1;
+    let spacing = 0.2;
     for (corner, bottom) in [
         (0.0, 0.0),
         // A ball leaves a cylinder less a half ball; a corner of 2 mm, by Pappus, a square less its quarter disc.
@@ -101,15 +102,15 @@ fn straight_moves_are_exact_whatever_their_direction() {
         (0..2000).map(|i| f(-5.0 + (f64::from(i) + 0.5) / 200.0) / 200.0).sum::<f64>()
     };
     let exact = 10.0 * integral(&width);
-    assert_near("slot", removed(&disc(), 0.15, &tool(10.0, 0.0), &[slot]), exact, 1e-3);
+    assert_near("slot", removed(&disc(), 0.25, &tool(10.0, 0.0), &[slot]), exact, 1e-3);
     let ball = integral(&|y: f64| width(y) * (10.0 - (5.0 - (25.0 - y * y).sqrt())));
-    assert_near("ball slot", removed(&disc(), 0.15, &tool(10.0, 5.0), &[slot]), ball, 1e-3);
+    assert_near("ball slot", removed(&disc(), 0.25, &tool(10.0, 5.0), &[slot]), ball, 1e-3);
     let corner = |y: f64| {
         let out = (y.abs() - 3.0).max(0.0);
         2.0 - (4.0 - out * out).sqrt()
     };
     let bull = integral(&|y: f64| width(y) * (10.0 - corner(y)));
-    assert_near("bull slot", removed(&disc(), 0.15, &tool(10.0, 2.0), &[slot]), bull, 2e-3);
+    assert_near("bull slot", removed(&disc(), 0.25, &tool(10.0, 2.0), &[slot]), bull, 2e-3);
 }
 
 #[test]
@@ -132,26 +133,29 @@ fn a_ramp_equals_its_fine_subdivision() {
     }
 }
 
-/// Greatest distance of an end of a span of one stock from the nearest end on the same ray of the other,
-/// times the cosine between ray and normal: the distance of the surfaces. Ends that the other lacks count
-/// where their span is longer than a tenth of the spacing and wider than one ray.
+/// Greatest distance of the surfaces of two stocks, by the stretches of rays that only one of them has. A
+/// stretch between both surfaces counts across them; one between two surfaces of the same stock is a corner or
+/// a grazed flank, which is flatter than half its length across the steeper side.
 fn deviation(one: &SolidStock, other: &SolidStock) -> f64 {
     let mut worst = 0.0f64;
-    for (a, b) in [(one, other), (other, one)] {
-        for direction in 0..3 {
-            let (rows, columns) = a.fields[direction].counts;
-            for (u, v) in (0..rows).flat_map(|u| (0..columns).map(move |v| (u, v))) {
-                let there = b.spans(direction, u, v);
-                for span in a.spans(direction, u, v) {
-                    for (t, end) in [(span.from, span.start), (span.to, span.end)] {
-                        let ends = there.iter().flat_map(|s| [s.from, s.to]);
-                        let off = ends.map(|x| (x - t).abs()).fold(f64::INFINITY, f64::min);
-                        let across = end.normal()[direction].abs();
-                        // Where a ray grazes the surface, the interval appears or vanishes with no distance.
-                        if across > 0.3 && off.is_finite() {
-                            worst = worst.max(off * across);
-                        }
-                    }
+    for direction in 0..3 {
+        let (rows, columns) = one.fields[direction].counts;
+        for (u, v) in (0..rows).flat_map(|u| (0..columns).map(move |v| (u, v))) {
+            let mut ends: Vec<(f64, usize, f64)> = Vec::new();
+            for (source, stock) in [one, other].into_iter().enumerate() {
+                for span in stock.spans(direction, u, v) {
+                    let across = |end: &SpanEnd| end.normal()[direction].abs();
+                    ends.push((span.from, source, across(&span.start)));
+                    ends.push((span.to, source, across(&span.end)));
+                }
+            }
+            ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut inside = [false; 2];
+            for pair in ends.windows(2) {
+                inside[pair[0].1] ^= true;
+                if inside[0] != inside[1] {
+                    let across = (pair[1].0 - pair[0].0) * pair[0].2.min(pair[1].2);
+                    worst = worst.max(if pair[0].1 == pair[1].1 { 0.5 * across } else { across });
                 }
             }
         }
@@ -253,7 +257,7 @@ fn the_surface_is_closed_and_on_the_solid() {
         let surface = StockSurface::of(&stock);
         assert!(surface.triangles.len() > 10_000);
         assert_closed(&surface);
-        assert_near("enclosed volume", surface.volume(), stock.volume(), 5e-3);
+        assert_near("enclosed volume", surface.volume(), stock.volume(), 2e-2);
         let (mut worst, mut mean) = (0.0f64, 0.0);
         for p in &surface.points {
             let off = distance_from_rest(p, &cutter, &moves).abs();
@@ -343,11 +347,10 @@ fn shanks_and_tapers_are_cones() {
     let taper = 20f64.to_radians();
     let cutter = ToolAssembly { taper_rad: taper, cutting_length: 40.0, ..ToolAssembly::of(&tool(2.0, 0.0)) };
     let top = 1.0 + 10.0 * taper.tan();
-    let whole = SolidStock::new(&disc(), 0.1).expect("it fits").volume();
     let step = feed(0, pose([0.0, 0.0, 40.0], [0.0, 0.0, 1.0]), pose([0.0, 0.0, 20.0], [0.0, 0.0, 1.0]));
     let bare = [ToolAssembly { segments: Vec::new(), ..cutter }];
-    let (stock, _) = cut_with(&disc(), 0.1, &bare, &[step]);
-    assert_near("cone", whole - stock.volume(), PI / 3.0 * 10.0 * (1.0 + top + top * top), 3e-3);
+    let surface = StockSurface::of(&cut_with(&disc(), 0.2, &bare, &[step]).0);
+    assert_near("cone", disc().volume() - surface.volume(), PI / 3.0 * 10.0 * (1.0 + top + top * top), 2e-3);
     // A shank wider than its cutter rubs where the cutter left too little room.
     let segment = Segment { part: ToolPart::Shank, from: 5.0, length: 50.0, lower: 6.0, upper: 8.0 };
     let thin = ToolAssembly { cutting_length: 5.0, segments: vec![segment], ..ToolAssembly::of(&tool(8.0, 0.0)) };
@@ -369,9 +372,10 @@ fn a_closed_mesh_is_a_blank_and_an_open_one_is_not() {
     let mut mesh = cube(20.0);
     let blank = MeshBlank::new(&mesh).expect("it is closed");
     assert_near("cube", blank.volume(), 8000.0, 1e-12);
-    let stock = SolidStock::new(&SolidBlank::Mesh(blank), 0.1).expect("it fits");
-    assert_near("cube", stock.volume(), 8000.0, 2e-3);
-    assert_closed(&StockSurface::of(&stock));
+    let stock = SolidStock::new(&SolidBlank::Mesh(blank), 0.3).expect("it fits");
+    let surface = StockSurface::of(&stock);
+    assert_near("cube", surface.volume(), 8000.0, 1e-5);
+    assert_closed(&surface);
     mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     assert!(MeshBlank::new(&mesh).is_ok(), "inside out is turned round");
     mesh.triangles.pop();
