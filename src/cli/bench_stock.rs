@@ -6,7 +6,9 @@ use crate::geometry::Vector;
 use crate::monitor::Monitor;
 use crate::part::Blank;
 use crate::setup::Tool;
-use crate::stock::solid::{SolidBlank, SolidMove, SolidStock, StockSurface, ToolAssembly, ToolPose, TurnedOutline};
+use crate::stock::solid::{
+    SolidBlank, SolidMove, SolidStock, StockSurface, ToolAssembly, ToolPose, TurnedOutline,
+};
 
 /// Outlet diameter of the wheel, mm, and spacing of the rays, mm.
 const DIAMETER: f64 = 300.0;
@@ -60,7 +62,11 @@ pub fn run() -> Result<(), Failure> {
     let mut triangles = 0;
     let seconds = median(|| triangles = StockSurface::of(&stock).triangles.len());
     print_row(&format!("  its surface: {triangles} triangles"), seconds)?;
-    print_stdout(&format!("{:<62} {:>7.1} MiB\n", "  memory of its rays", stock.bytes() as f64 / (1 << 20) as f64))
+    print_stdout(&format!(
+        "{:<62} {:>7.1} MiB\n",
+        "  memory of its rays",
+        stock.bytes() as f64 / (1 << 20) as f64
+    ))
 }
 
 /// Plunge `k` of `count`, spread over one pitch of the channel floor, inclined against it.

@@ -67,14 +67,13 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         other => Failure::Input(format!("--spacing: {other}")),
     };
     let mut stock = SolidStock::new(&blank, spacing).map_err(failed)?;
-    let contacts = run_with_progress(|monitor| {
-        stock.make_moves(&simulated.tools, simulated.first(made), monitor)
-    })
-    .map_err(failed)?;
+    let contacts =
+        run_with_progress(|monitor| stock.make_moves(&simulated.tools, simulated.first(made), monitor))
+            .map_err(failed)?;
     let surface = StockSurface::of(&stock);
     let (whole, volume) = (blank.volume(), surface.volume());
     let bytes = match format {
-        Format::Stl => write_stl(&surface.mesh(), &part.name),
+        Format::Stl => write_stl(&surface.points, &surface.triangles, &part.name),
         Format::Glb => GltfScene::of_stock(&part.name, &surface, volume).glb(),
     };
     write_atomically(&args.output, &bytes)?;

@@ -59,9 +59,10 @@ fn read_binary(source: Source<'_>, bytes: &[u8], count: usize) -> Result<Triangl
     }
     let mut mesh = TriangleMesh::default();
     for (index, record) in records.take(count).enumerate() {
-        let mut numbers = record.chunks_exact(4).skip(3).map(|b| {
-            f64::from(f32::from_le_bytes(b.try_into().unwrap_or_default()))
-        });
+        let mut numbers = record
+            .chunks_exact(4)
+            .skip(3)
+            .map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap_or_default())));
         let mut corner = || {
             let mut next = || numbers.next().unwrap_or(f64::NAN);
             Point::new(next(), next(), next())
@@ -116,18 +117,18 @@ fn read_text(source: Source<'_>, bytes: &[u8]) -> Result<TriangleMesh, InputErro
     Ok(mesh)
 }
 
-/// Writes binary STL. `about` goes to its head, up to 75 characters.
-pub fn write_stl(mesh: &TriangleMesh, about: &str) -> Vec<u8> {
-    let mut out = Vec::with_capacity(HEAD + RECORD * mesh.triangles.len());
+/// Writes triangles over shared `points` as binary STL. `about` goes to its head, up to 75 characters.
+pub fn write_stl(points: &[Point], triangles: &[[u32; 3]], about: &str) -> Vec<u8> {
+    let mut out = Vec::with_capacity(HEAD + RECORD * triangles.len());
     // Not `solid` in front, by which text files begin.
     let mut head: Vec<u8> = about.bytes().filter(u8::is_ascii_graphic).take(75).collect();
     head.splice(0..0, *b"stl: ");
     head.resize(80, b' ');
     out.extend(head);
-    out.extend((mesh.triangles.len() as u32).to_le_bytes());
-    for t in &mesh.triangles {
+    out.extend((triangles.len() as u32).to_le_bytes());
+    for t in triangles {
         // The normal is that of the corners as they are written, in single precision.
-        let corners = t.map(|i| mesh.points[i as usize].map(|x| x as f32));
+        let corners = t.map(|i| points[i as usize].map(|x| x as f32));
         let [a, b, c] = corners.map(|p| p.map(f64::from));
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector::zeros);
         let numbers = normal.iter().map(|x| *x as f32);
@@ -151,7 +152,7 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         let mesh = tetrahedron();
-        let bytes = write_stl(&mesh, "a part");
+        let bytes = write_stl(&mesh.points, &mesh.triangles, "a part");
         assert_eq!(bytes.len(), 84 + 4 * 50);
         let read = read_stl_bytes("a.stl", &bytes).expect("sound");
         let corners = |m: &TriangleMesh| -> Vec<Point> {
@@ -180,7 +181,8 @@ mod tests {
 
     #[test]
     fn damaged_binary_files_are_refused() {
-        let whole = write_stl(&tetrahedron(), "");
+        let mesh = tetrahedron();
+        let whole = write_stl(&mesh.points, &mesh.triangles, "");
         for end in [0, 3, 60, 84, 100, whole.len() - 1] {
             assert!(read_stl_bytes("a.stl", &whole[..end]).is_err(), "{end} bytes");
         }

@@ -1,10 +1,14 @@
 //! Tools as stacks of cylinders and cones about one axis: cutter, shank, holder.
 
-use super::piece::{Outline, ToolPart};
+use super::outline::Outline;
+use super::piece::ToolPart;
 use crate::setup::Tool;
 
 /// Length of a holder that is not described, mm: beyond any wheel.
 const ENDLESS: f64 = 1e5;
+
+/// Length by which slices of a cutter overlap, mm, so that rounding leaves no stock between them.
+pub(super) const OVERLAP: f64 = 1e-6;
 
 /// A cylinder or cone of shank or holder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,9 +76,9 @@ impl ToolAssembly {
         let mut slices = Vec::new();
         if corner > 0.0 {
             if flat < 1e-9 * self.radius {
-                slices.push((0.0, Outline::ball(corner, tangent)));
+                slices.push((0.0, Outline::ball(corner, tangent + OVERLAP)));
             } else if rounds {
-                slices.push((0.0, Outline::rounded(flat, corner, tangent)));
+                slices.push((0.0, Outline::rounded(flat, corner, tangent + OVERLAP)));
             } else {
                 // Chords of the corner, moved out by half their sagitta: the error is ± that half.
                 let angle = std::f64::consts::FRAC_PI_2 - self.taper_rad;
@@ -89,7 +93,7 @@ impl ToolAssembly {
                     let ((lower, from), (upper, to)) = (at(i as f64), at(i as f64 + 1.0));
                     let lower = if i == 0 { flat } else { lower };
                     if to > from {
-                        slices.push((from, Outline::cone(lower, upper, to - from)));
+                        slices.push((from, Outline::cone(lower, upper, to - from + OVERLAP)));
                     }
                 }
             }

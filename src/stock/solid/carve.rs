@@ -140,8 +140,7 @@ impl TileCarver<'_> {
                 let spans = &mut self.rays[i * TILE + j];
                 let (Some(head), Some(tail)) = (spans.first(), spans.last()) else { continue };
                 let (x, y) = (i as f64, j as f64);
-                let origin: [f64; 3] =
-                    std::array::from_fn(|k| first[k] + x * steps.0[k] + y * steps.1[k]);
+                let origin: [f64; 3] = std::array::from_fn(|k| first[k] + x * steps.0[k] + y * steps.1[k]);
                 if on_rays.misses(&origin) {
                     continue;
                 }
@@ -168,7 +167,15 @@ impl TileCarver<'_> {
                             if low < high {
                                 let ray = self.lattice.ray(self.direction, self.u + i, self.v + j);
                                 let at = (low, high);
-                                record(&mut self.found, &on_rays, self.direction, (&origin, ray), part, at, self.resolved);
+                                record(
+                                    &mut self.found,
+                                    &on_rays,
+                                    self.direction,
+                                    (&origin, ray),
+                                    part,
+                                    at,
+                                    self.resolved,
+                                );
                             }
                         }
                     }
@@ -176,10 +183,13 @@ impl TileCarver<'_> {
             }
         }
         if changed {
-            *range = self.rays.iter().filter_map(|spans| Some((spans.first()?.from, spans.last()?.to))).fold(
-                (f64::INFINITY, f64::NEG_INFINITY),
-                |(low, high), (from, to)| (low.min(from), high.max(to)),
-            );
+            *range = self
+                .rays
+                .iter()
+                .filter_map(|spans| Some((spans.first()?.from, spans.last()?.to)))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (from, to)| {
+                    (low.min(from), high.max(to))
+                });
         }
         changed
     }

@@ -4,8 +4,9 @@ use crate::geometry::Point;
 
 /// Memory that a stock may take, bytes.
 pub const MAX_BYTES: f64 = (1u64 << 30) as f64;
-/// Bytes that a ray takes on average with its spans, measured on milled wheels, with room.
-const BYTES_PER_RAY: f64 = 130.0;
+/// Bytes that a ray takes on average with its spans, the surface on it, and the file of that: measured on a
+/// milled wheel, with room.
+const BYTES_PER_RAY: f64 = 330.0;
 /// Empty cells around the stock.
 const MARGIN: f64 = 1.5;
 /// Shift of the lattice in cells, so that its planes do not coincide with faces at round coordinates.

@@ -17,7 +17,10 @@ pub enum MeshFault {
     #[error("has no triangles; export the blank again")]
     Empty,
     /// It is open, or its triangles do not agree about the outside.
-    #[error("is not closed: {count} edges lack a neighbour, the first at {x:.3}, {y:.3}, {z:.3}; close the mesh and export it again")]
+    #[error(
+        "is not closed: {count} edges lack a neighbour, one of them at {x:.3}, {y:.3}, {z:.3}; close the mesh and \
+         export it again"
+    )]
     Open {
         /// Number of edges without an opposite one.
         count: usize,
@@ -118,9 +121,7 @@ impl MeshBlank {
                 return Err(SolidError::Pieces(lattice.spacing));
             }
         }
-        found.sort_by(|a, b| {
-            a.ray.cmp(&b.ray).then(a.at.total_cmp(&b.at)).then(b.enters.cmp(&a.enters))
-        });
+        found.sort_by(|a, b| a.ray.cmp(&b.ray).then(a.at.total_cmp(&b.at)).then(b.enters.cmp(&a.enters)));
         Ok(RayField::filled(lattice, direction, |u, v, spans| {
             let ray = (u * columns + v) as u32;
             let from = found.partition_point(|c| c.ray < ray);
@@ -168,7 +169,8 @@ impl MeshBlank {
             return;
         }
         let range = |axis: usize| {
-            let of = |fold: fn(f64, f64) -> f64, start: f64| corners.iter().map(|p| p[axis]).fold(start, fold);
+            let of =
+                |fold: fn(f64, f64) -> f64, start: f64| corners.iter().map(|p| p[axis]).fold(start, fold);
             let node = |x: f64| (x - lattice.origin[axis]) / lattice.spacing;
             let first = node(of(f64::min, f64::INFINITY)).floor().max(0.0) as usize;
             let last = node(of(f64::max, f64::NEG_INFINITY)).ceil().max(0.0) as usize;

@@ -1,15 +1,16 @@
 //! The stock as a solid, after any move of any program: a tri-dexel model.
 //!
 //! Rays run along x, y and z on the lines of a cubic lattice. Each keeps a sorted list of disjoint spans of
-//! stock, with the surface and the move that bounds them. A move is a few convex pieces that travel on straight
-//! lines ([`motion`]); what one of them sweeps of a ray is one interval in closed form ([`piece`]). Plunges are
-//! exact, other moves are within a tenth of the spacing.
+//! stock, with the surface and the move that bounds them. A move is a few convex pieces that travel on
+//! straight lines (`motion.rs`); what one of them sweeps of a ray is one interval in closed form
+//! (`piece.rs`). Plunges are exact, other moves are within a tenth of the spacing.
 
 pub mod assembly;
 mod carve;
 mod lattice;
 pub mod mesh_blank;
 pub mod motion;
+mod outline;
 mod piece;
 pub mod program;
 mod rays;
@@ -122,8 +123,8 @@ impl SolidStock {
         self.fields.iter().flat_map(|field| &field.tiles).map(rays::RayTile::bytes).sum()
     }
 
-    /// The spans of the ray along `direction` (0 to 2) through node (u, v) of the other two coordinates, which
-    /// follow it in cyclic order.
+    /// The spans of the ray along `direction` (0 to 2) through node (u, v) of the other two coordinates,
+    /// which follow it in cyclic order.
     pub fn spans(&self, direction: usize, u: usize, v: usize) -> &[Span] {
         self.fields[direction].spans(u, v)
     }

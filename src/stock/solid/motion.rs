@@ -1,7 +1,8 @@
 //! Moves of a tool as pieces that each travel on a straight line without turning.
 
-use super::assembly::ToolAssembly;
-use super::piece::{Action, Outline, Piece, ToolPart};
+use super::assembly::{OVERLAP, ToolAssembly};
+use super::outline::Outline;
+use super::piece::{Action, Piece, ToolPart};
 use crate::cutting::link::AxisTurn;
 use crate::geometry::{Point, Vector};
 
@@ -37,8 +38,8 @@ pub struct SolidMove {
 }
 
 impl SolidMove {
-    /// The pose at a share 0…1 of the move. Under feed the axis is interpolated linearly and normalised, as by
-    /// a control; in rapid it turns at a constant rate, as links are planned.
+    /// The pose at a share 0…1 of the move. Under feed the axis is interpolated linearly and normalised, as
+    /// by a control; in rapid it turns at a constant rate, as links are planned.
     pub fn pose(&self, share: f64) -> ToolPose {
         let (from, to) = (self.from, self.to);
         let axis = if self.rapid {
@@ -141,11 +142,11 @@ impl PieceMaker<'_> {
         } else if upper >= lower {
             put(outline, 0.0);
             if travel > 0.0 {
-                put(Outline::cone(upper, upper, travel), outline.length);
+                put(Outline::cone(upper, upper, travel + OVERLAP), outline.length - OVERLAP);
             }
         } else {
             if travel > 0.0 {
-                put(Outline::cone(lower, lower, travel), 0.0);
+                put(Outline::cone(lower, lower, travel + OVERLAP), 0.0);
             }
             put(outline, travel);
         }
@@ -163,14 +164,17 @@ impl PieceMaker<'_> {
         }
         // Beyond the stock nothing needs to be exact: a slice ends where it certainly leaves the box.
         let reach = (self.bounds.1 - self.bounds.0).norm()
-            + [step.from.tip, step.to.tip].map(|tip| (tip - self.bounds.0).norm()).into_iter().fold(0.0, f64::max);
+            + [step.from.tip, step.to.tip]
+                .map(|tip| (tip - self.bounds.0).norm())
+                .into_iter()
+                .fold(0.0, f64::max);
         let length = outline.length.min((reach - slice.from).max(0.0));
         if length <= 0.0 {
             return;
         }
-        // A point at distance q from the middle of a slice moves by q · dθ / 2 when the slice takes the middle
-        // axis of a step; the middle itself leaves its chord by z · dθ² / 8. Short slices need few steps, so
-        // their number hardly matters: as many as leave one step, but none much shorter than wide.
+        // A point at distance q from the middle of a slice moves by q · dθ / 2 when the slice takes the
+        // middle axis of a step; the middle itself leaves its chord by z · dθ² / 8. Short slices need few
+        // steps, so their number hardly matters: as many as leave one step, but none much shorter than wide.
         let tolerance = if step.rapid { 2.5 * self.tolerance } else { self.tolerance };
         let (lateral, bow) = (0.8 * tolerance, 0.2 * tolerance);
         let count = (length / (4.0 * lateral / turn).max(outline.radius)).ceil().clamp(1.0, 1000.0);

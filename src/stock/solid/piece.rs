@@ -1,6 +1,7 @@
 //! Pieces of a moving tool: what a slice of a body of revolution sweeps on a straight line, as an interval on
 //! a ray.
 
+use super::outline::Outline;
 use crate::geometry::{Point, Vector, frame_about};
 
 /// Newton steps to the rounded corner; the distance is convex along a ray, so they come closer without
@@ -10,67 +11,6 @@ const CORNER_STEPS: usize = 40;
 const CORNER_TOLERANCE: f64 = 1e-9;
 /// Components of unit vectors below this count as 0.
 const TINY: f64 = 1e-12;
-
-/// Outline of a slice of a body of revolution over heights 0 to `length` above its lower end. With x, y
-/// across the axis and z along it, its inside is x² + y² + α z² + 2 β z + γ ≤ 0: a cylinder, a cone or a ball.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outline {
-    alpha: f64,
-    beta: f64,
-    gamma: f64,
-    /// Height, mm.
-    pub length: f64,
-    /// Largest radius, mm.
-    pub radius: f64,
-    /// (ρ, c) where the lower end is a rounded corner of radius c about a flat disc of radius ρ. The quadric
-    /// is then the cylinder around it.
-    corner: Option<(f64, f64)>,
-}
-
-impl Outline {
-    /// A cylinder, or a cone between two radii.
-    pub fn cone(lower: f64, upper: f64, length: f64) -> Self {
-        let slope = if length > 0.0 { (upper - lower) / length } else { 0.0 };
-        Self {
-            alpha: -slope * slope,
-            beta: -slope * lower,
-            gamma: -lower * lower,
-            length,
-            radius: lower.max(upper),
-            corner: None,
-        }
-    }
-
-    /// The part of a ball of `radius` up to `length` above its lowest point.
-    pub fn ball(radius: f64, length: f64) -> Self {
-        let widest = if length >= radius { radius } else { (length * (2.0 * radius - length)).sqrt() };
-        Self { alpha: 1.0, beta: -radius, gamma: 0.0, length, radius: widest, corner: None }
-    }
-
-    /// A flat disc of radius `flat` with a rounded corner of radius `corner` around it, up to `length` ≤
-    /// `corner`. It can stand still only: see [`super::motion`].
-    pub fn rounded(flat: f64, corner: f64, length: f64) -> Self {
-        let up = corner - length;
-        let widest = flat + (corner * corner - up * up).max(0.0).sqrt();
-        Self { corner: Some((flat, corner)), ..Self::cone(widest, widest, length) }
-    }
-
-    /// The radius of a ball; `None` for other outlines.
-    pub fn ball_radius(&self) -> Option<f64> {
-        (self.alpha > 0.0).then_some(-self.beta)
-    }
-
-    /// Radius at a height, mm.
-    pub fn radius_at(&self, height: f64) -> f64 {
-        match self.corner {
-            Some((flat, corner)) => {
-                let up = (corner - height).clamp(0.0, corner);
-                flat + (corner * corner - up * up).max(0.0).sqrt()
-            }
-            None => (-(self.alpha * height * height + 2.0 * self.beta * height + self.gamma)).max(0.0).sqrt(),
-        }
-    }
-}
 
 /// What a piece does to the stock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -153,8 +93,7 @@ pub struct SweptInterval {
 }
 
 impl SweptInterval {
-    const NONE: Self =
-        Self { low: f64::INFINITY, low_share: 0.0, high: f64::NEG_INFINITY, high_share: 0.0 };
+    const NONE: Self = Self { low: f64::INFINITY, low_share: 0.0, high: f64::NEG_INFINITY, high_share: 0.0 };
 
     #[inline]
     fn add(&mut self, t: f64, share: f64) {
@@ -207,7 +146,13 @@ impl<'a> PieceOnRays<'a> {
         let start = origin[0] * ey - origin[1] * ex;
         let change = self.travel[1] * ex - self.travel[0] * ey;
         let (least, most) = if change < 0.0 { (start + change, start) } else { (start, start + change) };
-        let nearest = if least > 0.0 { least } else if most < 0.0 { -most } else { 0.0 };
+        let nearest = if least > 0.0 {
+            least
+        } else if most < 0.0 {
+            -most
+        } else {
+            0.0
+        };
         nearest * nearest > squared * radius * radius && squared > 1e-18
     }
 
@@ -242,11 +187,9 @@ impl<'a> PieceOnRays<'a> {
                 // The share at which the point t of the ray is in the plane.
                 let (a, b) = ((oz - height) / vz, ez / vz);
                 let (px, py, qx, qy) = (ox - a * vx, oy - a * vy, ex - b * vx, ey - b * vy);
-                let Some((mut low, mut high)) = roots(
-                    qx * qx + qy * qy,
-                    px * qx + py * qy,
-                    px * px + py * py - squared,
-                ) else {
+                let Some((mut low, mut high)) =
+                    roots(qx * qx + qy * qy, px * qx + py * qy, px * px + py * py - squared)
+                else {
                     continue;
                 };
                 clip(a, b, 0.0, 1.0, &mut low, &mut high);

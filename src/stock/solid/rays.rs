@@ -39,7 +39,9 @@ impl RayTile {
 
     /// Memory that it takes, bytes.
     pub fn bytes(&self) -> usize {
-        size_of::<Self>() + self.spans.capacity() * size_of::<Span>() + self.ends.capacity() * size_of::<u32>()
+        size_of::<Self>()
+            + self.spans.capacity() * size_of::<Span>()
+            + self.ends.capacity() * size_of::<u32>()
     }
 
     /// Copies the spans of all rays.

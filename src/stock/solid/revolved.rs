@@ -16,6 +16,8 @@ const BINS: usize = 2048;
 #[derive(Clone, Debug)]
 pub struct TurnedOutline {
     points: Vec<Meridional>,
+    /// +1 where the points run counter-clockwise in the plane (r, z), else −1.
+    sense: f64,
 }
 
 /// Edges of an outline that may cross a line of constant r or z, by bins.
@@ -53,7 +55,11 @@ impl EdgeBins {
 impl TurnedOutline {
     /// The outline through `points`, closed from the last to the first. Radii below 0 count as 0.
     pub fn new(points: Vec<Meridional>) -> Self {
-        Self { points: points.into_iter().map(|p| Meridional { r: p.r.max(0.0), z: p.z }).collect() }
+        let points: Vec<Meridional> =
+            points.into_iter().map(|p| Meridional { r: p.r.max(0.0), z: p.z }).collect();
+        let edges = points.iter().zip(points.iter().cycle().skip(1));
+        let sense = edges.map(|(a, b)| a.r * b.z - b.r * a.z).sum::<f64>().signum();
+        Self { points, sense }
     }
 
     /// The blank that encloses the edges of the blades, with the body of the hub inside and behind it.
@@ -122,7 +128,7 @@ impl TurnedOutline {
         into: &mut Vec<(f64, Meridional)>,
     ) {
         into.clear();
-        let sense = self.sense();
+        let sense = self.sense;
         for &index in edges {
             let (a, b) =
                 (&self.points[index as usize], &self.points[(index as usize + 1) % self.points.len()]);
@@ -134,12 +140,6 @@ impl TurnedOutline {
             }
         }
         into.sort_by(|a, b| a.0.total_cmp(&b.0));
-    }
-
-    /// +1 where the points run counter-clockwise in the plane (r, z), else −1.
-    fn sense(&self) -> f64 {
-        let edges = self.points.iter().zip(self.points.iter().cycle().skip(1));
-        edges.map(|(a, b)| a.r * b.z - b.r * a.z).sum::<f64>().signum()
     }
 
     /// The rays of `lattice` in it.
@@ -168,8 +168,8 @@ impl TurnedOutline {
                     let mut found = Vec::new();
                     self.crossings(by_r.at(r), r, |p| (p.r, p.z), &mut found);
                     for pair in found.chunks_exact(2) {
-                        let [start, stop] = [&pair[0], &pair[1]]
-                            .map(|(_, normal)| end(normal, origin.x, origin.y));
+                        let [start, stop] =
+                            [&pair[0], &pair[1]].map(|(_, normal)| end(normal, origin.x, origin.y));
                         spans.push(Span { from: pair[0].0, to: pair[1].0, start, end: stop });
                     }
                     return;

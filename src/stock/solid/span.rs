@@ -54,8 +54,8 @@ pub struct Span {
     pub end: SpanEnd,
 }
 
-/// Removes the open interval (`low`, `high`) from the sorted, disjoint `spans` of a ray; `mark(at_high)` gives
-/// the surface that the cut leaves at its ends. Returns whether anything was removed.
+/// Removes the open interval (`low`, `high`) from the sorted, disjoint `spans` of a ray; `mark(at_high)`
+/// gives the surface that the cut leaves at its ends. Returns whether anything was removed.
 ///
 /// The ends of what remains are exactly those of the blank and of the cuts, so the result does not depend on
 /// the order of the cuts.

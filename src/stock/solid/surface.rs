@@ -15,7 +15,6 @@ use super::SolidStock;
 use super::lattice::Lattice;
 use super::span::SpanEnd;
 use crate::geometry::{Point, Vector};
-use crate::mesh::TriangleMesh;
 use cells::{CELLS, Loop, share_a_face};
 
 /// Planes of cells in one task.
@@ -137,11 +136,6 @@ impl StockSurface {
         let at = |i: u32| self.points[i as usize].coords;
         self.triangles.iter().map(|&[a, b, c]| at(a).dot(&at(b).cross(&at(c)))).sum::<f64>() / 6.0
     }
-
-    /// The triangles alone.
-    pub fn mesh(&self) -> TriangleMesh {
-        TriangleMesh { points: self.points.clone(), triangles: self.triangles.clone() }
-    }
 }
 
 /// One bit for each node: whether it is in stock. Bits of a line along z are consecutive.
@@ -245,7 +239,8 @@ impl<'a> SlabMaker<'a> {
         let [_, columns, count] = self.stock.lattice.counts;
         for j in 0..columns - 1 {
             for word in 0..self.nodes.words {
-                let lines = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.nodes.line(i, j));
+                let lines =
+                    [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.nodes.line(i, j));
                 let any = |w: usize| lines.iter().fold(0, |bits, line| bits | line[w]);
                 let all = |w: usize| lines.iter().fold(u64::MAX, |bits, line| bits & line[w]);
                 let next = |of: &dyn Fn(usize) -> u64| {
@@ -334,9 +329,9 @@ impl<'a> SlabMaker<'a> {
     fn close(&mut self, cell: [usize; 3], edges: &Loop, ring: &[u32]) {
         let surface = &mut self.slab.surface;
         let sharp = ring.iter().enumerate().any(|(i, &a)| {
-            ring[..i].iter().any(|&b| {
-                surface.normals[a as usize].dot(&surface.normals[b as usize]) < SHARP_COSINE
-            })
+            ring[..i]
+                .iter()
+                .any(|&b| surface.normals[a as usize].dot(&surface.normals[b as usize]) < SHARP_COSINE)
         });
         if !sharp && ring.len() == 3 {
             surface.triangles.push([ring[0], ring[1], ring[2]]);
@@ -408,7 +403,8 @@ impl<'a> SlabMaker<'a> {
                 point -= way * (1.0 - 1.0 / far);
             }
         }
-        let normal = if sharp { Vector::zeros() } else { normal.try_normalize(1e-9).unwrap_or_else(Vector::zeros) };
+        let normal =
+            if sharp { Vector::zeros() } else { normal.try_normalize(1e-9).unwrap_or_else(Vector::zeros) };
         (point, normal)
     }
 }

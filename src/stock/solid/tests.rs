@@ -78,7 +78,7 @@ fn plunges_remove_what_their_cutters_sweep() {
     let spacing = 0.2;
     for (corner, bottom) in [
         (0.0, 0.0),
-        // A ball leaves a cylinder less a half ball; a corner of 2 mm, by Pappus, a square less its quarter disc.
+        // A ball leaves a cylinder less a half ball; a corner, by Pappus, a square less its quarter disc.
         (8.0, PI * 64.0 * 8.0 - 2.0 / 3.0 * PI * 512.0),
         (2.0, 2.0 * PI * (4.0 * 7.0 - PI * (6.0 + 4.0 * 2.0 / (3.0 * PI)))),
     ] {
@@ -126,16 +126,15 @@ fn a_ramp_equals_its_fine_subdivision() {
                 feed(0, end(i), end(i + 1))
             })
             .collect();
-        let (one, many) =
-            (cut(&disc(), 0.5, &cutter, &[whole]).0, cut(&disc(), 0.5, &cutter, &fine).0);
+        let (one, many) = (cut(&disc(), 0.5, &cutter, &[whole]).0, cut(&disc(), 0.5, &cutter, &fine).0);
         let off = deviation(&one, &many);
         assert!(off < 1e-6 + if corner == 1.5 { 0.05 } else { 0.0 }, "corner {corner}: {off}");
     }
 }
 
 /// Greatest distance of the surfaces of two stocks, by the stretches of rays that only one of them has. A
-/// stretch between both surfaces counts across them; one between two surfaces of the same stock is a corner or
-/// a grazed flank, which is flatter than half its length across the steeper side.
+/// stretch between both surfaces counts across them; one between two surfaces of the same stock is a corner
+/// or a grazed flank, which is flatter than half its length across the steeper side.
 fn deviation(one: &SolidStock, other: &SolidStock) -> f64 {
     let mut worst = 0.0f64;
     for direction in 0..3 {
@@ -171,8 +170,7 @@ fn a_move_that_turns_equals_a_hundred_times_finer_one() {
         [sin, 0.1, cos]
     };
     for corner in [0.0, 5.0] {
-        let whole =
-            feed(0, pose([-18.0, -10.0, 16.0], turned(-10.0)), pose([12.0, 8.0, 18.0], turned(10.0)));
+        let whole = feed(0, pose([-18.0, -10.0, 16.0], turned(-10.0)), pose([12.0, 8.0, 18.0], turned(10.0)));
         let steps = 2000;
         let fine: Vec<SolidMove> = (0..steps)
             .map(|i| {
@@ -316,6 +314,15 @@ fn a_core_is_found_as_deep_as_it_is_in_stock() {
     let deeper = SolidMove { tool: 1, ..plunge(4, pose([0.0, 0.0, 9.0], [0.0, 0.0, 1.0])) };
     let (_, contacts) = cut_with(&disc(), spacing, &tools, &[first, deeper]);
     assert!((contacts[0].depth - 3.0).abs() < 1e-6, "{contacts:?}");
+    // Rounding leaves nothing between the corner and the flank of an inclined cutter.
+    let round = [ToolAssembly::of(&tool(30.0, 0.8)), ToolAssembly::of(&cutter)];
+    for i in 0..40 {
+        let axis = [0.01 * f64::from(i), 0.3 - 0.013 * f64::from(i), 1.0];
+        let first = plunge(3, pose([1.0, 2.0, 12.0], axis));
+        let second = SolidMove { tool: 1, ..plunge(4, first.to) };
+        let (_, contacts) = cut_with(&disc(), 1.5, &round, &[first, second]);
+        assert!(contacts.is_empty(), "{axis:?}: {contacts:?}");
+    }
 }
 
 #[test]
@@ -337,7 +344,8 @@ fn rapids_and_holders_in_stock_are_found() {
     assert_eq!(contacts.iter().map(|c| (c.number, c.part)).collect::<Vec<_>>(), [(2, ToolPart::Cutter)]);
     assert!(contacts[0].depth > 4.0, "{contacts:?}");
     assert_eq!(left.volume(), cut(&disc(), 0.5, &cutter, &[deep]).0.volume());
-    let above = SolidMove { from: pose([-50.0, 0.0, 30.1], axis), to: pose([50.0, 0.0, 30.1], axis), ..across };
+    let above =
+        SolidMove { from: pose([-50.0, 0.0, 30.1], axis), to: pose([50.0, 0.0, 30.1], axis), ..across };
     assert!(cut(&disc(), 0.5, &cutter, &[above]).1.is_empty());
 }
 
@@ -353,15 +361,15 @@ fn shanks_and_tapers_are_cones() {
     assert_near("cone", disc().volume() - surface.volume(), PI / 3.0 * 10.0 * (1.0 + top + top * top), 2e-3);
     // A shank wider than its cutter rubs where the cutter left too little room.
     let segment = Segment { part: ToolPart::Shank, from: 5.0, length: 50.0, lower: 6.0, upper: 8.0 };
-    let thin = ToolAssembly { cutting_length: 5.0, segments: vec![segment], ..ToolAssembly::of(&tool(8.0, 0.0)) };
-    let (_, contacts) = cut_with(&disc(), 0.5, &[thin], &[plunge(0, pose([0.0, 0.0, 20.0], [0.0, 0.0, 1.0]))]);
+    let thin =
+        ToolAssembly { cutting_length: 5.0, segments: vec![segment], ..ToolAssembly::of(&tool(8.0, 0.0)) };
+    let (_, contacts) =
+        cut_with(&disc(), 0.5, &[thin], &[plunge(0, pose([0.0, 0.0, 20.0], [0.0, 0.0, 1.0]))]);
     assert_eq!(contacts.iter().map(|c| c.part).collect::<Vec<_>>(), [ToolPart::Shank]);
 }
 
 fn cube(side: f64) -> crate::mesh::TriangleMesh {
-    let points = (0..8u32).map(|i| {
-        Point::from([0, 1, 2].map(|k| side * f64::from(i >> k & 1)))
-    });
+    let points = (0..8u32).map(|i| Point::from([0, 1, 2].map(|k| side * f64::from(i >> k & 1))));
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     crate::mesh::TriangleMesh { points: points.collect(), triangles }

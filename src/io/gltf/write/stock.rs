@@ -26,7 +26,8 @@ impl GltfScene {
                 if surface.normals[own].norm_squared() > 0.25 {
                     continue;
                 }
-                let mut normal: crate::geometry::Vector = t.iter().map(|&i| surface.normals[i as usize]).sum();
+                let mut normal: crate::geometry::Vector =
+                    t.iter().map(|&i| surface.normals[i as usize]).sum();
                 if normal.norm_squared() < 1e-6 {
                     let [a, b, c] = t.map(|i| surface.points[i as usize]);
                     normal = (b - a).cross(&(c - a));
