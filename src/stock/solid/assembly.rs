@@ -1,7 +1,7 @@
 //! Tools as stacks of cylinders and cones about one axis: cutter, shank, holder.
 
 use super::outline::Outline;
-use super::piece::ToolPart;
+use super::part::ToolPart;
 use crate::setup::Tool;
 
 /// Length of a holder that is not described, mm: beyond any wheel.

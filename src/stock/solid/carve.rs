@@ -3,10 +3,14 @@
 use rayon::prelude::*;
 
 use super::lattice::Lattice;
-use super::piece::{Action, Piece, PieceOnRays, ToolPart};
+use super::part::{Action, ToolPart};
+use super::piece::{Piece, PieceOnRays};
 use super::rays::{RayField, RayTile, TILE};
 use super::span::{Span, SpanEnd, cut};
 use crate::geometry::Point;
+
+/// Cuts in a tile after which the bounds of its stock are computed anew; in between they are only too wide.
+const REFRESH: u32 = 4;
 
 /// Stock that a part of a tool met in one move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +84,8 @@ pub fn carve(lattice: &Lattice, fields: &mut [RayField; 3], pieces: &[Piece], re
             || vec![Vec::new(); TILE * TILE],
             |rays, (direction, u, v, tile, bin)| {
                 tile.load(rays);
-                let mut carver = TileCarver { lattice, direction, u, v, rays, found: Vec::new(), resolved };
+                let mut carver =
+                    TileCarver { lattice, direction, u, v, rays, found: Vec::new(), resolved, changes: 0 };
                 let (mut range, mut changed) = (tile.range(), false);
                 for &index in bin {
                     changed |= carver.apply(&pieces[index as usize], &mut range);
@@ -122,6 +127,8 @@ struct TileCarver<'a> {
     rays: &'a mut [Vec<Span>],
     found: Vec<Contact>,
     resolved: f64,
+    /// Number of pieces that removed stock.
+    changes: u32,
 }
 
 impl TileCarver<'_> {
@@ -134,16 +141,14 @@ impl TileCarver<'_> {
         let on_rays = PieceOnRays::new(piece, self.direction);
         let first = on_rays.local(&self.lattice.ray(self.direction, self.u, self.v));
         let steps = on_rays.steps(Lattice::across(self.direction), self.lattice.spacing);
+        let reach = on_rays.reach(*range);
         let mut changed = false;
         for i in 0..TILE {
-            for j in 0..TILE {
+            let row: [f64; 3] = std::array::from_fn(|k| first[k] + i as f64 * steps.0[k]);
+            for j in reach.rays(&row, &steps.1, TILE) {
                 let spans = &mut self.rays[i * TILE + j];
                 let (Some(head), Some(tail)) = (spans.first(), spans.last()) else { continue };
-                let (x, y) = (i as f64, j as f64);
-                let origin: [f64; 3] = std::array::from_fn(|k| first[k] + x * steps.0[k] + y * steps.1[k]);
-                if on_rays.misses(&origin) {
-                    continue;
-                }
+                let origin: [f64; 3] = std::array::from_fn(|k| row[k] + j as f64 * steps.1[k]);
                 let (from, to) = (head.from, tail.to);
                 let Some(swept) = on_rays.interval(&origin) else { continue };
                 if swept.low >= to || swept.high <= from {
@@ -182,7 +187,8 @@ impl TileCarver<'_> {
                 }
             }
         }
-        if changed {
+        self.changes += u32::from(changed);
+        if changed && self.changes % REFRESH == 0 {
             *range = self
                 .rays
                 .iter()

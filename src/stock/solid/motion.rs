@@ -2,7 +2,9 @@
 
 use super::assembly::{OVERLAP, ToolAssembly};
 use super::outline::Outline;
-use super::piece::{Action, Piece, ToolPart};
+use super::part::{Action, ToolPart};
+use super::piece::Piece;
+use crate::cutting::contact::CONTACT_TOLERANCE;
 use crate::cutting::link::AxisTurn;
 use crate::geometry::{Point, Vector};
 
@@ -10,6 +12,9 @@ use crate::geometry::{Point, Vector};
 const STRAIGHT_RAD: f64 = 1e-7;
 /// Distance across its axis up to which a move counts as one along it, as a share of its travel, and mm.
 const AXIAL: (f64, f64) = (1e-4, 1e-4);
+/// Depth into the side of a core up to which stock only grazes it, mm. A graze is as high as the stock beside
+/// the core, and the lines of the exact contact, 48 around the rim, pass it by.
+const GRAZE: f64 = CONTACT_TOLERANCE;
 /// Largest number of steps into which one move is divided.
 const MAX_STEPS: f64 = 20_000.0;
 
@@ -105,14 +110,14 @@ impl PieceMaker<'_> {
         if !advances || step.rapid {
             slices.extend(bodies.clone());
         }
-        if let Some(travel) = axial.filter(|travel| !step.rapid && *travel < 0.0) {
+        if axial.is_some_and(|travel| !step.rapid && travel < 0.0) {
             // Pieces of a plunge are prolonged upwards by its travel; this one only checks.
-            if tool.core_radius > 0.0 {
-                let outline = Outline::cone(tool.core_radius, tool.core_radius, 1e-9);
+            let radius = tool.core_radius - GRAZE;
+            if radius > 0.0 {
+                let outline = Outline::cone(radius, radius, 1e-9);
                 let action = Action::Check(ToolPart::Core);
                 slices.push(Slice { outline, from: 0.0, above: 0.0, action });
             }
-            debug_assert!(travel < 0.0);
         }
         let action = if step.rapid { Action::Check(ToolPart::Cutter) } else { Action::Cut };
         let cutter = tool.cutter(axial.is_some(), 0.5 * self.tolerance);
@@ -177,7 +182,11 @@ impl PieceMaker<'_> {
         // steps, so their number hardly matters: as many as leave one step, but none much shorter than wide.
         let tolerance = if step.rapid { 2.5 * self.tolerance } else { self.tolerance };
         let (lateral, bow) = (0.8 * tolerance, 0.2 * tolerance);
-        let count = (length / (4.0 * lateral / turn).max(outline.radius)).ceil().clamp(1.0, 1000.0);
+        // A ball is one slice: its centre does not feel the turn, and its parts are no cones.
+        let count = match outline.ball_radius() {
+            Some(_) => 1.0,
+            None => (length / (4.0 * lateral / turn).max(outline.radius)).ceil().clamp(1.0, 1000.0),
+        };
         let high = length / count;
         for i in 0..count as usize {
             let up = i as f64 * high;

@@ -36,7 +36,8 @@ impl Outline {
         Self { alpha: 1.0, beta: -radius, gamma: 0.0, length, radius: widest, corner: None }
     }
 
-    /// A flat disc of radius `flat` with a rounded corner of radius `corner` around it, up to `length`. It can stand still only.
+    /// A flat disc of radius `flat` with a rounded corner of radius `corner` around it, up to `length`. It can
+    /// stand still only.
     pub fn rounded(flat: f64, corner: f64, length: f64) -> Self {
         let up = (corner - length).max(0.0);
         let widest = flat + (corner * corner - up * up).max(0.0).sqrt();

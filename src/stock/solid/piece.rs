@@ -1,7 +1,10 @@
 //! Pieces of a moving tool: what a slice of a body of revolution sweeps on a straight line, as an interval on
 //! a ray.
 
+mod place;
+
 use super::outline::Outline;
+use super::part::Action;
 use crate::geometry::{Point, Vector, frame_about};
 
 /// Newton steps to the rounded corner; the distance is convex along a ray, so they come closer without
@@ -9,43 +12,10 @@ use crate::geometry::{Point, Vector, frame_about};
 const CORNER_STEPS: usize = 40;
 /// Distance from the corner at which they end, mm.
 const CORNER_TOLERANCE: f64 = 1e-9;
+/// Slack of the bounds of rays, for rounding, as a share of the lengths in them.
+const SLACK: f64 = 1e-9;
 /// Components of unit vectors below this count as 0.
 const TINY: f64 = 1e-12;
-
-/// What a piece does to the stock.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Action {
-    /// It removes stock.
-    Cut,
-    /// It must not meet stock.
-    Check(ToolPart),
-}
-
-/// The part of a tool that meets stock.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ToolPart {
-    /// The core of a plunging cutter, which has no edges.
-    Core,
-    /// The cutter in rapid.
-    Cutter,
-    /// The shank.
-    Shank,
-    /// The holder.
-    Holder,
-}
-
-impl ToolPart {
-    /// Its name in messages and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Core => "core",
-            Self::Cutter => "cutter",
-            Self::Shank => "shank",
-            Self::Holder => "holder",
-        }
-    }
-}
 
 /// A slice that moves on a straight line without turning.
 #[derive(Clone, Copy, Debug)]
@@ -106,6 +76,32 @@ impl SweptInterval {
     }
 }
 
+/// Bounds of the origins of rays that can meet a piece: three directions in its frame, each with the least and
+/// the greatest coordinate along it.
+pub struct Reach {
+    bounds: [([f64; 3], f64, f64); 3],
+}
+
+impl Reach {
+    /// The numbers, up to `count`, of rays `origin` + number · `step` within the bounds.
+    #[inline]
+    pub fn rays(&self, origin: &[f64; 3], step: &[f64; 3], count: usize) -> std::ops::Range<usize> {
+        let (mut first, mut last) = (0.0f64, count as f64 - 1.0);
+        for (unit, least, most) in &self.bounds {
+            let dot = |v: &[f64; 3]| unit[0] * v[0] + unit[1] * v[1] + unit[2] * v[2];
+            let (at, rate) = (dot(origin), dot(step));
+            if rate.abs() > TINY {
+                let (p, q) = ((least - at) / rate, (most - at) / rate);
+                first = first.max(p.min(q));
+                last = last.min(p.max(q));
+            } else if at < *least || at > *most {
+                return 0..0;
+            }
+        }
+        if first > last { 0..0 } else { first.ceil() as usize..(last.floor() + 1.0) as usize }
+    }
+}
+
 impl<'a> PieceOnRays<'a> {
     /// The piece for rays along coordinate `direction`.
     pub fn new(piece: &'a Piece, direction: usize) -> Self {
@@ -135,25 +131,25 @@ impl<'a> PieceOnRays<'a> {
         self.piece.number
     }
 
-    /// Whether the ray through `origin` (in the frame) misses the infinite cylinder about what the piece
-    /// sweeps: a cheap test that rejects most rays.
-    #[inline]
-    pub fn misses(&self, origin: &[f64; 3]) -> bool {
-        let [ex, ey, _] = self.ray;
-        let radius = self.piece.outline.radius;
-        let squared = ex * ex + ey * ey;
-        // Distance of the ray from the axis where it starts; on its way it changes by the travel across.
-        let start = origin[0] * ey - origin[1] * ex;
-        let change = self.travel[1] * ex - self.travel[0] * ey;
-        let (least, most) = if change < 0.0 { (start + change, start) } else { (start, start + change) };
-        let nearest = if least > 0.0 {
-            least
-        } else if most < 0.0 {
-            -most
-        } else {
-            0.0
+    /// Bounds of the rays that can meet the piece where stock lies between two coordinates along them.
+    pub fn reach(&self, (low, high): (f64, f64)) -> Reach {
+        let [ex, ey, ez] = self.ray;
+        let across = ex.hypot(ey);
+        let along = if across > TINY { [ex / across, ey / across] } else { [1.0, 0.0] };
+        let aside = [-along[1], along[0]];
+        let outline = &self.piece.outline;
+        let slack = SLACK * (1.0 + outline.radius + low.abs().max(high.abs()));
+        let [vx, vy, vz] = self.travel;
+        let wide = |unit: [f64; 2], near: f64, far: f64| {
+            let moved = unit[0] * vx + unit[1] * vy;
+            let (least, most) = (moved.min(0.0) - far, moved.max(0.0) - near);
+            ([unit[0], unit[1], 0.0], least - outline.radius - slack, most + outline.radius + slack)
         };
-        nearest * nearest > squared * radius * radius && squared > 1e-18
+        // Heights of the stock above the ray's own origin.
+        let (near, far) = if ez < 0.0 { (ez * high, ez * low) } else { (ez * low, ez * high) };
+        let height =
+            ([0.0, 0.0, 1.0], vz.min(0.0) - far - slack, vz.max(0.0) + outline.length - near + slack);
+        Reach { bounds: [wide(aside, 0.0, 0.0), wide(along, across * low, across * high), height] }
     }
 
     /// The interval that the piece sweeps of the ray through `origin` (in the frame).
@@ -331,74 +327,6 @@ impl<'a> PieceOnRays<'a> {
             }
         }
         (low < high).then_some((low, high))
-    }
-
-    /// Unit normal out of the swept body at the point `t` of the ray, reached at `share`.
-    pub fn normal(&self, origin: &[f64; 3], t: f64, share: f64) -> Vector {
-        let outline = &self.piece.outline;
-        let at: [f64; 3] = std::array::from_fn(|k| origin[k] + t * self.ray[k] - share * self.travel[k]);
-        let radial = at[0].hypot(at[1]);
-        let (side, end) = match outline.corner {
-            Some((flat, corner)) => {
-                let (out, down) = ((radial - flat).max(0.0), (corner - at[2]).max(0.0));
-                let out = out / radial.max(TINY);
-                ([at[0] * out, at[1] * out, -down], None)
-            }
-            None => {
-                let up = outline.alpha * at[2] + outline.beta;
-                let height = at[2].min(outline.length - at[2]);
-                let end = [0.0, 0.0, if at[2] < 0.5 * outline.length { -1.0 } else { 1.0 }];
-                let off = (outline.radius_at(at[2].clamp(0.0, outline.length)) - radial).abs();
-                let tolerance = 1e-6 * (1.0 + outline.radius);
-                let side = [at[0], at[1], up];
-                match (off < tolerance, height < tolerance) {
-                    (true, true) => (side, Some(end)),
-                    (false, true) => (end, None),
-                    (false, false) if height < off => (end, None),
-                    _ => (side, None),
-                }
-            }
-        };
-        let unit = |v: [f64; 3]| Vector::from(v).try_normalize(1e-300).unwrap_or_else(Vector::z);
-        let mut local = unit(side);
-        if let Some(end) = end.filter(|_| self.moves && share > 0.0 && share < 1.0) {
-            // The moving edge sweeps a surface that contains the travel: the normal across it, between those
-            // of both faces.
-            let (end, travel) = (Vector::from(end), Vector::from(self.travel));
-            let across = local * end.dot(&travel) - end * local.dot(&travel);
-            let outwards = if across.dot(&(local + end)) < 0.0 { -across } else { across };
-            local = outwards.try_normalize(1e-12).unwrap_or(local);
-        }
-        self.frame[0] * local.x + self.frame[1] * local.y + self.frame[2] * local.z
-    }
-
-    /// Height above the lower end of the whole part at the point `t` of a ray, mm.
-    pub fn height(&self, origin: &[f64; 3], t: f64) -> f64 {
-        self.piece.above + origin[2] + t * self.ray[2]
-    }
-
-    /// How deep the points `low` to `high` of a ray get into the piece on its way, mm, and where.
-    pub fn depth(&self, origin: &[f64; 3], low: f64, high: f64) -> (f64, f64) {
-        /// Points tried along ray and travel.
-        const TRIED: u32 = 8;
-        let outline = &self.piece.outline;
-        let mut deepest = (0.0, 0.5 * (low + high));
-        for i in 0..=TRIED {
-            let t = low + (high - low) * f64::from(i) / f64::from(TRIED);
-            for j in 0..=if self.moves { TRIED } else { 0 } {
-                let share = f64::from(j) / f64::from(TRIED);
-                let at: [f64; 3] =
-                    std::array::from_fn(|k| origin[k] + t * self.ray[k] - share * self.travel[k]);
-                if (0.0..=outline.length).contains(&at[2]) {
-                    let in_side = outline.radius_at(at[2]) - at[0].hypot(at[1]);
-                    let depth = in_side.min(self.piece.above + at[2]);
-                    if depth > deepest.0 {
-                        deepest = (depth, t);
-                    }
-                }
-            }
-        }
-        deepest
     }
 }
 

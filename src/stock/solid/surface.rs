@@ -6,6 +6,7 @@
 //! corners of this face alone, so neighbours agree, and every edge belongs to two triangles.
 
 mod cells;
+mod nodes;
 
 use std::collections::HashSet;
 
@@ -16,6 +17,7 @@ use super::lattice::Lattice;
 use super::span::SpanEnd;
 use crate::geometry::{Point, Vector};
 use cells::{CELLS, Loop, share_a_face};
+use nodes::{EdgePlane, Nodes};
 
 /// Planes of cells in one task.
 const SLAB: usize = 16;
@@ -24,6 +26,9 @@ const SLAB: usize = 16;
 const FROM_NODE: f64 = 2e-3;
 /// Cosine of the angle between normals above which a cell has a sharp edge.
 const SHARP_COSINE: f64 = 0.87;
+/// Cosine of the angle between normals below which an edge is acute: where walls are curved, their tangent
+/// planes meet far beyond it.
+const ACUTE_COSINE: f64 = -0.5;
 /// Eigenvalues below this share of the largest do not move a sharp vertex: there its planes are parallel.
 const FLAT_SHARE: f64 = 0.05;
 /// Distance of a sharp vertex from one of its planes, in spacings, above which they do not meet.
@@ -135,66 +140,6 @@ impl StockSurface {
     pub fn volume(&self) -> f64 {
         let at = |i: u32| self.points[i as usize].coords;
         self.triangles.iter().map(|&[a, b, c]| at(a).dot(&at(b).cross(&at(c)))).sum::<f64>() / 6.0
-    }
-}
-
-/// One bit for each node: whether it is in stock. Bits of a line along z are consecutive.
-struct Nodes {
-    words: usize,
-    columns: usize,
-    bits: Vec<u64>,
-}
-
-impl Nodes {
-    fn of(stock: &SolidStock) -> Self {
-        let [rows, columns, count] = stock.lattice.counts;
-        let words = count.div_ceil(64);
-        let mut bits = vec![0u64; rows * columns * words];
-        let (low, spacing) = (stock.lattice.origin.z, stock.lattice.spacing);
-        bits.par_chunks_mut(columns * words).enumerate().for_each(|(i, plane)| {
-            for (j, line) in plane.chunks_exact_mut(words).enumerate() {
-                for span in stock.spans(2, i, j) {
-                    let mut k = ((span.from - low) / spacing).floor().max(0.0) as usize;
-                    while k < count && stock.lattice.coordinate(2, k) < span.to {
-                        if stock.lattice.coordinate(2, k) > span.from {
-                            line[k / 64] |= 1 << (k % 64);
-                        }
-                        k += 1;
-                    }
-                }
-            }
-        });
-        Self { words, columns, bits }
-    }
-
-    #[inline]
-    fn line(&self, i: usize, j: usize) -> &[u64] {
-        let from = (i * self.columns + j) * self.words;
-        &self.bits[from..from + self.words]
-    }
-
-    #[inline]
-    fn is_in(&self, [i, j, k]: [usize; 3]) -> bool {
-        self.line(i, j)[k / 64] >> (k % 64) & 1 == 1
-    }
-}
-
-/// Vertices of edges in one plane, by the number of the edge in it.
-struct EdgePlane {
-    of: Vec<u32>,
-    used: Vec<u32>,
-}
-
-impl EdgePlane {
-    fn new(count: usize) -> Self {
-        Self { of: vec![u32::MAX; count], used: Vec::new() }
-    }
-
-    fn clear(&mut self) {
-        for &edge in &self.used {
-            self.of[edge as usize] = u32::MAX;
-        }
-        self.used.clear();
     }
 }
 
@@ -328,11 +273,10 @@ impl<'a> SlabMaker<'a> {
     /// Fills a ring of vertices with triangles.
     fn close(&mut self, cell: [usize; 3], edges: &Loop, ring: &[u32]) {
         let surface = &mut self.slab.surface;
-        let sharp = ring.iter().enumerate().any(|(i, &a)| {
-            ring[..i]
-                .iter()
-                .any(|&b| surface.normals[a as usize].dot(&surface.normals[b as usize]) < SHARP_COSINE)
-        });
+        let normal = |i: &u32| surface.normals[*i as usize];
+        let pairs = ring.iter().enumerate().flat_map(|(i, a)| ring[..i].iter().map(move |b| (a, b)));
+        let least = pairs.map(|(a, b)| normal(a).dot(&normal(b))).fold(1.0, f64::min);
+        let sharp = least < SHARP_COSINE;
         if !sharp && ring.len() == 3 {
             surface.triangles.push([ring[0], ring[1], ring[2]]);
             return;
@@ -347,7 +291,7 @@ impl<'a> SlabMaker<'a> {
                 }
             }
         }
-        let (point, normal) = self.centre(cell, ring, sharp);
+        let (point, normal) = self.centre(cell, ring, (sharp, least < ACUTE_COSINE));
         let surface = &mut self.slab.surface;
         let centre = surface.points.len() as u32;
         surface.points.push(point);
@@ -364,7 +308,7 @@ impl<'a> SlabMaker<'a> {
 
     /// The point of a cell nearest to all tangent planes of a ring, starting from its mean (least squares by
     /// eigenvectors), and the mean normal; zero where it is sharp.
-    fn centre(&self, cell: [usize; 3], ring: &[u32], sharp: bool) -> (Point, Vector) {
+    fn centre(&self, cell: [usize; 3], ring: &[u32], (sharp, acute): (bool, bool)) -> (Point, Vector) {
         let surface = &self.slab.surface;
         let at = |i: &u32| (surface.points[*i as usize], surface.normals[*i as usize]);
         let count = ring.len() as f64;
@@ -391,10 +335,10 @@ impl<'a> SlabMaker<'a> {
             let low = lattice.coordinate(k, cell[k]) + margin;
             point[k] = point[k].clamp(low, low + lattice.spacing - 2.0 * margin);
         }
-        // Planes that do not meet in one point are not neighbours on the solid: then the vertex stays within
-        // half a spacing of one that is exact.
+        // Planes that do not meet in one point are not neighbours on the solid, and those of an acute edge
+        // meet beyond it: then the vertex stays within half a spacing of one that is exact.
         let miss = ring.iter().map(at).map(|(p, n)| n.dot(&(point - p)).abs()).fold(0.0, f64::max);
-        if miss > PLANE_MISS * lattice.spacing {
+        if acute || miss > PLANE_MISS * lattice.spacing {
             let exact = ring.iter().map(|i| at(i).0);
             let nearest = exact.min_by(|a, b| (a - point).norm().total_cmp(&(b - point).norm()));
             let way = nearest.map_or_else(Vector::zeros, |nearest| point - nearest);
