@@ -4,7 +4,6 @@ use super::assembly::{OVERLAP, ToolAssembly};
 use super::outline::Outline;
 use super::part::{Action, ToolPart};
 use super::piece::Piece;
-use crate::cutting::contact::CONTACT_TOLERANCE;
 use crate::cutting::link::AxisTurn;
 use crate::geometry::{Point, Vector};
 
@@ -12,9 +11,6 @@ use crate::geometry::{Point, Vector};
 const STRAIGHT_RAD: f64 = 1e-7;
 /// Distance across its axis up to which a move counts as one along it, as a share of its travel, and mm.
 const AXIAL: (f64, f64) = (1e-4, 1e-4);
-/// Depth into the side of a core up to which stock only grazes it, mm. A graze is as high as the stock beside
-/// the core, and the lines of the exact contact, 48 around the rim, pass it by.
-const GRAZE: f64 = CONTACT_TOLERANCE;
 /// Largest number of steps into which one move is divided.
 const MAX_STEPS: f64 = 20_000.0;
 
@@ -112,9 +108,8 @@ impl PieceMaker<'_> {
         }
         if axial.is_some_and(|travel| !step.rapid && travel < 0.0) {
             // Pieces of a plunge are prolonged upwards by its travel; this one only checks.
-            let radius = tool.core_radius - GRAZE;
-            if radius > 0.0 {
-                let outline = Outline::cone(radius, radius, 1e-9);
+            if tool.core_radius > 0.0 {
+                let outline = Outline::cone(tool.core_radius, tool.core_radius, 1e-9);
                 let action = Action::Check(ToolPart::Core);
                 slices.push(Slice { outline, from: 0.0, above: 0.0, action });
             }
