@@ -290,7 +290,7 @@ impl<'a> PieceOnRays<'a> {
     fn corner_distance(&self, origin: &[f64; 3], (flat, corner): (f64, f64), t: f64) -> (f64, f64) {
         let [ex, ey, ez] = self.ray;
         let (x, y, z) = (origin[0] + t * ex, origin[1] + t * ey, origin[2] + t * ez);
-        let radial = x.hypot(y);
+        let radial = (x * x + y * y).sqrt();
         let (out, down) = (radial - flat, corner - z);
         let out_rate = if radial > TINY { (x * ex + y * ey) / radial } else { 0.0 };
         if out <= 0.0 && down <= 0.0 {
@@ -302,7 +302,7 @@ impl<'a> PieceOnRays<'a> {
         if down <= 0.0 {
             return (out - corner, out_rate);
         }
-        let length = out.hypot(down);
+        let length = (out * out + down * down).sqrt();
         (length - corner, (out * out_rate - down * ez) / length)
     }
 

@@ -26,7 +26,8 @@ impl SpanEnd {
         if normal.z < 0.0 {
             (x, y) = ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y));
         }
-        let stored = |v: f64| (v * NORMAL_STEPS).round() as i16;
+        // Rounds by cutting off, which is one instruction.
+        let stored = |v: f64| (v * NORMAL_STEPS + 0.5f64.copysign(v)) as i16;
         Self { normal: [stored(x), stored(y)], cut_by }
     }
 
