@@ -188,7 +188,7 @@ impl TileCarver<'_> {
             }
         }
         self.changes += u32::from(changed);
-        if changed && self.changes % REFRESH == 0 {
+        if changed && self.changes.is_multiple_of(REFRESH) {
             *range = self
                 .rays
                 .iter()

@@ -271,7 +271,7 @@ impl<'a> PieceOnRays<'a> {
                         [-0.5 * c / b; 2]
                     };
                     let inside = candidates.into_iter().find(|t| (low..=high).contains(t));
-                    let Some(t) = inside else { return None };
+                    let t = inside?;
                     if starts { high = t } else { low = t }
                 }
             }
