@@ -16,7 +16,7 @@
 //! | [`cutting`] | a cutter against part and stock: clearance, drop-cutter depth, links, core contact |
 //! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper] |
 //! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
-//! | [`stock`] | the heightfield of residual stock on the channel floor, and its CPU kernel |
+//! | [`stock`] | the heightfield of residual stock on the channel floor, its CPU kernel; the stock as a solid |
 //! | [`verify`] | judges any program against a part |
 //! | [`io`] | readers and writers of part, setup, program and plan files |
 //! | [`job`] | planning jobs: request, progress, cancel, latest result |

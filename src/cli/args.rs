@@ -31,6 +31,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// NC program of a plan or an APT program for a machine
     Post(PostArgs),
+    /// The stock as a solid after any move of any program: .stl or .glb
+    Stock(StockArgs),
     /// Picture of a part, a plan.json or a flank.json, without a window
     Render(RenderArgs),
     /// Convert a part to another format, or a part or plan to a glTF scene
@@ -198,6 +200,35 @@ pub struct PostArgs {
     /// NC program to write
     #[arg(short = 'o', value_name = "FILE")]
     pub file: PathBuf,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `vanecut stock`.
+#[derive(Debug, Args)]
+pub struct StockArgs {
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    pub part: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// APT program, plan.json or flank.json; `-` reads an APT program from standard input
+    pub program: PathBuf,
+    /// Setup file with the insert widths and overhangs; absent: that of the plan, or defaults
+    #[arg(long)]
+    pub setup: Option<PathBuf>,
+    /// State after this many moves of the program; absent: after the last
+    #[arg(long, value_name = "K")]
+    pub at: Option<usize>,
+    /// Distance of the rays, mm; absent: the diameter of the blank / 800
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub spacing: Option<f64>,
+    /// Blank: edges (enclosing the edges of the blades), turned (a cylinder), or a closed .stl
+    #[arg(long, value_name = "BLANK")]
+    pub blank: Option<PathBuf>,
+    /// File to write: .stl or .glb
+    #[arg(short, long)]
+    pub output: PathBuf,
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,

@@ -10,6 +10,7 @@ mod bench_flank;
 #[cfg(feature = "gpu")]
 mod bench_frames;
 mod bench_growth;
+mod bench_stock;
 mod bench_wheel;
 mod convert;
 mod flank;
@@ -23,6 +24,7 @@ mod render;
 #[cfg(feature = "gpu")]
 mod render_flank;
 mod report;
+mod stock;
 mod verify;
 mod watch;
 #[cfg(not(feature = "gpu"))]
@@ -139,6 +141,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Assess(a)) => assess::run(&a),
         Some(Command::Verify(a)) => verify::run(&a),
         Some(Command::Post(a)) => post::run(&a),
+        Some(Command::Stock(a)) => stock::run(&a),
         Some(Command::Render(a)) => render::run(&a),
         Some(Command::Convert(a)) => convert::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),

@@ -21,7 +21,7 @@ pub mod solid;
 mod surface;
 pub mod tessellate;
 mod tips;
-mod weld;
+pub(crate) mod weld;
 
 pub use describe::describe;
 pub use options::{LengthUnit, MeshOptions};
