@@ -16,12 +16,12 @@ use vanecut::toolpath::ClProgram;
 
 /// The axes of a conventional plan, which interferes, with one cutter in one section.
 fn planned() -> PlanOutcome {
-    let text = include_bytes!("../assets/parts/impeller532.toml");
+    let text = include_bytes!("../assets/parts/impeller9x9.toml");
     let part = Impeller::build(&read_part_bytes("a.toml", text, "toml").expect("readable")).expect("a wheel");
     let tool = Tool {
         number: 1,
         diameter: 16.0,
-        corner_radius: 1.0,
+        corner_radius: 0.0,
         insert_width: 5.0,
         overhang: 150.0,
         plunge_feed: 300.0,
@@ -29,7 +29,7 @@ fn planned() -> PlanOutcome {
     };
     let mut setup = Setup { tools: vec![tool], ..Setup::default() };
     setup.plunge.sections =
-        vec![vanecut::setup::SectionSetup { tool: 1, from: 1.0, to: 0.55, cut_direction: None, rest: false }];
+        vec![vanecut::setup::SectionSetup { tool: 1, from: 1.0, to: 0.5, cut_direction: None, rest: false }];
     let request = PlanRequest {
         part: Arc::new(part),
         setup,
@@ -46,7 +46,7 @@ fn contact_and_floor_agree_with_contact_and_heightfield() {
     let plan = &outcome.before.plan;
     let blank = Blank::of(&outcome.part, 0.0);
     let outline = SolidBlank::Turned(TurnedOutline::of_blank(&outcome.part, &blank));
-    let spacing = 1.5;
+    let spacing = 0.8;
     let mut stock = SolidStock::new(&outline, spacing).expect("it fits");
     let program = SolidProgram::new(&ClProgram::of_plan("a", plan), &outcome.setup).expect("it has a tool");
     let contacts = stock.make_moves(&program.tools, &program.moves, &Monitor::default()).expect("it ends");
