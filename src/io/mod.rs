@@ -18,7 +18,7 @@ pub mod project_file;
 pub mod setup_file;
 pub(crate) mod source;
 mod stored;
-mod table;
+pub(crate) mod table;
 pub mod tool_library;
 pub mod turbogrid;
 pub mod write;
