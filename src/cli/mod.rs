@@ -23,6 +23,7 @@ mod render;
 #[cfg(feature = "gpu")]
 mod render_flank;
 mod report;
+mod study;
 mod verify;
 mod watch;
 #[cfg(not(feature = "gpu"))]
@@ -141,6 +142,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Post(a)) => post::run(&a),
         Some(Command::Render(a)) => render::run(&a),
         Some(Command::Convert(a)) => convert::run(&a),
+        Some(Command::Study(a)) => study::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
     }
 }
