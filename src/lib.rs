@@ -20,6 +20,7 @@
 //! | [`verify`] | judges any program against a part |
 //! | [`io`] | readers and writers of part, setup, program and plan files |
 //! | [`job`] | planning jobs: request, progress, cancel, latest result |
+//! | [`study`] | many plans: axes of variation, shards, results, merge, Pareto set |
 //! | `gpu` | graphics device, compute kernel, renderer; independent of the window |
 //! | `app`, `cli` | the front ends: the egui window and the command line |
 //!
@@ -46,5 +47,6 @@ pub mod part;
 pub mod plunge;
 pub mod setup;
 pub mod stock;
+pub mod study;
 pub mod toolpath;
 pub mod verify;

@@ -37,6 +37,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Convert a part to another format, or a part or plan to a glTF scene
     Convert(ConvertArgs),
+    /// Many plans over parts and settings, resumable, for any scheduler
+    Study(StudyArgs),
     /// Throughput of the kernels on this machine
     Bench(BenchArgs),
 }
@@ -292,4 +294,60 @@ pub struct ConvertArgs {
     /// One node per cutter, for viewers without EXT_mesh_gpu_instancing
     #[arg(long)]
     pub plain: bool,
+}
+
+/// `vanecut study`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub struct StudyArgs {
+    #[command(subcommand)]
+    pub action: Option<StudyAction>,
+    /// Study file: parts, base setup, axes of variation
+    pub study: Option<PathBuf>,
+    /// List the runs and plan nothing; with -o, also which have results
+    #[arg(long)]
+    pub list: bool,
+    /// Shard: I/N with I from 1 to N, or auto: from Slurm, Kubernetes or PBS; auto/N where these give no N
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<String>,
+    /// Runs at a time; absent: one per core
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// Folder of the results
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// What to do with the results of a study.
+#[derive(Debug, Subcommand)]
+pub enum StudyAction {
+    /// Table of all results of a study
+    Merge(MergeArgs),
+    /// Plans of a table that no other plan beats
+    Pareto(ParetoArgs),
+}
+
+/// `vanecut study merge`.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Folder of the results
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Table to write, .csv
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// `vanecut study pareto`.
+#[derive(Debug, Args)]
+pub struct ParetoArgs {
+    /// Table that `study merge` wrote
+    #[arg(value_name = "CSV")]
+    pub table: PathBuf,
+    /// Figures to compare, less is better, separated by commas
+    #[arg(long, value_name = "FIGURES", value_delimiter = ',', default_value = "time_estimate,residual_p95")]
+    pub over: Vec<String>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
 }

@@ -25,6 +25,7 @@ mod render;
 mod render_flank;
 mod report;
 mod stock;
+mod study;
 mod verify;
 mod watch;
 #[cfg(not(feature = "gpu"))]
@@ -144,6 +145,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Stock(a)) => stock::run(&a),
         Some(Command::Render(a)) => render::run(&a),
         Some(Command::Convert(a)) => convert::run(&a),
+        Some(Command::Study(a)) => study::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
     }
 }

@@ -22,8 +22,7 @@ use crate::setup::AxisPolicy;
 use crate::toolpath::ClProgram;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
-/// Cells of the residual field along s and λ.
-pub const FIELD_CELLS: usize = 512;
+pub use crate::job::FIELD_CELLS;
 
 /// Plans, writes the files and prints the figures.
 ///

@@ -19,7 +19,7 @@ pub mod setup_file;
 pub(crate) mod source;
 pub mod stl;
 mod stored;
-mod table;
+pub(crate) mod table;
 pub mod tool_library;
 pub mod turbogrid;
 pub mod write;

@@ -85,14 +85,21 @@ pub fn read_setup_with_defaults(name: &str, bytes: &[u8], defaults: &Setup) -> R
     }
     let document = TomlDocument::new(name, bytes)?;
     let tree = document.parse()?;
-    let root = document.root(&tree);
+    setup_of_table(&document.root(&tree), defaults)
+}
+
+/// Reads a setup from the table `root` of a document, as [`read_setup_with_defaults`] does from a file.
+///
+/// # Errors
+/// When a key is unknown, or a value is outside its range.
+pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<Setup, InputError> {
     root.check_keys(&["part", "stock", "tool", "plunge", "flank", "machine"])?;
     let mut setup =
         Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..defaults.clone() };
     if let Some(table) = root.table("stock")? {
         stock(&table, &mut setup.allowances)?;
     }
-    setup.tools = tools(&root)?;
+    setup.tools = tools(root)?;
     if let Some(table) = root.table("plunge")? {
         plunge(&table, &setup.tools, &mut setup.plunge)?;
     }

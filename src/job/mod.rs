@@ -23,6 +23,9 @@ use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
 
+/// Cells of the residual field along s and λ with which results are reported.
+pub const FIELD_CELLS: usize = 512;
+
 /// Request for a plunge plan.
 #[derive(Clone, Debug)]
 pub struct PlanRequest {
