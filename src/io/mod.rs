@@ -19,6 +19,7 @@ pub mod setup_file;
 pub(crate) mod source;
 mod stored;
 mod table;
+pub mod tool_file;
 pub mod tool_library;
 pub mod turbogrid;
 pub mod write;

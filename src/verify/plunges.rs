@@ -211,5 +211,6 @@ pub(super) fn tool_of(tool: &ClTool, setup: &Setup) -> Tool {
         overhang: tool.overhang.or(known.map(|t| t.overhang)).unwrap_or(4.0 * tool.diameter),
         plunge_feed: tool.feed_mm_per_min.or(known.map(|t| t.plunge_feed)).unwrap_or(300.0),
         spindle: tool.spindle_rpm.or(known.map(|t| t.spindle)).unwrap_or(1200.0),
+        assembly: known.map(|t| t.assembly.clone()).unwrap_or_default(),
     }
 }
