@@ -16,6 +16,7 @@ pub mod part_file;
 pub mod plan_file;
 pub mod project_file;
 pub mod setup_file;
+pub mod shop_tools;
 pub(crate) mod source;
 mod stored;
 mod table;
