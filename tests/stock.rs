@@ -26,6 +26,7 @@ fn planned() -> PlanOutcome {
         overhang: 150.0,
         plunge_feed: 300.0,
         spindle: 1200.0,
+        assembly: Default::default(),
     };
     let mut setup = Setup { tools: vec![tool], ..Setup::default() };
     setup.plunge.sections =

@@ -282,11 +282,11 @@ pub struct RenderArgs {
 /// `vanecut convert`.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// Part, a plan.json, or a flank.json
+    /// Part, a plan.json or flank.json, or a tool library (.toml, .json, .tools, .fctb, .fctl)
     pub input: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// File to write: .toml, .glb or .gltf
+    /// File to write: .toml, .glb or .gltf; of a tool library .toml or .json
     pub output: PathBuf,
     /// Chord error: largest distance of triangles from the surfaces, mm
     #[arg(long, default_value_t = 0.01)]

@@ -39,6 +39,7 @@ fn three_tools() -> Vec<Tool> {
             overhang: 120.0,
             plunge_feed: 300.0,
             spindle: 1200.0,
+            assembly: Default::default(),
         })
         .collect()
 }

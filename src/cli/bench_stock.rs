@@ -7,7 +7,7 @@ use crate::monitor::Monitor;
 use crate::part::Blank;
 use crate::setup::Tool;
 use crate::stock::solid::{
-    SolidBlank, SolidMove, SolidStock, StockSurface, ToolAssembly, ToolPose, TurnedOutline,
+    SolidBlank, SolidMove, SolidStock, SolidTool, StockSurface, ToolPose, TurnedOutline,
 };
 
 /// Outlet diameter of the wheel, mm, and spacing of the rays, mm.
@@ -42,8 +42,9 @@ pub fn run() -> Result<(), Failure> {
         overhang: 120.0,
         plunge_feed: 300.0,
         spindle: 1200.0,
+        assembly: Default::default(),
     };
-    let tools = [ToolAssembly::of(&tool)];
+    let tools = [SolidTool::of(&tool)];
     let mut last = None;
     for count in PLUNGES {
         let moves: Vec<SolidMove> = (0..count).map(|k| plunge(k, count, &part, scale)).collect();

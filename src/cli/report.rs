@@ -7,7 +7,7 @@ use crate::part::Impeller;
 use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::CutDirection;
 use crate::stock::FloorGrid;
-use crate::verify::{Fault, PlungeReport};
+use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
 /// A number, or null if it is not finite.
 pub fn number(x: f64) -> Value {
@@ -28,7 +28,7 @@ fn residual_keys(s: &Summary) -> Map<String, Value> {
 }
 
 /// Keys that every object of `--json` has, null where they do not apply.
-const SHARED_KEYS: [&str; 26] = [
+const SHARED_KEYS: [&str; 28] = [
     "channels",
     "positions",
     "rows",
@@ -43,6 +43,8 @@ const SHARED_KEYS: [&str; 26] = [
     "min_hub_clearance",
     "min_blade_clearance",
     "min_retract_clearance",
+    "shank_clearance_min",
+    "holder_clearance_min",
     "max_axis_change",
     "cut_length",
     "rapid_length",
@@ -204,6 +206,20 @@ fn feed_word(feed: CutDirection) -> &'static str {
         CutDirection::Inward => "inward",
         CutDirection::Outward => "outward",
     }
+}
+
+/// The keys of the least distances of shank and holder; null without them.
+pub fn assembly_keys(least: &AssemblyDistances) -> [(String, Value); 2] {
+    [("shank_clearance_min", least.shank), ("holder_clearance_min", least.holder)]
+        .map(|(key, value)| (key.to_owned(), number(value)))
+}
+
+/// Text on the least distances of shank and holder; empty without them.
+pub fn assembly_text(least: &AssemblyDistances) -> String {
+    let near = [("shank", least.shank), ("holder", least.holder)];
+    let near: Vec<String> =
+        near.iter().filter(|(_, d)| d.is_finite()).map(|(name, d)| format!("{name} {d:.2} mm")).collect();
+    if near.is_empty() { String::new() } else { format!("least distance to the part: {}\n", near.join(", ")) }
 }
 
 /// Table of plans under their names, section by section.

@@ -108,6 +108,7 @@ fn overrun_fault(overrun: &AxisOverrun) -> Fault {
 /// The JSON object of a plunge program.
 fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
     let mut map = report::plan_object(part, report.verdict.channels, &PlanFigures::of_program(report), &[]);
+    map.extend(report::assembly_keys(&report.verdict.assembly));
     map.insert("kind".into(), json!("plunge"));
     map.insert("cut_share".into(), report::number(1.0 - report.summary.uncut_share));
     map.insert("deepest_cut".into(), report::number(report.verdict.deepest_plunge));
@@ -133,6 +134,7 @@ fn plunge_text(report: &PlungeReport) -> String {
         100.0 * (1.0 - report.summary.uncut_share),
         report.verdict.deepest_plunge
     );
+    text += &report::assembly_text(&report.verdict.assembly);
     text += &report::notes_text(&report.notes);
     text
 }

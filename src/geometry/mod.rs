@@ -4,12 +4,14 @@ pub mod cells;
 pub mod cubic;
 pub mod cutter;
 pub mod envelope;
+mod frustum;
 pub mod meridian;
 pub mod search;
 
 pub use cells::ProximityGrid;
 pub use cubic::Cubic;
 pub use cutter::CutterSolid;
+pub use frustum::Frustum;
 pub use meridian::MeridionalCurve;
 
 /// A point in the part frame: rotation axis Z, mm.

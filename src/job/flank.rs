@@ -136,6 +136,7 @@ fn fault_reason(kind: FaultKind) -> Option<&'static str> {
     Some(match kind {
         FaultKind::HubAllowance => "the cutter would come too near to the hub",
         FaultKind::BladeAllowance => "the cutter would come too near to a blade",
+        FaultKind::ShankCollision => "the shank would come too near to the part",
         FaultKind::HolderCollision => "the holder would meet a blade or the hub",
         FaultKind::HolderInStock => "the holder would meet uncut stock",
         FaultKind::RapidClearance | FaultKind::RapidInStock | FaultKind::ToolInBlank => {

@@ -59,6 +59,7 @@ impl ClTool {
             overhang: self.overhang.or(known.map(|t| t.overhang)).unwrap_or(4.0 * self.diameter),
             plunge_feed: self.feed_mm_per_min.or(known.map(|t| t.plunge_feed)).unwrap_or(300.0),
             spindle: self.spindle_rpm.or(known.map(|t| t.spindle)).unwrap_or(1200.0),
+            assembly: known.map(|t| t.assembly.clone()).unwrap_or_default(),
         }
     }
 }

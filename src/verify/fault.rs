@@ -25,7 +25,11 @@ pub enum FaultKind {
     RapidInStock,
     /// In a rapid the tool above its bottom runs into the blank; value: how far above the bottom, mm.
     ToolInBlank,
-    /// The holder collides with a blade, its allowance, or the hub.
+    /// The shank comes too near to the finished part, or runs into stock; value: the clearance that is missing,
+    /// mm.
+    ShankCollision,
+    /// The holder comes too near to the finished part, or runs into stock; value: the clearance that is missing,
+    /// mm. An assumed holder collides with a blade, its allowance, or the hub; no value.
     HolderCollision,
     /// The holder collides with remaining stock; value: the stock it meets, mm³.
     HolderInStock,
@@ -59,6 +63,7 @@ impl FaultKind {
             Self::RapidClearance => "rapids too near to the blank",
             Self::RapidInStock => "rapids through stock",
             Self::ToolInBlank => "rapids with the tool in the blank",
+            Self::ShankCollision => "moves with the shank in the part",
             Self::HolderCollision => "moves with the holder in the part",
             Self::HolderInStock => "moves with the holder in stock",
             Self::AxisTilt => "axes beyond the machine's tilt",

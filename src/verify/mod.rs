@@ -2,6 +2,7 @@
 //!
 //! The checks are independent of the planner: they use only the tool positions of the program.
 
+mod assembly;
 mod channels;
 mod fault;
 mod flank;
@@ -13,6 +14,8 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
+pub use assembly::AssemblyDistances;
+use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, count_by_kind};
 use fault::{
@@ -25,6 +28,7 @@ pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
 
+use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn, core_contact};
 use crate::cutting::link::LinkMove;
@@ -54,6 +58,8 @@ pub struct PlungeVerdict {
     pub channels: usize,
     /// Deepest plunge: from its bottom to the top of the blank above it, mm.
     pub deepest_plunge: f64,
+    /// Least distances of shank and holder to the finished part.
+    pub assembly: AssemblyDistances,
     /// All faults, by line.
     pub faults: Vec<Fault>,
 }
@@ -70,6 +76,7 @@ struct Measured {
     /// removes, mm; the latter only where it may exceed the overhang of the tool.
     top: f64,
     engaged: f64,
+    holder_in_stock: Option<Fault>,
     rapids: Vec<Fault>,
 }
 
@@ -136,6 +143,8 @@ pub fn verify(
                 in_blank: bottom_in_blank(&cut.cutter, &blank),
                 top: whole.top,
                 engaged: if deep { core_contact(&whole, earlier, &blank).depth } else { 0.0 },
+                holder_in_stock: holder_in_stock(cut, k, &columns, &top, &blank)
+                    .map(|finding| finding.at(cut.line)),
                 rapids,
             }
         })
@@ -170,6 +179,7 @@ pub fn verify(
             (seen.engaged > cut.tool.overhang + TOOL_TOLERANCE).then(|| too_deep(seen.engaged, &cut.tool)),
         ];
         faults.extend(found.into_iter().flatten().map(|finding| finding.at(cut.line)));
+        faults.extend(seen.holder_in_stock.clone());
         faults.extend_from_slice(&seen.rapids);
         plan.positions.push(Position {
             tip: here.tip,
@@ -202,10 +212,13 @@ pub fn verify(
         let first = cuts.iter().find(|cut| cut.tool_index == index);
         faults.extend(first.and_then(|cut| tool_mismatch(cut.line, &cut.tool, setup)));
     }
+    let around = AssemblySurroundings::new(&finished, setup);
+    let (assembly, found) = judge_moves(program, setup, &around);
+    faults.extend(found);
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
     let channels = turns.iter().collect::<BTreeSet<_>>().len();
-    Ok(PlungeVerdict { plan, channel_offsets: turns, channels, deepest_plunge, faults })
+    Ok(PlungeVerdict { plan, channel_offsets: turns, channels, deepest_plunge, assembly, faults })
 }
 
 /// Whether the bottom of a cutter is in the blank: its centre, or a sample of its rim.

@@ -322,6 +322,7 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
         overhang: 95.0,
         plunge_feed: 300.0,
         spindle: 3000.0,
+        assembly: Default::default(),
     };
     let radius = cutter.radius();
     let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
@@ -354,6 +355,7 @@ fn links_of_a_ball_cutter_keep_the_whole_tool_out_of_the_blank() {
         overhang: 80.0,
         plunge_feed: 300.0,
         spindle: 3000.0,
+        assembly: Default::default(),
     };
     let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
     setup.plunge.sections =

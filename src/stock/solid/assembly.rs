@@ -27,7 +27,7 @@ pub struct Segment {
 
 /// A tool: a cutter with flat, rounded, ball-shaped or tapered end, and the stack above it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ToolAssembly {
+pub struct SolidTool {
     /// Number of the tool, for messages.
     pub number: u32,
     /// Radius of the cutter where its corner ends, mm; of a ball its radius.
@@ -44,7 +44,7 @@ pub struct ToolAssembly {
     pub segments: Vec<Segment>,
 }
 
-impl ToolAssembly {
+impl SolidTool {
     /// The assembly of a tool as setups describe it: it cuts over its overhang; above begins a holder of
     /// [`Tool::holder_diameter`].
     pub fn of(tool: &Tool) -> Self {

@@ -21,7 +21,7 @@ pub mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use assembly::{Segment, ToolAssembly};
+pub use assembly::{Segment, SolidTool};
 pub use carve::Contact;
 pub use lattice::{Lattice, SolidError};
 pub use mesh_blank::{MeshBlank, MeshFault};
@@ -137,7 +137,7 @@ impl SolidStock {
     /// When cancelled, which leaves a part of the moves made, or when the stock falls into too many pieces.
     pub fn make_moves(
         &mut self,
-        tools: &[ToolAssembly],
+        tools: &[SolidTool],
         moves: &[SolidMove],
         monitor: &Monitor,
     ) -> Result<Vec<Contact>, SolidError> {

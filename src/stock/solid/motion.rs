@@ -1,6 +1,6 @@
 //! Moves of a tool as pieces that each travel on a straight line without turning.
 
-use super::assembly::{OVERLAP, ToolAssembly};
+use super::assembly::{OVERLAP, SolidTool};
 use super::outline::Outline;
 use super::part::{Action, ToolPart};
 use super::piece::Piece;
@@ -67,7 +67,7 @@ impl SolidMove {
 /// Divides moves into pieces whose distance from the true sweep stays below a tolerance.
 pub struct PieceMaker<'a> {
     /// The tools.
-    pub tools: &'a [ToolAssembly],
+    pub tools: &'a [SolidTool],
     /// Largest distance of the swept pieces from the true sweep, mm.
     pub tolerance: f64,
     /// Lower and upper corner of the box that holds the stock, mm.
@@ -154,7 +154,7 @@ impl PieceMaker<'_> {
 
     /// A slice that moves across its axis or turns: steps in which every point of the slice is within the
     /// tolerance of one that does not turn.
-    fn across(&self, step: &SolidMove, tool: &ToolAssembly, slice: &Slice, into: &mut Vec<Piece>) {
+    fn across(&self, step: &SolidMove, tool: &SolidTool, slice: &Slice, into: &mut Vec<Piece>) {
         let turn = step.turn();
         let outline = slice.outline;
         if turn < STRAIGHT_RAD {

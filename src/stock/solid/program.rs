@@ -1,6 +1,6 @@
 //! A program as moves of tool assemblies.
 
-use super::assembly::ToolAssembly;
+use super::assembly::SolidTool;
 use super::motion::{SolidMove, ToolPose};
 use crate::setup::Setup;
 use crate::toolpath::{ClProgram, Motion};
@@ -19,7 +19,7 @@ pub struct ProgramFault {
 #[derive(Clone, Debug)]
 pub struct SolidProgram {
     /// The tools, as the moves refer to them.
-    pub tools: Vec<ToolAssembly>,
+    pub tools: Vec<SolidTool>,
     /// Moves with a tool, in order; `number` is that of the move in the program.
     pub moves: Vec<SolidMove>,
     /// Number of moves of the program, those without a tool included.
@@ -60,7 +60,7 @@ impl SolidProgram {
             let rapid = step.motion == Motion::Rapid;
             moves.push(SolidMove { number: number as u32, tool, rapid, from, to });
         }
-        Ok(Self { tools: tools.iter().map(ToolAssembly::of).collect(), moves, count: program.moves.len() })
+        Ok(Self { tools: tools.iter().map(SolidTool::of).collect(), moves, count: program.moves.len() })
     }
 
     /// The moves before move `count` of the program.

@@ -25,6 +25,7 @@ fn tool(diameter: f64, corner_radius: f64) -> Tool {
         overhang: 80.0,
         plunge_feed: 300.0,
         spindle: 1000.0,
+        assembly: Default::default(),
     }
 }
 
@@ -42,13 +43,13 @@ fn plunge(number: u32, to: ToolPose) -> SolidMove {
 }
 
 fn cut(blank: &SolidBlank, spacing: f64, tool: &Tool, moves: &[SolidMove]) -> (SolidStock, Vec<Contact>) {
-    cut_with(blank, spacing, &[ToolAssembly::of(tool)], moves)
+    cut_with(blank, spacing, &[SolidTool::of(tool)], moves)
 }
 
 fn cut_with(
     blank: &SolidBlank,
     spacing: f64,
-    tools: &[ToolAssembly],
+    tools: &[SolidTool],
     moves: &[SolidMove],
 ) -> (SolidStock, Vec<Contact>) {
     let mut stock = SolidStock::new(blank, spacing).expect("it fits");
@@ -235,8 +236,8 @@ fn a_core_is_found_as_deep_as_it_is_in_stock() {
     assert_eq!(contacts.len(), 1, "{contacts:?}");
     assert_eq!((contacts[0].number, contacts[0].part), (3, ToolPart::Core));
     assert!((contacts[0].depth - 18.0).abs() < 1e-6, "{contacts:?}");
-    let wide = ToolAssembly::of(&tool(30.0, 0.0));
-    let tools = [wide, ToolAssembly::of(&cutter)];
+    let wide = SolidTool::of(&tool(30.0, 0.0));
+    let tools = [wide, SolidTool::of(&cutter)];
     let second = SolidMove { tool: 1, ..plunge(4, first.to) };
     let (_, contacts) = cut_with(&disc(), spacing, &tools, &[first, second]);
     assert!(contacts.is_empty(), "{contacts:?}");
@@ -244,7 +245,7 @@ fn a_core_is_found_as_deep_as_it_is_in_stock() {
     let (_, contacts) = cut_with(&disc(), spacing, &tools, &[first, deeper]);
     assert!((contacts[0].depth - 3.0).abs() < 1e-6, "{contacts:?}");
     // Rounding leaves nothing between the corner and the flank of an inclined cutter.
-    let round = [ToolAssembly::of(&tool(30.0, 0.8)), ToolAssembly::of(&cutter)];
+    let round = [SolidTool::of(&tool(30.0, 0.8)), SolidTool::of(&cutter)];
     for i in 0..40 {
         let axis = [0.01 * f64::from(i), 0.3 - 0.013 * f64::from(i), 1.0];
         let first = plunge(3, pose([1.0, 2.0, 12.0], axis));
@@ -282,16 +283,15 @@ fn rapids_and_holders_in_stock_are_found() {
 fn shanks_and_tapers_are_cones() {
     // A cone of half angle 20° plunged to 10 mm below the top, with a tip of 1 mm radius.
     let taper = 20f64.to_radians();
-    let cutter = ToolAssembly { taper_rad: taper, cutting_length: 40.0, ..ToolAssembly::of(&tool(2.0, 0.0)) };
+    let cutter = SolidTool { taper_rad: taper, cutting_length: 40.0, ..SolidTool::of(&tool(2.0, 0.0)) };
     let top = 1.0 + 10.0 * taper.tan();
     let step = feed(0, pose([0.0, 0.0, 40.0], [0.0, 0.0, 1.0]), pose([0.0, 0.0, 20.0], [0.0, 0.0, 1.0]));
-    let bare = [ToolAssembly { segments: Vec::new(), ..cutter }];
+    let bare = [SolidTool { segments: Vec::new(), ..cutter }];
     let surface = StockSurface::of(&cut_with(&disc(), 0.2, &bare, &[step]).0);
     assert_near("cone", disc().volume() - surface.volume(), PI / 3.0 * 10.0 * (1.0 + top + top * top), 2e-3);
     // A shank wider than its cutter rubs where the cutter left too little room.
     let segment = Segment { part: ToolPart::Shank, from: 5.0, length: 50.0, lower: 6.0, upper: 8.0 };
-    let thin =
-        ToolAssembly { cutting_length: 5.0, segments: vec![segment], ..ToolAssembly::of(&tool(8.0, 0.0)) };
+    let thin = SolidTool { cutting_length: 5.0, segments: vec![segment], ..SolidTool::of(&tool(8.0, 0.0)) };
     let (_, contacts) =
         cut_with(&disc(), 0.5, &[thin], &[plunge(0, pose([0.0, 0.0, 20.0], [0.0, 0.0, 1.0]))]);
     assert_eq!(contacts.iter().map(|c| c.part).collect::<Vec<_>>(), [ToolPart::Shank]);
@@ -340,7 +340,7 @@ fn a_cancelled_run_ends() {
     let monitor = Monitor::default();
     monitor.cancel();
     let mut stock = SolidStock::new(&disc(), 1.0).expect("it fits");
-    let tools = [ToolAssembly::of(&tool(10.0, 0.0))];
+    let tools = [SolidTool::of(&tool(10.0, 0.0))];
     let result = stock.make_moves(&tools, &many_plunges(3), &monitor);
     assert_eq!(result, Err(SolidError::Cancelled(crate::monitor::Cancelled)));
 }
