@@ -141,6 +141,9 @@ impl NumberRange {
     }
 }
 
+/// A dotted key with its values.
+pub(crate) type DottedScalars = (String, Vec<Located<Scalar>>);
+
 /// A value and its byte offset.
 #[derive(Clone, Copy)]
 pub struct Located<T> {
@@ -444,7 +447,7 @@ impl<'t> TomlTable<'t> {
     ///
     /// # Errors
     /// As [`Self::scalars`].
-    pub fn dotted_scalars(&self) -> Result<Vec<(String, Vec<Located<Scalar>>)>, InputError> {
+    pub fn dotted_scalars(&self) -> Result<Vec<DottedScalars>, InputError> {
         let mut keys: Vec<_> = self.table.iter().collect();
         keys.sort_by_key(|(key, _)| key.span().start);
         let mut found = Vec::new();
