@@ -115,16 +115,10 @@ impl Blank {
 
     /// As [`Self::clearance`], with the nearest point of the top.
     pub fn nearest_top(&self, point: Meridional, warm: &mut Option<f64>) -> (f64, Meridional) {
-        let on_segment = |(a, b): (Meridional, Meridional)| {
-            let (dr, dz) = (b.r - a.r, b.z - a.z);
-            let share = ((point.r - a.r) * dr + (point.z - a.z) * dz) / (dr * dr + dz * dz);
-            let foot = a.lerp(b, share.clamp(0.0, 1.0));
-            (point.distance(foot), foot)
-        };
         let (t, shroud) = self.on_shroud(point, *warm);
         *warm = Some(t);
         let mut nearest = (shroud.abs(), self.shroud.point(t));
-        for end in self.ends.map(on_segment) {
+        for end in self.ends.map(|(a, b)| point.nearest_on_segment(a, b)) {
             if end.0 < nearest.0 {
                 nearest = end;
             }

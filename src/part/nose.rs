@@ -41,14 +41,8 @@ impl HubNose {
         if dr * dr + dz * dz >= limit * limit {
             return None;
         }
-        let feet = self.outline.windows(2).map(|pair| {
-            let (a, b) = (pair[0], pair[1]);
-            let (dr, dz) = (b.r - a.r, b.z - a.z);
-            let length = dr * dr + dz * dz;
-            let share = ((point.r - a.r) * dr + (point.z - a.z) * dz) / length.max(f64::MIN_POSITIVE);
-            a.lerp(b, share.clamp(0.0, 1.0))
-        });
-        let nearest = feet.map(|foot| (point.distance(foot), foot)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let feet = self.outline.windows(2).map(|pair| point.nearest_on_segment(pair[0], pair[1]));
+        let nearest = feet.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let is_inside = self.contains(point);
         (is_inside || nearest.0 < limit).then_some(if is_inside { (-nearest.0, nearest.1) } else { nearest })
     }

@@ -176,29 +176,25 @@ pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> O
 
 /// The fault of cuts without a feed rate, at `lines`.
 pub(super) fn missing_feed(lines: &[usize]) -> Option<Fault> {
-    let first = *lines.first()?;
-    let count = lines.len();
-    let what = match count {
-        1 => "cuts without a feed rate; give FEDRAT before it".to_owned(),
-        _ => format!("cuts without a feed rate, as {} others do; give FEDRAT before them", count - 1),
-    };
-    Some(Finding::new(FaultKind::NoFeed, count as f64, what).at(first))
+    cuts_in_error(FaultKind::NoFeed, lines, "without a feed rate", "give FEDRAT")
 }
 
 /// The fault of cuts with a stopped spindle, by the lines of all cuts and those of the moves under feed while it
 /// is stopped (ascending).
 pub(super) fn stopped_spindle(cuts: impl Iterator<Item = usize>, stopped: &[usize]) -> Option<Fault> {
     let lines: Vec<usize> = cuts.filter(|line| stopped.binary_search(line).is_ok()).collect();
-    let what = match lines.len() {
-        1 => "cuts with the spindle stopped; give SPINDL with a speed before it".to_owned(),
-        count => {
-            let others = count.saturating_sub(1);
-            format!(
-                "cuts with the spindle stopped, as {others} others do; give SPINDL with a speed before them"
-            )
-        }
+    cuts_in_error(FaultKind::SpindleStopped, &lines, "with the spindle stopped", "give SPINDL with a speed")
+}
+
+/// One fault for all cuts in `lines`, which the program makes in a `state` that `remedy` would have ended.
+fn cuts_in_error(kind: FaultKind, lines: &[usize], state: &str, remedy: &str) -> Option<Fault> {
+    let first = *lines.first()?;
+    let count = lines.len();
+    let what = match count {
+        1 => format!("cuts {state}; {remedy} before it"),
+        _ => format!("cuts {state}, as {} others do; {remedy} before them", count - 1),
     };
-    lines.first().map(|&first| Finding::new(FaultKind::SpindleStopped, lines.len() as f64, what).at(first))
+    Some(Finding::new(kind, count as f64, what).at(first))
 }
 
 /// The fault of a tool of the program, first used in `line`, that differs from the setup's tool of the same

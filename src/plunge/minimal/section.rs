@@ -150,10 +150,16 @@ impl Planner<'_> {
                 if best.has_lost {
                     let search =
                         PathSearch { is_strict: true, candidates: search.candidates.clone(), ..search };
-                    let path = search.path(&places, start, &cut.columns)?;
-                    let strict = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
-                    if strict.cost < best.cost {
-                        best = strict;
+                    // A stop during this search leaves the row as it was cut first.
+                    match search.path(&places, start, &cut.columns) {
+                        Ok(path) => {
+                            let strict = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
+                            if strict.cost < best.cost {
+                                best = strict;
+                            }
+                        }
+                        Err(_) if monitor.is_stopped() => {}
+                        Err(cancelled) => return Err(cancelled.into()),
                     }
                 }
                 *cost += best.cost;
