@@ -349,6 +349,17 @@ pub fn convergence_text(plan: &PlungePlan) -> String {
     )
 }
 
+/// The least overhang with which the positions of a section that were dropped for `why` could be cut; empty
+/// where a longer overhang frees none.
+fn stick_out_text(plan: &PlungePlan, section: usize, why: DropReason) -> String {
+    let ours = || plan.dropped.iter().filter(|d| (d.section, d.why) == (section, why));
+    let Some(most) = ours().filter_map(|d| d.stick_out).reduce(f64::max) else { return String::new() };
+    match ours().filter(|d| d.stick_out.is_none()).count() {
+        0 => format!("; an overhang of {most} mm would do"),
+        never => format!("; an overhang of {most} mm would do, except for {never} that none frees"),
+    }
+}
+
 /// Text that lists the blocked positions of each section and counts those left out.
 pub fn blocked_text(plan: &PlungePlan) -> String {
     let mut text = String::new();
@@ -371,9 +382,10 @@ pub fn blocked_text(plan: &PlungePlan) -> String {
             let left_out = plan.dropped.iter().filter(|d| (d.section, d.why) == (index, why)).count();
             if left_out > 0 {
                 text += &format!(
-                    "left out with tool {}: {left_out} positions {}\n",
+                    "left out with tool {}: {left_out} positions {}{}\n",
                     section.tool.number,
-                    why.words()
+                    why.words(),
+                    stick_out_text(plan, index, why)
                 );
             }
         }

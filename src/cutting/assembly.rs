@@ -180,6 +180,9 @@ impl<'a> AssemblySurroundings<'a> {
     /// The least overhang, in whole mm, with which the holder of `tool` is clear at a pose; `None` where the
     /// shank is in the way, too, or no overhang within reason suffices.
     pub fn stick_out(&self, tool: &Tool, pose: (Point, Vector)) -> Option<f64> {
+        if tool.assembly.holder.is_empty() {
+            return None;
+        }
         let mut overhang = tool.overhang;
         while overhang <= tool.overhang + MAX_EXTENSION {
             let clearance = self.at(tool, &tool.assembly.segments(overhang), pose, 0.0);

@@ -292,6 +292,18 @@ fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
             "no tool reaches down to the hub: each is shorter below its holder than its plunges are deep",
             "give more overhang",
         ),
+        Some(DropReason::Shank) => SetupFault::new(
+            "the shank of every plunge would come too near to part or blank",
+            "give a thinner shank, or a smaller [clearance] shank",
+        ),
+        Some(DropReason::Holder) => {
+            let least = plan.dropped.iter().filter_map(|d| d.stick_out).reduce(f64::max);
+            let cure = match least {
+                Some(overhang) => format!("give an overhang of {overhang} mm, or a thinner holder"),
+                None => "give a thinner holder, or allow more tilt".to_owned(),
+            };
+            SetupFault::new("the holder of every plunge would come too near to part or blank", cure)
+        }
         _ => {
             let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
             SetupFault::new(
