@@ -94,10 +94,10 @@ mod tests {
         rows.iter().for_each(|row| write_record(&mut text, row.iter().copied()));
         let back: Vec<Vec<String>> = records(&text).unwrap().into_iter().map(|(_, row)| row).collect();
         assert_eq!(back, rows);
-        assert_eq!(records("a,b\r\n\r\n1,2").unwrap(), [
-            (1, vec!["a".to_owned(), "b".to_owned()]),
-            (3, vec!["1".to_owned(), "2".to_owned()])
-        ]);
+        assert_eq!(
+            records("a,b\r\n\r\n1,2").unwrap(),
+            [(1, vec!["a".to_owned(), "b".to_owned()]), (3, vec!["1".to_owned(), "2".to_owned()])]
+        );
         assert_eq!(records("a\n\"b\nc").unwrap_err().0, 2);
         assert_eq!(records("\"b\"c").unwrap_err().0, 1);
     }

@@ -66,11 +66,7 @@ pub(super) fn evaluate(
     Ok(result)
 }
 
-fn plan(
-    part: Arc<crate::part::Impeller>,
-    setup: Setup,
-    monitor: &Monitor,
-) -> Result<PlanOutcome, JobError> {
+fn plan(part: Arc<crate::part::Impeller>, setup: Setup, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
     let policy = setup.plunge.axis;
     job::run(&PlanRequest { part, setup, policy, compare: false, field_cells: FIELD_CELLS }, monitor)
 }

@@ -154,7 +154,8 @@ fn base_setup(
 
 /// All axes, with that of the parts first unless it has its own place.
 fn axes(document: &TomlDocument<'_>, root: &TomlTable<'_>) -> Result<Vec<Axis>, InputError> {
-    let one = root.string("part")?.map(|part| Located { value: Scalar::Text(part.value.to_owned()), at: part.at });
+    let one =
+        root.string("part")?.map(|part| Located { value: Scalar::Text(part.value.to_owned()), at: part.at });
     let many = root.strings("parts")?.map(|parts| {
         parts.into_iter().map(|part| Located { value: Scalar::Text(part.value.to_owned()), at: part.at })
     });
@@ -269,4 +270,3 @@ fn exclude(table: &TomlTable<'_>, axes: &[Axis]) -> Result<Vec<(usize, Vec<usize
     }
     Ok(matched)
 }
-

@@ -93,12 +93,14 @@ impl Table {
             })?);
         }
         let (part, status) = (self.column("part"), self.column("status"));
-        let field = |row: usize, place: Option<usize>| place.map_or("", |place| self.rows[row][place].as_str());
+        let field =
+            |row: usize, place: Option<usize>| place.map_or("", |place| self.rows[row][place].as_str());
         let mut by_part: BTreeMap<usize, Vec<(Vec<f64>, usize)>> = BTreeMap::new();
         let mut first_of: BTreeMap<&str, usize> = BTreeMap::new();
         let mut compared = 0;
         for row in 0..self.rows.len() {
-            let number = |place: &usize| field(row, Some(*place)).parse().ok().filter(|x: &f64| x.is_finite());
+            let number =
+                |place: &usize| field(row, Some(*place)).parse().ok().filter(|x: &f64| x.is_finite());
             let numbers: Option<Vec<f64>> = places.iter().map(number).collect();
             let Some(numbers) = numbers.filter(|_| field(row, status) == RunStatus::Done.name()) else {
                 continue;
@@ -158,7 +160,8 @@ mod tests {
 
     /// Every pair of comparable rows.
     fn plain(table: &Table, places: &[usize]) -> Vec<usize> {
-        let usable = |row: &Vec<String>| row[1] == "done" && places.iter().all(|&place| !row[place].is_empty());
+        let usable =
+            |row: &Vec<String>| row[1] == "done" && places.iter().all(|&place| !row[place].is_empty());
         let value = |row: &Vec<String>, place: usize| row[place].parse::<u32>().unwrap();
         let beats = |a: &Vec<String>, b: &Vec<String>| {
             a[0] == b[0]

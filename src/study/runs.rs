@@ -171,7 +171,9 @@ impl RunList {
             }
         }
         for (axis, used) in self.file.axes.iter().zip(&used) {
-            for ((value, line), _) in axis.values.iter().zip(&axis.lines).zip(used).filter(|(_, used)| !**used) {
+            for ((value, line), _) in
+                axis.values.iter().zip(&axis.lines).zip(used).filter(|(_, used)| !**used)
+            {
                 let read = self.file.text_with([(axis, value)].into_iter()).and_then(|text| {
                     read_setup_with_defaults("", text.as_bytes(), &Setup::default())
                         .map_err(|error| format!("{}; {}", error.message, error.help))
@@ -212,9 +214,9 @@ fn choices(file: &StudyFile) -> Vec<Vec<u32>> {
         choice
     };
     let excluded = |choice: &[u32]| {
-        file.excludes.iter().any(|exclude| {
-            exclude.iter().all(|(axis, values)| values.contains(&(choice[*axis] as usize)))
-        })
+        file.excludes
+            .iter()
+            .any(|exclude| exclude.iter().all(|(axis, values)| values.contains(&(choice[*axis] as usize))))
     };
     let kept: Vec<Vec<u32>> = (0..count).map(decode).filter(|choice| !excluded(choice)).collect();
     match file.limit {

@@ -131,7 +131,8 @@ pub fn set_in_setup(setup: &mut toml::Table, key: &str, value: &Scalar) -> Resul
 
 fn no_entry(key: &str, list: &str, number: &str) -> Fault {
     let header = if list == "tool" { "[[tool]]".to_owned() } else { format!("[[…{list}]]") };
-    let what = format!("{}: the base setup has no {list} {}", quote_for_message(key), quote_for_message(number));
+    let what =
+        format!("{}: the base setup has no {list} {}", quote_for_message(key), quote_for_message(number));
     (what, format!("add a {header} to the base setup, or name one that it has"))
 }
 
@@ -170,14 +171,16 @@ mod tests {
         assert_eq!(shown(&[20.0, 31.0, 5.0]).unwrap(), "20 25 30");
         assert_eq!(shown(&[3.0, 1.0, -1.0]).unwrap(), "3 2 1");
         assert_eq!(shown(&[3.0, 3.0, 1.0]).unwrap(), "3");
-        for bad in [&[1.0, 2.0][..], &[1.0, 2.0, 0.0], &[2.0, 1.0, 1.0], &[0.0, 1.0, 1e-6], &[0.0, 0.0, 0.0]] {
+        for bad in [&[1.0, 2.0][..], &[1.0, 2.0, 0.0], &[2.0, 1.0, 1.0], &[0.0, 1.0, 1e-6], &[0.0, 0.0, 0.0]]
+        {
             assert!(shown(bad).is_err(), "{bad:?}");
         }
     }
 
     #[test]
     fn paths_lead_to_tools_by_number_and_to_sections_by_place() {
-        let base = "[[tool]]\nnumber = 7\ndiameter = 30\n[[tool]]\ndiameter = 16\n[[plunge.section]]\ntool = 7\n";
+        let base =
+            "[[tool]]\nnumber = 7\ndiameter = 30\n[[tool]]\ndiameter = 16\n[[plunge.section]]\ntool = 7\n";
         let set = |key: &str| {
             let mut tree: toml::Table = base.parse().unwrap();
             set_in_setup(&mut tree, key, &Scalar::Number(1.5)).map(|()| tree)

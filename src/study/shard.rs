@@ -88,7 +88,8 @@ impl Shard {
             })
         };
         let index = whole(scheduler.index, &given)?;
-        let (name, value) = match (count, scheduler.counts.iter().find_map(|name| Some((*name, set(name)?)))) {
+        let (name, value) = match (count, scheduler.counts.iter().find_map(|name| Some((*name, set(name)?))))
+        {
             (Some(count), _) => ("N", count),
             (None, Some((name, value))) => (name, whole(name, &value)?),
             (None, None) => {
@@ -105,7 +106,9 @@ impl Shard {
             "Slurm" if count.is_none() => slurm_place(index, value, &set, &whole)?,
             // A job of Kubernetes counts from 0 to N − 1.
             "Kubernetes" if index >= value => {
-                return Err(format!("JOB_COMPLETION_INDEX is {index}, but {name} is {value}; correct {name}"));
+                return Err(format!(
+                    "JOB_COMPLETION_INDEX is {index}, but {name} is {value}; correct {name}"
+                ));
             }
             // An array begins where its user says. Any N consecutive numbers have all remainders, so that the
             // remainder needs no start, and a job that is submitted again under its number keeps its shard.
@@ -166,7 +169,9 @@ mod tests {
     fn shards_by_hand() {
         assert_eq!(parse("1/1", &[]), Ok((0, 1)));
         assert_eq!(parse("3/20", &[]), Ok((2, 20)));
-        for bad in ["0/3", "4/3", "3", "", "/", "1/", "/3", "1/0", "-1/3", "+1/3", "1/3/5", "a/b", "1/9999999"] {
+        for bad in
+            ["0/3", "4/3", "3", "", "/", "1/", "/3", "1/0", "-1/3", "+1/3", "1/3/5", "a/b", "1/9999999"]
+        {
             let error = parse(bad, &[]).expect_err(bad);
             assert!(error.contains("; give I/N"), "{bad}: {error}");
         }
@@ -210,7 +215,10 @@ mod tests {
         let cases: [(&[(&str, &str)], &str); 9] = [
             (&[], "no scheduler says"),
             (&[("SLURM_ARRAY_TASK_ID", "")], "no scheduler says"),
-            (&[("SLURM_ARRAY_TASK_ID", "x"), ("SLURM_ARRAY_TASK_COUNT", "3")], "SLURM_ARRAY_TASK_ID is \"x\""),
+            (
+                &[("SLURM_ARRAY_TASK_ID", "x"), ("SLURM_ARRAY_TASK_COUNT", "3")],
+                "SLURM_ARRAY_TASK_ID is \"x\"",
+            ),
             (&[("SLURM_ARRAY_TASK_ID", "1")], "set SLURM_ARRAY_TASK_COUNT"),
             (&[("SLURM_ARRAY_TASK_ID", "4"), ("SLURM_ARRAY_TASK_COUNT", "3")], "--array=0-2"),
             (
