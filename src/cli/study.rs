@@ -152,7 +152,7 @@ fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     match merged.missing.first() {
         None => Ok(()),
         Some(first) => Err(Failure::Work(format!(
-            "{} of {} runs have no result, {first} is the first; run the study again, which does what is left",
+            "{} of {} runs have no result, {first} is the first; run the study again to do what is left",
             merged.missing.len(),
             merged.missing.len() + merged.rows
         ))),

@@ -3,8 +3,8 @@
 //! A study file names parts, a base setup and axes of variation ([`StudyFile`]); every combination is a run
 //! ([`RunList`]). A run is named by a hash of its complete input, and its result is one file, written whole
 //! ([`RunResult`]): a study goes on where it was cut off, without locks and without a server. Shards
-//! ([`Shard`]) are done by independent processes ([`execute`]); [`merge`] puts the results into one table, the
-//! same byte for byte whoever computed them, and [`pareto`] picks the plans that no other plan beats.
+//! ([`Shard`]) are done by independent processes ([`execute`]); [`merge`] puts the results into one table,
+//! the same byte for byte whoever computed them, and [`pareto`] picks the plans that no other plan beats.
 
 mod csv;
 mod evaluate;

@@ -76,7 +76,7 @@ impl Table {
         self.columns.iter().position(|column| column == name)
     }
 
-    /// The Pareto set over `figures`, of each of which less is better. Parts are not compared with each other.
+    /// The Pareto set over `figures`, of each of which less is better. Parts are not compared.
     ///
     /// # Errors
     /// When a figure is not a column of figures: what is wrong; what to do.

@@ -1,7 +1,7 @@
 //! The result file of a run, and the list of runs beside them.
 //!
-//! A study's folder holds `study.json`, the names of all runs in order, and `runs/ID.json`, one a run. Lengths
-//! are mm, angles degrees, times seconds.
+//! A study's folder holds `study.json`, the names of all runs in order, and `runs/ID.json`, one a run.
+//! Lengths are mm, angles degrees, times seconds.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -118,8 +118,8 @@ impl Shard {
     }
 }
 
-/// Number of a Slurm task whose remainder by `count` is its shard. An array may begin anywhere and have a step,
-/// but no gaps: with gaps some shards would be done twice and others never.
+/// Number of a Slurm task whose remainder by `count` is its shard. An array may begin anywhere and have a
+/// step, but no gaps: with gaps some shards would be done twice and others never.
 fn slurm_place(
     index: usize,
     count: usize,
