@@ -11,8 +11,8 @@ use crate::monitor::Monitor;
 use crate::part::Impeller;
 use crate::setup::Setup;
 
-use super::coming::{PlanPreview, PreviewSlot};
 use super::planned::DisplayPlan;
+use super::preview::{PlanPreview, PreviewSlot};
 
 /// Source of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]

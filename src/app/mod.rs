@@ -24,7 +24,6 @@
 //! they are done. Without input and background work nothing is drawn.
 
 mod borders;
-pub mod coming;
 pub mod command;
 pub mod cube;
 pub mod dialogs;
@@ -45,6 +44,7 @@ pub mod panels;
 pub mod picture;
 pub mod planned;
 mod point_menu;
+pub mod preview;
 mod project;
 pub mod results;
 mod roles;

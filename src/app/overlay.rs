@@ -6,12 +6,12 @@ use egui::{Align2, Color32, ComboBox, DragValue, FontId, Pos2, Rect, RichText, S
 use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
 
-use super::coming::PreviewCutters;
 use super::command::Command;
 use super::look::{Arrangement, Layers, Look, PlaneOrientation};
 use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
 use super::planned::Side;
+use super::preview::PreviewCutters;
 use super::state::AppState;
 use super::theme::{self, Condition};
 

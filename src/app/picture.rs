@@ -22,8 +22,8 @@ use crate::part::Impeller;
 use crate::setup::AxisPolicy;
 use crate::stock::FloorGrid;
 
-use super::coming::PreviewCutters;
 use super::planned::{DisplayPlan, Side};
+use super::preview::PreviewCutters;
 use super::view3d::ViewHit;
 
 /// Values on the floor of the current channel.

@@ -7,8 +7,8 @@ use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
 use crate::setup::Setup;
 
-use super::coming::PlanPreview;
 use super::planned::DisplayPlan;
+use super::preview::PlanPreview;
 
 /// Figures of a plan.
 fn figures_of(summary: &Summary) -> SetFigures {

@@ -9,11 +9,11 @@ use crate::job::flank::FlankOutcome;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::AxisPolicy;
 
-use super::coming::PreviewCutters;
 use super::document::{Document, Edited, OpenPart};
 use super::engine::PartSource;
 use super::look::{Arrangement, Filter, Look, REVEAL, TableColumn};
 use super::planned::{DisplayPlan, Side};
+use super::preview::PreviewCutters;
 use super::results::Results;
 use super::theme::Condition;
 

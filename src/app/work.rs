@@ -15,13 +15,13 @@ use crate::monitor::Monitor;
 use crate::setup::Setup;
 
 use super::App;
-use super::coming::PreviewSlot;
 use super::dialogs::Purpose;
 use super::document::{Edited, OpenPart};
 use super::engine::{Engine, PartSource, PlanTask};
 use super::files::{self, WriteTask, Written};
 use super::picture::PartMeshes;
 use super::planned::DisplayPlan;
+use super::preview::PreviewSlot;
 use super::project::{Pending, edited_of, source_of};
 use super::roles::{UnassignedRoles, hint_for_dialog};
 use super::state::Problem;

@@ -140,8 +140,8 @@ impl<'a> WallPair<'a> {
     /// search: the distance to the nearer wall decreases towards either of them.
     fn section_width(&self, s: f64, [low, high]: [f64; 2]) -> f64 {
         let hub = self.part.hub.point(s);
-        let room = |share: f64| -self.wall_distance(&hub.at_angle(low + share * (high - low)));
-        -2.0 * search::minimum(room, 0.0, 1.0, 1e-6).1
+        let clearance = |share: f64| -self.wall_distance(&hub.at_angle(low + share * (high - low)));
+        -2.0 * search::minimum(clearance, 0.0, 1.0, 1e-6).1
     }
 
     /// `axis` with its ends clamped between the walls, given the angles of the walls at the foot.

@@ -12,7 +12,7 @@ pub mod cutter;
 pub mod passage;
 pub mod reach;
 pub mod shape;
-mod stand;
+mod tool_placement;
 
 use crate::part::{Blade, BladeWall, Channel, Impeller, WallEnvelope};
 use passage::{PassageKind, PassageMeasure};

@@ -18,7 +18,7 @@
 
 use rayon::prelude::*;
 
-use super::stand::ReachObstacles;
+use super::tool_placement::ReachObstacles;
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::{Channel, Impeller, Passage};
 use crate::setup::Tool;

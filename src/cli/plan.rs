@@ -17,7 +17,7 @@ use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::Monitor;
 use crate::part::{Blank, Channel, Impeller};
-use crate::plunge::whole::plan_channels;
+use crate::plunge::channels::plan_channels;
 use crate::setup::AxisPolicy;
 use crate::toolpath::ClProgram;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};

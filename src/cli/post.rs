@@ -17,7 +17,7 @@ use crate::machine::{
 };
 use crate::monitor::Monitor;
 use crate::part::{Blank, Impeller};
-use crate::plunge::whole::plan_channels;
+use crate::plunge::channels::plan_channels;
 use crate::setup::{Setup, Tool, tool_of};
 use crate::toolpath::ClProgram;
 

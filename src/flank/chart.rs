@@ -4,8 +4,8 @@
 //! is interpolated linearly over two triangles. A node keeps the minimum over all triangles that hold it, so
 //! the field is right behind focal points as well, where rays cross.
 
-use super::border::{LayerWall, LayerWalls, y_at};
 use super::layer::{LayerPoint, LayerSurface};
+use super::layer_walls::{LayerWall, LayerWalls, y_at};
 
 /// A wall of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

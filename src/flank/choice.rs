@@ -1,5 +1,5 @@
 //! The choice of the tool of a flank plan: the one that the setup names, otherwise the thickest that leaves
-//! room for passes side by side, or a thicker one where that is too short.
+//! enough space for passes side by side, or a thicker one where that is too short.
 
 use crate::part::{Channel, Impeller, Passage, PassageWidth};
 use crate::setup::{Setup, SetupFault, SetupPlace, Tool, tool_of};
@@ -46,15 +46,15 @@ pub fn choose_tool(
     let tools = if setup.tools.is_empty() { library } else { &setup.tools };
     let [width, widest] = widths(part, channel);
     let depth = deepest(part);
-    let room = |t: &Tool| width - 2.0 * (t.radius() + setup.allowances.blade_allowance);
-    let easy = |t: &Tool| t.diameter <= MAX_DIAMETER_SHARE * width && room(t) >= 0.0;
+    let free_width = |t: &Tool| width - 2.0 * (t.radius() + setup.allowances.blade_allowance);
+    let easy = |t: &Tool| t.diameter <= MAX_DIAMETER_SHARE * width && free_width(t) >= 0.0;
     let thickest =
         |fits: &dyn Fn(&&Tool) -> bool| tools.iter().filter(fits).map(|t| t.diameter).max_by(f64::total_cmp);
     let least = tools.iter().map(|t| t.diameter).fold(f64::INFINITY, f64::min);
     // Where not even the thinnest tool passes the narrowest width it still cuts the wider part.
     let reaches = widest > least + 2.0 * setup.allowances.blade_allowance;
     let diameter = thickest(&|t| easy(t))
-        .or_else(|| thickest(&|t| room(t) >= 0.0))
+        .or_else(|| thickest(&|t| free_width(t) >= 0.0))
         .or(Some(least).filter(|_| reaches && least.is_finite()));
     let Some(diameter) = diameter else {
         return Err(no_room([width, widest], least, setup.allowances.blade_allowance));
@@ -67,7 +67,9 @@ pub fn choose_tool(
     let longer = tools
         .iter()
         .filter(|t| {
-            t.diameter > diameter && t.diameter <= MAX_DIAMETER_SHARE_FOR_LENGTH * width && room(t) >= 0.0
+            t.diameter > diameter
+                && t.diameter <= MAX_DIAMETER_SHARE_FOR_LENGTH * width
+                && free_width(t) >= 0.0
         })
         .filter(|t| t.overhang.min(wanted) > reach)
         .max_by(|a, b| {
@@ -83,7 +85,7 @@ pub fn choose_tool(
         tool if longer.is_some() && tool.overhang >= wanted => "thinnest cutter long enough for",
         _ if longer.is_some() => "longest cutter for",
         tool if easy(tool) => "thickest cutter within half of",
-        tool if room(tool) >= 0.0 => "thickest cutter that fits",
+        tool if free_width(tool) >= 0.0 => "thickest cutter that fits",
         _ => "thinnest cutter, too thick for",
     };
     let reason = format!(

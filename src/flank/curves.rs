@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::border::LayerWalls;
 use super::chart::LayerChart;
-use super::interval::stepover;
 use super::layer::{LayerPoint, LayerSurface};
-use super::schemes::{self, PassCurve, PassRole};
+use super::layer_walls::LayerWalls;
+use super::stepover::stepover;
+use super::strategies::{self, PassCurve, PassRole};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
 use crate::setup::{FlankStrategy, Setup, SetupFault, SetupPlace, Tool};
@@ -297,9 +297,9 @@ impl LayoutInputs<'_> {
         let nodes = FreeNodes::of(&chart);
         let mut by_scheme = [
             Vec::new(),
-            schemes::isoparametric_by_region(&layer, &borders, clear, interval, beyond),
-            schemes::regions(&chart, beyond),
-            schemes::balanced(&chart, beyond),
+            strategies::isoparametric_by_region(&layer, &borders, clear, interval, beyond),
+            strategies::regions(&chart, beyond),
+            strategies::balanced(&chart, beyond),
         ];
         let walls: f64 = by_scheme[FlankStrategy::Balanced as usize]
             .iter()
@@ -334,7 +334,7 @@ impl LayoutInputs<'_> {
         // As published: offsets start from the walls where they cross the layer itself.
         let Some(borders) = self.borders(&layer, 0.0) else { return Ok(None) };
         let interval = self.layer_stepover(&layer, &borders)?;
-        let curves = schemes::isoparametric(&layer, &borders, self.clear(), interval, self.beyond());
+        let curves = strategies::isoparametric(&layer, &borders, self.clear(), interval, self.beyond());
         let mut figures = [StrategyFigures::default(); 4];
         let mut area = 0.0;
         figures[0] = if wanted {

@@ -49,7 +49,7 @@ impl CutPasses {
         let (mut far, mut all) = (0, 0);
         for centre in self.corner_path(positions).step_by(stride) {
             all += 1;
-            far += usize::from(!self.paths.iter().any(|way| way.is_within(&centre, self.beside)));
+            far += usize::from(!self.paths.iter().any(|path| path.is_within(&centre, self.beside)));
         }
         2 * far > all
     }

@@ -19,20 +19,20 @@
 //! | [`plan`](mod@plan) | the whole plan, stage by stage |
 //! | `program` | the plan as a cutter-location program |
 
-pub mod border;
 pub mod chart;
-pub mod checked;
 pub mod choice;
 pub mod curves;
 mod engagement;
+pub mod fault_removal;
 pub mod fixed_axis;
-pub mod interval;
 pub mod layer;
+pub mod layer_walls;
 mod passes;
 pub mod path;
 pub mod plan;
 mod program;
-pub mod schemes;
+pub mod stepover;
+pub mod strategies;
 pub mod wall;
 
 pub use curves::{FlankError, FlankLayout, LayoutInputs};

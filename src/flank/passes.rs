@@ -18,7 +18,7 @@ use super::fixed_axis::{AxisObstacle, Contact, FixedAxisLimits, FixedAxisSearch,
 use super::layer::{LayerPoint, LayerSurface};
 use super::path::Pass;
 use super::plan::{MilledWall, RegionAxis};
-use super::schemes::PassRole;
+use super::strategies::PassRole;
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Point, Vector};

@@ -10,7 +10,7 @@
 use super::chart::Region;
 use super::engagement::CutPasses;
 use super::layer::{LayerPoint, LayerSurface};
-use super::schemes::PassRole;
+use super::strategies::PassRole;
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface, bottom_clearance, retract_clear};
 use crate::geometry::{Point, Vector};
@@ -231,8 +231,8 @@ impl ProgramWriter<'_> {
         let in_pass = |k: usize| if reversed { count - 1 - k } else { k };
         let origin = |k: usize| MoveOrigin { layer: index, pass: number, to: in_pass(k), from: None };
         match link {
-            Some((way, _)) => {
-                way.into_iter().for_each(|p| self.push(about(MoveKind::Link, p), origin(0)));
+            Some((poses, _)) => {
+                poses.into_iter().for_each(|p| self.push(about(MoveKind::Link, p), origin(0)));
             }
             None => {
                 self.retract();
@@ -347,7 +347,7 @@ impl ProgramWriter<'_> {
             return vec![((tip + axis * depth, axis), 0)];
         }
         let total = depth / RAMP.tan();
-        let mut way = vec![((positions[0].0 + positions[0].1 * depth, positions[0].1), 0)];
+        let mut poses = vec![((positions[0].0 + positions[0].1 * depth, positions[0].1), 0)];
         let (mut at, mut gone, mut step) = (0usize, 0.0, 1isize);
         while gone < total {
             if at + 1 == along.len() {
@@ -359,11 +359,11 @@ impl ProgramWriter<'_> {
             gone += (along[next] - along[at]).abs();
             at = next;
             let (tip, axis) = positions[at];
-            way.push(((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis), at));
+            poses.push(((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis), at));
         }
         // Back to the start at full depth.
-        way.extend((1..at).rev().map(|k| (positions[k], k)));
-        way
+        poses.extend((1..at).rev().map(|k| (positions[k], k)));
+        poses
     }
 
     /// Retracts along the axis until the bottom of the tool is clear of the blank.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::chart::{LayerChart, Region};
-use super::checked::{CheckedProgram, MoveCheck, MoveFault, remove_faults};
 use super::choice::ChosenTool;
 use super::curves::{FlankError, FlankLayout, LayoutInputs};
+use super::fault_removal::{CheckedProgram, MoveCheck, MoveFault, remove_faults};
 use super::passes::{PassMaker, PlannedLayer, UncutLength};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::wall::{SweptWall, WallAxes, WallFit, WallMilling};

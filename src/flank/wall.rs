@@ -6,7 +6,7 @@
 //! above it.
 
 mod fit;
-mod places;
+mod stations;
 mod strip;
 mod swept;
 
@@ -18,7 +18,7 @@ use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::part::{Passage, SideProbe};
 use crate::setup::Tool;
 use fit::{AxisLine, FittedAxis, OffsetSide};
-use places::{evenly, station_parameters};
+use stations::{evenly, station_parameters};
 use strip::WallStrip;
 pub use swept::DeviationMap;
 use swept::{MapColumn, deviations, push_off};

@@ -8,7 +8,7 @@ use super::setup_file::write_setup;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
 use crate::flank::chart::{Region, WallName};
-use crate::flank::schemes::PassRole;
+use crate::flank::strategies::PassRole;
 use crate::flank::wall::DeviationMap;
 use crate::flank::{FlankMove, FlankPlan, MilledWall, MoveKind};
 use crate::geometry::Point;

@@ -3,8 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::JobError;
-use crate::flank::checked::MoveFault;
 use crate::flank::choice::choose_tool;
+use crate::flank::fault_removal::MoveFault;
 use crate::flank::{FlankError, FlankMove, FlankPlan, FlankStages, plan};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::tool_library::flank_cutters;

@@ -147,9 +147,9 @@ where
         job: impl Fn(&R, &Monitor) -> Result<T, E> + Send + Sync + 'static,
         notify: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        let desk =
+        let queue =
             RequestQueue { waiting: None, running: None, outcome: None, requests: 0, shutting_down: false };
-        let shared = Arc::new(WorkerShared { queue: Mutex::new(desk), wake: Condvar::new() });
+        let shared = Arc::new(WorkerShared { queue: Mutex::new(queue), wake: Condvar::new() });
         let notify: Arc<dyn Fn() + Send + Sync> = Arc::new(notify);
         let thread = {
             let (shared, notify) = (Arc::clone(&shared), Arc::clone(&notify));
@@ -163,16 +163,16 @@ where
 
     /// Submits a request. A waiting or running one is superseded.
     pub fn submit(&self, request: R) -> Ticket {
-        let mut desk = self.shared.lock_queue();
-        desk.requests += 1;
-        let ticket = Ticket::new(desk.requests);
-        if let Some(running) = desk.running.take() {
+        let mut queue = self.shared.lock_queue();
+        queue.requests += 1;
+        let ticket = Ticket::new(queue.requests);
+        if let Some(running) = queue.running.take() {
             running.stop(Status::Superseded);
         }
-        if let Some((_, waiting)) = desk.waiting.replace((request, ticket.clone())) {
+        if let Some((_, waiting)) = queue.waiting.replace((request, ticket.clone())) {
             waiting.stop(Status::Superseded);
         }
-        drop(desk);
+        drop(queue);
         self.shared.wake.notify_one();
         ticket
     }
@@ -180,13 +180,13 @@ where
     /// Cancels the waiting or running request, if any: [`Self::take_outcome`] returns the outcome at once,
     /// and any later result of that request is dropped.
     pub fn cancel(&self) {
-        let mut desk = self.shared.lock_queue();
-        let waiting = desk.waiting.take().map(|(_, ticket)| ticket);
-        let running = desk.running.take();
+        let mut queue = self.shared.lock_queue();
+        let waiting = queue.waiting.take().map(|(_, ticket)| ticket);
+        let running = queue.running.take();
         let Some(ticket) = waiting.or(running) else { return };
         ticket.stop(Status::Cancelled);
-        desk.outcome = Some((ticket, Outcome::Cancelled));
-        drop(desk);
+        queue.outcome = Some((ticket, Outcome::Cancelled));
+        drop(queue);
         (self.notify)();
     }
 
@@ -194,8 +194,8 @@ where
     /// result is complete. A request that waits, or was stopped before, is cancelled.
     pub fn stop(&self) {
         {
-            let desk = self.shared.lock_queue();
-            if let (None, Some(running)) = (&desk.waiting, &desk.running)
+            let queue = self.shared.lock_queue();
+            if let (None, Some(running)) = (&queue.waiting, &queue.running)
                 && !running.is_stopping()
             {
                 running.monitor.stop();
@@ -207,14 +207,14 @@ where
 
     /// Whether a stop of the running job was requested.
     pub fn is_stopping(&self) -> bool {
-        let desk = self.shared.lock_queue();
-        desk.waiting.is_none() && desk.running.as_ref().is_some_and(Ticket::is_stopping)
+        let queue = self.shared.lock_queue();
+        queue.waiting.is_none() && queue.running.as_ref().is_some_and(Ticket::is_stopping)
     }
 
     /// Progress 0…1 of the waiting or running request; `None` when idle.
     pub fn progress(&self) -> Option<f64> {
-        let desk = self.shared.lock_queue();
-        match (&desk.waiting, &desk.running) {
+        let queue = self.shared.lock_queue();
+        match (&queue.waiting, &queue.running) {
             (Some(_), _) => Some(0.0),
             (None, Some(running)) => Some(running.progress()),
             (None, None) => None,
@@ -235,10 +235,10 @@ where
 impl<R, T, E> Drop for Worker<R, T, E> {
     fn drop(&mut self) {
         {
-            let mut desk = self.shared.lock_queue();
-            desk.shutting_down = true;
-            desk.waiting = None;
-            if let Some(running) = desk.running.take() {
+            let mut queue = self.shared.lock_queue();
+            queue.shutting_down = true;
+            queue.waiting = None;
+            if let Some(running) = queue.running.take() {
                 running.stop(Status::Cancelled);
             }
         }
@@ -257,34 +257,34 @@ fn run_requests<R, T, E>(
 ) {
     loop {
         let (request, ticket) = {
-            let mut desk = shared.lock_queue();
+            let mut queue = shared.lock_queue();
             loop {
-                if desk.shutting_down {
+                if queue.shutting_down {
                     return;
                 }
-                if let Some((request, ticket)) = desk.waiting.take() {
+                if let Some((request, ticket)) = queue.waiting.take() {
                     ticket.set(Status::Running);
-                    desk.running = Some(ticket.clone());
+                    queue.running = Some(ticket.clone());
                     break (request, ticket);
                 }
-                desk = shared.wake.wait(desk).unwrap_or_else(PoisonError::into_inner);
+                queue = shared.wake.wait(queue).unwrap_or_else(PoisonError::into_inner);
             }
         };
         let answer = catch_unwind(AssertUnwindSafe(|| job(&request, &ticket.monitor)));
-        let mut desk = shared.lock_queue();
+        let mut queue = shared.lock_queue();
         // Cancelled or superseded meanwhile: the outcome or a newer request is already set.
-        if desk.running.as_ref().is_none_or(|running| running.number != ticket.number) {
+        if queue.running.as_ref().is_none_or(|running| running.number != ticket.number) {
             continue;
         }
-        desk.running = None;
+        queue.running = None;
         let end = match answer {
             Ok(Ok(result)) => Outcome::Done(result),
             Ok(Err(error)) => Outcome::Failed(error),
             Err(panic) => Outcome::Panicked(panic_text(panic.as_ref())),
         };
         ticket.set(if matches!(end, Outcome::Done(_)) { Status::Done } else { Status::Failed });
-        desk.outcome = Some((ticket, end));
-        drop(desk);
+        queue.outcome = Some((ticket, end));
+        drop(queue);
         notify();
     }
 }

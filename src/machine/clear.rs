@@ -55,8 +55,8 @@ impl ClearanceSphere {
     pub fn outside(&self, pose: &Pose) -> Pose {
         let from = pose.tip - self.centre;
         let along = from.dot(&pose.axis);
-        let way = (along * along + self.radius * self.radius - from.norm_squared()).max(0.0).sqrt() - along;
-        Pose { tip: pose.tip + pose.axis * way.max(0.0), ..*pose }
+        let lift = (along * along + self.radius * self.radius - from.norm_squared()).max(0.0).sqrt() - along;
+        Pose { tip: pose.tip + pose.axis * lift.max(0.0), ..*pose }
     }
 
     /// The poses of a link from one pose to another by way of the sphere, without the first.

@@ -38,8 +38,8 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
     let sections: Vec<SpanSection> = (0..=STEPS).map_while(section).collect();
     let Some(last) = sections.len().checked_sub(1).filter(|last| *last > 3) else { return STEPS };
     let height = {
-        let way = sections[0].sides[0].point(0.5) - sections[last].sides[0].point(0.5);
-        2.0 * way.norm() * STEPS as f64 / last as f64
+        let span = sections[0].sides[0].point(0.5) - sections[last].sides[0].point(0.5);
+        2.0 * span.norm() * STEPS as f64 / last as f64
     };
     let thick: Vec<[f64; ZONES]> =
         sections.iter().map(|s| std::array::from_fn(|zone| thickness(s, zone))).collect();

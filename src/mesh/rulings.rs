@@ -153,7 +153,7 @@ fn distances<'a>(
     let vector = |p: [f64; 3]| Vector::from(p);
     let upper = w + shift.point(w)[0];
     let from = vector(lowest.point(w));
-    let way = vector(highest.point(upper)) - from;
+    let ruling = vector(highest.point(upper)) - from;
     let count = between.len() as f64 + 1.0;
     between.iter().enumerate().map(move |(k, curve)| {
         let mut at = w + (upper - w) * (k as f64 + 1.0) / count;
@@ -161,8 +161,8 @@ fn distances<'a>(
         for _ in 0..3 {
             let (p, d, _) = curve.derivatives(at);
             let (p, d) = (vector(p) - from, vector(d));
-            let Some(normal) = d.cross(&way).try_normalize(1e-12) else { return 0.0 };
-            let beside = way.cross(&normal);
+            let Some(normal) = d.cross(&ruling).try_normalize(1e-12) else { return 0.0 };
+            let beside = ruling.cross(&normal);
             off = p.dot(&normal);
             at = (at - p.dot(&beside) / d.dot(&beside)).clamp(-0.1, 1.1);
         }

@@ -336,17 +336,17 @@ fn find_nose_seam(
     step: &impl Fn(usize, bool) -> Option<usize>,
     lowest: usize,
 ) -> Option<usize> {
-    let way = |i: usize| {
+    let direction = |i: usize| {
         let (next, previous) = (step(i, true).unwrap_or(i), step(i, false).unwrap_or(i));
         (points[next].point - points[previous].point).try_normalize(1e-12)
     };
-    let foremost = way(lowest)?;
+    let foremost = direction(lowest)?;
     let mut found = points[lowest].seam.then_some(lowest);
     for forward in [true, false] {
         let mut at = lowest;
         for _ in 0..points.len() / 2 {
             at = step(at, forward)?;
-            if way(at)?.dot(&foremost) < NOSE_TURN {
+            if direction(at)?.dot(&foremost) < NOSE_TURN {
                 break;
             }
             if points[at].seam && found.replace(at).is_some() {
@@ -367,8 +367,8 @@ fn ahead(
     p: &Point,
 ) -> bool {
     let (Some(next), Some(previous)) = (step(lowest, forward), step(lowest, !forward)) else { return true };
-    let way: Vector = points[next].point - points[previous].point;
-    (p - leading).dot(&way) > 0.05 * (points[next].point - points[lowest].point).norm() * way.norm() * 0.2
+    let step: Vector = points[next].point - points[previous].point;
+    (p - leading).dot(&step) > 0.05 * (points[next].point - points[lowest].point).norm() * step.norm() * 0.2
 }
 
 /// The minimum of `sign` · along on a cubic spline through the points around `at`, by dense sampling.

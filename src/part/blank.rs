@@ -172,10 +172,10 @@ impl Blank {
     ) -> Option<f64> {
         let (low, high) = self.clip(origin, direction, 0.0, (low, high))?;
         let stride = ((high - low) / 6.0).min(1.0).max((high - low) / 300.0);
-        let mut room = |h: f64| self.free_radius(Meridional::of(&(origin + direction * h)), warm);
+        let mut free_radius = |h: f64| self.free_radius(Meridional::of(&(origin + direction * h)), warm);
         let mut above = None;
         let mut h = high;
-        while let Some(clear) = room(h) {
+        while let Some(clear) = free_radius(h) {
             if h <= low {
                 return None;
             }
@@ -303,8 +303,8 @@ impl CoarseHeights {
             return None;
         }
         let (i, j) = (x.round(), y.round());
-        let way = norm2((x - i) * self.spacing.0, (y - j) * self.spacing.1);
+        let to_node = norm2((x - i) * self.spacing.0, (y - j) * self.spacing.1);
         let height = self.heights[i as usize * Self::NODES + j as usize];
-        (height.abs() > way).then(|| height - way.copysign(height))
+        (height.abs() > to_node).then(|| height - to_node.copysign(height))
     }
 }

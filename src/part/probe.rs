@@ -238,12 +238,12 @@ impl SideProbe {
         let mut drift = 0.0f64;
         let near = seeds.near(cutoff);
         for (line, seed) in lines.iter_mut().zip(near) {
-            let (found, way) = self.line_near(query, seed);
+            let (found, shift) = self.line_near(query, seed);
             if found.distance < enough {
                 return Some(self.nearest_of_line(&found));
             }
             *line = found;
-            drift = drift.max(way);
+            drift = drift.max(shift);
         }
         Some(self.nearest_between(query, &lines[..near.len()], drift))
     }

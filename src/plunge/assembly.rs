@@ -36,7 +36,12 @@ pub struct AssemblyRule<'a> {
 
 impl<'a> AssemblyRule<'a> {
     /// The rule for `tool`; `None` where neither shank nor holder is given.
-    pub fn new(tool: &'a Tool, finished: &'a FinishedPart<'a>, blank: &'a Blank, setup: &Setup) -> Option<Self> {
+    pub fn new(
+        tool: &'a Tool,
+        finished: &'a FinishedPart<'a>,
+        blank: &'a Blank,
+        setup: &Setup,
+    ) -> Option<Self> {
         let around = AssemblySurroundings::new(finished, setup).with_blank(blank);
         let segments = tool.assembly.segments(tool.overhang);
         (!segments.is_empty()).then_some(Self { around, tool, segments })

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::assembly::{AssemblyRule, DropCause};
-use super::ground::StretchLayout;
-use super::known::SectionCache;
 use super::links::raise_links;
 use super::plan::{DropReason, Dropped, PlungePlan, Position, SectionPlan, StopReason};
 use super::row::Station;
+use super::section_cache::SectionCache;
+use super::section_layout::StretchLayout;
 use super::sections::{MAX_POSITIONS, too_many_positions};
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, core_contact, planned_contact};
@@ -508,7 +508,7 @@ impl<'a> Planner<'a> {
         top: &BlankTop,
     ) -> Result<PlacedCutter, DropReason> {
         let unlifted = placed.cutter.tip;
-        let way = PlungeColumn::new(placed.cutter, tool.core_radius(), top).top;
+        let depth = PlungeColumn::new(placed.cutter, tool.core_radius(), top).top;
         for _ in 0..MAX_LIFTS {
             let column = PlungeColumn::new(placed.cutter, tool.core_radius(), top);
             let contact = planned_contact(&column, earlier, &self.blank);
@@ -516,7 +516,7 @@ impl<'a> Planner<'a> {
                 break;
             }
             let lift = (placed.cutter.tip - unlifted).norm() + contact;
-            if lift >= max_lift * way - LIFT_MARGIN {
+            if lift >= max_lift * depth - LIFT_MARGIN {
                 return Err(DropReason::Contact);
             }
             placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
@@ -545,16 +545,16 @@ impl<'a> Planner<'a> {
             }
             (_, false) => {}
         }
-        let grounds = self.shared_layouts(index)?;
+        let layouts = self.shared_layouts(index)?;
         if policy == AxisPolicy::Minimal {
-            return self.minimal_section(index, grounds, &columns, monitor);
+            return self.minimal_section(index, layouts, &columns, monitor);
         }
         let (axes, max_lift) = match policy {
             AxisPolicy::Staircase => (AxisPolicy::Conventional, Some(1.0)),
             other => (other, None),
         };
         let tool = tool_of(self.setup, section.tool)?;
-        let rows = match self.plan_section_rows(index, grounds, axes, &columns, monitor) {
+        let rows = match self.plan_section_rows(index, layouts, axes, &columns, monitor) {
             Err(PlanError::Cancelled(_)) if monitor.is_stopped() => {
                 return Ok(SectionCut::not_started(section, columns));
             }
@@ -571,7 +571,7 @@ impl<'a> Planner<'a> {
     fn plan_section_rows(
         &self,
         index: usize,
-        grounds: &[StretchLayout],
+        layouts: &[StretchLayout],
         policy: AxisPolicy,
         earlier: &Columns,
         monitor: &Monitor,
@@ -580,16 +580,16 @@ impl<'a> Planner<'a> {
         let tool = tool_of(self.setup, section.tool)?;
         let feed = section.cut_direction.unwrap_or(CutDirection::Inward);
         let mut rows = Vec::new();
-        for ground in grounds {
-            let made: Vec<Result<Vec<PlannedRow>, PlanError>> = ground
+        for layout in layouts {
+            let made: Vec<Result<Vec<PlannedRow>, PlanError>> = layout
                 .rows
                 .par_iter()
                 .map(|row_ground| {
-                    let place = (row_ground.lambda, ground.rows.len());
-                    let maker = self.row_maker(ground, tool, place, feed, monitor);
-                    let ends = self.row_ends(index, &ground.stretch, feed.inward_sign());
+                    let place = (row_ground.lambda, layout.rows.len());
+                    let maker = self.row_maker(layout, tool, place, feed, monitor);
+                    let ends = self.row_ends(index, &layout.stretch, feed.inward_sign());
                     let runs = row_ground.runs.get_or_make(ends.0, || maker.runs(ends.0, ends.1))?;
-                    let lambda = ground.stretch.lambda_in_channel(row_ground.lambda);
+                    let lambda = layout.stretch.lambda_in_channel(row_ground.lambda);
                     let mut rows = Vec::with_capacity(runs.stretches.len());
                     for &stretch in &runs.stretches {
                         let row = self.plan_row(&maker, row_ground, stretch, policy, earlier, monitor)?;

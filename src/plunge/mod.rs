@@ -9,19 +9,16 @@
 //! | 4 drop-cutter depth (slotting depth in the paper) | [`crate::cutting::drop_cutter`] |
 //! | 5 safe height | [`crate::cutting::retract`], [`links`] |
 //! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `carried` |
-//! | layout of a section, shared by all policies | `ground` |
+//! | layout of a section, shared by all policies | `layout` |
 //! | the finished plan, over several channels, as a program | [`plan`], [`whole`], `program` |
 //! | sectional view through one position | [`inspect`] |
 
 mod assembly;
-mod attempts;
-mod carried;
+pub mod channels;
 pub mod choice;
 pub mod cycle;
 mod fit_table;
-mod ground;
 pub mod inspect;
-mod known;
 pub mod lane;
 pub mod links;
 mod minimal;
@@ -29,10 +26,13 @@ pub mod monotone;
 pub mod plan;
 mod program;
 pub mod row;
+mod row_plan;
+mod section_cache;
+mod section_layout;
 pub mod sections;
 pub mod survey;
-pub mod whole;
+mod warm_start;
 
 pub use cycle::{PlacedPlan, PlanError, Planner};
-pub use known::SectionCache;
 pub use plan::{Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
+pub use section_cache::SectionCache;

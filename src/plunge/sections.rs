@@ -83,9 +83,9 @@ fn used_tools(setup: &Setup) -> Vec<Tool> {
 fn largest_diameter(setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
     let outlet = survey.stations.iter().filter(|station| station.s >= 0.7 - 1e-9);
     let width = outlet.map(|station| station.narrowest).fold(f64::INFINITY, f64::min);
-    let room = width - 2.0 * setup.allowances.blade_allowance;
+    let free_width = width - 2.0 * setup.allowances.blade_allowance;
     let depth = part.hub.point(1.0).distance(part.shroud.point(1.0));
-    (0.65 * room).min(0.12 * part.rim_radius()).min(2.0 * depth)
+    (0.65 * free_width).min(0.12 * part.rim_radius()).min(2.0 * depth)
 }
 
 /// Checks that the setup is for this part.
@@ -152,8 +152,9 @@ fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), Set
         let tool = tool_of(setup, section.tool)?;
         let length = (section.from - section.to) * part.hub.length().max(part.shroud.length());
         let width = survey.max_width(section.from, section.to);
-        let room = (width - tool.diameter - 2.0 * setup.allowances.blade_allowance).max(0.0);
-        let inner = (room / stepover(plunge, tool) - 1.0).max(0.0) * length / step_limit(plunge, tool, false);
+        let free_width = (width - tool.diameter - 2.0 * setup.allowances.blade_allowance).max(0.0);
+        let inner =
+            (free_width / stepover(plunge, tool) - 1.0).max(0.0) * length / step_limit(plunge, tool, false);
         let walls = 2.0 * length / step_limit(plunge, tool, true);
         total += inner + walls;
         if total > MAX_POSITIONS as f64 {
@@ -225,14 +226,14 @@ fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<()
         widest.get_or_insert((width, tool, SetupPlace::Section { index, tool: section.tool }));
     }
     let Some((width, tool, place)) = widest else { return Ok(()) };
-    let room = width - 2.0 * allowance;
-    let fitting = library.iter().map(|tool| tool.diameter).filter(|&d| d < room);
+    let free_width = width - 2.0 * allowance;
+    let fitting = library.iter().map(|tool| tool.diameter).filter(|&d| d < free_width);
     let cure = match fitting.max_by(f64::total_cmp) {
         Some(d) => format!("use a cutter of at most D {d}"),
         None => "lower the blade allowance".to_string(),
     };
     let what = format!(
-        "tool {} (D {}) is wider than the channel: at most {width:.2} mm between the walls, {room:.2} mm \
+        "tool {} (D {}) is wider than the channel: at most {width:.2} mm between the walls, {free_width:.2} mm \
          inside the allowances",
         tool.number, tool.diameter
     );

@@ -89,7 +89,7 @@ impl Survey {
         diameters: &[f64],
     ) {
         let finished = Arc::new(FinishedPart::new(part, &channel.sides));
-        let room = |station: &SurveyStation| station.narrowest - 2.0 * stock.blade_allowance;
+        let free_width = |station: &SurveyStation| station.narrowest - 2.0 * stock.blade_allowance;
         let clears = |station: &SurveyStation, diameter: f64| {
             station.passages.iter().all(|across| {
                 let passage = match across.passage.checked_sub(1) {
@@ -101,7 +101,7 @@ impl Survey {
             })
         };
         self.stations.par_iter_mut().for_each(|station| {
-            let mut tried = diameters.iter().copied().filter(|&diameter| diameter <= room(station));
+            let mut tried = diameters.iter().copied().filter(|&diameter| diameter <= free_width(station));
             station.clear_diameter = tried.find(|&diameter| clears(station, diameter)).unwrap_or(0.0);
         });
     }

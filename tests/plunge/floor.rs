@@ -98,17 +98,17 @@ impl<'a> Bench<'a> {
     /// where it does not below `top`.
     fn underside(&self, cell: usize, top: f64) -> f64 {
         let (foot, normal) = self.ray(cell);
-        let room = |h: f64| {
+        let clearance = |h: f64| {
             let p = foot + normal * h;
             let near = |side: &SideProbe| side.nearest_to_point(&p).distance;
             self.sides.iter().map(near).fold(f64::INFINITY, f64::min) - stock().blade_allowance
         };
         let steps = 60;
         let at = |k: i32| top * f64::from(k) / f64::from(steps);
-        match (0..=steps).find(|&k| room(at(k)) < 0.0) {
+        match (0..=steps).find(|&k| clearance(at(k)) < 0.0) {
             None => f64::INFINITY,
             Some(0) => 0.0,
-            Some(k) => search::root(room, at(k - 1), at(k), 1e-4),
+            Some(k) => search::root(clearance, at(k - 1), at(k), 1e-4),
         }
     }
 

@@ -12,7 +12,7 @@ use vanecut::io::part_file::read_part;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Channel, Impeller};
-use vanecut::plunge::whole::plan_channels;
+use vanecut::plunge::channels::plan_channels;
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, PlungeReport, report_plunges, verify};
@@ -264,7 +264,8 @@ impl BruteBlank {
 
     /// Distance from the top and the nose, negative in the blank (from the top) and in the nose (from the nose).
     fn clearance(&self, p: Meridional) -> f64 {
-        let distance = |line: &[Meridional]| line.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min);
+        let distance =
+            |line: &[Meridional]| line.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min);
         let (top, nose) = (distance(&self.top), distance(&self.nose));
         if Self::inside(&self.outline, p) {
             -top

@@ -24,7 +24,8 @@ fn pump() -> Impeller {
 
 #[test]
 fn a_holder_cone_beside_a_cylindrical_hub_in_closed_form() {
-    let part = wheel("[[30, -100], [30, -50], [30, 0], [30, 50]]", "[[60, -100], [60, -50], [60, 0], [60, 50]]");
+    let part =
+        wheel("[[30, -100], [30, -50], [30, 0], [30, 50]]", "[[60, -100], [60, -50], [60, 0], [60, 50]]");
     let channel = Channel::of(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
     for (off, lower, upper) in [(60.0, 10.0, 10.0), (60.0, 10.0, 24.0), (55.0, 20.0, 8.0)] {
@@ -122,7 +123,10 @@ fn a_setup_carries_the_assembly() {
     // The last segment of the shank runs on to the holder.
     assert_eq!(ends, [(20.0, 40.0), (40.0, 60.0), (60.0, 85.0), (85.0, 115.0)]);
     assert_eq!((setup.clearances.shank, setup.clearances.holder), (0.2, 1.5));
-    assert_eq!(read_setup_bytes("s.toml", b"[[tool]]\ndiameter = 5\n").unwrap().clearances, Setup::default().clearances);
+    assert_eq!(
+        read_setup_bytes("s.toml", b"[[tool]]\ndiameter = 5\n").unwrap().clearances,
+        Setup::default().clearances
+    );
 }
 
 #[test]
@@ -136,7 +140,8 @@ fn the_stick_out_frees_the_holder_and_no_shorter_one_does() {
     let around = AssemblySurroundings::new(&finished, &setup);
     let foot = part.hub.point(0.6);
     let pose = (foot.at_angle(0.2), part.hub.at(0.6).normal.direction_at_angle(0.2));
-    let missing = |overhang: f64| around.at(tool, &tool.assembly.segments(overhang), pose, 0.0).holder.missing;
+    let missing =
+        |overhang: f64| around.at(tool, &tool.assembly.segments(overhang), pose, 0.0).holder.missing;
     assert!(missing(tool.overhang) > 1.0, "the short tool collides");
     let overhang = around.stick_out(tool, pose).expect("a longer one does");
     assert!(missing(overhang) <= 1e-3, "{overhang}");

@@ -73,7 +73,10 @@ fn what_is_written_reads_back() {
     let fusion = read_library_bytes("t.json", write_fusion(&library).as_bytes(), LibraryFormat::FusionJson);
     let fusion = tools(&fusion.expect("reads"));
     for (written, read) in tools(&library).iter().zip(&fusion) {
-        assert_eq!((written.number, written.assembly.holder.clone()), (read.number, read.assembly.holder.clone()));
+        assert_eq!(
+            (written.number, written.assembly.holder.clone()),
+            (read.number, read.assembly.holder.clone())
+        );
         assert_eq!((written.diameter, written.overhang), (read.diameter, read.overhang));
         assert_eq!((written.plunge_feed, written.spindle), (read.plunge_feed, read.spindle));
         assert_eq!(written.assembly.shank, read.assembly.shank);
@@ -141,7 +144,8 @@ fn a_tool_bit_of_freecad() {
     let bit = json!({"version": 2, "name": "6 mm Bull Nose", "shape": "bullnose.fcstd", "shape-type": "Bullnose",
         "parameter": {"CuttingEdgeHeight": "40.0000 mm", "Diameter": "6.0000 mm", "CornerRadius": "1.5000 mm",
             "Length": "50.0000 mm", "ShankDiameter": "3.0000 mm"}, "attribute": {}});
-    let read = read_library_bytes("b.fctb", bit.to_string().as_bytes(), LibraryFormat::FreeCadBit).expect("reads");
+    let read =
+        read_library_bytes("b.fctb", bit.to_string().as_bytes(), LibraryFormat::FreeCadBit).expect("reads");
     let tool = &read.tools[0].tool;
     assert_eq!((tool.diameter, tool.corner_radius, tool.overhang), (6.0, 1.5, 50.0));
     assert_eq!((tool.assembly.flute_length, tool.assembly.shank.clone()), (Some(40.0), vec![[3.0, 10.0]]));
@@ -201,7 +205,11 @@ fn thirty_broken_libraries_are_named_in_one_line() {
         (FreeCadBit, bit("Length", json!("1e9 mm")).into(), "`Length` is not a length"),
         (FreeCadLibrary, b"{\"version\": 1}".to_vec(), "no list `tools`"),
         (FreeCadLibrary, b"{\"tools\": [{\"nr\": 1}]}".to_vec(), "no `path`"),
-        (FreeCadLibrary, b"{\"tools\": [{\"path\": \"../../etc/x.fctb\"}]}".to_vec(), "not a .fctb file beside"),
+        (
+            FreeCadLibrary,
+            b"{\"tools\": [{\"path\": \"../../etc/x.fctb\"}]}".to_vec(),
+            "not a .fctb file beside",
+        ),
         (Toml, toml("holdr = 3").into(), "nearest known key"),
         (Toml, toml("holder = [[40, 50]]").into(), "3 numbers"),
         (Toml, toml("holder = [[40, 50, 0]]").into(), "segment 1 of `holder`"),

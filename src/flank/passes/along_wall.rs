@@ -5,7 +5,7 @@ use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::AxisObstacle;
 use crate::flank::layer::{LayerPoint, LayerSurface};
 use crate::flank::plan::MilledWall;
-use crate::flank::schemes::PassRole;
+use crate::flank::strategies::PassRole;
 use crate::geometry::{Point, Vector};
 
 /// Reasons why a stretch along a wall is not cut.

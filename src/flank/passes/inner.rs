@@ -7,7 +7,7 @@ use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::{AxisObstacle, Contact};
 use crate::flank::layer::LayerPoint;
 use crate::flank::plan::RegionAxis;
-use crate::flank::schemes::PassRole;
+use crate::flank::strategies::PassRole;
 use crate::geometry::{Point, Vector};
 
 /// Spacing of the stations of the fixed-axis search, mm along the meridian, and their maximum number.

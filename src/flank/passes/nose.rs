@@ -36,21 +36,21 @@ impl LayerPassMaker<'_> {
         self.record_uncut_steps(&high, Region::HighSide, made);
         let (mut low, mut high) = (split_into_runs(&low).into_iter(), split_into_runs(&high).into_iter());
         // The stretch of each side next to the nose joins the arc; the others are passes of their own.
-        let mut way = low.next().unwrap_or_default();
-        way.reverse();
+        let mut around = low.next().unwrap_or_default();
+        around.reverse();
         let after = high.next().unwrap_or_default();
         for positions in low.chain(high) {
             self.push_wall(WallName::Splitter, Region::Inlet, &positions, made);
         }
-        if let (Some(a), Some(b)) = (way.last().copied(), after.first().copied()) {
+        if let (Some(a), Some(b)) = (around.last().copied(), after.first().copied()) {
             let mut round = vec![a];
             round.extend(self.arc([down, &up[1..]], a, b));
             round.push(b);
             let mended = self.bisect_near_nose(round);
-            way.extend(&mended[1..mended.len() - 1]);
+            around.extend(&mended[1..mended.len() - 1]);
         }
-        way.extend(after);
-        self.push_wall(WallName::Splitter, Region::Inlet, &way, made);
+        around.extend(after);
+        self.push_wall(WallName::Splitter, Region::Inlet, &around, made);
     }
 
     /// The positions with others inserted where the straight move between them would be too near to a blade.

@@ -2,7 +2,7 @@
 
 use crate::flank::chart::{LayerChart, Region, WallName};
 use crate::flank::layer::LayerPoint;
-use crate::flank::schemes::{PassCurve, PassRole};
+use crate::flank::strategies::{PassCurve, PassRole};
 
 /// A piece of a curve within one region.
 pub(super) struct CurvePiece {

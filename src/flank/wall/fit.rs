@@ -10,7 +10,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::places::evenly;
+use super::stations::evenly;
 use crate::geometry::{Point, Vector};
 use crate::part::BladeSide;
 
@@ -261,8 +261,8 @@ impl OffsetSide<'_> {
             }
         }
         if beside.is_some() {
-            let way = fitted.x - rest;
-            fitted.x = rest + way * (MAX_SHIFT / way.xy().amax().max(MAX_SHIFT));
+            let step = fitted.x - rest;
+            fitted.x = rest + step * (MAX_SHIFT / step.xy().amax().max(MAX_SHIFT));
         }
         fitted
     }

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::fit::{AxisLine, FittedAxis, Heights, OffsetSide};
-use super::places::evenly;
+use super::stations::evenly;
 use super::swept::{MapColumn, correct_overcuts};
 use super::{MARGIN, MAX_UNFORMED, WallMilling};
 use crate::cutting::drop_cutter::DepthSurface;

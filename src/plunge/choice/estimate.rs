@@ -119,15 +119,16 @@ impl Estimator<'_> {
             if before.is_some_and(|before| before.number == tool.number) { 0.0 } else { TOOL_CHANGE_S };
         let positions = 1.0 + way_in / step_limit(self.plunge, tool, false);
         let passages = self.survey.stations[from].passages.iter();
-        let way: f64 =
+        let travel: f64 =
             passages.map(|a| rows(self.gaps(tool, a)) * positions * self.plunge_seconds(tool, a)).sum();
-        Cost::seconds(change + way)
+        Cost::seconds(change + travel)
     }
 
     /// Number of gaps between rows, spaced as by the planner, on the hub and at the shroud.
     fn gaps(&self, tool: &Tool, across: &PassageExtent) -> f64 {
-        let room = |width: f64| self.rules.free_width(width) - tool.diameter;
-        (room(across.hub) / stepover(self.plunge, tool)).max(room(across.shroud) / max_shroud_spacing(tool))
+        let free_across = |width: f64| self.rules.free_width(width) - tool.diameter;
+        (free_across(across.hub) / stepover(self.plunge, tool))
+            .max(free_across(across.shroud) / max_shroud_spacing(tool))
     }
 
     /// Time of one plunge with its retract and the link to the next, s.

@@ -51,11 +51,11 @@ impl Rules {
 
     /// How `tool` fits at a station.
     pub fn fit(&self, tool: &Tool, station: &SurveyStation) -> ToolFit {
-        let room = self.free_width(station.narrowest);
+        let free = self.free_width(station.narrowest);
         // Where no cylinder of its diameter clears the walls, the cutter has no axis either.
-        if room < tool.diameter || station.clear_diameter < tool.diameter {
+        if free < tool.diameter || station.clear_diameter < tool.diameter {
             ToolFit::Wide
-        } else if room < TILT_ROOM * tool.diameter || station.clear_diameter < CLEAR_ROOM * tool.diameter {
+        } else if free < TILT_ROOM * tool.diameter || station.clear_diameter < CLEAR_ROOM * tool.diameter {
             ToolFit::Tight
         } else if tool.overhang < self.overhang(station) {
             ToolFit::Short

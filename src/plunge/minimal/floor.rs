@@ -2,7 +2,7 @@
 
 use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
 use crate::part::Impeller;
-use crate::plunge::ground::PassageStretch;
+use crate::plunge::section_layout::PassageStretch;
 use crate::setup::Tool;
 
 /// Edge length of a cell in cutter radii.

@@ -350,19 +350,19 @@ impl PathSearch<'_> {
             if !self.candidates.is_long_enough(&candidate.station) {
                 continue;
             }
-            let mut leg = self.transition(candidate, here);
-            self.extend_paths(&mut leg, here, &mut best);
-            first.get_or_insert(leg);
+            let mut transition = self.transition(candidate, here);
+            self.extend_paths(&mut transition, here, &mut best);
+            first.get_or_insert(transition);
         }
         // Where the axis change allows no transition, a new row begins.
         if best.is_none()
             && here.counts
-            && let Some(mut leg) = first
+            && let Some(mut transition) = first
             && let (Some(last), Some(&cheapest)) = (here.last, here.order.first())
             && let Some(state) = &here.states[last][cheapest]
         {
             self.consider_transition(
-                &mut leg,
+                &mut transition,
                 here,
                 (state.cost + COST_OF_NEW_ROW, Some((last, cheapest))),
                 &mut best,
@@ -380,30 +380,30 @@ impl PathSearch<'_> {
     }
 
     /// Replaces `best` by a cheaper transition from the previous states or, where a row may begin, from none.
-    fn extend_paths(&self, leg: &mut Transition, here: &StageContext, best: &mut Option<PathState>) {
-        let axis = leg.candidate.station.axis;
+    fn extend_paths(&self, transition: &mut Transition, here: &StageContext, best: &mut Option<PathState>) {
+        let axis = transition.candidate.station.axis;
         if let Some(last) = here.last {
             for &i in &here.order {
                 let Some(passed) = &here.states[last][i] else { break };
                 if passed.candidate.station.axis.angle(&axis) <= self.max_axis_change_rad {
-                    self.consider_transition(leg, here, (passed.cost, Some((last, i))), best);
+                    self.consider_transition(transition, here, (passed.cost, Some((last, i))), best);
                 }
             }
         }
         if here.may_begin {
-            self.consider_transition(leg, here, (0.0, None), best);
+            self.consider_transition(transition, here, (0.0, None), best);
         }
     }
 
     /// Replaces `best` by the transition from `before`, whose path costs `cost_before`, if that is cheaper.
     fn consider_transition(
         &self,
-        leg: &mut Transition,
+        transition: &mut Transition,
         here: &StageContext,
         (cost_before, before): (f64, Option<(usize, usize)>),
         best: &mut Option<PathState>,
     ) {
-        let Transition { candidate, column, search } = leg;
+        let Transition { candidate, column, search } = transition;
         let affordable = match &best {
             None => f64::INFINITY,
             // Where the layer is free, prefer the smallest lift, then the latest start.

@@ -5,11 +5,11 @@ use super::{CandidateMaker, PathSearch, RowCrossing, RowPath};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
-use crate::plunge::cycle::{CutRow, PlanError, PlannedRow, Planner, SectionCut};
-use crate::plunge::ground::{PassageStretch, RowLayout, StretchLayout};
-use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::assembly::DropCause;
+use crate::plunge::cycle::{CutRow, PlanError, PlannedRow, Planner, SectionCut};
+use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::row::{RowMaker, Station};
+use crate::plunge::section_layout::{PassageStretch, RowLayout, StretchLayout};
 use crate::plunge::sections::max_shroud_spacing;
 use crate::setup::{CutDirection, Tool, tool_of};
 
@@ -48,7 +48,7 @@ struct CutPath {
 }
 
 impl Planner<'_> {
-    /// Plans section `index` with its layout `grounds` after the plunges of `earlier`, in the cutting
+    /// Plans section `index` with its layout `layouts` after the plunges of `earlier`, in the cutting
     /// direction of the setup or else in the one that leaves less.
     ///
     /// # Errors
@@ -56,12 +56,12 @@ impl Planner<'_> {
     pub(in crate::plunge) fn minimal_section(
         &self,
         index: usize,
-        grounds: &[StretchLayout],
+        layouts: &[StretchLayout],
         earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let plan_in = |feed: CutDirection, limit: f64| {
-            self.plan_in_direction(index, grounds, earlier, feed, limit, monitor)
+            self.plan_in_direction(index, layouts, earlier, feed, limit, monitor)
         };
         let asked = self.setup.plunge.sections[index].cut_direction;
         let first = plan_in(asked.unwrap_or(CutDirection::Inward), f64::INFINITY)?;
@@ -76,7 +76,7 @@ impl Planner<'_> {
         let Some(DirectedPlan { mut cut, .. }) = other.or(first) else {
             return Ok(SectionCut::empty(CutDirection::Inward, earlier.clone()));
         };
-        self.add_extras(index, grounds, &mut cut, monitor)?;
+        self.add_extras(index, layouts, &mut cut, monitor)?;
         Ok(cut)
     }
 
@@ -84,7 +84,7 @@ impl Planner<'_> {
     fn plan_in_direction(
         &self,
         index: usize,
-        grounds: &[StretchLayout],
+        layouts: &[StretchLayout],
         earlier: &Columns,
         feed: CutDirection,
         limit: f64,
@@ -92,7 +92,7 @@ impl Planner<'_> {
     ) -> Result<Option<DirectedPlan>, PlanError> {
         let cut = SectionCut::empty(feed, earlier.clone());
         let mut directed = DirectedPlan { cut, cost: 0.0, acceptable_cost: 0.0 };
-        match self.plan_rows(index, grounds, &mut directed, limit, monitor) {
+        match self.plan_rows(index, layouts, &mut directed, limit, monitor) {
             Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(directed)),
             within => Ok(within?.then_some(directed)),
         }
@@ -103,7 +103,7 @@ impl Planner<'_> {
     fn plan_rows(
         &self,
         index: usize,
-        grounds: &[StretchLayout],
+        layouts: &[StretchLayout],
         directed: &mut DirectedPlan,
         limit: f64,
         monitor: &Monitor,
@@ -115,13 +115,13 @@ impl Planner<'_> {
         let inward = feed.inward_sign();
         // Found paths are cut even after a stop.
         let closing = &monitor.ignoring_stop();
-        for ground in grounds {
-            let StretchLayout { stretch, lane, rows, .. } = ground;
+        for layout in layouts {
+            let StretchLayout { stretch, lane, rows, .. } = layout;
             let (start, end) = self.row_ends(index, stretch, inward);
             let rows = self.with_rows_beside_walls(lane, stretch, tool, rows);
             let sideways = self.max_side_shifts(lane, stretch, tool, &rows);
             for (row, &lambda) in rows.iter().enumerate() {
-                let maker = self.row_maker(ground, tool, (lambda, rows.len()), feed, monitor);
+                let maker = self.row_maker(layout, tool, (lambda, rows.len()), feed, monitor);
                 let search = PathSearch {
                     candidates: CandidateMaker {
                         floor: &|s| self.floor_of_row(stretch, lane, &rows, row, s),

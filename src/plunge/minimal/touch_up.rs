@@ -9,9 +9,9 @@ use crate::cutting::contact::{BlankTop, Columns};
 use crate::monitor::Monitor;
 use crate::plunge::choice::rest::{rest_threshold, rest_threshold_after};
 use crate::plunge::cycle::{CutRow, PlanError, Planner, SectionCut};
-use crate::plunge::ground::StretchLayout;
 use crate::plunge::plan::StopReason;
 use crate::plunge::row::RowMaker;
+use crate::plunge::section_layout::StretchLayout;
 use crate::plunge::sections::MAX_POSITIONS;
 use crate::setup::{CutDirection, tool_of};
 
@@ -63,17 +63,17 @@ impl Planner<'_> {
     pub(super) fn add_extras(
         &self,
         index: usize,
-        grounds: &[StretchLayout],
+        layouts: &[StretchLayout],
         cut: &mut SectionCut,
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
         let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
-        let room = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(cut.columns.len());
+        let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(cut.columns.len());
         let rest_from = rest_threshold_after(self.setup, index)?;
         let most = MAX_ADDED_SHARE * planned;
         let wanted =
-            ExtraLimits { max_count: most, left_in_plan: room, manner: BESIDE_ROWS, above: None, rest_from };
-        self.add_plunges(index, grounds, cut, wanted, monitor)
+            ExtraLimits { max_count: most, left_in_plan, manner: BESIDE_ROWS, above: None, rest_from };
+        self.add_plunges(index, layouts, cut, wanted, monitor)
     }
 
     /// Plans section `index`, a rest-milling section: no rows, only single plunges where earlier sections
@@ -88,20 +88,25 @@ impl Planner<'_> {
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let section = &self.setup.plunge.sections[index];
-        let grounds = self.section_layout(section)?;
+        let layouts = self.section_layout(section)?;
         let above = Some(rest_threshold(tool_of(self.setup, section.tool)?));
-        let room = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
+        let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
         let mut cut = SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::Inward), columns);
-        let wanted =
-            ExtraLimits { max_count: room, left_in_plan: room, manner: REST_MILLING, above, rest_from: None };
-        self.add_plunges(index, &grounds, &mut cut, wanted, monitor)?;
+        let wanted = ExtraLimits {
+            max_count: left_in_plan,
+            left_in_plan,
+            manner: REST_MILLING,
+            above,
+            rest_from: None,
+        };
+        self.add_plunges(index, &layouts, &mut cut, wanted, monitor)?;
         Ok(cut)
     }
 
     fn add_plunges(
         &self,
         index: usize,
-        grounds: &[StretchLayout],
+        layouts: &[StretchLayout],
         cut: &mut SectionCut,
         wanted: ExtraLimits,
         monitor: &Monitor,
@@ -119,25 +124,25 @@ impl Planner<'_> {
         let allowances = (stock.hub_allowance, stock.blade_allowance);
         let most = wanted.left_in_plan.min(wanted.max_count);
         let (mut added_in_all, mut stopped) = (0, StopReason::NothingWorthwhile);
-        for ground in grounds.iter().take_while(|_| !monitor.is_stopped()) {
-            let mut floor = FloorHeightMap::new(self.part, &ground.stretch, tool, allowances, scale);
+        for layout in layouts.iter().take_while(|_| !monitor.is_stopped()) {
+            let mut floor = FloorHeightMap::new(self.part, &layout.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice().iter().take_while(|_| !monitor.is_cancelled()) {
                 floor.cut(self.part, &column.cutter);
             }
             if wanted.above.is_some_and(|above| floor.share_above(above) < THICK_SHARE) {
                 continue;
             }
-            let rows = self.with_rows_beside_walls(&ground.lane, &ground.stretch, tool, &ground.rows);
+            let rows = self.with_rows_beside_walls(&layout.lane, &layout.stretch, tool, &layout.rows);
             let nearest = MIN_SPACING_RADII * tool.radius();
             let width = (0..=8)
-                .filter_map(|i| ground.lane.width(ground.stretch.s_at(f64::from(i) / 8.0)))
+                .filter_map(|i| layout.lane.width(layout.stretch.s_at(f64::from(i) / 8.0)))
                 .fold(0.0, |widest: f64, (hub, _)| widest.max(hub));
             let lambdas = between_rows(&rows, nearest / width.max(1e-6), wanted.manner.parts);
             let maker =
-                |&lambda: &f64| self.row_maker(ground, tool, (lambda, lambdas.len()), cut.feed, monitor);
+                |&lambda: &f64| self.row_maker(layout, tool, (lambda, lambdas.len()), cut.feed, monitor);
             let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
             let Some(first) = makers.first() else { continue };
-            let (start, end) = self.row_ends(index, &ground.stretch, cut.feed.inward_sign());
+            let (start, end) = self.row_ends(index, &layout.stretch, cut.feed.inward_sign());
             let step = (wanted.manner.step_share * first.step_limit).max(nearest) / self.part.hub.length();
             let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
             let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
@@ -159,7 +164,7 @@ impl Planner<'_> {
             let candidates: Vec<CandidateMaker> =
                 makers.iter().map(|maker| self.candidate_maker(maker, &top)).collect();
             let mut search = ExtraSearch::new(&candidates, &feet, floor, &self.blank);
-            let mut budget = most / grounds.len();
+            let mut budget = most / layouts.len();
             for (round, &times) in wanted.manner.rounds.iter().enumerate() {
                 if round > 0
                     && let Some(above) = wanted.rest_from
@@ -172,7 +177,7 @@ impl Planner<'_> {
                 budget -= rows.iter().map(Vec::len).sum::<usize>();
                 let before = cut.rows.len();
                 for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
-                    self.cut_split(stations, ground.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
+                    self.cut_split(stations, layout.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
                 }
                 // An added plunge that is dropped is not reported as missing.
                 let added: Vec<CutRow> = cut.rows.drain(before..).collect();

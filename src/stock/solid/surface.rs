@@ -341,10 +341,10 @@ impl<'a> SlabMaker<'a> {
         if acute || miss > PLANE_MISS * lattice.spacing {
             let exact = ring.iter().map(|i| at(i).0);
             let nearest = exact.min_by(|a, b| (a - point).norm().total_cmp(&(b - point).norm()));
-            let way = nearest.map_or_else(Vector::zeros, |nearest| point - nearest);
-            let far = way.norm() / (NEAR_EXACT * lattice.spacing);
+            let offset = nearest.map_or_else(Vector::zeros, |nearest| point - nearest);
+            let far = offset.norm() / (NEAR_EXACT * lattice.spacing);
             if far > 1.0 {
-                point -= way * (1.0 - 1.0 / far);
+                point -= offset * (1.0 - 1.0 / far);
             }
         }
         let normal =

@@ -57,7 +57,7 @@ fn sensible(mut spec: Spec, name: &str) -> Option<Wheel> {
             spec.rake *= 0.7;
             spec.bow *= 0.9;
             spec.compound *= 0.9;
-        } else if measures.room < 1.0 {
+        } else if measures.gap_share < 1.0 {
             if spec.kind != Kind::Splitters && !spec.splitters.is_empty() && spec.blades < 10 {
                 spec.splitters.clear();
             } else if spec.blades > 4 {
@@ -84,7 +84,7 @@ struct Measures {
     wrap: f64,
     lean: f64,
     /// Narrowest passage as a multiple of the required width.
-    room: f64,
+    gap_share: f64,
     /// Shortest chord as a multiple of the thickness.
     chord: f64,
 }
@@ -94,7 +94,7 @@ impl Measures {
         let (spec, walls) = (surface.spec, surface.walls);
         let cambers = [0.0, 0.5, 1.0].map(|eta| (eta, surface.on(eta)));
         let mut measures =
-            Self { angle: 0.0, wrap: 0.0, lean: 0.0, room: f64::INFINITY, chord: f64::INFINITY };
+            Self { angle: 0.0, wrap: 0.0, lean: 0.0, gap_share: f64::INFINITY, chord: f64::INFINITY };
         for (eta, camber) in &cambers {
             let thickness = spec.rim * (spec.thickness[0] + (spec.thickness[1] - spec.thickness[0]) * eta);
             let (from, to) = (spec.leading.at(*eta), spec.trailing.at(*eta));
@@ -120,7 +120,7 @@ impl Measures {
                 let gap = TAU / spec.blades as f64 * narrowest * here.r * here.beta.cos() - thickness;
                 let share = if spec.kind == Kind::Wrapped { 0.02 } else { 0.03 };
                 let asked = 0.8f64.max(share * spec.rim).max(walls.height(s) / 8.0);
-                measures.room = measures.room.min(gap / asked);
+                measures.gap_share = measures.gap_share.min(gap / asked);
             }
         }
         for i in 0..=40 {

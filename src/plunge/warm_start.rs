@@ -7,11 +7,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::cycle::{PlanError, PlannedRow, Planner, SectionCut};
-use super::ground::StretchLayout;
-use super::known::SectionCache;
 use super::minimal::MAX_LIFT_OF_DEPTH;
 use super::plan::PlungePlan;
 use super::row::Station;
+use super::section_cache::SectionCache;
+use super::section_layout::StretchLayout;
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
 use crate::setup::{AxisPolicy, Tool, tool_of};
@@ -51,12 +51,12 @@ impl Planner<'_> {
         let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
         let own;
-        let grounds = match self.shared_layouts(index)? {
+        let layouts = match self.shared_layouts(index)? {
             [] => {
                 own = self.section_layout(section)?;
                 &own
             }
-            grounds => grounds,
+            layouts => layouts,
         };
         let mut cut = SectionCut { added: before.added, ..SectionCut::empty(before.feed, columns) };
         for row in &before.rows {
@@ -64,7 +64,7 @@ impl Planner<'_> {
             let stations: Vec<&Station> = row.stations().collect();
             let stations: Vec<Station> = stations
                 .into_par_iter()
-                .filter_map(|station| self.refit_station(station, lambda, grounds, tool, before, monitor))
+                .filter_map(|station| self.refit_station(station, lambda, layouts, tool, before, monitor))
                 .filter(|station| self.setup.machine.excess_tilt_rad(self.part, &station.axis) <= 0.0)
                 .collect();
             let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
@@ -79,23 +79,23 @@ impl Planner<'_> {
         &self,
         station: &Station,
         lambda: f64,
-        grounds: &[StretchLayout],
+        layouts: &[StretchLayout],
         tool: &Tool,
         before: &SectionCut,
         monitor: &Monitor,
     ) -> Option<Station> {
         let s = station.ends.s_hub;
-        let away = |ground: &&StretchLayout| {
-            let StretchLayout { stretch, .. } = ground;
+        let away = |layout: &&StretchLayout| {
+            let StretchLayout { stretch, .. } = layout;
             let (low, high) = stretch.lambdas;
             ((s - stretch.from).max(stretch.to - s).max(0.0), (low - lambda).max(lambda - high).max(0.0))
         };
         let order = |a: (f64, f64), b: (f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
-        let ground = grounds.iter().min_by(|a, b| order(away(a), away(b)))?;
+        let layout = layouts.iter().min_by(|a, b| order(away(a), away(b)))?;
         // Only rows at a wall are fitted again; axes between the walls are kept.
         let walls = [0.0, 1.0];
-        let at_wall = walls.into_iter().find(|&wall| ground.stretch.lambda_in_channel(wall) == lambda);
-        let maker = self.row_maker(ground, tool, (at_wall.unwrap_or(0.5), 2), before.feed, monitor);
+        let at_wall = walls.into_iter().find(|&wall| layout.stretch.lambda_in_channel(wall) == lambda);
+        let maker = self.row_maker(layout, tool, (at_wall.unwrap_or(0.5), 2), before.feed, monitor);
         let lowered = Station {
             s_shroud_conventional: station.s_shroud_conventional,
             ..maker.lower_to_hub(station.ends)

@@ -2,9 +2,9 @@
 //! their number.
 
 use super::{PassCurve, PassRole};
-use crate::flank::border::{LayerWalls, y_at};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::layer::{LayerPoint, LayerSurface};
+use crate::flank::layer_walls::{LayerWalls, y_at};
 
 /// Spacing of the points of a curve, mm.
 const STEP: f64 = 2.0;

@@ -165,7 +165,7 @@ impl<'a> Planner<'a> {
     /// Layout of a section.
     pub(super) fn section_layout(&self, section: &SectionSetup) -> Result<Vec<StretchLayout<'a>>, PlanError> {
         let tool = tool_of(self.setup, section.tool)?;
-        let grounds = self.stretches(section, tool).into_iter().map(|stretch| {
+        let layouts = self.stretches(section, tool).into_iter().map(|stretch| {
             let lane = self.lane(stretch.passage, tool);
             let floor = self.setup.allowances.hub_allowance + tool.corner_radius;
             let hub = DepthSurface::new(self.part.hub.curve(), floor);
@@ -177,7 +177,7 @@ impl<'a> Planner<'a> {
             });
             Ok(StretchLayout { rows: rows.collect(), stretch, lane, hub })
         });
-        grounds.collect()
+        layouts.collect()
     }
 
     /// λ of the rows of a stretch: both walls, and between them equal gaps that exceed neither the stepover
@@ -234,7 +234,7 @@ impl<'a> Planner<'a> {
     /// Maker of the stations of the row at `lambda`, one of `rows` rows of the stretch.
     pub(super) fn row_maker<'r>(
         &'r self,
-        ground: &'r StretchLayout<'r>,
+        layout: &'r StretchLayout<'r>,
         tool: &'r Tool,
         (lambda, rows): (f64, usize),
         feed: CutDirection,
@@ -243,8 +243,8 @@ impl<'a> Planner<'a> {
         let wall_row = is_wall(lambda) || rows == 1;
         RowMaker {
             part: self.part,
-            lane: &ground.lane,
-            hub: &ground.hub,
+            lane: &layout.lane,
+            hub: &layout.hub,
             tool,
             lambda,
             direction_sign: feed.inward_sign(),

@@ -4,8 +4,8 @@
 use std::convert::Infallible;
 
 use super::cycle::{PlanError, PlannedRow, Planner};
-use super::ground::RowLayout;
 use super::row::{RowMaker, Station};
+use super::section_layout::RowLayout;
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_interferes};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
@@ -22,7 +22,7 @@ const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
 /// What all attempts at one row share.
 struct RowAttempts<'r> {
     maker: &'r RowMaker<'r>,
-    ground: &'r RowLayout,
+    layout: &'r RowLayout,
     /// Last s in cutting order.
     end: f64,
     earlier: &'r Columns,
@@ -32,13 +32,13 @@ struct RowAttempts<'r> {
 impl RowAttempts<'_> {
     /// Conventional stations from s = `start` on, cached.
     fn conventional(&self, start: f64) -> Result<Vec<Station>, Cancelled> {
-        self.ground.conventional.get_or_make(start, || self.maker.conventional(start, self.end))
+        self.layout.conventional.get_or_make(start, || self.maker.conventional(start, self.end))
     }
 
     /// The conventional station at `s`, cached.
     fn first(&self, s: f64) -> Option<Station> {
         let make = || Ok::<_, Infallible>(self.maker.isoparametric(s));
-        let Ok(station) = self.ground.firsts.get_or_make(s, make);
+        let Ok(station) = self.layout.firsts.get_or_make(s, make);
         station
     }
 }
@@ -102,14 +102,14 @@ impl Planner<'_> {
     pub(super) fn plan_row(
         &self,
         maker: &RowMaker,
-        ground: &RowLayout,
+        layout: &RowLayout,
         ends: (f64, f64),
         policy: AxisPolicy,
         earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<PlannedRow, PlanError> {
         let top = BlankTop::new(&self.blank);
-        let attempts = RowAttempts { maker, ground, end: ends.1, earlier, top: &top };
+        let attempts = RowAttempts { maker, layout, end: ends.1, earlier, top: &top };
         // For each retreat: shift of W that the previous lead angle needed, in s.
         let mut moved = [0.0; START_RETREATS.len()];
         if policy == AxisPolicy::Conventional {
