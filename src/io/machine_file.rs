@@ -38,7 +38,7 @@ pub fn built_in_names() -> impl Iterator<Item = &'static str> {
 /// The machine of that name among those of the program, or read from the file of that name.
 ///
 /// # Errors
-/// When there is no such machine and no such file, or the file is not valid.
+/// When the name is neither that of a machine nor of a file, or the file is not valid.
 pub fn read_machine(name_or_path: &Path) -> Result<MachineTool, InputError> {
     let name = name_of(name_or_path);
     if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
@@ -46,7 +46,7 @@ pub fn read_machine(name_or_path: &Path) -> Result<MachineTool, InputError> {
     }
     if !name_or_path.exists() && !name.contains(['/', '\\', '.']) {
         let known: Vec<&str> = built_in_names().collect();
-        let what = format!("there is no machine {}", quote_for_message(&name));
+        let what = format!("unknown machine {}", quote_for_message(&name));
         return Err(InputError::new("", 0, what, format!("use {}, or a machine file", known.join(", "))));
     }
     read_machine_bytes(&name, &read_bytes(name_or_path)?)

@@ -56,7 +56,7 @@ mod tests {
                 "tool {}: corner within the insert",
                 tool.number
             );
-            assert!(tool.overhang >= 2.0 * tool.diameter, "tool {} is no stub", tool.number);
+            assert!(tool.overhang >= 2.0 * tool.diameter, "tool {} is not a stub", tool.number);
         }
         let [least, most] = [f64::min, f64::max].map(|of| tools.iter().map(|t| t.diameter).reduce(of));
         assert_eq!((least, most), (Some(0.2), Some(63.0)), "range of diameters, mm");

@@ -3,7 +3,7 @@
 //!
 //! A stretch of moves with one direction of the tool is one stage. A step from stage to stage costs the time
 //! in which the slower rotary axis turns, and in a link what it takes to leave the part where joint space
-//! strays from the planned turn. A pole is no stage: the axis is held through it.
+//! strays from the planned turn. At a pole the rotary axis is free; it keeps its value through it.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -67,10 +67,11 @@ pub(super) struct Choice {
 }
 
 /// Chooses the rotary positions of all `stretches`; `tips` are those of all moves. Between the two solutions the
-/// axes may only change where the tool strays by no more than `axis_tolerance` (rad) from its turn.
+/// axes may only change where the tool axis deviates by at most `axis_tolerance` (rad) from its planned turn.
 ///
 /// # Errors
-/// When a direction is out of reach or limits, the chosen positions leave no way, or on a cancel.
+/// When the machine does not reach a direction, or only beyond its limits, no sequence of positions connects the
+/// stretches, or on a cancel.
 pub(super) fn choose(
     machine: &MachineTool,
     stretches: &[Stretch],

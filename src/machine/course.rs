@@ -46,7 +46,7 @@ impl MachineTool {
             let axis = self.tool_axis(&mixed_angles(&from.1, &to.1, share));
             axis.cross(&even_turn(from.0, to.0, share)).norm().min(1.0).asin()
         };
-        // A stray of more than a right angle is no stray of a sine: look at the cosine too.
+        // The sine alone does not show a deviation of more than a right angle; the cosine does.
         let behind = SAMPLES.into_iter().any(|share| {
             let axis = self.tool_axis(&mixed_angles(&from.1, &to.1, share));
             axis.dot(&even_turn(from.0, to.0, share)) < 0.0

@@ -93,7 +93,7 @@ pub fn built_in_posts() -> impl Iterator<Item = &'static str> {
 /// The post of a control by its name, or read from the file of that name.
 ///
 /// # Errors
-/// When there is no such control and no such file, or the file is not valid.
+/// When the name is neither that of a control nor of a file, or the file is not valid.
 pub fn read_post(name_or_path: &str) -> Result<Post, InputError> {
     if let Some(dialect) = Dialect::ALL.into_iter().find(|dialect| dialect.name() == name_or_path) {
         return read_post_bytes(name_or_path, dialect.text().as_bytes());
@@ -101,7 +101,7 @@ pub fn read_post(name_or_path: &str) -> Result<Post, InputError> {
     let path = Path::new(name_or_path);
     if !path.exists() && !name_or_path.contains(['/', '\\', '.']) {
         let known: Vec<&str> = built_in_posts().collect();
-        let what = format!("there is no post for the control {}", quote_for_message(name_or_path));
+        let what = format!("no post for the control {} is known", quote_for_message(name_or_path));
         return Err(InputError::new("", 0, what, format!("use {}, or a post file", known.join(", "))));
     }
     read_post_bytes(&name_of(path), &read_bytes(path)?)

@@ -33,7 +33,7 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     let shown = quote_for_message(title);
     let mut library = ToolLibrary::default();
     if !MILLS.iter().any(|mill| shape.starts_with(mill)) {
-        library.notes.push(format!("{shown} is left out: {} is no mill", quote_for_message(&shape)));
+        library.notes.push(format!("{shown} is left out: {} is not a mill", quote_for_message(&shape)));
         return Ok(library);
     }
     let length = |key: &str| -> Result<Option<f64>, InputError> {
@@ -133,7 +133,7 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
         library.notes.extend(read.notes);
     }
     if library.tools.is_empty() {
-        return Err(fault("holds no mill".to_owned(), "give a library with end mills"));
+        return Err(fault("contains no end mill".to_owned(), "give a library with end mills"));
     }
     number_tools(&mut library);
     Ok(library)

@@ -50,7 +50,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
             if kind == "holder" {
                 holders += 1;
             } else {
-                library.notes.push(format!("{shown} is left out: {} is no mill", quote_for_message(kind)));
+                library.notes.push(format!("{shown} is left out: {} is not a mill", quote_for_message(kind)));
             }
             continue;
         };
@@ -64,7 +64,10 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
     }
     too_many(name, library.tools.len())?;
     if library.tools.is_empty() {
-        return Err(fault("holds no mill".to_owned(), "give a library with end mills or face mills"));
+        return Err(fault(
+            "contains no end mill or face mill".to_owned(),
+            "give a library with end mills or face mills",
+        ));
     }
     number_tools(&mut library);
     Ok(library)

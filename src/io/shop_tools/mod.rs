@@ -38,7 +38,7 @@ pub struct LibraryTool {
 pub struct ToolLibrary {
     /// The mills, in file order.
     pub tools: Vec<LibraryTool>,
-    /// Entries that are no mills, and other remarks on the whole.
+    /// Entries that are not mills, and other remarks on the whole.
     pub notes: Vec<String>,
 }
 

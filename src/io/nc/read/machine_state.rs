@@ -183,7 +183,11 @@ impl<'a> NcState<'a> {
             return Err(self.source.fault(line, what, "switch TCP on before"));
         }
         let Some(unit) = v.try_normalize(1e-6).filter(|_| (v.norm() - 1.0).abs() < 1e-3) else {
-            return Err(self.source.fault(line, "the direction of the tool is no unit vector", "correct it"));
+            return Err(self.source.fault(
+                line,
+                "the direction of the tool is not a unit vector",
+                "correct it",
+            ));
         };
         self.vector = Some(unit);
         self.angles = [None; 2];
