@@ -72,7 +72,7 @@ fn plan(part: &Impeller) -> PlungePlan {
             tool,
             from: 1.0,
             to: 0.6,
-            feed: CutDirection::Inward,
+            feed: CutDirection::OutletToInlet,
             rows: 1,
             rest: false,
             added: None,

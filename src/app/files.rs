@@ -92,7 +92,7 @@ pub fn is_setup(path: &Path) -> bool {
     let text = String::from_utf8_lossy(&bytes);
     text.lines().any(|line| {
         let line = line.trim();
-        ["[stock]", "[[tool]]", "[plunge]", "[[plunge.section]]", "[flank]", "[machine]"]
+        ["[stock]", "[clearance]", "[[tool]]", "[plunge]", "[[plunge.section]]", "[flank]", "[machine]"]
             .iter()
             .any(|t| line.starts_with(t))
     })

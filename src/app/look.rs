@@ -60,20 +60,20 @@ pub enum Filter {
     #[default]
     All,
     /// Interfering plunges: their core meets stock.
-    Interferential,
+    Interfering,
     /// Positions without the axis their policy asks for.
     Blocked,
 }
 
 impl Filter {
     /// All filters.
-    pub const ALL: [Self; 3] = [Self::All, Self::Interferential, Self::Blocked];
+    pub const ALL: [Self; 3] = [Self::All, Self::Interfering, Self::Blocked];
 
     /// Label in the list.
     pub fn label(self) -> &'static str {
         match self {
             Self::All => "All positions",
-            Self::Interferential => "Interfering only",
+            Self::Interfering => "Interfering only",
             Self::Blocked => "Blocked only",
         }
     }

@@ -111,7 +111,7 @@ pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Previ
             }
             Some(faults) => (
                 format!("New {policy}: {faults} of {count} interfere"),
-                Condition::Interferential.text(ui.visuals()),
+                Condition::Interfering.text(ui.visuals()),
             ),
         };
         ui.label(RichText::new(words).color(colour)).on_hover_text(if coming.is_warm_start {

@@ -75,13 +75,13 @@ pub struct Problem {
 
 impl Problem {
     /// A problem that stays until it is dismissed.
-    pub fn new(what: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self { message: what.into(), help: cure.into(), of_plan: false }
+    pub fn new(what: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { message: what.into(), help: help.into(), of_plan: false }
     }
 
     /// A problem of planning, which the next successful plan removes.
-    pub fn from_planning(what: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self { of_plan: true, ..Self::new(what, cure) }
+    pub fn from_planning(what: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { of_plan: true, ..Self::new(what, help) }
     }
 }
 
@@ -310,7 +310,7 @@ impl AppState {
         let filter = self.look.filter;
         let passes = |position: &Position| match filter {
             Filter::All => true,
-            Filter::Interferential => position.condition() == Condition::Interferential,
+            Filter::Interfering => position.condition() == Condition::Interfering,
             Filter::Blocked => position.condition() == Condition::Blocked,
         };
         let passing = plan.positions.iter().enumerate().filter(|(_, p)| passes(p));

@@ -13,7 +13,7 @@ impl Condition {
         match self {
             Self::Sound => Color32::from_rgb(0, 158, 115),
             Self::Blocked => Color32::from_rgb(230, 159, 0),
-            Self::Interferential => Color32::from_rgb(213, 94, 0),
+            Self::Interfering => Color32::from_rgb(213, 94, 0),
         }
     }
 
@@ -22,10 +22,10 @@ impl Condition {
         match (self, visuals.dark_mode) {
             (Self::Sound, true) => Color32::from_rgb(60, 200, 158),
             (Self::Blocked, true) => Color32::from_rgb(240, 175, 40),
-            (Self::Interferential, true) => Color32::from_rgb(245, 130, 50),
+            (Self::Interfering, true) => Color32::from_rgb(245, 130, 50),
             (Self::Sound, false) => Color32::from_rgb(0, 112, 82),
             (Self::Blocked, false) => Color32::from_rgb(140, 92, 0),
-            (Self::Interferential, false) => Color32::from_rgb(176, 72, 0),
+            (Self::Interfering, false) => Color32::from_rgb(176, 72, 0),
         }
     }
 }

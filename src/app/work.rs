@@ -298,7 +298,7 @@ impl App {
                 self.state.report_done("Calculation cancelled");
             }
             Outcome::Failed(JobError::Setup(fault)) => {
-                self.state.report_problem(Problem::from_planning(fault.what, fault.cure));
+                self.state.report_problem(Problem::from_planning(fault.message, fault.help));
             }
             Outcome::Panicked(what) => self.state.report_problem(panic_problem("Flank calculation", &what)),
         }
@@ -327,7 +327,7 @@ impl App {
                 }
                 Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 Outcome::Failed(JobError::Setup(fault)) => {
-                    self.state.report_problem(Problem::from_planning(fault.what, fault.cure));
+                    self.state.report_problem(Problem::from_planning(fault.message, fault.help));
                 }
                 Outcome::Panicked(what) => self.state.report_problem(panic_problem("Calculation", &what)),
             }

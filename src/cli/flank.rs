@@ -32,7 +32,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let mut setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
     if let Some(name) = &args.scheme {
         setup.setup.flank.strategy = parse_flank_strategy(name)
-            .map_err(|(what, cure)| Failure::Input(format!("--scheme: {what}; {cure}")))?;
+            .map_err(|(what, help)| Failure::Input(format!("--scheme: {what}; {help}")))?;
     }
     check_directory(&args.output)?;
     let request = FlankRequest { part: Arc::new(part), setup: setup.setup.clone() };

@@ -35,7 +35,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let policy = match &args.axis {
         None => setup.setup.plunge.axis,
         Some(name) => parse_axis_policy(name)
-            .map_err(|(what, cure)| Failure::Input(format!("--axis: {what}; {cure}")))?,
+            .map_err(|(what, help)| Failure::Input(format!("--axis: {what}; {help}")))?,
     };
     let channels = channel_count(&args.channels, &part)?;
     check_directory(&args.output)?;

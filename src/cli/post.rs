@@ -122,7 +122,7 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         let stored = read_flank_bytes(&name, &bytes)?;
         let missing = || Failure::at(&name, 0, "the plan names no tool; plan the part again");
         let number = stored.setup.flank.tool.ok_or_else(missing)?;
-        let tool = tool_of(&stored.setup, number).map_err(|e| Failure::at(&name, 0, &e.what))?;
+        let tool = tool_of(&stored.setup, number).map_err(|e| Failure::at(&name, 0, &e.message))?;
         (ClProgram::of_flank(&stored.part.name, tool, &stored.moves), stored.part)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;

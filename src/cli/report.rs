@@ -203,8 +203,8 @@ pub fn channels_text(count: usize) -> String {
 
 fn feed_word(feed: CutDirection) -> &'static str {
     match feed {
-        CutDirection::Inward => "inward",
-        CutDirection::Outward => "outward",
+        CutDirection::OutletToInlet => "inward",
+        CutDirection::InletToOutlet => "outward",
     }
 }
 

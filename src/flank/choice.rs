@@ -98,7 +98,7 @@ pub fn choose_tool(
 /// The error that no tool fits into a channel of this narrowest and widest width, mm.
 fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> SetupFault {
     let left = widest - 2.0 * allowance;
-    let cure = if left > thinnest.min(narrowest) * MIN_ROOM_SHARE {
+    let help = if left > thinnest.min(narrowest) * MIN_ROOM_SHARE {
         format!("give a cutter below D {left:.2} or a smaller blade allowance")
     } else {
         // The allowances alone fill the channel.
@@ -110,7 +110,7 @@ fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> Setu
             "no cutter fits between the blades: the channel is {narrowest:.2} to {widest:.2} mm wide, the \
              thinnest cutter is D {thinnest}, and the blade allowance is {allowance} mm on each side"
         ),
-        cure,
+        help,
     )
 }
 

@@ -9,7 +9,7 @@ use super::stepover::stepover;
 use super::strategies::{self, PassCurve, PassRole};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
-use crate::setup::{FlankStrategy, Setup, SetupFault, SetupPlace, Tool};
+use crate::setup::{FlankStrategy, Setup, SetupFault, SetupPlace, Tool, round_down, round_up};
 
 /// Maximum number of layers of a channel.
 const MAX_LAYERS: usize = 1000;
@@ -144,8 +144,8 @@ impl LayoutInputs<'_> {
     /// When the layer depth is not positive, exceeds the channel, or gives too many layers.
     fn layer_count(&self) -> Result<usize, SetupFault> {
         let (depth, height) = (self.setup.flank.layer_depth, self.deepest());
-        let fault = |what: String, cure: String| {
-            Err(SetupFault::new(what, cure).at(SetupPlace::Flank("layer_depth")))
+        let fault = |what: String, help: String| {
+            Err(SetupFault::new(what, help).at(SetupPlace::Flank("layer_depth")))
         };
         if depth.is_nan() || depth <= 0.0 {
             return fault(format!("the depth of a layer is {depth} mm"), "give more than 0".to_owned());
@@ -153,14 +153,14 @@ impl LayoutInputs<'_> {
         if depth > height {
             return fault(
                 format!("a layer of {depth} mm is deeper than the channel, {height:.2} mm"),
-                format!("give at most {height:.2}"),
+                format!("give at most {:.2}", round_down(height, 2)),
             );
         }
         let count = (height / depth - COUNT_SLACK).ceil().max(1.0);
         if count > MAX_LAYERS as f64 {
             return fault(
                 format!("a layer depth of {depth} mm makes {count} layers"),
-                format!("give at least {:.3} mm", height / MAX_LAYERS as f64),
+                format!("give at least {:.3} mm", round_up(height / MAX_LAYERS as f64, 3)),
             );
         }
         Ok(count as usize)
@@ -278,7 +278,7 @@ impl LayoutInputs<'_> {
                 ),
                 "give a greater scallop height, or a tool with a larger corner radius",
             )
-            .at(SetupPlace::Flank("allowed_error")));
+            .at(SetupPlace::Flank("scallop_height")));
         }
         Ok(least)
     }

@@ -7,14 +7,14 @@ use crate::setup::Tool;
 const FLAT_RADIUS: f64 = 1e9;
 
 /// Stepover: the largest distance between neighbouring passes, mm along the surface, at which the scallop
-/// between them is at most `allowed_error` mm high. `bulge` is the normal curvature of the surface across the
+/// between them is at most `scallop_height` mm high. `bulge` is the normal curvature of the surface across the
 /// passes, 1/mm, positive where it is convex. The tool axis is along the normal. The result is at most the
 /// tool diameter, and 0 for a scallop height of 0.
 ///
 /// Across the passes the surface is taken as a circle of radius 1/`bulge`. Half way between two positions, at
-/// arc length a from each, the point `allowed_error` above the surface is on the cutter: on a ball, on the
+/// arc length a from each, the point `scallop_height` above the surface is on the cutter: on a ball, on the
 /// rounded corner of a bull end, or on the flat bottom. Solved for a by bisection.
-pub fn stepover(tool: &Tool, allowed_error: f64, bulge: f64) -> f64 {
+pub fn stepover(tool: &Tool, scallop_height: f64, bulge: f64) -> f64 {
     let (flat, corner) = (tool.radius() - tool.corner_radius, tool.corner_radius);
     // Height of the cutter's profile at x from its axis.
     let profile = |x: f64| {
@@ -26,9 +26,9 @@ pub fn stepover(tool: &Tool, allowed_error: f64, bulge: f64) -> f64 {
     let above = |a: f64| {
         let half = (0.5 * a / radius).sin();
         let turn = a / radius;
-        let x = (radius + allowed_error) * turn.sin();
+        let x = (radius + scallop_height) * turn.sin();
         // y of the point, less cancellation: (ρ + e) cos φ − ρ = e cos φ − ρ (1 − cos φ).
-        let y = allowed_error * turn.cos() - 2.0 * radius * half * half;
+        let y = scallop_height * turn.cos() - 2.0 * radius * half * half;
         (x, profile(x.abs()) - y)
     };
     // A flat bottom rests on its rim where the surface is hollow: the height there counts from the rim.
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_leaves_the_allowed_error_on_a_cylinder() {
+    fn a_ball_leaves_the_scallop_height_on_a_cylinder() {
         // Two balls beside each other on a circle, and the height of their intersection above it.
         for (rho, convex) in [(40.0, true), (77.0, true), (30.0, false)] {
             let bulge = if convex { 1.0 / rho } else { -1.0 / rho };

@@ -96,7 +96,7 @@ pub fn drawn_cutters(plan: &PlungePlan) -> Vec<DrawnCutter> {
         let state = match position.condition() {
             Condition::Sound => CutterState::Sound,
             Condition::Blocked => CutterState::Blocked,
-            Condition::Interferential => CutterState::Interfering,
+            Condition::Interfering => CutterState::Interfering,
         };
         let tip = to(position.tip.into());
         let retract = Vec3::from_array(to(position.retract.into()));

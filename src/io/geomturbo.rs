@@ -76,8 +76,8 @@ impl<'a> StatementReader<'a> {
         self.next().ok_or_else(|| self.source.fault(self.line, format!("ends before {what}"), TRUNCATED))
     }
 
-    fn fault(&self, what: impl Into<String>, cure: impl Into<String>) -> InputError {
-        self.source.fault(self.line, what, cure)
+    fn fault(&self, what: impl Into<String>, help: impl Into<String>) -> InputError {
+        self.source.fault(self.line, what, help)
     }
 
     /// Reads a count such as `+100`.
@@ -328,8 +328,8 @@ impl GeomTurboContents {
         mm: f64,
     ) -> Result<(CurveDescription, usize), InputError> {
         let chain = self.chains.get(name).ok_or_else(|| {
-            let cure = format!("export it with a `channel_curve {name}` block");
-            source.fault(0, format!("the {name} is missing"), cure)
+            let help = format!("export it with a `channel_curve {name}` block");
+            source.fault(0, format!("the {name} is missing"), help)
         })?;
         let mut points: Vec<Meridional> = Vec::new();
         let mut push = |run: &mut dyn Iterator<Item = &Meridional>, line: usize| {

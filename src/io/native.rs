@@ -91,12 +91,12 @@ fn flowpath(
     match (table.rows::<2>("points")?, table.rows::<2>("control")?) {
         (Some(rows), None) => {
             if let Some(degree) = table.whole("degree", 1, 3)? {
-                let cure = "use `control` instead of `points`, or remove `degree`";
-                return Err(table.fault_at(degree.at, "`degree` goes with `control`", cure));
+                let help = "use `control` instead of `points`, or remove `degree`";
+                return Err(table.fault_at(degree.at, "`degree` goes with `control`", help));
             }
             if table.numbers("knots")?.is_some() {
-                let cure = "use `control` instead of `points`, or remove `knots`";
-                return Err(table.fault("`knots` go with `control`", cure));
+                let help = "use `control` instead of `points`, or remove `knots`";
+                return Err(table.fault("`knots` go with `control`", help));
             }
             Ok((source.curve(table.line(), name, meridional(rows)?)?, table.line()))
         }
@@ -127,14 +127,14 @@ fn spline(
         let wanted = control.len() + degree + 1;
         if knots.value.len() != wanted {
             let what = format!("{} knots for {} control points", knots.value.len(), control.len());
-            let cure = format!("give {wanted} (degree {degree}), or leave `knots` out");
-            return Err(table.fault_at(knots.at, what, cure));
+            let help = format!("give {wanted} (degree {degree}), or leave `knots` out");
+            return Err(table.fault_at(knots.at, what, help));
         }
         // The domain of a B-spline runs from knot `degree` to knot `control.len()`.
         let domain = knots.value.get(control.len()).zip(knots.value.get(degree)).map(|(b, a)| b - a);
         if !knots.value.is_sorted() || domain.is_none_or(|d| d <= 0.0) {
-            let cure = "give them in rising order, or leave `knots` out";
-            return Err(table.fault_at(knots.at, "the knots do not rise", cure));
+            let help = "give them in rising order, or leave `knots` out";
+            return Err(table.fault_at(knots.at, "the knots do not rise", help));
         }
     }
     Ok(CurveDescription::BSpline { control, degree, knots: knots.map_or_else(Vec::new, |k| k.value) })
@@ -247,12 +247,12 @@ fn stations(
         let [fraction, value] = row.value;
         let rises = stations.last().is_none_or(|(before, _)| *before < fraction);
         if !rises || !(0.0..=1.0).contains(&fraction) {
-            let cure = "let the fractions rise from 0 (leading edge) to 1 (trailing edge)";
-            return Err(table.fault_at(row.at, format!("`{key}` has the fraction {fraction} here"), cure));
+            let help = "let the fractions rise from 0 (leading edge) to 1 (trailing edge)";
+            return Err(table.fault_at(row.at, format!("`{key}` has the fraction {fraction} here"), help));
         }
         range
             .check(value)
-            .map_err(|cure| table.fault_at(row.at, format!("`{key}` has the value {value} here"), cure))?;
+            .map_err(|help| table.fault_at(row.at, format!("`{key}` has the value {value} here"), help))?;
         stations.push((fraction, value));
     }
     Ok(stations)

@@ -13,7 +13,7 @@ use crate::plunge::{Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Positio
 use crate::setup::{AxisPolicy, Setup, tool_of};
 
 /// Version of the file format; newer files are rejected.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 struct PlanFile {
@@ -151,10 +151,10 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
     let mut sections = Vec::new();
     for (index, section) in setup.plunge.sections.iter().enumerate() {
         sections.push(SectionPlan {
-            tool: tool_of(&setup, section.tool).map_err(|e| damaged(name, e.what))?.clone(),
+            tool: tool_of(&setup, section.tool).map_err(|e| damaged(name, e.message))?.clone(),
             from: section.from,
             to: section.to,
-            feed: section.cut_direction.unwrap_or(crate::setup::CutDirection::Inward),
+            feed: section.cut_direction.unwrap_or(crate::setup::CutDirection::OutletToInlet),
             rows: file.rows.get(index).copied().unwrap_or(0),
             rest: section.rest,
             added: file.added.get(index).copied().flatten(),

@@ -18,7 +18,7 @@ use crate::part::PartDescription;
 use crate::setup::Setup;
 
 /// Version of the file format; newer files are rejected.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Extension of project files.
 pub const EXTENSION: &str = "vanecut";
 /// Maximum number of sets in a project.
@@ -213,7 +213,7 @@ pub fn read_project(path: &Path) -> Result<Project, InputError> {
 /// When the bytes are not a project file of a supported version, or a setup in it has an error.
 pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputError> {
     let name = name_of(path);
-    let fault = |line: usize, what: String, cure: &str| InputError::new(&name, line, what, cure);
+    let fault = |line: usize, what: String, help: &str| InputError::new(&name, line, what, help);
     // The version is checked first: a newer file may have keys that this version does not support.
     #[derive(Deserialize)]
     struct Version {
@@ -327,7 +327,7 @@ mod tests {
         let path = Path::new("/parts/wheel.vanecut");
         let text = write_project(&project(), path);
         let from = text.find(",\n  \"chosen\"").expect("it is written last");
-        let first = format!("{}\n}}\n", &text[..from]).replace("project\": 2", "project\": 1");
+        let first = format!("{}\n}}\n", &text[..from]).replace("project\": 3", "project\": 1");
         let read = read_project_bytes(path, first.as_bytes()).expect("reads");
         assert_eq!(read, Project { chosen: PlanSelection::default(), ..project() });
     }
@@ -348,7 +348,7 @@ mod tests {
         for (bytes, word) in [
             (String::new(), "not a project file"),
             ("{\"vanecut_project\": 1}".to_owned(), "not a project file"),
-            (text.replace("\"vanecut_project\": 2", "\"vanecut_project\": 99"), "newer vanecut"),
+            (text.replace("\"vanecut_project\": 3", "\"vanecut_project\": 99"), "newer vanecut"),
             (text.replace("step = 7.5", "stepp = 7.5"), "step"),
             (text.replace("123456789abcdef0", "xyz"), "hexadecimal"),
         ] {

@@ -4,6 +4,7 @@
 //! key is an error that names the nearest known key.
 //!
 //! ```toml
+//! version = 2                # of the file format; absent: that of the program
 //! part = "impeller"          # the only part this setup applies to
 //! [stock]                    # hub_allowance, blade_allowance, safety_distance, inlet_extension, material
 //! hub_allowance = 0.5
@@ -11,13 +12,13 @@
 //! holder = 1.0
 //! [[tool]]                   # see `tool_file`
 //! diameter = 30.0            # the only required key of a tool
-//! [plunge]                   # axis, step, row_spacing, wall_scallop, max_axis_change, max_tilt, rest
+//! [plunge]                   # axis, step, stepover, wall_scallop, max_axis_change, max_tilt, rest
 //! axis = "monotone"
-//! [[plunge.section]]         # tool, from, to, feed, rest
+//! [[plunge.section]]         # tool, from, to, cutting_direction, rest
 //! tool = 1
 //! from = 1.0
 //! to = 0.6
-//! [flank]                    # tool, layer_depth, allowed_error
+//! [flank]                    # tool, layer_depth, scallop_height
 //! layer_depth = 3.0
 //! [machine]                  # max_axis_tilt
 //! max_axis_tilt = 95.0
@@ -28,7 +29,7 @@ use std::path::Path;
 
 use super::InputError;
 use super::source::{name_of, read_bytes};
-use super::table::{NumberRange, TomlDocument, TomlTable, degrees_text, nearest, quoted};
+use super::table::{NumberRange, RenamedKeys, TomlDocument, TomlTable, degrees_text, nearest, quoted};
 use super::tool_file::{
     ALLOWANCE, LENGTH, MAX_NUMBER, RATE, check_count, name, read_tool_tables, write_tools,
 };
@@ -39,6 +40,13 @@ use crate::setup::{
 
 const ANGLE: NumberRange = NumberRange::Above(0.0, 90.0);
 const HALF_TURN: NumberRange = NumberRange::Above(0.0, 180.0);
+
+/// Version of the file format, key `version`: 2 since keys were renamed. Newer files are rejected.
+const VERSION: u32 = 2;
+/// `[plunge]`, `[[plunge.section]]` and `[flank]`: keys that were renamed in version 2.
+const RENAMED_IN_PLUNGE: RenamedKeys = &[("stepover", "row_spacing")];
+const RENAMED_IN_SECTION: RenamedKeys = &[("cutting_direction", "feed")];
+const RENAMED_IN_FLANK: RenamedKeys = &[("scallop_height", "allowed_error")];
 
 /// Maximum number of sections in a setup.
 const MAX_SECTIONS: usize = 100;
@@ -86,7 +94,13 @@ pub fn read_setup_with_defaults(name: &str, bytes: &[u8], defaults: &Setup) -> R
 /// # Errors
 /// When a key is unknown, or a value is outside its range.
 pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<Setup, InputError> {
-    root.check_keys(&["part", "stock", "clearance", "tool", "plunge", "flank", "machine"])?;
+    root.check_keys(&["version", "part", "stock", "clearance", "tool", "plunge", "flank", "machine"])?;
+    if let Some(version) = root.whole("version", 1, u32::MAX)?
+        && version.value > VERSION
+    {
+        let what = format!("the setup has version {}, this program reads up to {VERSION}", version.value);
+        return Err(root.fault_at(version.at, what, "read it with a newer vanecut"));
+    }
     let mut setup =
         Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..defaults.clone() };
     if let Some(table) = root.table("stock")? {
@@ -99,10 +113,10 @@ pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<S
     }
     setup.tools = read_tool_tables(root)?;
     if let Some(table) = root.table("plunge")? {
-        plunge(&table, &setup.tools, &mut setup.plunge)?;
+        plunge(&table.with_renamed_keys(RENAMED_IN_PLUNGE), &setup.tools, &mut setup.plunge)?;
     }
     if let Some(table) = root.table("flank")? {
-        flank(&table, &mut setup.flank)?;
+        flank(&table.with_renamed_keys(RENAMED_IN_FLANK), &mut setup.flank)?;
     }
     if let Some(table) = root.table("machine")? {
         table.check_keys(&["max_axis_tilt"])?;
@@ -127,13 +141,14 @@ pub fn line_of_place(bytes: &[u8], place: &SetupPlace) -> usize {
             }
             Ok(None)
         };
-        let plunge = root.table("plunge")?;
+        let plunge = root.table("plunge")?.map(|table| table.with_renamed_keys(RENAMED_IN_PLUNGE));
+        let flank = root.table("flank")?.map(|table| table.with_renamed_keys(RENAMED_IN_FLANK));
         Ok(match *place {
             SetupPlace::Whole => None,
             SetupPlace::Part => root.line_of("part"),
             SetupPlace::Stock(key) => root.table("stock")?.and_then(|stock| stock.line_of(key)),
             SetupPlace::Plunge(key) => plunge.and_then(|plunge| plunge.line_of(key)),
-            SetupPlace::Flank(key) => root.table("flank")?.and_then(|flank| flank.line_of(key)),
+            SetupPlace::Flank(key) => flank.and_then(|flank| flank.line_of(key)),
             SetupPlace::Tool(number) => tool_line(number)?,
             SetupPlace::Section { index, tool } => {
                 let sections = plunge.map_or(Ok(Vec::new()), |plunge| plunge.tables("section"))?;
@@ -167,7 +182,7 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
     table.check_keys(&[
         "axis",
         "step",
-        "row_spacing",
+        "stepover",
         "wall_scallop",
         "max_axis_change",
         "max_tilt",
@@ -176,10 +191,10 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
     ])?;
     if let Some(axis) = table.string("axis")? {
         plunge.axis =
-            parse_axis_policy(axis.value).map_err(|(what, cure)| table.fault_at(axis.at, what, cure))?;
+            parse_axis_policy(axis.value).map_err(|(what, help)| table.fault_at(axis.at, what, help))?;
     }
     plunge.step = table.number("step", LENGTH)?.map(|step| step.value);
-    plunge.stepover = table.number("row_spacing", LENGTH)?.map(|spacing| spacing.value);
+    plunge.stepover = table.number("stepover", LENGTH)?.map(|stepover| stepover.value);
     plunge.wall_scallop = table.number_or("wall_scallop", LENGTH, plunge.wall_scallop)?;
     if let Some(angle) = table.number("max_axis_change", ANGLE)? {
         plunge.max_axis_change_rad = angle.value.to_radians();
@@ -190,7 +205,8 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
     if let Some(rest) = table.boolean("rest")? {
         plunge.rest = rest.value;
     }
-    let sections = table.tables("section")?;
+    let sections: Vec<_> =
+        table.tables("section")?.into_iter().map(|t| t.with_renamed_keys(RENAMED_IN_SECTION)).collect();
     check_count(&sections, MAX_SECTIONS, "sections")?;
     plunge.sections = sections.iter().map(|table| section(table, tools)).collect::<Result<_, _>>()?;
     if let (Some(section), Some(table)) = (plunge.sections.first(), sections.first())
@@ -225,40 +241,41 @@ pub fn parse_axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
 }
 
 fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputError> {
-    table.check_keys(&["tool", "from", "to", "feed", "rest"])?;
+    table.check_keys(&["tool", "from", "to", "cutting_direction", "rest"])?;
     let needed = |key: &str| {
         table.fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
     };
     let tool = table.whole("tool", 1, MAX_NUMBER)?.ok_or_else(|| needed("tool"))?;
     if !tools.iter().any(|known| known.number == tool.value) {
         let numbers: Vec<String> = tools.iter().take(20).map(|tool| tool.number.to_string()).collect();
-        let cure = match numbers.is_empty() {
+        let help = match numbers.is_empty() {
             true => format!("add a [[tool]] with number = {}", tool.value),
             false => format!("use one of the tools {}", numbers.join(", ")),
         };
-        return Err(table.fault_at(tool.at, format!("there is no tool {}", tool.value), cure));
+        return Err(table.fault_at(tool.at, format!("there is no tool {}", tool.value), help));
     }
     let s = NumberRange::Between(0.0, 1.0);
     let from = table.number("from", s)?.ok_or_else(|| needed("from"))?;
     let to = table.number("to", s)?.ok_or_else(|| needed("to"))?;
     if from.value <= to.value {
         let what = format!("the section runs from {} to {}", from.value, to.value);
-        let cure = "`from` is the outlet end (1 at the rim) and must be greater than `to`";
-        return Err(table.fault_at(to.at, what, cure));
+        let help = "`from` is the outlet end (1 at the rim) and must be greater than `to`";
+        return Err(table.fault_at(to.at, what, help));
     }
-    let feed = match table.string("feed")? {
+    let cut_direction = match table.string("cutting_direction")? {
         None => None,
-        Some(feed) => Some(match feed.value {
-            "inward" => CutDirection::Inward,
-            "outward" => CutDirection::Outward,
+        Some(direction) => Some(match direction.value {
+            "outlet_to_inlet" | "inward" => CutDirection::OutletToInlet,
+            "inlet_to_outlet" | "outward" => CutDirection::InletToOutlet,
             other => {
                 let what = format!("{} is not a cutting direction", super::source::quote_for_message(other));
-                return Err(table.fault_at(feed.at, what, "use \"inward\" or \"outward\""));
+                let help = "use \"outlet_to_inlet\" or \"inlet_to_outlet\"";
+                return Err(table.fault_at(direction.at, what, help));
             }
         }),
     };
     let rest = table.boolean("rest")?.is_some_and(|rest| rest.value);
-    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, cut_direction: feed, rest })
+    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, cut_direction, rest })
 }
 
 fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
@@ -266,7 +283,7 @@ fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError
         "tool",
         "scheme",
         "layer_depth",
-        "allowed_error",
+        "scallop_height",
         "extension",
         "feed",
         "slot_feed",
@@ -275,12 +292,12 @@ fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError
     ])?;
     if let Some(scheme) = table.string("scheme")? {
         flank.strategy = parse_flank_strategy(scheme.value)
-            .map_err(|(what, cure)| table.fault_at(scheme.at, what, cure))?;
+            .map_err(|(what, help)| table.fault_at(scheme.at, what, help))?;
     }
     // The tool number is not checked against the tools: a setup for plunging may not list the flank tool yet.
     flank.tool = table.whole("tool", 1, MAX_NUMBER)?.map(|tool| tool.value);
     flank.layer_depth = table.number_or("layer_depth", LENGTH, flank.layer_depth)?;
-    flank.scallop_height = table.number_or("allowed_error", LENGTH, flank.scallop_height)?;
+    flank.scallop_height = table.number_or("scallop_height", LENGTH, flank.scallop_height)?;
     flank.lead_in_out = table.number("extension", ALLOWANCE)?.map(|x| x.value);
     flank.feed_mm_per_min = table.number("feed", RATE)?.map(|x| x.value);
     flank.slot_feed_mm_per_min = table.number("slot_feed", RATE)?.map(|x| x.value);
@@ -316,11 +333,12 @@ pub fn write_setup(setup: &Setup) -> String {
 }
 
 fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
+    writeln!(out, "version = {VERSION}")?;
     if let Some(part) = &setup.part {
-        writeln!(out, "part = {}\n", quoted(part))?;
+        writeln!(out, "part = {}", quoted(part))?;
     }
     let stock = &setup.allowances;
-    writeln!(out, "[stock]")?;
+    writeln!(out, "\n[stock]")?;
     writeln!(out, "hub_allowance = {:?}", stock.hub_allowance)?;
     writeln!(out, "blade_allowance = {:?}", stock.blade_allowance)?;
     writeln!(out, "safety_distance = {:?}", stock.safety_distance)?;
@@ -339,8 +357,8 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     if let Some(step) = plunge.step {
         writeln!(out, "step = {step:?}")?;
     }
-    if let Some(spacing) = plunge.stepover {
-        writeln!(out, "row_spacing = {spacing:?}")?;
+    if let Some(stepover) = plunge.stepover {
+        writeln!(out, "stepover = {stepover:?}")?;
     }
     writeln!(out, "wall_scallop = {:?}", plunge.wall_scallop)?;
     writeln!(out, "max_axis_change = {}", degrees_text(plunge.max_axis_change_rad))?;
@@ -352,8 +370,8 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
         writeln!(out, "\n[[plunge.section]]\ntool = {}", section.tool)?;
         writeln!(out, "from = {:?}\nto = {:?}", section.from, section.to)?;
         match section.cut_direction {
-            Some(CutDirection::Inward) => writeln!(out, "feed = \"inward\"")?,
-            Some(CutDirection::Outward) => writeln!(out, "feed = \"outward\"")?,
+            Some(CutDirection::OutletToInlet) => writeln!(out, "cutting_direction = \"outlet_to_inlet\"")?,
+            Some(CutDirection::InletToOutlet) => writeln!(out, "cutting_direction = \"inlet_to_outlet\"")?,
             None => {}
         }
         if section.rest {
@@ -366,7 +384,7 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     }
     writeln!(out, "scheme = \"{}\"", setup.flank.strategy.name())?;
     writeln!(out, "layer_depth = {:?}", setup.flank.layer_depth)?;
-    writeln!(out, "allowed_error = {:?}", setup.flank.scallop_height)?;
+    writeln!(out, "scallop_height = {:?}", setup.flank.scallop_height)?;
     if let Some(extension) = setup.flank.lead_in_out {
         writeln!(out, "extension = {extension:?}")?;
     }
@@ -454,7 +472,7 @@ tool = 4
         assert_eq!(setup.plunge.axis, AxisPolicy::Conventional);
         assert_eq!((setup.plunge.step, setup.plunge.stepover), (Some(8.0), None));
         assert_eq!(setup.plunge.max_tilt_rad, 30f64.to_radians());
-        assert_eq!(setup.plunge.sections[0].cut_direction, Some(CutDirection::Outward));
+        assert_eq!(setup.plunge.sections[0].cut_direction, Some(CutDirection::InletToOutlet));
         assert_eq!((setup.plunge.rest, setup.plunge.sections[0].rest), (false, false));
         assert!(setup.plunge.sections[1].rest);
         assert_eq!((setup.flank.tool, setup.flank.layer_depth), (Some(4), 3.0));
@@ -489,7 +507,13 @@ tool = 4
             ("tool = 7", "tool = 3", 20, "there is no tool 3; use one of the tools 7, 2"),
             ("to = 0.6", "to = 1.0", 22, "outlet end"),
             ("from = 1.0", "from = 1.5", 21, "from 0 to 1"),
-            ("\"outward\"", "\"sideways\"", 23, "inward"),
+            ("\"outward\"", "\"sideways\"", 23, "outlet_to_inlet"),
+            (
+                "feed = \"outward\"",
+                "cutting_direction = \"inlet_to_outlet\"\nfeed = \"outward\"",
+                24,
+                "former name",
+            ),
             ("rest = false", "rest = 0", 18, "true or false"),
             ("outward\"", "outward\"\nrest = true", 19, "no section comes before it"),
             ("[[plunge.section]]", "[plunge.section]", 19, "TOML"),

@@ -31,8 +31,8 @@ pub struct Source<'a> {
 
 impl Source<'_> {
     /// An error at `line` (0: none) of this file.
-    pub fn fault(&self, line: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
-        InputError::new(self.file, line, what, cure)
+    pub fn fault(&self, line: usize, what: impl Into<String>, help: impl Into<String>) -> InputError {
+        InputError::new(self.file, line, what, help)
     }
 
     /// Parses a finite number with |x| ≤ 1e6.
@@ -146,12 +146,12 @@ pub fn read_bytes_up_to(path: &Path, limit: usize) -> Result<Vec<u8>, InputError
     let name = name_of(path);
     let source = Source { file: &name };
     let unreadable = |error: std::io::Error| {
-        let cure = match error.kind() {
+        let help = match error.kind() {
             std::io::ErrorKind::NotFound => "check the path",
             std::io::ErrorKind::PermissionDenied => "check its permissions",
             _ => "check the file and its disk",
         };
-        source.fault(0, format!("cannot be read: {error}"), cure)
+        source.fault(0, format!("cannot be read: {error}"), help)
     };
     let metadata = std::fs::metadata(path).map_err(unreadable)?;
     if metadata.is_dir() {

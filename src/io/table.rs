@@ -90,7 +90,7 @@ impl<'a> TomlDocument<'a> {
 
     /// The root table.
     pub fn root<'t>(&'t self, table: &'t Spanned<DeTable<'a>>) -> TomlTable<'t> {
-        TomlTable { doc: self, name: String::new(), table: table.get_ref(), at: 0 }
+        TomlTable { doc: self, name: String::new(), table: table.get_ref(), at: 0, renamed: &[] }
     }
 
     /// Line of a byte offset.
@@ -99,8 +99,8 @@ impl<'a> TomlDocument<'a> {
     }
 
     /// An error at a byte offset.
-    pub fn fault(&self, at: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
-        self.source.fault(self.line(at), what, cure)
+    pub fn fault(&self, at: usize, what: impl Into<String>, help: impl Into<String>) -> InputError {
+        self.source.fault(self.line(at), what, help)
     }
 }
 
@@ -129,10 +129,10 @@ impl NumberRange {
     /// # Errors
     /// When it is not: what to give instead.
     pub fn check(self, x: f64) -> Result<(), String> {
-        if self.holds(x) { Ok(()) } else { Err(self.cure()) }
+        if self.holds(x) { Ok(()) } else { Err(self.help()) }
     }
 
-    fn cure(self) -> String {
+    fn help(self) -> String {
         match self {
             Self::Between(a, b) => format!("give a number from {a} to {b}"),
             Self::Above(a, b) => format!("give a number greater than {a} and at most {b}"),
@@ -187,17 +187,26 @@ pub struct TomlTable<'t> {
     name: String,
     table: &'t DeTable<'t>,
     at: usize,
+    renamed: RenamedKeys,
 }
 
+/// Keys with their former names, which files may still use: (name, former name).
+pub type RenamedKeys = &'static [(&'static str, &'static str)];
+
 impl<'t> TomlTable<'t> {
+    /// The table, in which each of `renamed` is found by its former name too.
+    pub fn with_renamed_keys(self, renamed: RenamedKeys) -> Self {
+        Self { renamed, ..self }
+    }
+
     /// Line of the table's header.
     pub fn line(&self) -> usize {
         self.doc.line(self.at)
     }
 
     /// An error of the table as a whole.
-    pub fn fault(&self, what: impl Into<String>, cure: impl Into<String>) -> InputError {
-        self.doc.fault(self.at, what, cure)
+    pub fn fault(&self, what: impl Into<String>, help: impl Into<String>) -> InputError {
+        self.doc.fault(self.at, what, help)
     }
 
     /// Name of the table in messages.
@@ -211,16 +220,27 @@ impl<'t> TomlTable<'t> {
     }
 
     fn get(&self, key: &str) -> Option<&'t Spanned<DeValue<'t>>> {
-        self.table.get(key)
+        let former = || self.renamed.iter().find(|(name, _)| *name == key);
+        self.table.get(key).or_else(|| self.table.get(former()?.1))
     }
 
-    /// Checks that the table has no keys other than `known`.
+    /// Checks that the table has no keys other than `known` and their former names.
     ///
     /// # Errors
-    /// At the first unknown key, with the nearest known one.
+    /// At the first unknown key, with the nearest known one; at a former name beside the present one.
     pub fn check_keys(&self, known: &[&str]) -> Result<(), InputError> {
-        let mut unknown: Vec<_> =
-            self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).collect();
+        for (name, former) in self.renamed {
+            if let (Some(_), Some(value)) = (self.table.get(*name), self.table.get(*former)) {
+                return Err(self.doc.fault(
+                    value.span().start,
+                    format!("`{former}` is the former name of `{name}`, which is given too"),
+                    format!("remove `{former}`"),
+                ));
+            }
+        }
+        let is_former = |key: &str| self.renamed.iter().any(|(_, former)| *former == key);
+        let is_known = |key: &str| known.contains(&key) || is_former(key);
+        let mut unknown: Vec<_> = self.table.keys().filter(|key| !is_known(key.get_ref())).collect();
         unknown.sort_by_key(|key| key.span().start);
         let Some(key) = unknown.first() else { return Ok(()) };
         let name: &str = key.get_ref();
@@ -240,7 +260,7 @@ impl<'t> TomlTable<'t> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let x = self.number_of(key, value)?;
         let at = value.span().start;
-        range.check(x).map_err(|cure| self.doc.fault(at, format!("`{key}` is {x}"), cure))?;
+        range.check(x).map_err(|help| self.doc.fault(at, format!("`{key}` is {x}"), help))?;
         Ok(Some(Located { value: x, at }))
     }
 
@@ -322,7 +342,9 @@ impl<'t> TomlTable<'t> {
     fn child(&self, key: &str, value: &'t Spanned<DeValue<'t>>) -> Result<Self, InputError> {
         let name = if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) };
         match value.get_ref() {
-            DeValue::Table(table) => Ok(TomlTable { doc: self.doc, name, table, at: value.span().start }),
+            DeValue::Table(table) => {
+                Ok(TomlTable { doc: self.doc, name, table, at: value.span().start, renamed: &[] })
+            }
             _ => Err(self.doc.fault(
                 value.span().start,
                 format!("`{key}` is not a table"),
@@ -481,8 +503,8 @@ impl<'t> TomlTable<'t> {
     }
 
     /// An error at a byte offset of this document.
-    pub fn fault_at(&self, at: usize, what: impl Into<String>, cure: impl Into<String>) -> InputError {
-        self.doc.fault(at, what, cure)
+    pub fn fault_at(&self, at: usize, what: impl Into<String>, help: impl Into<String>) -> InputError {
+        self.doc.fault(at, what, help)
     }
 }
 

@@ -119,9 +119,9 @@ fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
     table.check_keys(&TOOL_KEYS)?;
     let given = table.whole("number", 1, MAX_NUMBER)?;
     let number = given.map_or(before.len() as u32 + 1, |n| n.value);
-    let at = |at: Option<usize>, what: String, cure: &str| match at {
-        Some(at) => table.fault_at(at, what, cure),
-        None => table.fault(what, cure),
+    let at = |at: Option<usize>, what: String, help: &str| match at {
+        Some(at) => table.fault_at(at, what, help),
+        None => table.fault(what, help),
     };
     if before.iter().any(|tool| tool.number == number) {
         let what = format!("two tools have the number {number}");
@@ -173,7 +173,7 @@ fn assembly(table: &TomlTable<'_>, overhang: f64) -> Result<ToolAssembly, InputE
         return Err(table.fault_at(flute.at, what, "give a longer overhang, or shorter flutes"));
     }
     let shank = segments::<2>(table, "shank", |[diameter, length]| {
-        LENGTH.check(diameter).and(LENGTH.check(length)).map_err(|cure| format!("both numbers: {cure}"))
+        LENGTH.check(diameter).and(LENGTH.check(length)).map_err(|help| format!("both numbers: {help}"))
     })?;
     let total: f64 = shank.value.iter().map(|[_, length]| length).sum();
     if flute_length.is_none() && total >= overhang {
@@ -187,7 +187,7 @@ fn assembly(table: &TomlTable<'_>, overhang: f64) -> Result<ToolAssembly, InputE
     }
     let holder = segments::<3>(table, "holder", |[lower, upper, length]| {
         let diameters = LENGTH.check(lower).and(LENGTH.check(upper));
-        diameters.and(LENGTH.check(length)).map_err(|cure| format!("all three numbers: {cure}"))
+        diameters.and(LENGTH.check(length)).map_err(|help| format!("all three numbers: {help}"))
     })?;
     Ok(ToolAssembly {
         name: name(table, "name")?,
@@ -215,9 +215,9 @@ fn segments<const N: usize>(
         return Err(table.fault_at(rows.at, what, format!("give at most {MAX_SEGMENTS}")));
     }
     for (index, row) in rows.value.iter().enumerate() {
-        check(row.value).map_err(|cure| {
+        check(row.value).map_err(|help| {
             let what = format!("segment {} of `{key}` is {:?}", index + 1, row.value);
-            table.fault_at(row.at, what, cure)
+            table.fault_at(row.at, what, help)
         })?;
     }
     Ok(Located { value: rows.value.iter().map(|row| row.value).collect(), at: rows.at })

@@ -43,12 +43,12 @@ impl Drop for TemporaryFiles {
     }
 }
 
-fn fault(path: &Path, what: String, cure: &str) -> InputError {
-    InputError::new(&name_of(path), 0, what, cure)
+fn fault(path: &Path, what: String, help: &str) -> InputError {
+    InputError::new(&name_of(path), 0, what, help)
 }
 
 fn failed(path: &Path, error: &Error) -> InputError {
-    let cure = match error.kind() {
+    let help = match error.kind() {
         ErrorKind::NotFound | ErrorKind::NotADirectory => "make the folder first, or name another",
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
             "choose a folder that you may write to"
@@ -56,7 +56,7 @@ fn failed(path: &Path, error: &Error) -> InputError {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space on the disk",
         _ => "check the disk, or name another folder",
     };
-    fault(path, format!("cannot be written: {error}"), cure)
+    fault(path, format!("cannot be written: {error}"), help)
 }
 
 /// Writes `bytes` to a temporary file beside `path` and returns its path.

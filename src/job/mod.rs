@@ -298,11 +298,11 @@ fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
         ),
         Some(DropReason::Holder) => {
             let least = plan.dropped.iter().filter_map(|d| d.stick_out).reduce(f64::max);
-            let cure = match least {
+            let help = match least {
                 Some(overhang) => format!("give an overhang of {overhang} mm, or a thinner holder"),
                 None => "give a thinner holder, or allow more tilt".to_owned(),
             };
-            SetupFault::new("the holder of every plunge would come too near to part or blank", cure)
+            SetupFault::new("the holder of every plunge would come too near to part or blank", help)
         }
         _ => {
             let tilt = setup.machine.max_axis_tilt_rad.to_degrees();

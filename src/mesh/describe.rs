@@ -147,8 +147,8 @@ struct SortedMeshes {
 fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<SortedMeshes, PartError> {
     let names = listed(&meshes);
     let missing = |what: &str| {
-        let cure = format!("name it with --role NODE={what}; there are: {names}");
-        PartError::new(0, format!("no mesh is called {what}"), cure)
+        let help = format!("name it with --role NODE={what}; there are: {names}");
+        PartError::new(0, format!("no mesh is called {what}"), help)
     };
     if !meshes.iter().any(|m| !m.mesh.triangles.is_empty()) {
         return Err(PartError::new(0, "holds no triangles", "export the impeller's surfaces as meshes"));

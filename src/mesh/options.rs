@@ -112,7 +112,7 @@ pub(super) fn check_size<'a>(
         return Ok(());
     }
     let shown = if size >= 1e4 { format!("{:.4} m", size / 1e3) } else { format!("{size:.4} mm") };
-    let cure = match likely_unit(across, own) {
+    let help = match likely_unit(across, own) {
         Some(LengthUnit::Millimetre) => {
             format!("give --unit mm (it would be {across:.4} mm), or cm or in, whichever the file uses")
         }
@@ -126,6 +126,6 @@ pub(super) fn check_size<'a>(
     Err(PartError::new(
         0,
         format!("the wheel would be {shown} across, which is not a plausible size of an impeller"),
-        cure,
+        help,
     ))
 }

@@ -85,7 +85,7 @@ impl RawBlade {
 }
 
 fn check_spans(spans: &[CamberSpan], line: usize) -> Result<(), PartError> {
-    let fault = |what: &str, cure: &str| Err(PartError::new(line, what.to_string(), cure.to_string()));
+    let fault = |what: &str, help: &str| Err(PartError::new(line, what.to_string(), help.to_string()));
     if spans.len() < 2 {
         return fault("a blade needs two spans or more", "give one at the hub and one at the shroud");
     }

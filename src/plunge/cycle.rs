@@ -187,7 +187,7 @@ impl SectionCut {
 
     /// As [`Self::empty`], for a section that planning did not reach before it was stopped.
     fn not_started(section: &SectionSetup, columns: Columns) -> Self {
-        let feed = section.cut_direction.unwrap_or(CutDirection::Inward);
+        let feed = section.cut_direction.unwrap_or(CutDirection::OutletToInlet);
         Self { added: Some((0, StopReason::Cancelled)), ..Self::empty(feed, columns) }
     }
 
@@ -541,7 +541,10 @@ impl<'a> Planner<'a> {
         match (policy, section.rest) {
             (AxisPolicy::Minimal, true) => return self.rest_section(index, columns, monitor),
             (_, true) => {
-                return Ok(SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::Inward), columns));
+                return Ok(SectionCut::empty(
+                    section.cut_direction.unwrap_or(CutDirection::OutletToInlet),
+                    columns,
+                ));
             }
             (_, false) => {}
         }
@@ -560,7 +563,8 @@ impl<'a> Planner<'a> {
             }
             rows => rows?,
         };
-        let mut cut = SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::Inward), columns);
+        let mut cut =
+            SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::OutletToInlet), columns);
         for row in rows {
             cut.rows.push(self.cut_row(row, tool, max_lift, &mut cut.columns, &monitor.ignoring_stop())?);
         }
@@ -578,7 +582,7 @@ impl<'a> Planner<'a> {
     ) -> Result<Vec<PlannedRow>, PlanError> {
         let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
-        let feed = section.cut_direction.unwrap_or(CutDirection::Inward);
+        let feed = section.cut_direction.unwrap_or(CutDirection::OutletToInlet);
         let mut rows = Vec::new();
         for layout in layouts {
             let made: Vec<Result<Vec<PlannedRow>, PlanError>> = layout
@@ -587,7 +591,7 @@ impl<'a> Planner<'a> {
                 .map(|row_ground| {
                     let place = (row_ground.lambda, layout.rows.len());
                     let maker = self.row_maker(layout, tool, place, feed, monitor);
-                    let ends = self.row_ends(index, &layout.stretch, feed.inward_sign());
+                    let ends = self.row_ends(index, &layout.stretch, feed.sign_along_s());
                     let runs = row_ground.runs.get_or_make(ends.0, || maker.runs(ends.0, ends.1))?;
                     let lambda = layout.stretch.lambda_in_channel(row_ground.lambda);
                     let mut rows = Vec::with_capacity(runs.stretches.len());

@@ -12,7 +12,7 @@ pub enum Condition {
     /// It lacks the axis its policy prescribes; see [`Blocked`].
     Blocked,
     /// Its core meets stock.
-    Interferential,
+    Interfering,
 }
 
 impl Condition {
@@ -21,7 +21,7 @@ impl Condition {
         match self {
             Self::Sound => "sound",
             Self::Blocked => "blocked",
-            Self::Interferential => "interferential",
+            Self::Interfering => "interferential",
         }
     }
 }
@@ -145,7 +145,7 @@ impl Position {
     /// Overall condition; contact of the core takes precedence over [`Blocked`].
     pub fn condition(&self) -> Condition {
         if self.contact.interferes() {
-            Condition::Interferential
+            Condition::Interfering
         } else if self.blocked.is_some() {
             Condition::Blocked
         } else {

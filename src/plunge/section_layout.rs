@@ -247,7 +247,7 @@ impl<'a> Planner<'a> {
             hub: &layout.hub,
             tool,
             lambda,
-            direction_sign: feed.inward_sign(),
+            direction_sign: feed.sign_along_s(),
             step_limit: step_limit(&self.setup.plunge, tool, wall_row),
             monitor,
         }

@@ -6,7 +6,7 @@ use super::choice::search::MIN_SECTION_S;
 use super::choice::{choose, choose_rest};
 use super::survey::Survey;
 use crate::part::{Channel, Impeller};
-use crate::setup::{PlungeSetup, SectionSetup, Setup, SetupFault, SetupPlace, Tool, tool_of};
+use crate::setup::{PlungeSetup, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of};
 
 /// Maximum number of positions in the plan of one channel. Planning half as many takes about a gigabyte.
 pub const MAX_POSITIONS: usize = 200_000;
@@ -175,7 +175,7 @@ pub(super) fn too_many_positions(
     let step = 0.8 * tool.insert_width;
     let asked = [
         (plunge.step, step, "step"),
-        (plunge.stepover, 4.0 / 3.0 * tool.radius(), "row_spacing"),
+        (plunge.stepover, 4.0 / 3.0 * tool.radius(), "stepover"),
         (Some(step_limit(plunge, tool, true)), step_limit(plunge, tool, false), "wall_scallop"),
     ];
     let finest = asked
@@ -183,13 +183,13 @@ pub(super) fn too_many_positions(
         .filter_map(|(value, usual, key)| Some((value? / usual, key)))
         .filter(|(share, _)| *share < 0.4)
         .min_by(|a, b| a.0.total_cmp(&b.0));
-    let (cure, place) = match finest {
+    let (help, place) = match finest {
         Some((_, key)) => (format!("give a greater `{key}`"), SetupPlace::Plunge(key)),
         None => (format!("use a larger cutter or wider inserts than those of tool {}", tool.number), place),
     };
     let count = if positions < 1e6 { format!("about {positions:.0}") } else { "over a million".to_owned() };
     let what = format!("the plan would have {count} positions; the limit is {MAX_POSITIONS}");
-    SetupFault::new(what, cure).at(place)
+    SetupFault::new(what, help).at(place)
 }
 
 /// Errors when no cutter fits anywhere in the channel because of the blade allowance.
@@ -203,7 +203,7 @@ fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFaul
     }
     Err(SetupFault::new(
         format!("`blade_allowance` is {allowance}, but the blades are {widest:.2} mm apart at most"),
-        format!("give at most {most:.2} mm, less to cut where they come closer"),
+        format!("give at most {:.2} mm, less to cut where they come closer", round_down(most, 2)),
     )
     .at(SetupPlace::Stock("blade_allowance")))
 }
@@ -228,7 +228,7 @@ fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<()
     let Some((width, tool, place)) = widest else { return Ok(()) };
     let free_width = width - 2.0 * allowance;
     let fitting = library.iter().map(|tool| tool.diameter).filter(|&d| d < free_width);
-    let cure = match fitting.max_by(f64::total_cmp) {
+    let help = match fitting.max_by(f64::total_cmp) {
         Some(d) => format!("use a cutter of at most D {d}"),
         None => "lower the blade allowance".to_string(),
     };
@@ -237,5 +237,5 @@ fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<()
          inside the allowances",
         tool.number, tool.diameter
     );
-    Err(SetupFault::new(what, cure).at(place))
+    Err(SetupFault::new(what, help).at(place))
 }

@@ -28,26 +28,38 @@ pub enum SetupPlace {
 
 /// Mismatch of a setup and a part.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{what}; {cure}")]
+#[error("{message}; {help}")]
 pub struct SetupFault {
     /// What is wrong.
-    pub what: String,
+    pub message: String,
     /// What to do about it.
-    pub cure: String,
+    pub help: String,
     /// Where in the setup it is.
     pub place: SetupPlace,
 }
 
 impl SetupFault {
     /// A fault of the setup as a whole: what is wrong and how to fix it.
-    pub fn new(what: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self { what: what.into(), cure: cure.into(), place: SetupPlace::Whole }
+    pub fn new(message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { message: message.into(), help: help.into(), place: SetupPlace::Whole }
     }
 
     /// The fault at `place`.
     pub fn at(self, place: SetupPlace) -> Self {
         Self { place, ..self }
     }
+}
+
+/// The greatest number of `decimals` decimals that is not above `x`, for a limit in a message: a user who enters
+/// what the message says stays within it.
+pub fn round_down(x: f64, decimals: i32) -> f64 {
+    let scale = 10f64.powi(decimals);
+    (x * scale).floor() / scale
+}
+
+/// The least number of `decimals` decimals that is not below `x`; see [`round_down`].
+pub fn round_up(x: f64, decimals: i32) -> f64 {
+    -round_down(-x, decimals)
 }
 
 /// Tool number `number` of the setup.

@@ -13,7 +13,7 @@ mod settings;
 pub mod tool;
 
 pub use assembly::{AssemblyPart, AssemblySegment, ToolAssembly};
-pub use fault::{SetupFault, SetupPlace, tool_of};
+pub use fault::{SetupFault, SetupPlace, round_down, round_up, tool_of};
 pub use settings::{
     AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy,
     Machine, PlungeSetup, SectionSetup, Setup,

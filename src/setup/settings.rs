@@ -35,20 +35,21 @@ impl AxisPolicy {
 
 /// Direction in which the rows of a section are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
 pub enum CutDirection {
-    /// Outlet → inlet.
-    Inward,
-    /// Inlet → outlet.
-    Outward,
+    /// Outlet → inlet; `inward` in files.
+    #[serde(rename = "inward", alias = "outlet_to_inlet")]
+    OutletToInlet,
+    /// Inlet → outlet; `outward` in files.
+    #[serde(rename = "outward", alias = "inlet_to_outlet")]
+    InletToOutlet,
 }
 
 impl CutDirection {
     /// +1 when rows run inwards, −1 when they run outwards.
-    pub fn inward_sign(self) -> f64 {
+    pub fn sign_along_s(self) -> f64 {
         match self {
-            Self::Inward => 1.0,
-            Self::Outward => -1.0,
+            Self::OutletToInlet => 1.0,
+            Self::InletToOutlet => -1.0,
         }
     }
 }

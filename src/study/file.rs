@@ -116,7 +116,7 @@ impl StudyFile {
     ) -> Result<String, String> {
         let mut tree = self.base.clone();
         for (axis, value) in values.filter(|(axis, _)| axis.key != PART) {
-            set_in_setup(&mut tree, &axis.key, value).map_err(|(what, cure)| format!("{what}; {cure}"))?;
+            set_in_setup(&mut tree, &axis.key, value).map_err(|(what, help)| format!("{what}; {help}"))?;
         }
         toml::to_string(&tree).map_err(|error| format!("the setup cannot be written ({error}); simplify it"))
     }
@@ -187,12 +187,12 @@ fn axis(document: &TomlDocument<'_>, table: &TomlTable<'_>) -> Result<Axis, Inpu
     let key = table.string("key")?.ok_or_else(|| {
         table.fault("the axis has no `key`", "give the key of a setup that varies, such as \"plunge.step\"")
     })?;
-    let canonical = canonical_key(key.value).map_err(|(what, cure)| table.fault_at(key.at, what, cure))?;
+    let canonical = canonical_key(key.value).map_err(|(what, help)| table.fault_at(key.at, what, help))?;
     let values = match (table.scalars("values")?, table.numbers("range")?) {
         (Some(values), None) => values,
         (None, Some(range)) => {
             let values = range_values(&range.value, MAX_RUNS)
-                .map_err(|(what, cure)| table.fault_at(range.at, what, cure))?;
+                .map_err(|(what, help)| table.fault_at(range.at, what, help))?;
             values.into_iter().map(|value| Located { value, at: range.at }).collect()
         }
         (Some(_), Some(range)) => {
@@ -243,9 +243,9 @@ fn exclude(table: &TomlTable<'_>, axes: &[Axis]) -> Result<Vec<(usize, Vec<usize
     let mut matched: Vec<(usize, Vec<usize>)> = Vec::new();
     for (written, values) in keys {
         let at = values.first().map(|value| value.at);
-        let fault = |what: String, cure: String| match at {
-            Some(at) => table.fault_at(at, what, cure),
-            None => table.fault(what, cure),
+        let fault = |what: String, help: String| match at {
+            Some(at) => table.fault_at(at, what, help),
+            None => table.fault(what, help),
         };
         let key = canonical_key(&written).unwrap_or_else(|_| written.clone());
         let Some(index) = axes.iter().position(|axis| axis.key == key) else {

@@ -42,8 +42,8 @@ pub fn merge(folder: &Path) -> Result<Merged, InputError> {
         let first = program.get_or_insert_with(|| result.program.clone());
         if *first != result.program {
             let what = format!("is of vanecut {}, results before it of {first}", result.program);
-            let cure = "run the study again with one version, which redoes the others";
-            return Err(InputError::new(&source::name_of(&path), 0, what, cure));
+            let help = "run the study again with one version, which redoes the others";
+            return Err(InputError::new(&source::name_of(&path), 0, what, help));
         }
         write_record(&mut merged.text, row(&result, keys()).iter().map(String::as_str));
         merged.rows += 1;

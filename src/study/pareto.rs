@@ -50,8 +50,8 @@ impl Table {
     /// # Errors
     /// When the bytes are not such a table.
     pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Self, InputError> {
-        let cure = "give the table that `vanecut study merge` wrote";
-        let fault = |line: usize, what: String| InputError::new(name, line, what, cure);
+        let help = "give the table that `vanecut study merge` wrote";
+        let fault = |line: usize, what: String| InputError::new(name, line, what, help);
         let text = std::str::from_utf8(bytes).map_err(|_| fault(0, "is not UTF-8 text".to_owned()))?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut records = records(text).map_err(|(line, what)| fault(line, what))?.into_iter();

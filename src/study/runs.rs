@@ -77,7 +77,7 @@ impl RunList {
         let mut list = Self { file, parts, runs: Vec::new() };
         let ids: Vec<(String, bool)> = choices.par_iter().map(|choice| list.id_of(choice)).collect();
         list.check_values(&choices, &ids)?;
-        let fault = |what: String, cure: &str| Err(InputError::new(&list.file.name, 0, what, cure));
+        let fault = |what: String, help: &str| Err(InputError::new(&list.file.name, 0, what, help));
         if choices.is_empty() {
             return fault("every run is excluded".to_owned(), "remove an [[exclude]]");
         }
@@ -180,8 +180,8 @@ impl RunList {
                 });
                 if let Err(fault) = read {
                     let name = format!("{}:{line}", self.file.name);
-                    let (what, cure) = fault.split_once("; ").unwrap_or((&fault, "correct it"));
-                    return Err(InputError::new(&name, 0, format!("`{}`: {what}", axis.key), cure));
+                    let (what, help) = fault.split_once("; ").unwrap_or((&fault, "correct it"));
+                    return Err(InputError::new(&name, 0, format!("`{}`: {what}", axis.key), help));
                 }
             }
         }

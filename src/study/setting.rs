@@ -24,8 +24,8 @@ pub fn canonical_key(key: &str) -> Result<String, Fault> {
         _ => {}
     }
     if key.chars().count() > MAX_KEY_CHARS || key.split('.').any(str::is_empty) {
-        let cure = "give a path such as plunge.step, tool.1.diameter or stock.hub_allowance";
-        return Err((format!("{shown} is not the path of a key of a setup"), cure.to_owned()));
+        let help = "give a path such as plunge.step, tool.1.diameter or stock.hub_allowance";
+        return Err((format!("{shown} is not the path of a key of a setup"), help.to_owned()));
     }
     if key.split('.').next() == Some("flank") {
         let what = format!("{shown} does not change a plunge plan");
@@ -199,8 +199,8 @@ mod tests {
             ("machine.1.max_axis_tilt", "no machine `1`"),
             ("tool.7.diameter.x", "is a value"),
         ] {
-            let (what, cure) = set(bad).expect_err(bad);
-            assert!(format!("{what}; {cure}").contains(words), "{bad}: {what}; {cure}");
+            let (what, help) = set(bad).expect_err(bad);
+            assert!(format!("{what}; {help}").contains(words), "{bad}: {what}; {help}");
         }
     }
 }

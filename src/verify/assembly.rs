@@ -53,13 +53,13 @@ pub(super) fn assembly_findings(
     }
     if clearance.holder.collides() {
         let only = (!clearance.shank.collides()).then_some(clearance.worst).flatten();
-        let cure = match only.and_then(|pose| around.stick_out(tool, pose)) {
+        let help = match only.and_then(|pose| around.stick_out(tool, pose)) {
             Some(overhang) => format!("an overhang of {overhang} mm would do, instead of {}", tool.overhang),
             None => "no longer overhang frees it: tilt the axis, or give a thinner holder".to_owned(),
         };
         let what = format!(
             "the holder of tool {} comes within {:.3} mm of the part: {:.3} mm short of allowance and \
-             clearance; {cure}",
+             clearance; {help}",
             tool.number, clearance.holder.distance, clearance.holder.missing
         );
         findings.push(Finding::new(FaultKind::HolderCollision, clearance.holder.missing, what));

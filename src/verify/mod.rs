@@ -296,7 +296,7 @@ fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<SectionPlan> {
                 tool,
                 from: ours.iter().map(s).fold(0.0, f64::max),
                 to: ours.iter().map(s).fold(1.0, f64::min),
-                feed: if last <= first { CutDirection::Inward } else { CutDirection::Outward },
+                feed: if last <= first { CutDirection::OutletToInlet } else { CutDirection::InletToOutlet },
                 rows: ours.iter().map(|c| c.row + 1).max().unwrap_or(0),
                 rest: false,
                 added: None,

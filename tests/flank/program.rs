@@ -145,7 +145,7 @@ fn a_flank_file_reads_back_and_damage_is_told() {
     let at = text.rfind(",\"feeds\":[").expect("feeds come last");
     let old = read_flank_bytes("f.json", format!("{}}}\n", &text[..at]).as_bytes()).expect("an older file");
     assert!(old.moves.iter().all(|m| m.kind == MoveKind::Rapid || m.feed_mm_per_min == old.feed_mm_per_min));
-    let newer = text.replacen("\"vanecut_flank\":1", "\"vanecut_flank\":7", 1);
+    let newer = text.replacen("\"vanecut_flank\":2", "\"vanecut_flank\":7", 1);
     assert!(read_flank_bytes("f.json", newer.as_bytes()).unwrap_err().to_string().contains("newer"));
     assert!(read_flank_bytes("f.json", &text.as_bytes()[..text.len() / 2]).is_err());
 }

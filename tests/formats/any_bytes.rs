@@ -65,7 +65,7 @@ insert_width = 0.8
 [plunge]
 axis = "conventional"
 step = 1.0
-row_spacing = 3.0
+stepover = 3.0
 max_axis_change = 5.0
 [[plunge.section]]
 tool = 1

@@ -9,3 +9,4 @@ mod mesh_parts;
 mod parts;
 mod round_trips;
 mod tessellation;
+mod versions;

@@ -201,7 +201,7 @@ fn rows_may_be_cut_outwards_and_corners_rounded() {
         tool,
         from: 0.4,
         to: 0.0,
-        cut_direction: Some(CutDirection::Outward),
+        cut_direction: Some(CutDirection::InletToOutlet),
         rest: false,
     }];
     let (_, plan) = planned(&part, &setup, AxisPolicy::Monotone);

@@ -23,16 +23,16 @@ const VARIABLES: [&str; 9] = [
 ];
 
 impl Study {
-    /// Seven runs of a small wheel: one cannot be planned, conventional ones have faults.
+    /// Seven runs of a small wheel: one has inserts wider than the cutter's radius, conventional ones have faults.
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let part = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");
         let text = format!(
-            "part = {:?}\n[[setup.tool]]\ndiameter = 16\ninsert_width = 5\noverhang = 80\n\
+            "part = {:?}\n[[setup.tool]]\ndiameter = 16\noverhang = 80\n\
              [[axis]]\nkey = \"policy\"\nvalues = [\"conventional\", \"staircase\"]\n\
-             [[axis]]\nkey = \"plunge.step\"\nvalues = [8, 12]\n\
-             [[axis]]\nkey = \"tool.1.diameter\"\nvalues = [8, 16]\n\
-             [[exclude]]\nplunge.step = 12\ntool.1.diameter = 8\npolicy = \"staircase\"\n",
+             [[axis]]\nkey = \"tool.1.insert_width\"\nvalues = [4, 6]\n\
+             [[axis]]\nkey = \"tool.1.diameter\"\nvalues = [10, 16]\n\
+             [[exclude]]\ntool.1.insert_width = 6\ntool.1.diameter = 10\npolicy = \"staircase\"\n",
             part.display().to_string()
         );
         fs::write(folder.path().join("study.toml"), text).unwrap();

@@ -84,7 +84,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         tool: 1,
         from: 1.0,
         to: 0.5,
-        cut_direction: Some(CutDirection::Inward),
+        cut_direction: Some(CutDirection::OutletToInlet),
         rest: false,
     }];
     Ok(PlanOutcome {
@@ -142,7 +142,7 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
         tool: tool.clone(),
         from: 1.0,
         to: 0.5,
-        feed: CutDirection::Inward,
+        feed: CutDirection::OutletToInlet,
         rows: 2,
         rest: false,
         added: None,

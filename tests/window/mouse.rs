@@ -132,7 +132,7 @@ fn a_right_click_offers_what_can_be_done_with_the_position_there() {
     assert_eq!(window.state().state().look.cut_count, Some(k + 1), "cut until there");
     assert!(window.query_by_label("Simulate to here").is_none(), "the menu is gone");
 
-    window.state_mut().look_mut().filter = Filter::Interferential;
+    window.state_mut().look_mut().filter = Filter::Interfering;
     window.state_mut().look_mut().tab = Tab::Facts;
     window.run_steps(2);
     right_click(&mut window, at);

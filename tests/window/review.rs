@@ -52,7 +52,7 @@ fn up_and_down_follow_the_table_as_it_is_sorted_and_filtered() {
     window.get_by_label("Sort by cutting order").click();
     window.run_steps(3);
     assert!(window.state().state().look.sort.descending, "last position first");
-    window.state_mut().look_mut().filter = Filter::Interferential;
+    window.state_mut().look_mut().filter = Filter::Interfering;
     window.run_steps(2);
     let rows = window.state().state().rows();
     assert_eq!(rows.len(), fake::FAULTS);

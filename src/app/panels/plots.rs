@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         curve("Stock", "St", " mm", (true, 0.1), &|k| f64::from(shown.stock(k))),
         curve("Step", "Sp", " mm", (true, 0.1), &|k| step_before(plan, k)),
     ];
-    let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interferential).collect();
+    let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
     let mut clicked = None;
     let gap = 6.0;
     let width = ((ui.available_width() - 3.0 * gap) / 4.0).max(20.0);
@@ -114,7 +114,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     }
     painter.line(piece, Stroke::new(1.3, ink));
     for (k, &v) in curve.values.iter().enumerate().filter(|(k, v)| v.is_finite() && faulty[*k]) {
-        painter.circle_filled(place(k, v), 2.5, Condition::Interferential.mark());
+        painter.circle_filled(place(k, v), 2.5, Condition::Interfering.mark());
     }
     let font = FontId::proportional(11.0);
     let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());

@@ -30,7 +30,7 @@ fn lines(ui: &mut Ui, policy: RichText, summary: &Summary) {
         ui.label(policy);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let count = summary.interfering;
-            let condition = if count == 0 { Condition::Sound } else { Condition::Interferential };
+            let condition = if count == 0 { Condition::Sound } else { Condition::Interfering };
             ui.label(RichText::new(format!("{count} interfering")).color(condition.text(ui.visuals())))
                 .on_hover_text("Plunges whose core meets stock");
         });

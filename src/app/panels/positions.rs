@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         ui.add_space(6.0);
         let words = match state.look.filter {
             Filter::All => "The plan has no positions",
-            Filter::Interferential => "No interfering plunge",
+            Filter::Interfering => "No interfering plunge",
             Filter::Blocked => "No blocked position",
         };
         ui.label(RichText::new(words).weak());
@@ -112,11 +112,8 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) {
                 }
                 row.col(|ui| {
                     let text = RichText::new(depth(position.contact.depth));
-                    let colour = Condition::Interferential.text(ui.visuals());
-                    cell(
-                        ui,
-                        if of == Condition::Interferential { text.color(colour).strong() } else { text },
-                    );
+                    let colour = Condition::Interfering.text(ui.visuals());
+                    cell(ui, if of == Condition::Interfering { text.color(colour).strong() } else { text });
                 });
                 row.col(|ui| {
                     let stock = shown.stock(k);
@@ -182,7 +179,7 @@ fn mark(ui: &mut Ui, of: Condition) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, theme::ROW_HEIGHT), Sense::hover());
     let painter = ui.painter();
     match of {
-        Condition::Interferential => {
+        Condition::Interfering => {
             painter.circle_filled(rect.center(), 4.5, of.mark());
         }
         Condition::Blocked => {

@@ -12,7 +12,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let mut dismissed = None;
     for (k, problem) in state.problems.iter().enumerate().rev() {
         ui.horizontal(|ui| {
-            let mark = Condition::Interferential;
+            let mark = Condition::Interfering;
             let (rect, _) = ui.allocate_exact_size(egui::vec2(4.0, 18.0), egui::Sense::hover());
             ui.painter().rect_filled(rect, 0.0, mark.mark());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

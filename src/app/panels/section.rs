@@ -109,7 +109,7 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
     ));
     painter.line(outline(-radius, radius), Stroke::new(1.5, accent));
     // Stock that the core hits, drawn over the cutter.
-    let contact = Condition::Interferential.mark();
+    let contact = Condition::Interfering.mark();
     columns(&mut view.contact.iter().copied(), contact.gamma_multiply(0.8));
     // The hub and its allowance.
     columns(&mut view.hub.iter().map(|p| (p[0], [frame.low, p[1]])), grey(190, 75));
@@ -152,7 +152,7 @@ fn dimensions(ui: &Ui, painter: &egui::Painter, frame: &SectionToScreen, view: &
     if depth > 0.0 {
         // Beside the core, as text over the contact would be unreadable.
         let text = format!("{} mm", short(depth));
-        let ink = Condition::Interferential.text(ui.visuals());
+        let ink = Condition::Interfering.text(ui.visuals());
         let x = -core - 6.0 / frame.scale;
         span(painter, frame, [x, 0.0], [x, depth], &text, ink);
     }
@@ -208,7 +208,7 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
     for c in view.patch.iter().filter(|c| c.depth > 0.0) {
         let at = middle + egui::vec2((c.x / core) as f32, (-c.across / core) as f32) * radius;
         let strength = 0.4 + 0.6 * (c.depth / deepest) as f32;
-        let fill = Condition::Interferential.mark().gamma_multiply(strength);
+        let fill = Condition::Interfering.mark().gamma_multiply(strength);
         mesh.add_colored_rect(Rect::from_center_size(at, Vec2::splat(cell)), fill);
     }
     painter.add(mesh);
@@ -235,7 +235,7 @@ fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
         let share = 100.0 * position.contact.area_share;
         let depth = position.contact.depth;
         let text = format!("Core hits stock {depth:.2} mm above the tip, {share:.0} % of its area");
-        let colour = Condition::Interferential.text(ui.visuals());
+        let colour = Condition::Interfering.text(ui.visuals());
         ui.label(RichText::new(text).small().strong().color(colour));
     }
 }

@@ -48,7 +48,7 @@ fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
             let text = RichText::new(&notice.text);
             match notice.tone {
                 Tone::Done => text,
-                Tone::Fault => text.color(Condition::Interferential.text(ui.visuals())),
+                Tone::Fault => text.color(Condition::Interfering.text(ui.visuals())),
             }
         }
         (None, _) if activity.running.is_some() => RichText::new("Calculating…").weak(),

@@ -143,7 +143,9 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
                     .width(120.0)
                     .selected_text(direction_label(section.cut_direction))
                     .show_ui(ui, |ui| {
-                        for feed in [None, Some(CutDirection::Inward), Some(CutDirection::Outward)] {
+                        for feed in
+                            [None, Some(CutDirection::OutletToInlet), Some(CutDirection::InletToOutlet)]
+                        {
                             ui.selectable_value(&mut section.cut_direction, feed, direction_label(feed));
                         }
                     })
@@ -255,7 +257,7 @@ fn s_box(ui: &mut Ui, value: &mut f64) -> egui::Response {
 fn direction_label(feed: Option<CutDirection>) -> &'static str {
     match feed {
         None => "Direction: auto",
-        Some(CutDirection::Inward) => "Outlet to inlet",
-        Some(CutDirection::Outward) => "Inlet to outlet",
+        Some(CutDirection::OutletToInlet) => "Outlet to inlet",
+        Some(CutDirection::InletToOutlet) => "Inlet to outlet",
     }
 }

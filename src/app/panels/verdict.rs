@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, state: &AppState) {
 
 fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summary) {
     let sound = after.interfering == 0;
-    let colour = if sound { Condition::Sound } else { Condition::Interferential }.text(ui.visuals());
+    let colour = if sound { Condition::Sound } else { Condition::Interfering }.text(ui.visuals());
     let text = format!("Interfering {} to {}", before.interfering, after.interfering);
     let depths = format!(
         "Core meets stock: {} of {} plunges before (deepest {:.2} mm), {} of {} after (deepest {:.2} mm)",
@@ -111,7 +111,7 @@ fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64) {
     let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance} mm");
     ui.label(RichText::new(name).weak()).on_hover_text(&tip);
     let text = if value.is_finite() { format!("{value:.2} mm") } else { "-".to_owned() };
-    let colour = Condition::Interferential.text(ui.visuals());
+    let colour = Condition::Interfering.text(ui.visuals());
     let text = if short {
         RichText::new(text + " (too little)").strong().color(colour)
     } else {

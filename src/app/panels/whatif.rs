@@ -88,7 +88,7 @@ fn cells(ui: &mut Ui, figures: Option<SetFigures>) {
         ui.label(RichText::new("Not calculated yet").weak()).on_hover_text("Load it to calculate it");
         return;
     };
-    let of = if f.interferential == 0 { Condition::Sound } else { Condition::Interferential };
+    let of = if f.interferential == 0 { Condition::Sound } else { Condition::Interfering };
     row(ui, |ui, k| {
         let text = match k {
             0 => RichText::new(f.positions.to_string()),

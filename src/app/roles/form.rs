@@ -102,7 +102,7 @@ pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices) {
             let across = choices.wheel_width(nodes);
             let text = RichText::new(format!("{} mm across", size(across * choices.unit.mm())));
             let possible = likely_unit(across, choices.unit) == Some(choices.unit);
-            let doubt = Condition::Interferential.text(ui.visuals());
+            let doubt = Condition::Interfering.text(ui.visuals());
             let text = if possible { text.weak() } else { text.color(doubt) };
             ui.label(text)
                 .on_hover_text("Impellers are 3 mm to 5 m across. The glTF specification asks for metres.");

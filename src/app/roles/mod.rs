@@ -127,7 +127,7 @@ impl RolesDialog {
             let file = asked.path.file_name().unwrap_or_default().to_string_lossy();
             ui.label(RichText::new(format!("Assign surfaces, {file}")).strong());
             if let Some(fault) = &asked.fault {
-                let red = Condition::Interferential.text(ui.visuals());
+                let red = Condition::Interfering.text(ui.visuals());
                 ui.label(RichText::new(&fault.message).color(red));
                 ui.label(format!("Fix: {}", hint_for_dialog(&fault.help)));
             }
@@ -204,7 +204,7 @@ impl UnassignedRoles {
 }
 
 /// A help text with command line options replaced by the dialog's terms.
-pub(super) fn hint_for_dialog(cure: &str) -> String {
+pub(super) fn hint_for_dialog(help: &str) -> String {
     [
         ("--role NODE=", "the role "),
         ("NODE=", ""),
@@ -214,7 +214,7 @@ pub(super) fn hint_for_dialog(cure: &str) -> String {
         ("--unit", "the unit"),
     ]
     .iter()
-    .fold(cure.to_owned(), |text, (option, words)| text.replace(option, words))
+    .fold(help.to_owned(), |text, (option, words)| text.replace(option, words))
 }
 
 impl App {

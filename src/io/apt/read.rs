@@ -184,7 +184,8 @@ impl<'a> Reader<'a> {
         match *words.as_slice() {
             ["INSERT", "WIDTH", ref list @ ..] => self.insert_width(line, list),
             ["SECTION", _, "FROM", from, "TO", to, "D", d, feed, ref rest @ ..] => {
-                let feed = if feed == "OUTWARD" { CutDirection::Outward } else { CutDirection::Inward };
+                let feed =
+                    if feed == "OUTWARD" { CutDirection::InletToOutlet } else { CutDirection::OutletToInlet };
                 let numbers = [from, to, d].map(source::number);
                 if let [Ok(from), Ok(to), Ok(diameter)] = numbers
                     && self.program.sections.len() < MAX_TOOLS
@@ -271,15 +272,15 @@ impl<'a> Reader<'a> {
             "TRACUT" if words.first().is_some_and(|w| w == "NOMORE") => self.transform.clear_matrix(),
             "TRACUT" => {
                 let numbers = self.numbers(line, &word, &words)?;
-                let cure = "give 12 numbers: three rows of a rotation, each with its shift";
+                let help = "give 12 numbers: three rows of a rotation, each with its shift";
                 let set = self.transform.set_matrix(&numbers, self.unit_mm);
-                set.map_err(|what| self.source.fault(line, what, cure))?;
+                set.map_err(|what| self.source.fault(line, what, help))?;
             }
             "TRANS" => self.trans(line, &words)?,
             "ORIGIN" if self.is_zero(&words) => {}
             "MSYS" if *self.frame.get_or_insert_with(|| words.clone()) != words => {
-                let cure = "export all positions in the coordinates of the part";
-                return Err(self.source.fault(line, "MSYS changes the frame of the positions", cure));
+                let help = "export all positions in the coordinates of the part";
+                return Err(self.source.fault(line, "MSYS changes the frame of the positions", help));
             }
             _ => self.classify_statement(line, &word, &words)?,
         }
@@ -306,9 +307,9 @@ impl<'a> Reader<'a> {
     fn classify_statement(&mut self, line: usize, word: &str, words: &[String]) -> Result<(), InputError> {
         match classify_word(word, words) {
             WordEffect::Ignored => {}
-            WordEffect::Unsupported(cure) => {
+            WordEffect::Unsupported(help) => {
                 let what = format!("{} changes the path and is not supported", quote_for_message(word));
-                return Err(self.source.fault(line, what, cure));
+                return Err(self.source.fault(line, what, help));
             }
             WordEffect::UnknownPosition => self.unknown_position = Some((line, word.to_owned())),
             WordEffect::Unknown => {
@@ -350,8 +351,8 @@ impl<'a> Reader<'a> {
                     } else {
                         format!("{word}: the axis i,j,k has the length {length:.6}, not 1")
                     };
-                    let cure = "give the direction from tip to holder as a unit vector";
-                    return Err(self.source.fault(line, what, cure));
+                    let help = "give the direction from tip to holder as a unit vector";
+                    return Err(self.source.fault(line, what, help));
                 }
                 self.axis = axis / length;
                 (x, y, z)

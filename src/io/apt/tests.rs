@@ -201,7 +201,7 @@ fn faults_and_warnings() {
 
 #[test]
 fn what_moves_and_is_not_followed_is_an_error() {
-    for (statement, cure) in [
+    for (statement, help) in [
         ("CIRCLE/0,0,0,0,0,1,5", "straight moves"),
         ("MOVARC/0,0,0,0,0,1,5,ANGLE,90", "straight moves"),
         ("CYCLE/DRILL,DEPTH,5", "single moves"),
@@ -219,7 +219,7 @@ fn what_moves_and_is_not_followed_is_an_error() {
     ] {
         let text = format!("FEDRAT/100\nGOTO/1,2,3\n{statement}\nGOTO/4,5,6\nFINI\n");
         let fault = fault(&text);
-        assert!(fault.contains("p.apt:3: ") && fault.contains(cure), "{statement}: {fault}");
+        assert!(fault.contains("p.apt:3: ") && fault.contains(help), "{statement}: {fault}");
     }
     for harmless in ["CYCLE/OFF", "ORIGIN/0,0,0", "MODE/ABSOL", "CUTCOM/OFF", "STOP", "GOHOME"] {
         let p = read(&format!("FEDRAT/100\nGOTO/1,2,3\n{harmless}\nFINI\n"));
@@ -242,7 +242,8 @@ fn positions_are_transformed() {
 
 #[test]
 fn sections_and_rows_come_back() {
-    let section = |from, to, rest| ClSection { from, to, diameter: 30.0, feed: CutDirection::Outward, rest };
+    let section =
+        |from, to, rest| ClSection { from, to, diameter: 30.0, feed: CutDirection::InletToOutlet, rest };
     let mut wrote = sample();
     wrote.sections = vec![section(1.0, 0.5, false), section(1.0, 0.0, true)];
     wrote.rows = [(0, 0, 0), (3, 0, 1), (6, 1, 0)]

@@ -71,8 +71,8 @@ pub fn write_apt(program: &ClProgram) -> String {
 fn section_text(index: usize, section: &ClSection) -> String {
     let ClSection { from, to, diameter, feed, rest } = section;
     let feed = match feed {
-        CutDirection::Inward => "INWARD",
-        CutDirection::Outward => "OUTWARD",
+        CutDirection::OutletToInlet => "INWARD",
+        CutDirection::InletToOutlet => "OUTWARD",
     };
     let [from, to, diameter] = [from, to, diameter].map(|x| short(*x));
     let rest = if *rest { " REST" } else { "" };

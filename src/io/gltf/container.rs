@@ -59,8 +59,8 @@ impl<'a> Container<'a> {
     }
 
     /// An error of this file.
-    pub fn fault(&self, what: impl Into<String>, cure: impl Into<String>) -> InputError {
-        self.source.fault(0, what, cure)
+    pub fn fault(&self, what: impl Into<String>, help: impl Into<String>) -> InputError {
+        self.source.fault(0, what, help)
     }
 
     fn check_extensions(&self) -> Result<(), InputError> {

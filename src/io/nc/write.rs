@@ -286,8 +286,8 @@ impl NcWriter<'_> {
         let program = self.program;
         for (index, section) in program.sections.iter().enumerate() {
             let feed = match section.feed {
-                CutDirection::Inward => "INWARD",
-                CutDirection::Outward => "OUTWARD",
+                CutDirection::OutletToInlet => "INWARD",
+                CutDirection::InletToOutlet => "OUTWARD",
             };
             let rest = if section.rest { " REST" } else { "" };
             let (from, to, diameter) = (section.from, section.to, section.diameter);

@@ -22,7 +22,7 @@ type ReadBeside<'a> = dyn Fn(&str) -> Result<(String, Vec<u8>), InputError> + 'a
 /// # Errors
 /// When the bytes are not a tool bit, or its sizes are impossible.
 pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<ToolLibrary, InputError> {
-    let fault = |what: String, cure: &str| Source { file: name }.fault(0, what, cure);
+    let fault = |what: String, help: &str| Source { file: name }.fault(0, what, help);
     let tree = parse_json(name, bytes)?;
     let parameters = tree.get("parameter").filter(|p| p.is_object());
     let parameters = parameters
@@ -107,7 +107,7 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
 /// # Errors
 /// When the bytes are not a library, or one of its tool bits cannot be read.
 pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result<ToolLibrary, InputError> {
-    let fault = |what: String, cure: &str| Source { file: name }.fault(0, what, cure);
+    let fault = |what: String, help: &str| Source { file: name }.fault(0, what, help);
     let tree = parse_json(name, bytes)?;
     let list = tree.get("tools").and_then(Value::as_array);
     let list =

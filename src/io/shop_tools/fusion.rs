@@ -33,7 +33,7 @@ const MILLS: [(&str, f64); 7] = [
 /// # Errors
 /// When the bytes are not JSON of this form, or a mill in it has impossible sizes.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> {
-    let fault = |what: String, cure: &str| Source { file: name }.fault(0, what, cure);
+    let fault = |what: String, help: &str| Source { file: name }.fault(0, what, help);
     let tree = parse_json(name, bytes)?;
     let data = tree.get("data").and_then(Value::as_array);
     let data = data.ok_or_else(|| fault("has no list `data`".to_owned(), "give a tool library of Fusion"))?;
@@ -54,9 +54,9 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
             }
             continue;
         };
-        let cure = "correct it in the library";
-        let tool = mill(entry, *width).map_err(|what| fault(format!("{shown}: {what}"), cure))?;
-        check_tool(&tool.tool).map_err(|what| fault(format!("{shown}: {what}"), cure))?;
+        let help = "correct it in the library";
+        let tool = mill(entry, *width).map_err(|what| fault(format!("{shown}: {what}"), help))?;
+        check_tool(&tool.tool).map_err(|what| fault(format!("{shown}: {what}"), help))?;
         library.tools.push(tool);
     }
     if holders > 0 {

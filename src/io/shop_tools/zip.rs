@@ -15,7 +15,7 @@ const MEMBER: (&[u8], usize) = (b"PK\x03\x04", 30);
 /// # Errors
 /// When the bytes are not such an archive.
 pub fn json_member(name: &str, bytes: &[u8]) -> Result<Vec<u8>, InputError> {
-    let fault = |what: &str, cure: &str| Source { file: name }.fault(0, what, cure);
+    let fault = |what: &str, help: &str| Source { file: name }.fault(0, what, help);
     let broken = |what: &str| fault(what, "export the library again");
     let u16_at = |at: usize| Some(usize::from(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?)));
     let u32_at = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?) as usize);

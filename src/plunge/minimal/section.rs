@@ -64,17 +64,17 @@ impl Planner<'_> {
             self.plan_in_direction(index, layouts, earlier, feed, limit, monitor)
         };
         let asked = self.setup.plunge.sections[index].cut_direction;
-        let first = plan_in(asked.unwrap_or(CutDirection::Inward), f64::INFINITY)?;
+        let first = plan_in(asked.unwrap_or(CutDirection::OutletToInlet), f64::INFINITY)?;
         let other = match &first {
             Some(first) if asked.is_none() && first.cost > first.acceptable_cost && !monitor.is_stopped() => {
-                plan_in(CutDirection::Outward, first.cost)?
+                plan_in(CutDirection::InletToOutlet, first.cost)?
             }
             _ => None,
         };
         // If stopped, discard the incomplete second direction.
         let other = other.filter(|_| !monitor.is_stopped());
         let Some(DirectedPlan { mut cut, .. }) = other.or(first) else {
-            return Ok(SectionCut::empty(CutDirection::Inward, earlier.clone()));
+            return Ok(SectionCut::empty(CutDirection::OutletToInlet, earlier.clone()));
         };
         self.add_extras(index, layouts, &mut cut, monitor)?;
         Ok(cut)
@@ -112,7 +112,7 @@ impl Planner<'_> {
         let feed = cut.feed;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let top = BlankTop::new(&self.blank);
-        let inward = feed.inward_sign();
+        let inward = feed.sign_along_s();
         // Found paths are cut even after a stop.
         let closing = &monitor.ignoring_stop();
         for layout in layouts {

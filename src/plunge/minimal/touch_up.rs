@@ -91,7 +91,8 @@ impl Planner<'_> {
         let layouts = self.section_layout(section)?;
         let above = Some(rest_threshold(tool_of(self.setup, section.tool)?));
         let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
-        let mut cut = SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::Inward), columns);
+        let mut cut =
+            SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::OutletToInlet), columns);
         let wanted = ExtraLimits {
             max_count: left_in_plan,
             left_in_plan,
@@ -142,7 +143,7 @@ impl Planner<'_> {
                 |&lambda: &f64| self.row_maker(layout, tool, (lambda, lambdas.len()), cut.feed, monitor);
             let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
             let Some(first) = makers.first() else { continue };
-            let (start, end) = self.row_ends(index, &layout.stretch, cut.feed.inward_sign());
+            let (start, end) = self.row_ends(index, &layout.stretch, cut.feed.sign_along_s());
             let step = (wanted.manner.step_share * first.step_limit).max(nearest) / self.part.hub.length();
             let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
             let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;

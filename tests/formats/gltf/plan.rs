@@ -57,7 +57,7 @@ fn plan() -> PlungePlan {
         },
         from: 1.0,
         to: 0.0,
-        feed: CutDirection::Inward,
+        feed: CutDirection::OutletToInlet,
         rows: 1,
         rest: false,
         added: None,

@@ -55,7 +55,7 @@ fn holed(mesh: &TriangleMesh, step: usize, width: usize) -> TriangleMesh {
 #[test]
 fn holes_are_filled_or_refused_with_their_place() {
     let refused = |error: String| {
-        let told = ["close the mesh", "close its gaps"].iter().any(|cure| error.contains(cure));
+        let told = ["close the mesh", "close its gaps"].iter().any(|help| error.contains(help));
         assert!(told, "{error}");
         println!("refused: {error}");
     };

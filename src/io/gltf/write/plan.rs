@@ -97,7 +97,7 @@ fn facts(scene: &PlanScene) -> Value {
         "safety_distance": setup.allowances.safety_distance,
         "sections": sections,
         "positions": plan.positions.len(),
-        "interferential": count(Condition::Interferential),
+        "interferential": count(Condition::Interfering),
         "blocked": count(Condition::Blocked),
         "unfinished": plan.is_unfinished(),
         "stock_scale": [scene.range.0, scene.range.1],
@@ -167,7 +167,7 @@ fn condition_style(condition: Condition) -> (Rgb, f64) {
     match condition {
         Condition::Sound => (palette::SOUND, 1.0),
         Condition::Blocked => (palette::BLOCKED, 1.5),
-        Condition::Interferential => (palette::INTERFERING, 2.0),
+        Condition::Interfering => (palette::INTERFERING, 2.0),
     }
 }
 
@@ -193,7 +193,7 @@ fn position_facts(index: usize, p: &Position) -> Value {
 fn cutters(builder: &mut GltfBuilder, scene: &PlanScene) -> usize {
     let plan = scene.plan;
     let mut children = Vec::new();
-    for condition in [Condition::Sound, Condition::Blocked, Condition::Interferential] {
+    for condition in [Condition::Sound, Condition::Blocked, Condition::Interfering] {
         let (colour, stretch) = condition_style(condition);
         let of = |section: usize| {
             let all = plan.positions.iter().enumerate();

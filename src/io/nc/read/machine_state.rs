@@ -376,7 +376,11 @@ impl<'a> NcState<'a> {
                 if program.sections.len() < MAX_LISTED =>
             {
                 if let [Ok(from), Ok(to), Ok(diameter)] = [from, to, diameter].map(|x| source::number(x)) {
-                    let feed = if *feed == "OUTWARD" { CutDirection::Outward } else { CutDirection::Inward };
+                    let feed = if *feed == "OUTWARD" {
+                        CutDirection::InletToOutlet
+                    } else {
+                        CutDirection::OutletToInlet
+                    };
                     program.sections.push(ClSection { from, to, diameter, feed, rest: *rest == ["REST"] });
                 }
             }

@@ -91,7 +91,7 @@ pub fn read_nc(
             Dialect::Siemens => sinumerik::words(text, &mut words),
             Dialect::Fanuc | Dialect::Haas | Dialect::LinuxCnc => iso::words(dialect, text, &mut words),
         };
-        read.map_err(|fault| source.fault(line, fault.what, fault.cure))?;
+        read.map_err(|fault| source.fault(line, fault.what, fault.help))?;
         state.block(line, &words)?;
     }
     state.finish(lines)

@@ -58,12 +58,12 @@ pub(super) enum NcWord {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NcFault {
     pub what: String,
-    pub cure: &'static str,
+    pub help: &'static str,
 }
 
 /// A fault of a line.
-pub(super) fn fault<T>(what: impl Into<String>, cure: &'static str) -> Result<T, NcFault> {
-    Err(NcFault { what: what.into(), cure })
+pub(super) fn fault<T>(what: impl Into<String>, help: &'static str) -> Result<T, NcFault> {
+    Err(NcFault { what: what.into(), help })
 }
 
 /// What to do about a word that is not read.

@@ -1,0 +1,60 @@
+//! Files of earlier versions still open, and mean what they meant.
+
+use std::path::Path;
+
+use vanecut::io::{read_flank_bytes, read_plan_bytes, read_project_bytes, read_setup_bytes};
+use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, Setup};
+
+fn bytes(name: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/versions").join(name);
+    std::fs::read(&path).expect("comes with the tests")
+}
+
+/// All files were written from the same setup, by the keys of its first version.
+fn check_setup(setup: &Setup) {
+    assert_eq!((setup.plunge.axis, setup.plunge.step), (AxisPolicy::Monotone, Some(9.0)));
+    assert_eq!(setup.plunge.stepover, Some(18.0));
+    assert_eq!(setup.plunge.sections[0].cut_direction, Some(CutDirection::InletToOutlet));
+    assert_eq!(setup.flank.scallop_height, 8.0);
+}
+
+#[test]
+fn setup_of_version_1() {
+    let text = bytes("setup-1.toml");
+    let setup = read_setup_bytes("setup-1.toml", &text).expect("opens");
+    check_setup(&setup);
+    let newer = [b"version = 99\n".as_slice(), &text].concat();
+    let error = read_setup_bytes("s.toml", &newer).expect_err("of a newer program").to_string();
+    assert!(error.starts_with("s.toml:1: ") && error.contains("newer vanecut"), "{error}");
+}
+
+#[test]
+fn plunge_plan_of_version_1() {
+    let stored = read_plan_bytes("plan-1.json", &bytes("plan-1.json")).expect("opens");
+    check_setup(&stored.setup);
+    let plan = &stored.plan;
+    assert_eq!((plan.positions.len(), stored.channels, stored.part.name()), (28, 1, "pump6"));
+    let first = &plan.positions[0];
+    assert!((first.s - 0.8).abs() < 0.05, "it begins at the inlet end: {}", first.s);
+    let interfering = plan.positions.iter().filter(|p| p.contact.depth > 0.01).count();
+    assert_eq!(interfering, 3);
+}
+
+#[test]
+fn flank_plan_of_version_1() {
+    let stored = read_flank_bytes("flank-1.json", &bytes("flank-1.json")).expect("opens");
+    check_setup(&stored.setup);
+    assert_eq!((stored.scheme, stored.layers, stored.feed_mm_per_min), (FlankStrategy::Balanced, 2, 307.2));
+}
+
+#[test]
+fn projects_of_versions_1_and_2() {
+    for name in ["project-1.vanecut", "project-2.vanecut"] {
+        let project = read_project_bytes(Path::new(name), &bytes(name)).expect(name);
+        check_setup(&project.setup);
+        if let Some(set) = project.sets.first() {
+            assert_eq!((set.name.as_str(), set.setup.plunge.stepover), ("Wider steps", Some(21.0)));
+            assert_eq!((project.chosen.before, project.chosen.position), (true, Some(4)));
+        }
+    }
+}
