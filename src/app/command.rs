@@ -65,7 +65,9 @@ commands! {
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     SaveSetup "Save setup…" "Writes the current setup" [];
     ExportCl "Export CL (APT)…"
-        "Writes the plan shown as \"after\" as an APT cutter-location file" [CTRL, E];
+        "Writes the shown plan, for one channel, as an APT cutter-location file" [CTRL, E];
+    ExportClAll "Export CL of all channels…"
+        "Writes the shown plan, for every channel of the part, as an APT cutter-location file" [];
     ExportFlank "Export flank CL…"
         "Writes the flank plan as an APT cutter-location file" [];
     ExportScene "Export scene…"

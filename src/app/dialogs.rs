@@ -22,8 +22,11 @@ pub enum Purpose {
     OpenSetup,
     /// Target of a setup.
     SaveSetup,
-    /// Target of the plunge plan's CL file.
-    ExportCl,
+    /// Target of the CL file of the shown plunge plan.
+    ExportCl {
+        /// Whether the program is for all channels, or for the first only.
+        all_channels: bool,
+    },
     /// Target of the flank plan's CL file.
     ExportFlank,
     /// Target of the glTF scene.
@@ -40,7 +43,8 @@ impl Purpose {
             Self::SaveProject => "Save project",
             Self::OpenSetup => "Open setup",
             Self::SaveSetup => "Save setup",
-            Self::ExportCl => "Export CL (APT)",
+            Self::ExportCl { all_channels: false } => "Export CL (APT)",
+            Self::ExportCl { all_channels: true } => "Export CL of all channels (APT)",
             Self::ExportFlank => "Export flank CL (APT)",
             Self::ExportScene => "Export scene",
             Self::SavePicture => "Save picture",
@@ -52,7 +56,7 @@ impl Purpose {
             self,
             Self::SaveProject
                 | Self::SaveSetup
-                | Self::ExportCl
+                | Self::ExportCl { .. }
                 | Self::ExportFlank
                 | Self::ExportScene
                 | Self::SavePicture
@@ -64,7 +68,7 @@ impl Purpose {
             Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf", "glb", "gltf"]),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
-            Self::ExportCl | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
+            Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::ExportScene => ("glTF scenes", &["glb"]),
             Self::SavePicture => ("Pictures", &["png"]),
         }

@@ -105,7 +105,8 @@ impl App {
     /// Writes the part as a glTF scene, with the plan of the active side.
     pub(super) fn export_scene(&mut self, path: PathBuf) {
         let Some(part) = &self.state.document.part else { return };
-        let planned = self.state.results.planned.clone().zip(self.state.policy(self.state.look.side));
+        let shown = self.state.last_whole_plan(self.state.look.side);
+        let planned = shown.map(|shown| (shown.planned.clone(), shown.policy));
         let scene = SceneTask { part: part.impeller.clone(), planned, range: self.state.range() };
         self.write(WriteTask::Scene(path, scene));
     }

@@ -13,10 +13,10 @@ use crate::io::setup_file::write_setup;
 use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 use crate::mesh::tessellate::{Fineness, Tessellation};
+use crate::monitor::{Cancelled, Monitor};
 use crate::palette::ColourMap;
 use crate::part::Impeller;
 use crate::setup::{AxisPolicy, Setup};
-use crate::toolpath::ClProgram;
 
 use super::document::Edited;
 use super::engine::{PartSource, Sample};
@@ -125,14 +125,24 @@ pub struct SceneTask {
     pub range: (f32, f32),
 }
 
+/// Content of a plunge program.
+pub struct ClTask {
+    /// The plans.
+    pub planned: Arc<DisplayPlan>,
+    /// The policy whose plan is written.
+    pub policy: AxisPolicy,
+    /// Whether the program is for all channels of the part, or for the first only.
+    pub all_channels: bool,
+}
+
 /// A file to write, with its path.
 pub enum WriteTask {
     /// A project's text, and the content it stores.
     Project(PathBuf, String, Box<Edited>),
     /// The setup.
     Setup(PathBuf, Box<Setup>),
-    /// The plan's "after" side as APT.
-    Cl(PathBuf, Arc<DisplayPlan>),
+    /// A plunge program as APT.
+    Cl(PathBuf, ClTask),
     /// The flank plan as APT.
     Flank(PathBuf, Arc<FlankOutcome>),
     /// A glTF scene.
@@ -149,7 +159,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     let (path, bytes) = match task {
         WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),
         WriteTask::Setup(path, setup) => (path, write_setup(setup).into_bytes()),
-        WriteTask::Cl(path, planned) => (path, cl_text(planned).into_bytes()),
+        WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Picture(path, width, height, rgba) => {
@@ -170,8 +180,14 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     Ok(Written { text: format!("Wrote {}", path.display()), project })
 }
 
-fn cl_text(planned: &DisplayPlan) -> String {
-    write_apt(&ClProgram::of_plan(&planned.outcome.part.name, &planned.outcome.after.plan))
+fn cl_text(content: &ClTask) -> String {
+    let outcome = &content.planned.outcome;
+    let channels = if content.all_channels { outcome.part.blade_count } else { 1 };
+    let result = content.planned.result(content.policy);
+    // Nothing cancels a file that is being written.
+    outcome
+        .program_for_channels(result, channels, &Monitor::default())
+        .map_or_else(|Cancelled| String::new(), |program| write_apt(&program))
 }
 
 fn scene_bytes(scene: &SceneTask) -> Vec<u8> {

@@ -10,6 +10,7 @@ use super::dialogs::Purpose;
 use super::look::{Arrangement, Tab};
 use super::mouse::MousePreset;
 use super::overlay;
+use super::planned::Side;
 use super::project::Pending;
 
 /// The menus: groups of commands, with separators between the groups.
@@ -28,6 +29,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
             &[
                 Command::SaveSetup,
                 Command::ExportCl,
+                Command::ExportClAll,
                 Command::ExportFlank,
                 Command::ExportScene,
                 Command::SavePicture,
@@ -169,9 +171,13 @@ impl App {
             | C::ViewChannel => open,
             C::Perspective | C::SectionPlane | C::Measure => open,
             C::SavePicture => open && self.pictures.is_some(),
-            C::ExportCl | C::BeforeAfter | C::SideBySide | C::Wipe | C::Difference | C::ViewSection => {
-                self.state.results.planned.is_some()
-            }
+            C::ExportCl
+            | C::ExportClAll
+            | C::BeforeAfter
+            | C::SideBySide
+            | C::Wipe
+            | C::Difference
+            | C::ViewSection => self.state.results.planned.is_some(),
             C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow | C::Play | C::StepForward => {
                 self.state.position_count() > 0
             }
@@ -208,9 +214,8 @@ impl App {
             C::SaveSetup => {
                 self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"));
             }
-            C::ExportCl => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportCl, self.suggest_file_name("plunge.apt"));
-            }
+            C::ExportCl => self.ask_for_cl_file(ctx, false),
+            C::ExportClAll => self.ask_for_cl_file(ctx, true),
             C::ExportScene => {
                 self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"));
             }
@@ -289,6 +294,19 @@ impl App {
             }
         }
         ctx.request_repaint();
+    }
+
+    /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the side
+    /// "before" is shown, and whether the program is for all channels.
+    fn ask_for_cl_file(&mut self, ctx: &egui::Context, all_channels: bool) {
+        let side = self.state.look.side;
+        let policy = match self.state.last_whole_plan(side) {
+            Some(shown) if side == Side::Before => format!("-{}", shown.policy.name()),
+            _ => String::new(),
+        };
+        let channels = if all_channels { "-all-channels" } else { "" };
+        let name = self.suggest_file_name(&format!("plunge{policy}{channels}.apt"));
+        self.dialogs.open_dialog(ctx, Purpose::ExportCl { all_channels }, name);
     }
 
     /// Proposed name of a file saved from the part.

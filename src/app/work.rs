@@ -18,13 +18,13 @@ use super::App;
 use super::dialogs::Purpose;
 use super::document::{Edited, OpenPart};
 use super::engine::{Engine, PartSource, PlanTask};
-use super::files::{self, WriteTask, Written};
+use super::files::{self, ClTask, WriteTask, Written};
 use super::picture::PartMeshes;
 use super::planned::DisplayPlan;
 use super::preview::PreviewSlot;
 use super::project::{Pending, edited_of, source_of};
 use super::roles::{UnassignedRoles, hint_for_dialog};
-use super::state::Problem;
+use super::state::{Problem, ShownPlan};
 
 /// A task of the opening thread.
 #[derive(Clone)]
@@ -437,9 +437,11 @@ impl App {
             Purpose::SaveSetup => {
                 self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())));
             }
-            Purpose::ExportCl => {
-                if let Some(planned) = self.state.results.planned.clone() {
-                    self.write(WriteTask::Cl(path, planned));
+            Purpose::ExportCl { all_channels } => {
+                if let Some(ShownPlan { planned, policy }) = self.state.last_whole_plan(self.state.look.side)
+                {
+                    let planned = planned.clone();
+                    self.write(WriteTask::Cl(path, ClTask { planned, policy, all_channels }));
                 }
             }
             Purpose::ExportFlank => {

@@ -16,10 +16,8 @@ use crate::io::setup_file::parse_axis_policy;
 use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::Monitor;
-use crate::part::{Blank, Channel, Impeller};
-use crate::plunge::channels::plan_channels;
+use crate::part::{Channel, Impeller};
 use crate::setup::AxisPolicy;
-use crate::toolpath::ClProgram;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
 pub use crate::job::FIELD_CELLS;
@@ -42,7 +40,10 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let outcome = plan_with_progress(part, &setup, policy, true)?;
     let after = &outcome.after;
     let text = write_plan(&description, &outcome.setup, &after.plan, channels);
-    let program = write_apt(&program_of(&outcome, channels)?);
+    let program = outcome
+        .program_for_channels(after, channels, &Monitor::default())
+        .map_err(|_| Failure::Work("cancelled".to_owned()))?;
+    let program = write_apt(&program);
     create_directory(&args.output)?;
     let apt = args.output.join("plunge.apt");
     write_all_atomically(&[
@@ -64,16 +65,6 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
         print_stdout(&plan_text(&outcome, &report, channels, args))?;
     }
     check_result(&outcome, &report, &name)
-}
-
-/// The program of the first `channels` channels of a plan.
-fn program_of(outcome: &PlanOutcome, channels: usize) -> Result<ClProgram, Failure> {
-    let (part, stock) = (&outcome.part, &outcome.setup.allowances);
-    let blank = Blank::of(part, stock.inlet_extension);
-    let monitor = Monitor::default();
-    let plan = plan_channels(&outcome.after.plan, part, &blank, stock.safety_distance, channels, &monitor)
-        .map_err(|_| Failure::Work("cancelled".to_owned()))?;
-    Ok(ClProgram::of_plan(&part.name, &plan))
 }
 
 /// Runs the planning job, with progress on a terminal.

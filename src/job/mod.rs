@@ -14,14 +14,16 @@ pub use stage::{Listener, PlanStage};
 use rayon::prelude::*;
 
 use crate::io::tool_library::plunge_cutters;
-use crate::monitor::Monitor;
-use crate::part::{Channel, Impeller};
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::{Blank, Channel, Impeller};
+use crate::plunge::channels::plan_channels;
 use crate::plunge::sections::Resolved;
 use crate::plunge::{DropReason, PlanError, Planner, PlungePlan, SectionCache, sections};
 use crate::setup::{AxisPolicy, Setup, SetupFault};
 use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
+use crate::toolpath::ClProgram;
 
 /// Cells of the residual field along s and λ with which results are reported.
 pub const FIELD_CELLS: usize = 512;
@@ -74,6 +76,22 @@ pub struct PlanOutcome {
 }
 
 impl PlanOutcome {
+    /// The program of the first `channels` channels of `result`, one of the results of this outcome.
+    ///
+    /// # Errors
+    /// When `monitor` is cancelled.
+    pub fn program_for_channels(
+        &self,
+        result: &PolicyResult,
+        channels: usize,
+        monitor: &Monitor,
+    ) -> Result<ClProgram, Cancelled> {
+        let (part, allowances) = (&self.part, &self.setup.allowances);
+        let blank = Blank::of(part, allowances.inlet_extension);
+        let plan = plan_channels(&result.plan, part, &blank, allowances.safety_distance, channels, monitor)?;
+        Ok(ClProgram::of_plan(&part.name, &plan))
+    }
+
     /// The result of every planned policy, in the order of [`AxisPolicy::ALL`].
     pub fn policies(&self) -> Vec<&PolicyResult> {
         let all = || [&self.before, &self.after].into_iter().chain(&self.others);

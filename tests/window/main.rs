@@ -29,6 +29,8 @@ use harness::{settle, snapshot_ui, snapshot_view, window, with_sample};
 use vanecut::app::dialogs::Purpose;
 use vanecut::app::planned::Side;
 use vanecut::app::state::Tone;
+use vanecut::geometry::Vector;
+use vanecut::plunge::PlungePlan;
 
 #[test]
 fn nothing_open_offers_the_samples() {
@@ -360,7 +362,8 @@ fn setup_cl_file_and_picture_are_written() {
     let path = |name: &str| folder.path().join(name);
     for (purpose, name) in [
         (Purpose::SaveSetup, "s.toml"),
-        (Purpose::ExportCl, "p.apt"),
+        (Purpose::ExportCl { all_channels: false }, "p.apt"),
+        (Purpose::ExportCl { all_channels: true }, "all.apt"),
         (Purpose::ExportScene, "s.glb"),
         (Purpose::SavePicture, "v.png"),
     ] {
@@ -377,6 +380,9 @@ fn setup_cl_file_and_picture_are_written() {
     let positions =
         window.state().state().results.planned.as_ref().expect("planned").outcome.after.plan.positions.len();
     assert_eq!(program.moves.len(), 3 * positions, "down and back per position");
+    let blades = window.state().state().document.part.as_ref().expect("open").impeller.blade_count;
+    let all = vanecut::io::apt::read_apt(&path("all.apt")).expect("a CL file");
+    assert_eq!(all.moves.len(), 3 * positions * blades, "of every channel");
     let scene = std::fs::read(path("s.glb")).expect("a scene");
     let node = format!("\"positions\":{positions},");
     assert!(
@@ -386,10 +392,30 @@ fn setup_cl_file_and_picture_are_written() {
     let picture = std::fs::read(path("v.png")).expect("a picture");
     assert!(picture.starts_with(b"\x89PNG"), "a PNG");
     let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(&ctx, Purpose::ExportCl, path("no/such/folder/p.apt"));
+    window.state_mut().file_chosen(
+        &ctx,
+        Purpose::ExportCl { all_channels: false },
+        path("no/such/folder/p.apt"),
+    );
     settle(&mut window);
     let notice = window.state().state().notice.clone().expect("a word about it");
     assert_eq!(notice.tone, Tone::Fault, "what cannot be written is said");
+
+    // The plan that is shown is written, not always that of "after".
+    window.state_mut().look_mut().side = Side::Before;
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { all_channels: false }, path("before.apt"));
+    settle(&mut window);
+    let program = vanecut::io::apt::read_apt(&path("before.apt")).expect("a CL file");
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    let tips = |plan: &PlungePlan| plan.positions.iter().map(|p| p.axis).collect::<Vec<_>>();
+    let axes: Vec<_> = program.moves.iter().skip(1).step_by(3).map(|m| m.axis).collect();
+    let near = |a: &[Vector], b: &[Vector]| {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).norm() < 1e-6)
+    };
+    assert!(
+        near(&axes, &tips(&planned.outcome.before.plan)) && !near(&axes, &tips(&planned.outcome.after.plan))
+    );
 }
 
 #[test]
