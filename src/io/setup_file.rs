@@ -20,25 +20,28 @@
 //! to = 0.6
 //! [flank]                    # tool, layer_depth, scallop_height
 //! layer_depth = 3.0
-//! [machine]                  # max_axis_tilt
+//! [machine]                  # file, max_axis_tilt
 //! max_axis_tilt = 95.0
 //! ```
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::InputError;
-use super::source::{name_of, read_bytes};
+use super::machine_file::{built_in_names, read_machine};
+use super::source::{name_of, quote_for_message, read_bytes};
 use super::table::{NumberRange, RenamedKeys, TomlDocument, TomlTable, degrees_text, nearest, quoted};
 use super::tool_file::{
     ALLOWANCE, LENGTH, MAX_NUMBER, RATE, check_count, name, read_tool_tables, write_tools,
 };
 use crate::setup::{
-    AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankSetup, FlankStrategy, PlungeSetup,
-    SectionSetup, Setup, SetupPlace, Tool,
+    AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankSetup, FlankStrategy, Machine,
+    PlungeSetup, SectionSetup, Setup, SetupPlace, Tool,
 };
 
 const ANGLE: NumberRange = NumberRange::Above(0.0, 90.0);
+/// Smallest tilt that a machine must reach for a plan, rad.
+const MIN_AXIS_TILT: f64 = 0.02;
 const HALF_TURN: NumberRange = NumberRange::Above(0.0, 180.0);
 
 /// Version of the file format, key `version`: 2 since keys were renamed. Newer files are rejected.
@@ -119,10 +122,7 @@ pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<S
         flank(&table.with_renamed_keys(RENAMED_IN_FLANK), &mut setup.flank)?;
     }
     if let Some(table) = root.table("machine")? {
-        table.check_keys(&["max_axis_tilt"])?;
-        if let Some(angle) = table.number("max_axis_tilt", HALF_TURN)? {
-            setup.machine.max_axis_tilt_rad = angle.value.to_radians();
-        }
+        machine(&table, &mut setup.machine)?;
     }
     Ok(setup)
 }
@@ -218,6 +218,36 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
     Ok(())
 }
 
+/// Reads `[machine]`. A machine without `max_axis_tilt` beside it gives its own; with both the file is not read:
+/// setups within plans stay readable where the machine file is not.
+fn machine(table: &TomlTable<'_>, machine: &mut Machine) -> Result<(), InputError> {
+    table.check_keys(&["file", "max_axis_tilt"])?;
+    let file = table.string("file")?;
+    if let Some(angle) = table.number("max_axis_tilt", HALF_TURN)? {
+        machine.max_axis_tilt_rad = angle.value.to_radians();
+    } else if let Some(file) = &file {
+        let is_built_in = built_in_names().any(|name| name == file.value);
+        let path = if is_built_in { PathBuf::from(file.value) } else { table.folder().join(file.value) };
+        if !is_built_in && !path.is_file() {
+            let known: Vec<&str> = built_in_names().collect();
+            let what = format!("no machine file {}", quote_for_message(file.value));
+            let help = format!("give a file beside the setup, or {}", known.join(", "));
+            return Err(table.fault_at(file.at, what, help));
+        }
+        machine.max_axis_tilt_rad = read_machine(&path)?.max_axis_tilt_rad();
+        if machine.max_axis_tilt_rad < MIN_AXIS_TILT {
+            let what = format!("{} does not reach the part's axis", quote_for_message(file.value));
+            return Err(table.fault_at(
+                file.at,
+                what,
+                "lay the part the other way round, or give max_axis_tilt",
+            ));
+        }
+    }
+    machine.file = file.map(|file| file.value.to_owned()).or(machine.file.take());
+    Ok(())
+}
+
 /// The axis policy with this name, from a file or the command line.
 ///
 /// # Errors
@@ -229,7 +259,7 @@ pub fn parse_axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
             let other = name;
             let near = nearest(other, &AxisPolicy::ALL.map(AxisPolicy::name));
             Err((
-                format!("{} is not an axis policy", super::source::quote_for_message(other)),
+                format!("{} is not an axis policy", quote_for_message(other)),
                 format!(
                     "use \"conventional\", \"monotone\", \"minimal\" or \"staircase\" \
                      (the nearest name is `{}`)",
@@ -268,7 +298,7 @@ fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputE
             "outlet_to_inlet" | "inward" => CutDirection::OutletToInlet,
             "inlet_to_outlet" | "outward" => CutDirection::InletToOutlet,
             other => {
-                let what = format!("{} is not a cutting direction", super::source::quote_for_message(other));
+                let what = format!("{} is not a cutting direction", quote_for_message(other));
                 let help = "use \"outlet_to_inlet\" or \"inlet_to_outlet\"";
                 return Err(table.fault_at(direction.at, what, help));
             }
@@ -314,7 +344,7 @@ pub fn parse_flank_strategy(name: &str) -> Result<FlankStrategy, (String, String
     FlankStrategy::ALL.into_iter().find(|scheme| scheme.name() == name).ok_or_else(|| {
         let near = nearest(name, &FlankStrategy::ALL.map(FlankStrategy::name)).unwrap_or("");
         (
-            format!("{} is not a flank strategy", super::source::quote_for_message(name)),
+            format!("{} is not a flank strategy", quote_for_message(name)),
             format!(
                 "use \"isoparametric\", \"layers\", \"regions\" or \"balanced\" \
                  (the nearest name is `{near}`)"
@@ -400,7 +430,11 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
         }
     }
     if setup.machine != Setup::default().machine {
-        writeln!(out, "\n[machine]\nmax_axis_tilt = {}", degrees_text(setup.machine.max_axis_tilt_rad))?;
+        writeln!(out, "\n[machine]")?;
+        if let Some(file) = &setup.machine.file {
+            writeln!(out, "file = {}", quoted(file))?;
+        }
+        writeln!(out, "max_axis_tilt = {}", degrees_text(setup.machine.max_axis_tilt_rad))?;
     }
     Ok(())
 }

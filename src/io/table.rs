@@ -1,6 +1,8 @@
 //! A TOML document with line numbers: keys are checked by name, numbers by range, and every error has
 //! the line of its value.
 
+use std::path::Path;
+
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -197,6 +199,11 @@ impl<'t> TomlTable<'t> {
     /// The table, in which each of `renamed` is found by its former name too.
     pub fn with_renamed_keys(self, renamed: RenamedKeys) -> Self {
         Self { renamed, ..self }
+    }
+
+    /// Folder of the file, for paths that are relative to it; empty where the document is not a file.
+    pub fn folder(&self) -> &Path {
+        Path::new(self.doc.source.file).parent().unwrap_or(Path::new(""))
     }
 
     /// Line of the table's header.

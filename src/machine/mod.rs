@@ -5,6 +5,7 @@
 //! | [`model`](MachineTool) | what a machine file says |
 //! | `kinematics` | the chain of axes, forwards and backwards, for any two rotary axes |
 //! | [`placement`](PlacedPart) | how the part lies on the table |
+//! | `reach` | how far the tool can be tilted |
 //! | `choice` | rotary positions of a whole program: branches, turns, poles |
 //! | [`course`](Pose) | how far a move in joint space strays from the planned one |
 //! | `clear` | links that leave the part |
@@ -23,6 +24,7 @@ mod kinematics;
 mod model;
 mod motion;
 mod placement;
+mod reach;
 mod time;
 
 pub use course::{Pose, even_turn, mixed_angles};

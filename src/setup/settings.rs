@@ -217,9 +217,11 @@ impl FlankSetup {
     }
 }
 
-/// `[machine]`: limits of the machine.
+/// `[machine]`: the machine and its limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
+    /// Name of a machine that comes with the program, or the path of a machine file, as the setup gives it.
+    pub file: Option<String>,
     /// Largest angle between a tool axis and the part's axis of rotation, in the direction out of the inlet,
     /// rad (degrees in the file). π: no limit.
     pub max_axis_tilt_rad: f64,
@@ -366,7 +368,7 @@ impl Default for Setup {
                 wall_feed_mm_per_min: None,
                 ramp_feed_mm_per_min: None,
             },
-            machine: Machine { max_axis_tilt_rad: std::f64::consts::PI },
+            machine: Machine { file: None, max_axis_tilt_rad: std::f64::consts::PI },
         }
     }
 }

@@ -166,3 +166,21 @@ fn poles_and_the_edge_of_the_reach() {
     assert!(flat.1 >= 1 && (flat.0[0].second.abs().to_degrees() - 180.0).abs() < 1e-4, "{flat:?}");
     assert_eq!(nutating.solve(&Vector::new(1.0, 0.0, -0.01).normalize()).1, 0);
 }
+
+#[test]
+fn machines_reach_as_far_as_their_second_axis_goes() {
+    for (name, degrees) in [
+        ("ac-trunnion", 120.0),
+        ("bc-trunnion", 120.0),
+        ("b-head-c-table", 110.0),
+        ("bc-head", 110.0),
+        ("nutating-table", 90.0),
+    ] {
+        let mut machine = machine(name);
+        let found = machine.max_axis_tilt_rad().to_degrees();
+        assert!((found - degrees).abs() < 1e-3, "{name}: {found}");
+        // Upside down the tool would have to come through the table.
+        machine.part.inlet_up = false;
+        assert_eq!(machine.max_axis_tilt_rad(), 0.0, "{name}");
+    }
+}

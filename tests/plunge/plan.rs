@@ -239,7 +239,7 @@ fn axes_stay_within_what_the_machine_reaches() {
     let tilt = |axis: &Vector| axis.angle(&part.out_of_inlet());
     let steepest = free.positions.iter().map(|p| tilt(&p.axis)).fold(0.0, f64::max);
     let limit = steepest - 4f64.to_radians();
-    let setup = Setup { machine: Machine { max_axis_tilt_rad: limit }, ..Setup::default() };
+    let setup = Setup { machine: Machine { file: None, max_axis_tilt_rad: limit }, ..Setup::default() };
     let (setup, held) = planned(&part, &setup, AxisPolicy::Minimal);
     assert!(held.positions.iter().all(|p| tilt(&p.axis) <= limit + 1e-9), "none is tilted further");
     assert!(held.positions.len() * 2 > free.positions.len(), "and most of the floor is still cut");

@@ -9,7 +9,7 @@ use serde_json::Value;
 use vanecut::geometry::{Meridional, Vector};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::read_part;
-use vanecut::job::{PlanOutcome, PlanRequest, run};
+use vanecut::job::{PlanOutcome, PlanRequest, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Channel, Impeller};
 use vanecut::plunge::channels::plan_channels;
@@ -33,11 +33,8 @@ fn planned(name: &str, policy: AxisPolicy) -> PlanOutcome {
 
 /// The program of a plan, written to a file and read back.
 fn written(outcome: &PlanOutcome, channels: usize) -> ClProgram {
-    let (part, stock) = (&outcome.part, &outcome.setup.allowances);
-    let blank = Blank::of(part, stock.inlet_extension);
-    let one = &outcome.after.plan;
-    let plan = plan_channels(one, part, &blank, stock.safety_distance, channels, &Monitor::default());
-    let text = write_apt(&ClProgram::of_plan(&part.name, &plan.expect("not cancelled")));
+    let program = outcome.program_for_channels(&outcome.after, channels, &Monitor::default());
+    let text = write_apt(&program.expect("not cancelled"));
     read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable")
 }
 
@@ -59,6 +56,7 @@ fn programs_of_whole_wheels_have_no_fault() {
         }
         // The summary of one channel's plan equals that of its program.
         let (plan, program) = (&outcome.after.summary, &one.summary);
+        check_published(name, plan);
         for (what, plan, program, tolerance) in [
             ("cut", plan.cut_length, program.cut_length, 1e-2),
             ("rapid", plan.rapid_length, program.rapid_length, 1e-2),
@@ -76,6 +74,31 @@ fn programs_of_whole_wheels_have_no_fault() {
                 "{name}, {what}: {plan} in the plan, {program} written"
             );
         }
+    }
+}
+
+/// Machine time of one channel of each sample by `minimal`, s.
+const TIMES: [(&str, f64); 3] = [("impeller532", 8058.0), ("impeller9x9", 4264.0), ("pump6", 6847.0)];
+
+/// A plan of a sample keeps the figures that docs/results.md has for it: what leaves them by more than these
+/// tolerances is another plan, and the table is made anew by `scripts/table --update`.
+fn check_published(name: &str, plan: &Summary) {
+    let results = include_str!("../../docs/results.md");
+    let start = format!("| {name} | minimal | all |");
+    let row = results.lines().find(|line| line.starts_with(&start)).expect("every sample has a row");
+    let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+    let number = |text: &str| text.parse::<f64>().expect("a number");
+    let (mean, p95) = cells[8].split_once(" / ").expect("two figures");
+    let (_, time) = TIMES.into_iter().find(|(sample, _)| *sample == name).expect("every sample has a time");
+    assert_eq!(cells[6], plan.interfering.to_string(), "{name}: interfering");
+    for (what, published, planned, tolerance) in [
+        ("positions", number(cells[5]), plan.positions as f64, 0.03 * number(cells[5])),
+        ("mean stock", number(mean), plan.residual_mean, 0.02),
+        ("stock, 95 %", number(p95), plan.residual_p95, 0.05),
+        ("uncut share", 0.01 * number(cells[9]), plan.uncut_share, 0.002),
+        ("time", time, plan.time_estimate, 0.05 * time),
+    ] {
+        assert!((published - planned).abs() <= tolerance, "{name}, {what}: {planned}, published {published}");
     }
 }
 
