@@ -17,6 +17,7 @@
 //! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper] |
 //! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
 //! | [`stock`] | the heightfield of residual stock on the channel floor, its CPU kernel; the stock as a solid |
+//! | [`tradeoff`] | time against stock: which plunges of a plan are worth their time |
 //! | [`verify`] | judges any program against a part |
 //! | [`io`] | readers and writers of part, setup, program and plan files |
 //! | [`job`] | planning jobs: request, progress, cancel, latest result |
@@ -49,4 +50,5 @@ pub mod setup;
 pub mod stock;
 pub mod study;
 pub mod toolpath;
+pub mod tradeoff;
 pub mod verify;

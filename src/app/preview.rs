@@ -114,6 +114,7 @@ impl PlanPreview {
                 grid,
                 before: result.clone(),
                 after: result,
+                whole: None,
                 others: Vec::new(),
                 elapsed: 0.0,
             },

@@ -109,6 +109,10 @@ pub struct PlanArgs {
     /// Number of channels that the program cuts, or all
     #[arg(long, default_value = "1")]
     pub channels: String,
+    /// Also print N plans between the least stock and the least time (8 without a number)
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "8",
+          value_parser = clap::value_parser!(u16).range(2..=100))]
+    pub pareto: Option<u16>,
     /// Directory for plan.json and plunge.apt
     #[arg(short, long, default_value = ".")]
     pub output: PathBuf,

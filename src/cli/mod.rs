@@ -13,6 +13,7 @@ mod bench_growth;
 mod bench_stock;
 mod bench_wheel;
 mod convert;
+mod curve;
 mod flank;
 mod open;
 mod plan;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::args::PlanArgs;
+use super::curve::{curve_text, point_object, time_stock_curve};
 use super::open::OpenSetup;
 use super::report::PlanFigures;
 use super::watch::run_with_progress;
@@ -39,6 +40,10 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     check_directory(&args.output)?;
     let outcome = plan_with_progress(part, &setup, policy, true)?;
     let after = &outcome.after;
+    let curve = match args.pareto {
+        Some(count) => time_stock_curve(&outcome, usize::from(count))?,
+        None => Vec::new(),
+    };
     let text = write_plan(&description, &outcome.setup, &after.plan, channels);
     let program = outcome
         .program_for_channels(after, channels, &Monitor::default())
@@ -60,9 +65,16 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let report = report_plunges(&outcome.part, &channel, &outcome.setup, &written, FIELD_CELLS)
         .map_err(|fault| Failure::at(&name, fault.line, &fault.message))?;
     if args.json {
-        print_stdout(&format!("{}\n", Value::Object(plan_json(&outcome, &report, channels))))?;
+        let mut object = plan_json(&outcome, &report, channels);
+        if args.pareto.is_some() {
+            object.insert("pareto".into(), curve.iter().map(point_object).collect());
+        }
+        print_stdout(&format!("{}\n", Value::Object(object)))?;
     } else {
         print_stdout(&plan_text(&outcome, &report, channels, args))?;
+        if args.pareto.is_some() {
+            print_stdout(&curve_text(&curve, &outcome))?;
+        }
     }
     check_result(&outcome, &report, &name)
 }
@@ -189,6 +201,13 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     }
     text += &report::reasons_text(plan, &outcome.reasons);
     text += &report::added_text(plan);
+    if let Some(whole) = outcome.whole.as_ref().filter(|whole| whole.policy == plan.policy) {
+        let (found, kept) = (whole.positions.len(), plan.positions.len());
+        text += &format!(
+            "{} of {found} plunges found are left out: they are not worth their time\n",
+            found - kept
+        );
+    }
     text += &report::clearances_text(&report.summary, channels);
     text += &report::assembly_text(&report.verdict.assembly);
     text += &report::convergence_text(plan);

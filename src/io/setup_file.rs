@@ -12,7 +12,8 @@
 //! holder = 1.0
 //! [[tool]]                   # see `tool_file`
 //! diameter = 30.0            # the only required key of a tool
-//! [plunge]                   # axis, step, stepover, wall_scallop, max_axis_change, max_tilt, rest
+//! [plunge]                   # axis, step, stepover, wall_scallop, max_axis_change, max_tilt, rest,
+//!                            # goal, max_stock, max_time
 //! axis = "monotone"
 //! [[plunge.section]]         # tool, from, to, cutting_direction, rest
 //! tool = 1
@@ -35,10 +36,11 @@ use super::tool_file::{
     ALLOWANCE, LENGTH, MAX_NUMBER, RATE, check_count, name, read_tool_tables, write_tools,
 };
 use crate::setup::{
-    AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankSetup, FlankStrategy, Machine,
+    AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankSetup, FlankStrategy, Goal, Machine,
     PlungeSetup, SectionSetup, Setup, SetupPlace, Tool,
 };
 
+const MINUTES: NumberRange = NumberRange::Above(0.0, 100_000.0);
 const ANGLE: NumberRange = NumberRange::Above(0.0, 90.0);
 /// Smallest tilt that a machine must reach for a plan, rad.
 const MIN_AXIS_TILT: f64 = 0.02;
@@ -186,6 +188,9 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
         "wall_scallop",
         "max_axis_change",
         "max_tilt",
+        "goal",
+        "max_stock",
+        "max_time",
         "rest",
         "section",
     ])?;
@@ -202,6 +207,7 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
     if let Some(angle) = table.number("max_tilt", ANGLE)? {
         plunge.max_tilt_rad = angle.value.to_radians();
     }
+    plunge.goal = goal(table)?.unwrap_or(plunge.goal);
     if let Some(rest) = table.boolean("rest")? {
         plunge.rest = rest.value;
     }
@@ -246,6 +252,50 @@ fn machine(table: &TomlTable<'_>, machine: &mut Machine) -> Result<(), InputErro
     }
     machine.file = file.map(|file| file.value.to_owned()).or(machine.file.take());
     Ok(())
+}
+
+/// Reads what a plan is for; `None` where the table does not say.
+fn goal(table: &TomlTable<'_>) -> Result<Option<Goal>, InputError> {
+    let (stock, time) = (table.number("max_stock", LENGTH)?, table.number("max_time", MINUTES)?);
+    let max_time_min = time.map(|minutes| minutes.value);
+    let Some(goal) = table.string("goal")? else {
+        return match stock {
+            Some(stock) => {
+                let what = "`max_stock` is given without `goal = \"time\"`";
+                Err(table.fault_at(stock.at, what, "add the goal, or remove `max_stock`"))
+            }
+            None => Ok(max_time_min.map(|_| Goal::Stock { max_time_min })),
+        };
+    };
+    let limit = |name: &str, given: bool| match given {
+        true => Err(table.fault_at(
+            goal.at,
+            format!("`{name}` does not fit this goal"),
+            format!("remove `{name}`"),
+        )),
+        false => Ok(()),
+    };
+    Ok(Some(match goal.value {
+        "stock" => {
+            limit("max_stock", stock.is_some())?;
+            Goal::Stock { max_time_min }
+        }
+        "time" => {
+            limit("max_time", time.is_some())?;
+            let needed =
+                || table.fault_at(goal.at, "the goal \"time\" needs a limit of stock", "add `max_stock`");
+            Goal::Time { max_stock: stock.ok_or_else(needed)?.value }
+        }
+        "balance" => {
+            limit("max_stock", stock.is_some())?;
+            limit("max_time", time.is_some())?;
+            Goal::Balance
+        }
+        other => {
+            let what = format!("{} is not a goal", quote_for_message(other));
+            return Err(table.fault_at(goal.at, what, "use \"stock\", \"time\" or \"balance\""));
+        }
+    }))
 }
 
 /// The axis policy with this name, from a file or the command line.
@@ -393,6 +443,14 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     writeln!(out, "wall_scallop = {:?}", plunge.wall_scallop)?;
     writeln!(out, "max_axis_change = {}", degrees_text(plunge.max_axis_change_rad))?;
     writeln!(out, "max_tilt = {}", degrees_text(plunge.max_tilt_rad))?;
+    match plunge.goal {
+        Goal::Stock { max_time_min: None } => {}
+        Goal::Stock { max_time_min: Some(minutes) } => {
+            writeln!(out, "goal = \"stock\"\nmax_time = {minutes:?}")?;
+        }
+        Goal::Time { max_stock } => writeln!(out, "goal = \"time\"\nmax_stock = {max_stock:?}")?,
+        Goal::Balance => writeln!(out, "goal = \"balance\"")?,
+    }
     if !plunge.rest {
         writeln!(out, "rest = false")?;
     }

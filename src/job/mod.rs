@@ -2,6 +2,7 @@
 //! cancellation.
 
 pub mod flank;
+mod goal;
 pub mod stage;
 pub mod worker;
 
@@ -67,8 +68,11 @@ pub struct PlanOutcome {
     pub grid: Arc<FloorGrid>,
     /// Conventional plan.
     pub before: PolicyResult,
-    /// Plan by the requested policy.
+    /// Plan by the requested policy and goal.
     pub after: PolicyResult,
+    /// The plan of `minimal` before plunges were left out for the goal; `None` where none were, or it was not
+    /// planned.
+    pub whole: Option<PlungePlan>,
     /// Plans by the other policies, if requested.
     pub others: Vec<PolicyResult>,
     /// Wall-clock time of the job, s.
@@ -284,6 +288,13 @@ fn plan(
         .into_iter()
         .map(|plan| plan.or_else(|plan| measured(plan, &grid)))
         .collect::<Result<Vec<PolicyResult>, _>>()?;
+    // The search of `minimal` adds plunges as long as they remove anything; the goal says which are worth it.
+    let mut whole = None;
+    if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal)
+        && let Some(plan) = goal::meet_goal(&planner, &setup, &minimal.plan, &grid, monitor)?
+    {
+        whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid)).plan);
+    }
     let after = match others.iter().position(|result| result.plan.policy == request.policy) {
         Some(index) => others.remove(index),
         None => before.clone(),
@@ -293,7 +304,7 @@ fn plan(
     }
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    Ok(PlanOutcome { part: part.clone(), grid, before, after, others, elapsed, setup, reasons })
+    Ok(PlanOutcome { part: part.clone(), grid, before, after, whole, others, elapsed, setup, reasons })
 }
 
 /// The fault of a plan that cuts nothing, by the reason for which most of its positions are dropped.

@@ -626,7 +626,12 @@ impl<'a> Planner<'a> {
     }
 
     /// Measures contact and computes the retract point of every position.
-    fn measure(&self, plan: &mut PlungePlan, columns: &Columns, monitor: &Monitor) -> Result<(), PlanError> {
+    pub(super) fn measure(
+        &self,
+        plan: &mut PlungePlan,
+        columns: &Columns,
+        monitor: &Monitor,
+    ) -> Result<(), PlanError> {
         let stock = &self.setup.allowances;
         let tops: Vec<RetractSurface> = plan
             .sections

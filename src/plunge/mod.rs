@@ -5,12 +5,13 @@
 //! | which tool cuts which section | [`sections`], [`survey`], [`choice`] |
 //! | axes that clear the walls | [`lane`] |
 //! | 1 conventional positions, 2 step inspection | [`row`] |
-//! | 3 axis optimisation | [`monotone`], `minimal`; rows of the policies that plan row by row: `attempts` |
+//! | 3 axis optimisation | [`monotone`], `minimal`; rows of the policies that plan row by row: `row_plan` |
 //! | 4 drop-cutter depth (slotting depth in the paper) | [`crate::cutting::drop_cutter`] |
 //! | 5 safe height | [`crate::cutting::retract`], [`links`] |
-//! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `carried` |
-//! | layout of a section, shared by all policies | `layout` |
-//! | the finished plan, over several channels, as a program | [`plan`], [`whole`], `program` |
+//! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `warm_start` |
+//! | layout of a section, shared by all policies | `section_layout` |
+//! | a plan with some plunges left out | `subset` |
+//! | the finished plan, over several channels, as a program | [`plan`], [`channels`], `program` |
 //! | sectional view through one position | [`inspect`] |
 
 mod assembly;
@@ -30,6 +31,7 @@ mod row_plan;
 mod section_cache;
 mod section_layout;
 pub mod sections;
+mod subset;
 pub mod survey;
 mod warm_start;
 

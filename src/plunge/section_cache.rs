@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::choice::rest::rest_threshold_after;
 use super::cycle::SectionCut;
 use crate::setup::{
-    AllowanceSetup, AxisPolicy, ClearanceSetup, Machine, PlungeSetup, SectionSetup, Setup, SetupFault, Tool,
-    tool_of,
+    AllowanceSetup, AxisPolicy, ClearanceSetup, Goal, Machine, PlungeSetup, SectionSetup, Setup, SetupFault,
+    Tool, tool_of,
 };
 
 /// Cache key of a section: what its rows depend on, besides the part and the earlier sections.
@@ -37,6 +37,7 @@ impl SectionKey {
                 axis: AxisPolicy::Conventional,
                 sections: Vec::new(),
                 rest: false,
+                goal: Goal::default(),
                 ..setup.plunge.clone()
             },
             machine: setup.machine.clone(),

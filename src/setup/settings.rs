@@ -126,11 +126,36 @@ pub struct PlungeSetup {
     pub max_axis_change_rad: f64,
     /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
     pub max_tilt_rad: f64,
+    /// What a plan of `minimal` is for.
+    pub goal: Goal,
     /// Whether automatically chosen sections are followed by rest milling with smaller tools, for the stock
     /// beside leaning walls ([`SectionSetup::rest`]).
     pub rest: bool,
     /// Sections, outlet → inlet; empty: chosen from the tools, for the least time.
     pub sections: Vec<SectionSetup>,
+}
+
+/// What a plan of `minimal` is for: key `goal` of `[plunge]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// The least residual stock, by as few plunges as leave it within 2 %.
+    Stock {
+        /// Within this time of one channel, minutes; `None`: whatever it takes.
+        max_time_min: Option<f64>,
+    },
+    /// The least time.
+    Time {
+        /// With at most this stock above the hub allowance at the 95th percentile, mm.
+        max_stock: f64,
+    },
+    /// Where more time begins to buy little.
+    Balance,
+}
+
+impl Default for Goal {
+    fn default() -> Self {
+        Self::Stock { max_time_min: None }
+    }
 }
 
 /// Strategy of the flank planner: how passes fill the channel.
@@ -354,6 +379,7 @@ impl Default for Setup {
                 wall_scallop: 0.6,
                 max_axis_change_rad: 5f64.to_radians(),
                 max_tilt_rad: 45f64.to_radians(),
+                goal: Goal::default(),
                 rest: true,
                 sections: Vec::new(),
             },

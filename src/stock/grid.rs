@@ -68,6 +68,26 @@ impl FloorGrid {
 }
 
 impl FloorGrid {
+    /// Every `stride`-th cell along both directions, each standing for those left out.
+    pub fn every(&self, stride: usize) -> Self {
+        let stride = stride.max(1);
+        let picked: Vec<usize> = (0..self.rows)
+            .step_by(stride)
+            .flat_map(|i| (0..self.columns).step_by(stride).map(move |j| i * self.columns + j))
+            .collect();
+        let weight = (stride * stride) as f32;
+        Self {
+            rows: self.rows.div_ceil(stride),
+            columns: self.columns.div_ceil(stride),
+            points: picked.iter().map(|&cell| self.points[cell]).collect(),
+            normals: picked.iter().map(|&cell| self.normals[cell]).collect(),
+            blank_heights: picked.iter().map(|&cell| self.blank_heights[cell]).collect(),
+            areas: picked.iter().map(|&cell| weight * self.areas[cell]).collect(),
+            floor: picked.iter().map(|&cell| self.floor[cell]).collect(),
+            reachable: picked.iter().map(|&cell| self.reachable[cell]).collect(),
+        }
+    }
+
     /// The floor of a channel in `cells` × `cells`.
     pub fn new(source: &FloorSource, cells: usize) -> Self {
         let cells = cells.max(1);

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use vanecut::io::{read_flank_bytes, read_plan_bytes, read_project_bytes, read_setup_bytes};
+use vanecut::io::flank_file::read_flank_bytes;
+use vanecut::io::plan_file::read_plan_bytes;
+use vanecut::io::project_file::read_project_bytes;
+use vanecut::io::read_setup_bytes;
 use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, Setup};
 
 fn bytes(name: &str) -> Vec<u8> {

@@ -6,6 +6,7 @@ mod assess;
 mod channel;
 mod floor;
 mod free_of_contact;
+mod goals;
 mod inspect;
 mod plan;
 mod probe;

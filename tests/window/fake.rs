@@ -94,6 +94,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         grid: Arc::clone(&grid),
         before: result(AxisPolicy::Conventional),
         after: result(request.policy),
+        whole: None,
         others: if request.compare {
             let other =
                 |policy: &&AxisPolicy| **policy != AxisPolicy::Conventional && **policy != request.policy;

@@ -122,10 +122,16 @@ impl<'a> Earlier<'a> {
     /// The plunges that may have removed stock from the core of `column`, in cutting order.
     pub fn near(self, column: &PlungeColumn) -> impl DoubleEndedIterator<Item = &'a PlungeColumn> + use<'a> {
         let all = &self.columns.all;
+        self.numbers_near(column).into_iter().map(|number| &all[number as usize])
+    }
+
+    /// As [`Self::near`], by their numbers.
+    pub fn numbers_near(self, column: &PlungeColumn) -> Vec<u32> {
+        let all = &self.columns.all;
         let mut found = self.columns.index.near(&column.core_query(), self.count);
         found.retain(|&number| column.may_meet(&all[number as usize].cutter));
         found.sort_unstable();
-        found.into_iter().map(|number| &all[number as usize])
+        found
     }
 }
 

@@ -1,0 +1,59 @@
+//! `vanecut plan --pareto`: time against stock.
+
+use serde_json::{Value, json};
+
+use super::Failure;
+use super::report::number;
+use crate::job::{PlanOutcome, PolicyResult, Summary};
+use crate::monitor::Monitor;
+use crate::setup::AxisPolicy;
+
+/// At most `count` plans between the least stock and the least time.
+///
+/// # Errors
+/// [`Failure::Input`] when the plan is not one of `minimal`.
+pub fn time_stock_curve(outcome: &PlanOutcome, count: usize) -> Result<Vec<PolicyResult>, Failure> {
+    if outcome.after.plan.policy != AxisPolicy::Minimal {
+        let what = "--pareto needs a plan of minimal; leave --axis out, or give --axis minimal";
+        return Err(Failure::Input(what.to_owned()));
+    }
+    outcome.time_stock_curve(count, &Monitor::default()).map_err(|_| Failure::Work("cancelled".to_owned()))
+}
+
+/// A point of the curve as a JSON object: mm, s.
+pub fn point_object(result: &PolicyResult) -> Value {
+    let s = &result.summary;
+    json!({
+        "time_estimate": number(s.time_estimate),
+        "positions": s.positions,
+        "interferential": s.interfering,
+        "residual_mean": number(s.residual_mean),
+        "residual_p95": number(s.residual_p95),
+        "uncut_share": number(s.uncut_share),
+    })
+}
+
+/// The curve as a table, with the other policies beside it.
+pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
+    let line = |name: &str, s: &Summary| {
+        format!(
+            "{name:<12} {:>9.1} {:>10} {:>13} {:>16} {:>12.1}\n",
+            s.time_estimate / 60.0,
+            s.positions,
+            s.interfering,
+            format!("{:.2} / {:.2}", s.residual_mean, s.residual_p95),
+            100.0 * s.uncut_share,
+        )
+    };
+    let mut text = format!(
+        "\ntime against stock, one channel\n{:<12} {:>9} {:>10} {:>13} {:>16} {:>12}\n",
+        "plan", "time, min", "positions", "interfering", "stock mean/95 %", "uncut, %"
+    );
+    for (number, point) in curve.iter().enumerate() {
+        text += &line(&format!("minimal {}", number + 1), &point.summary);
+    }
+    for result in outcome.policies().iter().filter(|result| result.plan.policy != AxisPolicy::Minimal) {
+        text += &line(result.plan.policy.name(), &result.summary);
+    }
+    text
+}

@@ -1,0 +1,65 @@
+//! Plans by what the setup asks for: least stock, least time, or the balance of both; and the curve between.
+
+use super::{PlanOutcome, PolicyResult, measure_residual};
+use crate::monitor::Monitor;
+use crate::part::Channel;
+use crate::plunge::{PlanError, Planner, PlungePlan};
+use crate::setup::Setup;
+use crate::stock::FloorGrid;
+use crate::tradeoff::{Thinning, ThinningInput, choose_point};
+
+/// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
+const CELLS: usize = 256;
+
+/// The plan that the goal of `setup` asks for, from the `whole` plan of `minimal` over the floor `grid`; `None` where
+/// that is the whole plan. An unfinished plan stays as it is.
+///
+/// # Errors
+/// [`PlanError::Cancelled`] when `monitor` is cancelled.
+pub(super) fn meet_goal(
+    planner: &Planner,
+    setup: &Setup,
+    whole: &PlungePlan,
+    grid: &FloorGrid,
+    monitor: &Monitor,
+) -> Result<Option<PlungePlan>, PlanError> {
+    if whole.is_unfinished() || monitor.is_stopped() {
+        return Ok(None);
+    }
+    let grid = &weighing_grid(grid);
+    let thinning =
+        Thinning::new(ThinningInput { plan: whole, setup, blank: planner.blank(), grid }, monitor)?;
+    let count = choose_point(&thinning, setup.plunge.goal);
+    if count == 0 {
+        return Ok(None);
+    }
+    planner.keep_plunges(whole, &thinning.kept_without(count), monitor).map(Some)
+}
+
+/// The cells of `grid` on which plunges are weighed.
+fn weighing_grid(grid: &FloorGrid) -> FloorGrid {
+    grid.every(grid.rows.max(grid.columns).div_ceil(CELLS))
+}
+
+impl PlanOutcome {
+    /// At most `count` plans from the one with the least stock of this outcome to the fastest that still cuts the
+    /// floor, by falling time; one plan where it has no choice.
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`] when `monitor` is cancelled.
+    pub fn time_stock_curve(&self, count: usize, monitor: &Monitor) -> Result<Vec<PolicyResult>, PlanError> {
+        let channel = Channel::of(&self.part);
+        let planner = Planner::new(&self.part, &channel, &self.setup);
+        let plan = self.whole.as_ref().unwrap_or(&self.after.plan);
+        let grid = &weighing_grid(&self.grid);
+        let input = ThinningInput { plan, setup: &self.setup, blank: planner.blank(), grid };
+        let thinning = Thinning::new(input, monitor)?;
+        let points = thinning.points(count);
+        let made = points.into_iter().map(|point| {
+            let kept = thinning.kept_without(point.left_out);
+            let plan = planner.keep_plunges(plan, &kept, monitor)?;
+            Ok(measure_residual(plan, &self.grid))
+        });
+        made.collect()
+    }
+}

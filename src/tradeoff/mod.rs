@@ -1,0 +1,22 @@
+//! Time against stock: which plunges of a finished plan are worth their time.
+//!
+//! `minimal` adds plunges as long as each removes something worth removing. From its plan plunges are left out one
+//! by one, the one first that leaves the least stock per second saved (lazy greedy on a supermodular cost). What
+//! is left out must not be missed: no core may meet stock, the floor stays cut, and the scallop along walls stays
+//! within its limit. The order in which plunges go is the curve of time against stock, and every point of it is a
+//! plan.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `floor` | the stock that plunges leave, and what each of them is worth |
+//! | `cores` | which plunges make the way for the core of which |
+//! | `thinning` | the order in which plunges are left out |
+//! | `curve` | points of the curve, and the one that a goal asks for |
+
+mod cores;
+mod curve;
+mod floor;
+mod thinning;
+
+pub use curve::{CurvePoint, choose_point};
+pub use thinning::{Thinning, ThinningInput};

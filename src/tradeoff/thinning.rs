@@ -1,0 +1,257 @@
+//! The order in which plunges are left out of a plan: lazy greedy.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::cores::Cores;
+use super::floor::ThinnedFloor;
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::Blank;
+use crate::plunge::lane::is_wall;
+use crate::plunge::sections::step_limit;
+use crate::plunge::{PlungePlan, Position};
+use crate::setup::Setup;
+use crate::stock::{FloorGrid, ResidualStatistics, field_cutters, statistics};
+use crate::toolpath::RAPID_MM_PER_MIN;
+
+/// Share of the floor that thinning may leave uncut beside what the whole plan leaves uncut.
+const MAX_MORE_UNCUT: f64 = 0.001;
+/// Time that leaving a plunge out saves at least, s: a divisor.
+const MIN_SAVED: f64 = 1e-3;
+/// Plunges left out between two looks at the monitor.
+const CHECK_EVERY: usize = 16;
+
+/// What a plan is thinned with.
+#[derive(Clone, Copy, Debug)]
+pub struct ThinningInput<'a> {
+    /// The whole plan of one channel.
+    pub plan: &'a PlungePlan,
+    /// Its setup.
+    pub setup: &'a Setup,
+    /// The blank before the first cut.
+    pub blank: &'a Blank,
+    /// The floor of the channel.
+    pub grid: &'a FloorGrid,
+}
+
+/// The plunges of a plan in the order in which they can be left out.
+pub struct Thinning<'a> {
+    input: ThinningInput<'a>,
+    floor: ThinnedFloor<'a>,
+    /// Plunges that can be left out, the first one first.
+    order: Vec<usize>,
+}
+
+impl<'a> Thinning<'a> {
+    /// Finds the order, down to where nothing more can be left out.
+    ///
+    /// # Errors
+    /// When `monitor` is cancelled. After a stop the order ends early.
+    pub fn new(input: ThinningInput<'a>, monitor: &Monitor) -> Result<Self, Cancelled> {
+        let cutters = field_cutters(input.plan);
+        let floor = ThinnedFloor::new(input.grid, &cutters, input.setup.allowances.hub_allowance);
+        let cores = Cores::new(input.plan, input.blank);
+        let mut thinning = Self { input, floor, order: Vec::new() };
+        thinning.find_order(&cores, monitor)?;
+        Ok(thinning)
+    }
+
+    /// Lazy greedy: the price of a plunge, stock per second, only rises as others go, so the cheapest of the
+    /// queue is the cheapest of all once its price is up to date. A plunge that the core of a later one needs waits
+    /// until that one goes; one that floor or wall need stays.
+    fn find_order(&mut self, cores: &Cores, monitor: &Monitor) -> Result<(), Cancelled> {
+        let plunges = self.input.plan.positions.len();
+        let mut kept = vec![true; plunges];
+        let mut rows = Neighbours::new(plunges);
+        let max_uncut = self.floor.uncut_share_with(0.0) + MAX_MORE_UNCUT;
+        let input = self.input;
+        let price = |floor: &ThinnedFloor, rows: &Neighbours, plunge: usize| {
+            floor.change_without(plunge).cost / input.saved_time(rows, plunge).max(MIN_SAVED)
+        };
+        let mut queue: BinaryHeap<Candidate> = (0..plunges)
+            .map(|plunge| Candidate { price: price(&self.floor, &rows, plunge), plunge })
+            .collect();
+        let mut order = Vec::new();
+        // Plunges that the core of each one needs.
+        let mut waiting: Vec<Vec<usize>> = vec![Vec::new(); plunges];
+        while let Some(Candidate { price: before, plunge }) = queue.pop() {
+            if monitor.is_stopped() {
+                break;
+            }
+            let now = price(&self.floor, &rows, plunge);
+            if now > before && queue.peek().is_some_and(|next| next.price < now) {
+                queue.push(Candidate { price: now, plunge });
+                continue;
+            }
+            let uncut = self.floor.change_without(plunge).uncut_area;
+            if self.floor.uncut_share_with(uncut) > max_uncut || !input.wall_stays_smooth(&rows, plunge) {
+                continue;
+            }
+            if let Some(later) = cores.first_to_meet_without(plunge, &kept) {
+                waiting[later].push(plunge);
+                continue;
+            }
+            self.floor.leave_out(plunge);
+            kept[plunge] = false;
+            rows.leave_out(plunge);
+            order.push(plunge);
+            for freed in std::mem::take(&mut waiting[plunge]) {
+                queue.push(Candidate { price: price(&self.floor, &rows, freed), plunge: freed });
+            }
+            if order.len() % CHECK_EVERY == 0 {
+                monitor.check()?;
+            }
+        }
+        self.order = order;
+        monitor.check()
+    }
+
+    /// Stock that must stay on the hub, mm.
+    pub(super) fn hub_allowance(&self) -> f64 {
+        self.input.setup.allowances.hub_allowance
+    }
+
+    /// Number of plunges that can be left out.
+    pub fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Whether no plunge can be left out.
+    pub fn is_empty(&self) -> bool {
+        self.order.is_empty()
+    }
+
+    /// Whether each plunge is kept when the first `count` are left out.
+    pub fn kept_without(&self, count: usize) -> Vec<bool> {
+        let mut kept = vec![true; self.input.plan.positions.len()];
+        for &plunge in self.order.iter().take(count) {
+            kept[plunge] = false;
+        }
+        kept
+    }
+
+    /// Time of the plan without the first `count` plunges, s, as [`crate::verify::Summary`] estimates it, before
+    /// links are raised anew.
+    pub fn time_without(&self, count: usize) -> f64 {
+        let plan = self.input.plan;
+        let kept = self.kept_without(count);
+        let mut last: Option<&Position> = None;
+        let mut time = 0.0;
+        for position in plan.positions.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(p, _)| p) {
+            let tool = &plan.sections[position.section].tool;
+            let depth = (position.retract - position.tip).norm();
+            let link = last
+                .filter(|last| plan.sections[last.section].tool.number == tool.number)
+                .map_or(0.0, |last| (last.retract - position.retract).norm());
+            time += 60.0 * (depth / tool.plunge_feed + (depth + link) / RAPID_MM_PER_MIN);
+            last = Some(position);
+        }
+        time
+    }
+
+    /// Stock that stays when the first `count` plunges are left out.
+    pub fn stock_without(&self, count: usize) -> ResidualStatistics {
+        let kept = self.kept_without(count);
+        statistics(self.input.grid, &self.floor.heights(|plunge| kept[plunge]), |_| true)
+    }
+}
+
+impl ThinningInput<'_> {
+    /// Time saved by leaving `plunge` out, s: its cut, its retract, and the links to and from it less the one
+    /// that takes their place.
+    fn saved_time(&self, rows: &Neighbours, plunge: usize) -> f64 {
+        let plan = self.plan;
+        let position = &plan.positions[plunge];
+        let tool_of = |p: &Position| &plan.sections[p.section].tool;
+        let tool = tool_of(position);
+        let depth = (position.retract - position.tip).norm();
+        let same_tool = |k: Option<usize>| {
+            k.map(|k| &plan.positions[k]).filter(|other| tool_of(other).number == tool.number)
+        };
+        let (previous, next) = (same_tool(rows.before(plunge)), same_tool(rows.after(plunge)));
+        let link = |a: Option<&Position>, b: Option<&Position>| {
+            a.zip(b).map_or(0.0, |(a, b)| (a.retract - b.retract).norm())
+        };
+        let links = link(previous, Some(position)) + link(Some(position), next) - link(previous, next);
+        60.0 * (depth / tool.plunge_feed + (depth + links) / RAPID_MM_PER_MIN)
+    }
+
+    /// Whether the plunges beside a wall stay close enough for its scallop without `plunge`.
+    fn wall_stays_smooth(&self, rows: &Neighbours, plunge: usize) -> bool {
+        let plan = self.plan;
+        let position = &plan.positions[plunge];
+        if !is_wall(position.lambda) {
+            return true;
+        }
+        let in_row = |k: Option<usize>| {
+            k.map(|k| &plan.positions[k])
+                .filter(|other| (other.section, other.row) == (position.section, position.row))
+        };
+        let limit = step_limit(&self.setup.plunge, &plan.sections[position.section].tool, true);
+        match (in_row(rows.before(plunge)), in_row(rows.after(plunge))) {
+            (Some(a), Some(b)) => (a.tip - b.tip).norm() <= limit,
+            _ => false,
+        }
+    }
+}
+
+/// A plunge in the queue, cheapest first; ties by number, so that the order does not depend on the heap.
+struct Candidate {
+    price: f64,
+    plunge: usize,
+}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.price.total_cmp(&self.price).then(other.plunge.cmp(&self.plunge))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+/// The kept plunges before and after each one in cutting order: a doubly linked list.
+struct Neighbours {
+    before: Vec<usize>,
+    after: Vec<usize>,
+}
+
+/// No plunge.
+const NONE: usize = usize::MAX;
+
+impl Neighbours {
+    fn new(count: usize) -> Self {
+        let before = (0..count).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
+        let after = (0..count).map(|k| if k + 1 < count { k + 1 } else { NONE }).collect();
+        Self { before, after }
+    }
+
+    fn before(&self, plunge: usize) -> Option<usize> {
+        Some(self.before[plunge]).filter(|&k| k != NONE)
+    }
+
+    fn after(&self, plunge: usize) -> Option<usize> {
+        Some(self.after[plunge]).filter(|&k| k != NONE)
+    }
+
+    fn leave_out(&mut self, plunge: usize) {
+        let (before, after) = (self.before[plunge], self.after[plunge]);
+        if before != NONE {
+            self.after[before] = after;
+        }
+        if after != NONE {
+            self.before[after] = before;
+        }
+    }
+}
