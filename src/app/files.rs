@@ -17,6 +17,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::palette::ColourMap;
 use crate::part::Impeller;
 use crate::setup::{AxisPolicy, Setup};
+use crate::toolpath::ClProgram;
 
 use super::document::Edited;
 use super::engine::{PartSource, Sample};

@@ -298,7 +298,7 @@ impl App {
 
     /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the side
     /// "before" is shown, and whether the program is for all channels.
-    fn ask_for_cl_file(&mut self, ctx: &egui::Context, all_channels: bool) {
+    fn ask_for_cl_file(&mut self, ctx: &Context, all_channels: bool) {
         let side = self.state.look.side;
         let policy = match self.state.last_whole_plan(side) {
             Some(shown) if side == Side::Before => format!("-{}", shown.policy.name()),

@@ -5,7 +5,8 @@ use std::path::Path;
 use glam::UVec2;
 
 use super::assess::BLADE_NAMES;
-use super::plot::{LineChart, Series, escaped};
+use super::html::escaped;
+use super::plot::{LineChart, Series};
 use super::{Failure, plan, render};
 use crate::assess::Assessment;
 use crate::assess::passage::{PassageKind, PassageMeasure, wall_widths};

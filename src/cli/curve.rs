@@ -20,6 +20,11 @@ pub fn time_stock_curve(outcome: &PlanOutcome, count: usize) -> Result<Vec<Polic
     outcome.time_stock_curve(count, &Monitor::default()).map_err(|_| Failure::Work("cancelled".to_owned()))
 }
 
+/// Time of a plan, min.
+pub fn minutes(summary: &Summary) -> f64 {
+    summary.time_estimate / 60.0
+}
+
 /// A point of the curve as a JSON object: mm, s.
 pub fn point_object(result: &PolicyResult) -> Value {
     let s = &result.summary;
@@ -38,7 +43,7 @@ pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
     let line = |name: &str, s: &Summary| {
         format!(
             "{name:<12} {:>9.1} {:>10} {:>13} {:>16} {:>12.1}\n",
-            s.time_estimate / 60.0,
+            minutes(s),
             s.positions,
             s.interfering,
             format!("{:.2} / {:.2}", s.residual_mean, s.residual_p95),

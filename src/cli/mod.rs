@@ -15,6 +15,7 @@ mod bench_wheel;
 mod convert;
 mod curve;
 mod flank;
+mod html;
 mod open;
 mod plan;
 #[cfg(feature = "gpu")]
@@ -25,6 +26,7 @@ mod render;
 #[cfg(feature = "gpu")]
 mod render_flank;
 mod report;
+mod sheet;
 mod stock;
 mod study;
 mod verify;

@@ -9,8 +9,9 @@ use super::args::PlanArgs;
 use super::curve::{curve_text, point_object, time_stock_curve};
 use super::open::OpenSetup;
 use super::report::PlanFigures;
+use super::sheet::SheetInput;
 use super::watch::run_with_progress;
-use super::{Failure, open, print_stdout, render, report};
+use super::{Failure, open, print_stdout, report, sheet};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
 use crate::io::setup_file::parse_axis_policy;
@@ -55,15 +56,19 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
         (args.output.join("plan.json"), text.as_bytes()),
         (apt.clone(), program.as_bytes()),
     ])?;
-    if args.report {
-        render::write_report(&args.output, &outcome)?;
-    }
     // The report is that of the program as written: read back and verified as by `vanecut verify`.
     let name = apt.display().to_string();
     let written = read_apt_bytes(&name, program.as_bytes())?;
     let channel = Channel::of(&outcome.part);
     let report = report_plunges(&outcome.part, &channel, &outcome.setup, &written, FIELD_CELLS)
         .map_err(|fault| Failure::at(&name, fault.line, &fault.message))?;
+    if args.report {
+        let files = ["plan.json".to_owned(), "plunge.apt".to_owned()];
+        sheet::write(
+            &args.output,
+            &SheetInput { outcome: &outcome, report: &report, channels, files: &files },
+        )?;
+    }
     if args.json {
         let mut object = plan_json(&outcome, &report, channels);
         if args.pareto.is_some() {

@@ -1,5 +1,7 @@
 //! Line charts as SVG, for reports.
 
+use super::html::escaped;
+
 /// A curve of a chart.
 #[derive(Clone, Debug)]
 pub struct Series {
@@ -114,11 +116,6 @@ fn tick_step(highest: f64) -> f64 {
         .into_iter()
         .find(|step| highest / step <= 10.0)
         .unwrap_or(10.0 * decade)
-}
-
-/// Escapes text for SVG and HTML.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -6,7 +6,6 @@ use glam::UVec2;
 
 use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
-use super::plot::escaped;
 use super::{Failure, open, plan, render_flank, report};
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
@@ -167,49 +166,32 @@ fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
     })
 }
 
-/// Writes `report.html` with its pictures beside it: both plans with the same colour scale.
+/// Draws stock and interference before and after the plan of `outcome` into `folder`; returns file names and
+/// captions.
 ///
 /// # Errors
 /// [`Failure::Work`] when drawing fails, [`Failure::Input`] when a file cannot be written.
-pub fn write_report(folder: &Path, outcome: &PlanOutcome) -> Result<(), Failure> {
+pub fn write_pictures(folder: &Path, outcome: &PlanOutcome) -> Result<Vec<(String, String)>, Failure> {
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
     let mut scene = Scene::new(&gpu, &outcome.part);
     let size = UVec2::new(900, 640);
     let range = fitting_range(&outcome.grid, &outcome.before.field.heights);
-    let mut figures = String::new();
+    let stock = format!("stock on the hub, {:.2} mm (dark) to {:.2} mm (bright)", range.0, range.1);
+    let mut pictures = Vec::new();
     for (name, result) in [("before", &outcome.before), ("after", &outcome.after)] {
         scene.set_plan(Some(&result.plan));
         scene.set_floor(&gpu, Some((&outcome.grid, &result.field.heights)), Some(&result.plan));
-        for (show, colours) in
-            [("residual", FloorColours::Residual), ("interference", FloorColours::Interference)]
-        {
+        for (show, caption, colours) in [
+            ("residual", stock.as_str(), FloorColours::Residual),
+            ("interference", "interfering plunges", FloorColours::Interference),
+        ] {
             let options = SceneOptions { range_mm: range, ..SceneOptions::for_colours(colours) };
             let png = draw(&gpu, &mut renderer, &scene, View::Channel, &options, size, false)?;
             let file = format!("{name}_{show}.png");
             write_atomically(&folder.join(&file), &png)?;
-            figures += &format!(
-                "<figure><img src=\"{file}\" width=\"450\" alt=\"{name}, {show}\">\
-                 <figcaption>{name}: {show}</figcaption></figure>\n"
-            );
+            pictures.push((file, format!("{name}: {caption}")));
         }
     }
-    let policies = outcome.policies().into_iter();
-    let rows = policies.map(|r| (r.plan.policy.name(), report::PlanFigures::of_result(r, &outcome.grid)));
-    let table = report::table(rows);
-    let html = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: plunge plan</title>\n\
-         <style>body{{font-family:sans-serif;margin:2em;max-width:1000px}}\
-         figure{{display:inline-block;margin:4px}}</style>\n\
-         <h1>{name}: plunge plan</h1>\n<pre>{table}\n{clear}{blocked}</pre>\n\
-         <p>Stock on the hub: {low:.2} mm (dark) to {high:.2} mm (bright).</p>\n{figures}</html>\n",
-        name = escaped(&outcome.part.name),
-        table = escaped(&table),
-        clear = escaped(&report::clearances_text(&outcome.after.summary, 1)),
-        blocked = escaped(&report::blocked_text(&outcome.after.plan)),
-        low = range.0,
-        high = range.1,
-    );
-    write_atomically(&folder.join("report.html"), html.as_bytes())?;
-    Ok(())
+    Ok(pictures)
 }

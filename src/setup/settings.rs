@@ -45,6 +45,14 @@ pub enum CutDirection {
 }
 
 impl CutDirection {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::OutletToInlet => "outlet to inlet",
+            Self::InletToOutlet => "inlet to outlet",
+        }
+    }
+
     /// +1 when rows run inwards, −1 when they run outwards.
     pub fn sign_along_s(self) -> f64 {
         match self {

@@ -61,11 +61,13 @@ impl Summary {
         Self::summarize(plan, &Floors { grid, heights: &[(&field.heights, 1)] }, &Travel::of(&program), None)
     }
 
-    /// Figures of section `index` of the plan: its positions, and the floor between its borders. Lengths and
-    /// time are 0, as only those of the whole program are computed.
+    /// Figures of section `index` of the plan: its positions, and the floor between its borders. Lengths and time
+    /// are those of its plunges and the links between them.
     pub fn of_section(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField, index: usize) -> Self {
         let floors = Floors { grid, heights: &[(&field.heights, 1)] };
-        Self::summarize(plan, &floors, &Travel::default(), Some(index))
+        let positions = plan.positions.iter().filter(|p| p.section == index).cloned().collect();
+        let travel = Travel::of(&ClProgram::of_plan("", &PlungePlan { positions, ..plan.clone() }));
+        Self::summarize(plan, &floors, &travel, Some(index))
     }
 
     /// Figures of a plan read from a program, or of one section of it; `floors` is the state after the

@@ -1,0 +1,251 @@
+//! The setup sheet of `plan --report`: what one takes to the machine, as HTML that prints to A4.
+
+mod drawing;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::curve::minutes;
+use super::html::escaped;
+use super::{Failure, render, report};
+use crate::io::write_atomically;
+use crate::job::{PlanOutcome, PolicyResult, Summary};
+use crate::part::Blank;
+use crate::plunge::DropReason;
+use crate::toolpath::TOOL_CHANGE_S;
+use crate::verify::PlungeReport;
+
+/// Rows of a table stay whole on a page, and its head is repeated.
+const STYLE: &str = "@page{size:A4;margin:15mm}body{font-family:sans-serif;font-size:11pt;max-width:180mm;\
+    margin:0 auto}h1{font-size:16pt;margin:0}h2{font-size:13pt;margin:14pt 0 4pt;break-after:avoid}\
+    table{border-collapse:collapse;width:100%}th,td{border:1px solid #90a4ae;padding:2pt 5pt;text-align:right}\
+    th:first-child,td:first-child{text-align:left}thead{display:table-header-group}tr,figure,.tool,.keep{\
+    break-inside:avoid}figure{display:inline-block;margin:3pt;width:86mm}figure img{width:100%}\
+    .tool{display:inline-block;vertical-align:top;margin:0 10pt 6pt 0;font-size:9pt}\
+    .warning{border-left:4pt solid #d55e00;padding-left:6pt}";
+
+/// What the sheet tells.
+pub struct SheetInput<'a> {
+    /// The plan.
+    pub outcome: &'a PlanOutcome,
+    /// The judgement of its program.
+    pub report: &'a PlungeReport,
+    /// Channels of the program.
+    pub channels: usize,
+    /// Names of the files that were written.
+    pub files: &'a [String],
+}
+
+/// Writes `report.html`, with its pictures where the program draws any, into `folder`.
+///
+/// # Errors
+/// [`Failure::Work`] when drawing fails, [`Failure::Input`] when a file cannot be written.
+pub fn write(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
+    let pictures = render::write_pictures(folder, input.outcome)?;
+    let figures: String = pictures
+        .iter()
+        .map(|(file, caption)| {
+            let caption = escaped(caption);
+            format!(
+                "<figure><img src=\"{file}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
+            )
+        })
+        .collect();
+    let name = escaped(&input.outcome.part.name);
+    let html = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{name}: setup sheet</title>\n\
+         <style>{STYLE}</style></head><body>\n<h1>{name}: setup sheet</h1>\n{}{}{}{}{}{}\
+         <h2>Stock before and after</h2>\n{figures}</body></html>\n",
+        part_text(input),
+        warnings_text(input),
+        program_text(input),
+        tools_text(input),
+        sections_text(input),
+        policies_text(input.outcome),
+    );
+    write_atomically(&folder.join("report.html"), html.as_bytes())?;
+    Ok(())
+}
+
+/// Part, blank and zero point.
+fn part_text(input: &SheetInput) -> String {
+    let (part, setup) = (&input.outcome.part, &input.outcome.setup);
+    let blank = Blank::of(part, setup.allowances.inlet_extension);
+    let stock = &setup.allowances;
+    let machine = match &setup.machine.file {
+        Some(file) => {
+            format!("{}, tool axis up to {:.0}°", escaped(file), setup.machine.max_axis_tilt_rad.to_degrees())
+        }
+        None => "not named in the setup".to_owned(),
+    };
+    let material = stock.material.as_deref().map_or("not named in the setup".to_owned(), escaped);
+    format!(
+        "<p>D {:.2} mm, {} blades{}. Material: {material}. Machine: {machine}.</p>\n\
+         <div class=\"keep\">{}<p>Zero of the program: the axis of rotation at z = 0 of the part; Z along the axis. \
+         Hub blue, shroud dashed, blank grey. Stock that stays: hub {} mm, blades {} mm.</p></div>\n",
+        2.0 * part.rim_radius(),
+        part.blade_count,
+        if part.splitters.is_empty() { "" } else { " and splitters" },
+        drawing::part_svg(part, &blank),
+        stock.hub_allowance,
+        stock.blade_allowance,
+    )
+}
+
+/// What must be known before the program runs.
+fn warnings_text(input: &SheetInput) -> String {
+    let plan = &input.outcome.after.plan;
+    let mut warnings = Vec::new();
+    if plan.is_unfinished() {
+        warnings.push("The plan is UNFINISHED: planning was stopped.".to_owned());
+    }
+    let faults = &input.report.verdict.faults;
+    for fault in faults.iter().take(MAX_FAULTS) {
+        warnings.push(format!("Line {}: {}", fault.line, fault.message));
+    }
+    if faults.len() > MAX_FAULTS {
+        warnings.push(format!("{} more faults; `vanecut verify` lists them.", faults.len() - MAX_FAULTS));
+    }
+    for why in DropReason::ALL {
+        let count = plan.dropped.iter().filter(|dropped| dropped.why == why).count();
+        if count > 0 {
+            warnings.push(format!("{count} positions are left out {}.", why.words()));
+        }
+    }
+    let uncut = 100.0 * input.report.summary.uncut_share;
+    if uncut >= 0.05 {
+        warnings.push(format!("{uncut:.1} % of the reachable floor stays uncut."));
+    }
+    let assumed = plan.sections.iter().filter(|s| s.is_cut() && s.tool.assembly.holder.is_empty());
+    let mut assumed: Vec<u32> = assumed.map(|section| section.tool.number).collect();
+    assumed.sort_unstable();
+    assumed.dedup();
+    for number in assumed {
+        warnings.push(format!(
+            "The holder of tool {number} is not given: a cylinder of twice its diameter is assumed."
+        ));
+    }
+    warnings.push(
+        "No program of this kind has been proven on your control: run it block by block and in air first."
+            .to_owned(),
+    );
+    let items: String = warnings.iter().map(|text| format!("<li>{}</li>", escaped(text))).collect();
+    format!("<h2>Before it runs</h2>\n<ul class=\"warning\">{items}</ul>\n")
+}
+
+/// Faults that are listed one by one.
+const MAX_FAULTS: usize = 5;
+
+/// The files and what `verify` says of the program.
+fn program_text(input: &SheetInput) -> String {
+    let files: Vec<String> =
+        input.files.iter().map(|file| format!("<code>{}</code>", escaped(file))).collect();
+    let summary = &input.report.summary;
+    let faults = match input.report.verdict.faults.len() {
+        0 => "no fault".to_owned(),
+        count => format!("{count} faults"),
+    };
+    format!(
+        "<h2>Program</h2>\n<p>{}, for {}; checked as written: {faults}.</p>\n<p>{}</p>\n",
+        files.join(", "),
+        report::channels_text(input.channels),
+        escaped(&report::clearances_text(summary, input.channels)),
+    )
+}
+
+/// The tools that cut, each with its drawing.
+fn tools_text(input: &SheetInput) -> String {
+    let mut text = "<h2>Tools</h2>\n".to_owned();
+    let mut seen = Vec::new();
+    let setup = &input.outcome.setup;
+    let plan = &input.outcome.after.plan;
+    for section in plan.sections.iter().filter(|section| section.is_cut()) {
+        let Some(tool) = setup.tools.iter().find(|tool| tool.number == section.tool.number) else { continue };
+        if seen.contains(&tool.number) {
+            continue;
+        }
+        seen.push(tool.number);
+        let rest = &tool.assembly;
+        let offset =
+            |name: &str, number: Option<u32>| number.map_or(String::new(), |n| format!("<br>{name}{n}"));
+        let _ = write!(
+            text,
+            "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{}, insert width {}<br>overhang {} mm<br>\
+             {} rev/min, plunge {} mm/min{}{}</div>\n",
+            drawing::tool_svg(tool),
+            tool.number,
+            rest.name.as_deref().map_or(String::new(), escaped),
+            tool.diameter,
+            tool.corner_radius,
+            tool.insert_width,
+            tool.overhang,
+            tool.spindle,
+            tool.plunge_feed,
+            offset("H", rest.length_offset),
+            offset("D", rest.diameter_offset),
+        );
+    }
+    text
+}
+
+/// The sections in cutting order, with times of one channel and of the wheel.
+fn sections_text(input: &SheetInput) -> String {
+    let outcome = input.outcome;
+    let after = &outcome.after;
+    let mut rows = String::new();
+    let mut tool_changes: usize = 0;
+    let mut last = None;
+    for (index, section) in after.plan.sections.iter().enumerate().filter(|(_, section)| section.is_cut()) {
+        let summary = Summary::of_section(&after.plan, &outcome.grid, &after.field, index);
+        tool_changes += usize::from(last != Some(section.tool.number));
+        last = Some(section.tool.number);
+        let kind = if section.rest { "rest milling" } else { section.feed.words() };
+        let _ = write!(
+            rows,
+            "<tr><td>{}</td><td>T{}</td><td>{:.2} to {:.2}</td><td>{kind}</td><td>{}</td><td>{:.2} / {:.2}</td>\
+             <td>{:.1}</td></tr>",
+            index + 1,
+            section.tool.number,
+            section.from,
+            section.to,
+            summary.positions,
+            summary.residual_mean,
+            summary.residual_p95,
+            minutes(&summary),
+        );
+    }
+    let blades = outcome.part.blade_count;
+    let change = TOOL_CHANGE_S / 60.0 * tool_changes as f64;
+    let one = minutes(&after.summary);
+    format!(
+        "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th><th>plunges</th>\
+         <th>stock mean / 95 %, mm</th><th>min</th></tr></thead><tbody>{rows}</tbody></table>\n\
+         <p>One channel {one:.1} min; the wheel, {blades} channels and {tool_changes} tool changes, about {:.0} min \
+         (accelerations left out).</p>\n",
+        one * blades as f64 + change,
+    )
+}
+
+/// The policies beside each other.
+fn policies_text(outcome: &PlanOutcome) -> String {
+    let row = |result: &PolicyResult| {
+        let s = &result.summary;
+        format!(
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2}</td><td>{:.2} / {:.2}</td><td>{:.1}</td><td>{:.1}</td></tr>",
+            result.plan.policy.name(),
+            s.positions,
+            s.interfering,
+            s.max_contact_depth,
+            s.residual_mean,
+            s.residual_p95,
+            100.0 * s.uncut_share,
+            minutes(s),
+        )
+    };
+    let rows: String = outcome.policies().into_iter().map(row).collect();
+    format!(
+        "<h2>Before and after</h2>\n<table><thead><tr><th>plan</th><th>plunges</th><th>interfering</th>\
+         <th>deepest contact, mm</th><th>stock mean / 95 %, mm</th><th>uncut, %</th><th>min</th></tr></thead>\
+         <tbody>{rows}</tbody></table>\n"
+    )
+}
