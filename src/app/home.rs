@@ -1,8 +1,10 @@
 //! The window's own files: recent projects, preferences and recovery copies. Without a home folder none of
 //! them is stored.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
+use std::sync::{Arc, OnceLock};
+use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +34,8 @@ pub struct Home {
     folder: PathBuf,
     /// This session's recovery copy; its name contains process number and time, so that it is unique.
     copy: PathBuf,
+    /// Locked as long as this session runs; shared by the clones of this home.
+    lock: Arc<OnceLock<HeldLock>>,
 }
 
 impl Home {
@@ -39,7 +43,7 @@ impl Home {
     pub fn new(folder: PathBuf) -> Self {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_nanos();
         let copy = folder.join("recovery").join(format!("{}-{now}.{EXTENSION}", std::process::id()));
-        Self { folder, copy }
+        Self { folder, copy, lock: Arc::default() }
     }
 
     /// Path of this session's recovery copy.
@@ -56,12 +60,32 @@ impl Home {
             // If this fails, the write below reports the error.
             let _ = std::fs::create_dir_all(folder);
         }
+        self.hold_lock();
         write_atomically(&self.copy, text.as_bytes())
+    }
+
+    /// Locks the file beside the recovery copy that says that its session runs. The system unlocks it however the
+    /// session ends.
+    fn hold_lock(&self) {
+        if self.lock.get().is_some() {
+            return;
+        }
+        let path = lock_of(&self.copy);
+        if let Some(folder) = path.parent() {
+            // If this fails, so does the next step, and the copy counts as abandoned.
+            let _ = std::fs::create_dir_all(folder);
+        }
+        if let Ok(file) = File::create(&path)
+            && file.try_lock().is_ok()
+        {
+            // Set once: this is the only place that sets it.
+            let _ = self.lock.set(HeldLock { _file: file, path });
+        }
     }
 
     /// Removes this session's recovery copy, after saving or discarding.
     pub fn drop_copy(&self) {
-        // The copy may not exist.
+        // A later copy of this session keeps the lock.
         let _ = std::fs::remove_file(&self.copy);
     }
 
@@ -74,7 +98,7 @@ impl Home {
                 let path = entry.path();
                 let changed = entry.metadata().and_then(|data| data.modified()).ok()?;
                 let ours = path.extension().is_some_and(|e| e == EXTENSION) && path != self.copy;
-                (ours && !is_in_use(&path, changed)).then_some((changed, path))
+                (ours && !is_in_use(&path)).then_some((changed, path))
             })
             .collect();
         found.sort_by(|a, b| b.cmp(a));
@@ -121,18 +145,36 @@ impl Home {
     }
 }
 
-/// Whether the session that wrote a recovery copy still runs. The file name contains its process number. On
-/// systems without `/proc`, a copy that has not changed for five minutes counts as abandoned.
-fn is_in_use(path: &Path, changed: SystemTime) -> bool {
-    const MAX_ABANDONED_AGE: Duration = Duration::from_secs(300);
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let process: Option<u32> = name.split('-').next().and_then(|number| number.parse().ok());
-    match process {
-        Some(process) if Path::new("/proc/self").exists() => {
-            process != std::process::id() && Path::new("/proc").join(process.to_string()).exists()
-        }
-        _ => changed.elapsed().is_ok_and(|age| age < MAX_ABANDONED_AGE),
+/// Removes the recovery copy at `path` of another session, with its lock.
+pub fn remove_copy(path: &Path) {
+    // Either may be gone already.
+    let _ = std::fs::remove_file(path);
+    let _ = std::fs::remove_file(lock_of(path));
+}
+
+/// A lock file that this session holds; removed with it.
+#[derive(Debug)]
+struct HeldLock {
+    _file: File,
+    path: PathBuf,
+}
+
+impl Drop for HeldLock {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
     }
+}
+
+/// The file that is locked while the session of the recovery copy `copy` runs.
+fn lock_of(copy: &Path) -> PathBuf {
+    let home = copy.parent().and_then(Path::parent).unwrap_or(Path::new(""));
+    home.join("locks").join(copy.file_stem().unwrap_or_default()).with_extension("lock")
+}
+
+/// Whether the session that wrote the recovery copy at `path` still runs: it holds its lock. The system releases it
+/// however the session ends, at once.
+fn is_in_use(path: &Path) -> bool {
+    File::open(lock_of(path)).is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
 /// The text of a small file of our own; empty where it cannot be read.
@@ -154,9 +196,16 @@ mod tests {
         assert!(home.recovery_copies().is_empty(), "its own is in use");
         let recovery = folder.path().join("recovery");
         std::fs::write(recovery.join("4194304999-1.vanecut"), "crashed").expect("writes");
-        std::fs::write(recovery.join("1-1.vanecut"), "of process 1, which always runs").expect("writes");
+        let other = Home::new(folder.path().to_owned());
+        other.write_copy("of another session, which runs").expect("writes");
         std::fs::write(recovery.join("notes.txt"), "of somebody").expect("writes");
         assert_eq!(home.recovery_copies(), [recovery.join("4194304999-1.vanecut")]);
+        // Killed: the lock goes with the session, whatever its file.
+        let killed = other.copy().to_owned();
+        drop(other);
+        assert!(home.recovery_copies().contains(&killed), "offered at once");
+        remove_copy(&killed);
+        assert!(!killed.exists());
         home.drop_copy();
         assert!(!home.copy().exists());
     }

@@ -46,6 +46,7 @@ pub mod planned;
 mod point_menu;
 pub mod preview;
 mod project;
+mod release;
 pub mod results;
 mod roles;
 pub mod run;
@@ -94,6 +95,8 @@ pub struct App {
     session: project::Session,
     export: export::ExportSettings,
     export_dialog: export::ExportDialog,
+    /// The question about a program with something against it, while it is open.
+    release: Option<release::ReleaseQuestion>,
     roles: roles::RolesDialog,
     device: String,
     /// Receives the window's state when the device is lost.
@@ -133,6 +136,7 @@ impl App {
             session: project::Session::default(),
             export: export::ExportSettings::default(),
             export_dialog: export::ExportDialog::default(),
+            release: None,
             roles: roles::RolesDialog::default(),
             device,
             recovery_slot: None,
@@ -355,7 +359,10 @@ impl eframe::App for App {
         self.take_drops(ctx);
         self.watch_closing(ctx);
         // While a dialog or the command search is open, shortcuts are disabled.
-        let asks = self.session.is_asking() || self.export_dialog.is_open() || self.roles.is_open();
+        let asks = self.session.is_asking()
+            || self.export_dialog.is_open()
+            || self.release.is_some()
+            || self.roles.is_open();
         if !self.palette.is_open() && !asks {
             for command in Command::pressed(ctx, |command| self.is_available(command)) {
                 self.run_command(ctx, command);
@@ -426,6 +433,7 @@ impl eframe::App for App {
             self.run_command(ui.ctx(), command);
         }
         self.ask_unsaved(ui);
+        self.ask_release(ui);
         self.ask_export(ui);
         self.ask_roles(ui);
         // A border drag is one undo step, however long it takes.

@@ -1,13 +1,64 @@
-//! Parser of typed numbers: arithmetic (`30/4`), trailing units, decimal comma. Recursive descent over sum,
-//! product and atom.
+//! Parser of typed numbers: arithmetic (`30/4`), units, decimal comma. Recursive descent over sum, product and
+//! atom.
 
-/// Value of `text`. Trailing letters and unit signs (`mm`, `°`) are ignored without conversion. `None` if it
-/// is not a finite number.
-pub fn parse(text: &str) -> Option<f64> {
-    let text = text.trim().trim_end_matches(|c: char| c.is_alphabetic() || "°%/ ".contains(c));
-    let text = text.replace(',', ".").replace('−', "-");
-    let mut rest = text.as_bytes();
-    let value = sum(&mut rest, 0)?;
+/// What a typed number measures, which decides the units that may follow it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A length, mm.
+    Length,
+    /// An angle, degrees.
+    Angle,
+    /// A feed rate, mm/min.
+    FeedRate,
+    /// A spindle speed, rev/min.
+    SpindleSpeed,
+    /// A number without unit.
+    Plain,
+}
+
+impl Quantity {
+    /// The units that may be typed, with their value in the unit of the field.
+    fn units(self) -> &'static [(&'static str, f64)] {
+        const INCH_MM: f64 = 25.4;
+        match self {
+            Self::Length => &[
+                ("mm", 1.0),
+                ("cm", 10.0),
+                ("m", 1000.0),
+                ("µm", 1e-3),
+                ("um", 1e-3),
+                ("in", INCH_MM),
+                ("inch", INCH_MM),
+                ("\"", INCH_MM),
+                ("″", INCH_MM),
+            ],
+            Self::Angle => &[("°", 1.0), ("deg", 1.0), ("rad", 180.0 / std::f64::consts::PI)],
+            Self::FeedRate => {
+                &[("mm/min", 1.0), ("m/min", 1000.0), ("mm/s", 60.0), ("in/min", INCH_MM), ("ipm", INCH_MM)]
+            }
+            Self::SpindleSpeed => &[("rpm", 1.0), ("rev/min", 1.0), ("1/min", 1.0), ("/min", 1.0)],
+            Self::Plain => &[],
+        }
+    }
+}
+
+/// Value of `text` in the unit of the field: a number or a calculation, and perhaps a unit of the `quantity`,
+/// which is converted. `None` where it is not a finite number, or its unit is not one of the quantity.
+pub fn parse(text: &str, quantity: Quantity) -> Option<f64> {
+    let text = text.trim();
+    // The longest unit that fits: "mm" ends in "m", too.
+    let fitting = quantity.units().iter().filter(|(unit, _)| {
+        text.len() >= unit.len()
+            && text.is_char_boundary(text.len() - unit.len())
+            && text[text.len() - unit.len()..].eq_ignore_ascii_case(unit)
+    });
+    let (number, factor) = match fitting.max_by_key(|(unit, _)| unit.len()) {
+        Some((unit, factor)) => (&text[..text.len() - unit.len()], *factor),
+        None => (text, 1.0),
+    };
+    let number = number.trim().replace(',', ".").replace('−', "-");
+    let mut rest = number.as_bytes();
+    let value = sum(&mut rest, 0)? * factor;
     (rest.is_empty() && value.is_finite()).then_some(value)
 }
 
@@ -70,30 +121,54 @@ fn skip<'a, 'b>(rest: &'a mut &'b [u8]) -> &'a mut &'b [u8] {
 
 #[cfg(test)]
 mod tests {
+    use super::Quantity::{Angle, FeedRate, Length, Plain, SpindleSpeed};
     use super::parse;
 
     #[test]
     fn typed_numbers() {
-        for (text, value) in [
-            ("8", 8.0),
-            (" 30/4 ", 7.5),
-            ("30/4 mm", 7.5),
-            ("2,5mm", 2.5),
-            ("-12.5°", -12.5),
-            ("−3", -3.0),
-            ("1+2*3", 7.0),
-            ("(1+2)*3", 9.0),
-            ("-(2-5)", 3.0),
-            ("300 mm/min", 300.0),
+        for (text, quantity, value) in [
+            ("8", Length, 8.0),
+            (" 30/4 ", Length, 7.5),
+            ("30/4 mm", Length, 7.5),
+            ("2,5mm", Length, 2.5),
+            ("1in", Length, 25.4),
+            ("0.5 inch", Length, 12.7),
+            ("1/2\"", Length, 12.7),
+            ("1.2 CM", Length, 12.0),
+            ("-12.5°", Angle, -12.5),
+            ("−3", Plain, -3.0),
+            ("1+2*3", Plain, 7.0),
+            ("(1+2)*3", Plain, 9.0),
+            ("-(2-5)", Plain, 3.0),
+            ("300 mm/min", FeedRate, 300.0),
+            ("10 ipm", FeedRate, 254.0),
+            ("1200 rpm", SpindleSpeed, 1200.0),
         ] {
-            assert_eq!(parse(text), Some(value), "{text:?}");
+            let parsed = parse(text, quantity).unwrap_or_else(|| panic!("{text} is a number"));
+            assert!((parsed - value).abs() < 1e-12, "{text:?}: {parsed}");
         }
+        assert!((parse("0.5 rad", Angle).unwrap_or_default() - 28.647_889_756_541_16).abs() < 1e-12);
     }
 
     #[test]
     fn no_numbers() {
         for text in ["", "mm", "1/0", "1..2", "(1", "1)", "1e999", "auto", "--", "€", &"(".repeat(10_000)] {
-            assert_eq!(parse(text), None, "{text:?}");
+            assert_eq!(parse(text, Length), None, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn units_of_something_else_are_refused() {
+        for (text, quantity) in [
+            ("5°", Length),
+            ("5 ft", Length),
+            ("30 mm", Angle),
+            ("300 mm", FeedRate),
+            ("5 in", SpindleSpeed),
+            ("0.5 mm", Plain),
+            ("5 %", Length),
+        ] {
+            assert_eq!(parse(text, quantity), None, "{text:?}");
         }
     }
 }

@@ -16,7 +16,7 @@ use super::dialogs::Purpose;
 use super::document::{Edited, WhatIf};
 use super::engine::PartSource;
 use super::files::WriteTask;
-use super::home::{Home, Preferences};
+use super::home::{self, Home, Preferences};
 use super::look::REVEAL;
 use super::planned::Side;
 use super::state::{AppState, Problem};
@@ -292,13 +292,13 @@ impl App {
     /// Discards a recovery copy of another session.
     pub(super) fn drop_recoverable(&mut self, path: &Path) {
         self.state.recoverable.retain(|known| known != path);
-        // The file may be gone already.
-        let _ = std::fs::remove_file(path);
+        home::remove_copy(path);
     }
 
     /// Writes the recovery copy once the content is stable. Call once per frame.
     pub(super) fn keep_copy(&mut self, ctx: &Context) {
-        if self.session.home.is_none() || !self.state.document.is_unsaved() {
+        // Closing was confirmed: what was not saved is meant to go.
+        if self.session.closing || self.session.home.is_none() || !self.state.document.is_unsaved() {
             return;
         }
         let now = ctx.input(|input| input.time);

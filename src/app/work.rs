@@ -429,7 +429,7 @@ impl App {
     }
 
     /// Reads or writes a chosen file in the background.
-    pub fn file_chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
+    pub(super) fn use_file(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         match purpose {
             Purpose::OpenPart | Purpose::OpenProject => self.run_guarded(ctx, Pending::Open(path)),
             Purpose::SaveProject => self.write_project(path),

@@ -6,7 +6,7 @@ use glam::UVec2;
 
 use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
-use super::{Failure, open, plan, render_flank, report};
+use super::{Failure, open, plan, render_flank};
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View, encode_png,

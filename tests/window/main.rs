@@ -13,6 +13,7 @@ mod look;
 mod mouse;
 mod project;
 mod real;
+mod release;
 mod review;
 mod roles;
 mod section;
@@ -405,6 +406,10 @@ fn setup_cl_file_and_picture_are_written() {
     window.state_mut().look_mut().side = Side::Before;
     let ctx = window.ctx.clone();
     window.state_mut().file_chosen(&ctx, Purpose::ExportCl { all_channels: false }, path("before.apt"));
+    window.run_steps(2);
+    assert!(!path("before.apt").exists(), "a plan that interferes is asked about first");
+    window.get_by_label("Export anyway").click();
+    window.run_steps(2);
     settle(&mut window);
     let program = vanecut::io::apt::read_apt(&path("before.apt")).expect("a CL file");
     let planned = window.state().state().results.planned.clone().expect("planned");

@@ -4,7 +4,8 @@
 
 use egui::{Color32, ComboBox, DragValue, Response, Sense, Slider, Ui, Vec2};
 
-use super::super::{number, theme};
+use super::super::number::{self, Quantity};
+use super::super::theme;
 
 /// Description of a number field.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +46,17 @@ impl FieldSpec {
 }
 
 impl FieldSpec {
+    /// What the number measures, by its unit.
+    fn quantity(&self) -> Quantity {
+        match self.unit.trim() {
+            "mm" => Quantity::Length,
+            "°" => Quantity::Angle,
+            "mm/min" => Quantity::FeedRate,
+            "rpm" => Quantity::SpindleSpeed,
+            _ => Quantity::Plain,
+        }
+    }
+
     /// Adds a slider under the box.
     pub const fn sliding(self, low: f64, high: f64) -> Self {
         Self { slide: Some((low, high)), ..self }
@@ -63,7 +75,7 @@ fn show(value: f64, spec: &FieldSpec) -> String {
 /// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too.
 pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Option<&str>) -> Response {
     let least = if automatic.is_some() { 0.0 } else { spec.min };
-    let unit = spec.unit;
+    let quantity = spec.quantity();
     let words = automatic.map(str::to_owned);
     let parser_words = words.clone();
     let spec_copy = *spec;
@@ -78,7 +90,7 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
         })
         .custom_parser(move |text| match &parser_words {
             Some(words) if text.trim().is_empty() || text.trim() == words => Some(0.0),
-            _ => number::parse(text.trim().strip_suffix(unit.trim()).unwrap_or(text)),
+            _ => number::parse(text, quantity),
         })
         .update_while_editing(false);
     if spec.decimals == 0 {

@@ -22,7 +22,7 @@ const S: FieldSpec = FieldSpec {
     label: "s",
     tip: "Fraction of meridional arc length: 0 at the leading edge (LE), 1 at the rim (OD)",
     unit: "",
-    min: -1.0,
+    min: 0.0,
     max: 1.0,
     speed: 0.005,
     decimals: 3,
@@ -82,9 +82,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
                 fields::plain_row(ui, &mut tool.plunge_feed, &FEED);
                 fields::plain_row(ui, &mut tool.spindle, &SPINDLE);
             });
-            if tool.insert_width > tool.radius() {
-                ui.label("The insert is wider than the radius; make it narrower");
-            }
+            fit_to_radius(tool);
             let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
             if delete.clicked() {
                 remove = Some(k);
@@ -109,6 +107,18 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
             assembly: Default::default(),
         });
     }
+}
+
+/// Keeps what hangs on the radius of a tool within it: insert width and corner radius.
+fn fit_to_radius(tool: &mut Tool) {
+    tool.insert_width = tool.insert_width.min(tool.radius());
+    tool.corner_radius = tool.corner_radius.min(tool.radius());
+}
+
+/// Keeps the ends of a section in order, as a setup file must have them.
+fn fit_ends(section: &mut SectionSetup) {
+    section.from = section.from.max(MIN_SECTION_LENGTH);
+    section.to = section.to.min(section.from - MIN_SECTION_LENGTH).max(0.0);
 }
 
 fn sections(ui: &mut Ui, setup: &mut Setup) {
@@ -137,6 +147,7 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
                 s_box(ui, &mut section.from).labelled_by(title.id);
                 ui.label("to");
                 s_box(ui, &mut section.to).labelled_by(title.id);
+                fit_ends(section);
             });
             ui.horizontal(|ui| {
                 ComboBox::from_id_salt("feed")

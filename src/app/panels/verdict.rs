@@ -9,6 +9,8 @@ use super::super::planned::Side;
 use super::super::state::AppState;
 use super::super::theme::{self, Condition};
 
+/// Share of the accessible floor up to which what is not machined is no concern.
+pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
 /// Shares below this would show as 0.0 %.
 const MIN_SHOWN_SHARE: f64 = 0.0005;
 
@@ -61,12 +63,14 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     clearance(ui, "Hub clearance", after.min_hub_clearance, stock.hub_allowance);
     clearance(ui, "blade", after.min_blade_clearance, stock.blade_allowance);
     ui.separator();
-    figure(
-        ui,
-        "Not machined",
-        format_percent(after.uncut_share),
-        "Share of the accessible floor that is not cut",
-    );
+    let tip = "Share of the accessible floor that is not cut";
+    ui.label(RichText::new("Not machined").weak()).on_hover_text(tip);
+    let share = RichText::new(format_percent(after.uncut_share));
+    let share = match after.uncut_share > MAX_GOOD_UNCUT_SHARE {
+        true => share.strong().color(Condition::Blocked.text(ui.visuals())),
+        false => share,
+    };
+    ui.label(share).on_hover_text(tip);
     if after.inaccessible_share >= MIN_SHOWN_SHARE {
         let tip = "Share of the floor under overhanging walls that no tool axis reaches";
         figure(ui, "Inaccessible", format_percent(after.inaccessible_share), tip);
@@ -80,9 +84,23 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     );
 }
 
+/// The worst of all verdicts on a plan: what the headline is coloured by.
+fn overall(plan: &PlungePlan, summary: &Summary) -> Condition {
+    if summary.interfering > 0 {
+        Condition::Interfering
+    } else if !plan.dropped.is_empty()
+        || summary.uncut_share > MAX_GOOD_UNCUT_SHARE
+        || plan.is_unfinished()
+        || !plan.converged
+    {
+        Condition::Blocked
+    } else {
+        Condition::Sound
+    }
+}
+
 fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summary) {
-    let sound = after.interfering == 0;
-    let colour = if sound { Condition::Sound } else { Condition::Interfering }.text(ui.visuals());
+    let colour = overall(plan, after).text(ui.visuals());
     let text = format!("Interfering {} to {}", before.interfering, after.interfering);
     let depths = format!(
         "Core meets stock: {} of {} plunges before (deepest {:.2} mm), {} of {} after (deepest {:.2} mm)",

@@ -1,0 +1,103 @@
+//! Nothing is lost and no bad program leaves the window unasked.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::dialogs::Purpose;
+use vanecut::app::planned::Side;
+use vanecut::io::setup_file::{read_setup_bytes, write_setup};
+
+use crate::fake;
+use crate::harness::{settle, with_sample};
+
+const ONE_CHANNEL: Purpose = Purpose::ExportCl { all_channels: false };
+
+#[test]
+fn a_plan_that_is_out_of_date_is_exported_only_when_confirmed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.apt");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.run_steps(3);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
+    window.run_steps(2);
+    window.get_by_label_contains("The setup was edited after this calculation");
+    window.get_by_label("Cancel").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(!path.exists(), "nothing is written");
+
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
+    window.run_steps(2);
+    window.get_by_label("Recalculate").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(!path.exists() && !window.state().state().out_of_date(), "calculated, not written");
+
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(path.exists(), "nothing speaks against it any more");
+}
+
+#[test]
+fn an_interfering_plan_is_named_as_such_before_it_is_exported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("before.apt");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().look_mut().side = Side::Before;
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
+    window.run_steps(2);
+    window.get_by_label_contains("The core meets stock in");
+    window.get_by_label("Export anyway").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(path.exists());
+}
+
+#[test]
+fn after_do_not_save_no_recovery_copy_is_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let copies = || std::fs::read_dir(home.join("recovery")).into_iter().flatten().count();
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().set_home(home.clone());
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.5);
+    window.run_steps(14);
+    settle(&mut window);
+    assert_eq!(copies(), 1);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Q);
+    window.run_steps(2);
+    window.get_by_label("Don't save").click();
+    window.run_steps(14);
+    assert_eq!(copies(), 0, "it was discarded on purpose");
+}
+
+#[test]
+fn a_cutter_stays_possible_as_its_diameter_is_typed() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Edit tools and sections").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let header = window.query_all_by_role(Role::Button).find_map(|node| {
+        let label = node.accesskit_node().label()?;
+        label.starts_with('T').then_some(label).filter(|label| label.contains("insert"))
+    });
+    window.get_by_label(&header.expect("a tool")).click();
+    window.run_steps(6);
+    window.get_by_role_and_label(Role::SpinButton, "Diameter").set_value_accesskit(6.0);
+    window.run_steps(3);
+    let setup = window.state().state().document.edited.setup.clone();
+    let tool = &setup.tools[0];
+    assert_eq!(tool.diameter, 6.0);
+    assert!(tool.insert_width <= 3.0 && tool.corner_radius <= 3.0, "{tool:?}");
+    let saved = read_setup_bytes("s.toml", write_setup(&setup).as_bytes()).expect("what is saved opens");
+    assert_eq!(saved.tools, setup.tools);
+}
