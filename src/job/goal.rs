@@ -6,7 +6,7 @@ use crate::part::Channel;
 use crate::plunge::{PlanError, Planner, PlungePlan};
 use crate::setup::Setup;
 use crate::stock::FloorGrid;
-use crate::tradeoff::{Thinning, ThinningInput, choose_point};
+use crate::tradeoff::{Thinning, ThinningInput, choose_point, max_mean_rise};
 
 /// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
 const CELLS: usize = 256;
@@ -27,13 +27,26 @@ pub(super) fn meet_goal(
         return Ok(None);
     }
     let grid = &weighing_grid(grid);
-    let thinning =
-        Thinning::new(ThinningInput { plan: whole, setup, blank: planner.blank(), grid }, monitor)?;
+    let max_mean_rise = max_mean_rise(setup.plunge.goal);
+    let input = ThinningInput { plan: whole, setup, blank: planner.blank(), grid, max_mean_rise };
+    let thinning = Thinning::new(input, monitor)?;
     let count = choose_point(&thinning, setup.plunge.goal);
     if count == 0 {
         return Ok(None);
     }
-    planner.keep_plunges(whole, &thinning.kept_without(count), monitor).map(Some)
+    keep(planner, &thinning, whole, count, monitor).map(Some)
+}
+
+/// `whole` without the first `count` plunges of `thinning`.
+fn keep(
+    planner: &Planner,
+    thinning: &Thinning,
+    whole: &PlungePlan,
+    count: usize,
+    monitor: &Monitor,
+) -> Result<PlungePlan, PlanError> {
+    let kept = thinning.kept_without(count);
+    planner.keep_plunges(whole, &kept, &thinning.columns_of(&kept), monitor)
 }
 
 /// The cells of `grid` on which plunges are weighed.
@@ -52,12 +65,12 @@ impl PlanOutcome {
         let planner = Planner::new(&self.part, &channel, &self.setup);
         let plan = self.whole.as_ref().unwrap_or(&self.after.plan);
         let grid = &weighing_grid(&self.grid);
-        let input = ThinningInput { plan, setup: &self.setup, blank: planner.blank(), grid };
+        let (setup, blank) = (&self.setup, planner.blank());
+        let input = ThinningInput { plan, setup, blank, grid, max_mean_rise: f64::INFINITY };
         let thinning = Thinning::new(input, monitor)?;
         let points = thinning.points(count);
         let made = points.into_iter().map(|point| {
-            let kept = thinning.kept_without(point.left_out);
-            let plan = planner.keep_plunges(plan, &kept, monitor)?;
+            let plan = keep(&planner, &thinning, plan, point.left_out, monitor)?;
             Ok(measure_residual(plan, &self.grid))
         });
         made.collect()

@@ -626,12 +626,7 @@ impl<'a> Planner<'a> {
     }
 
     /// Measures contact and computes the retract point of every position.
-    pub(super) fn measure(
-        &self,
-        plan: &mut PlungePlan,
-        columns: &Columns,
-        monitor: &Monitor,
-    ) -> Result<(), PlanError> {
+    fn measure(&self, plan: &mut PlungePlan, columns: &Columns, monitor: &Monitor) -> Result<(), PlanError> {
         let stock = &self.setup.allowances;
         let tops: Vec<RetractSurface> = plan
             .sections

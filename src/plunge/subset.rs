@@ -1,14 +1,17 @@
 //! A plan with some of its plunges left out.
 
+use rayon::prelude::*;
+
 use super::cycle::{PlanError, Planner};
 use super::links::raise_links;
 use super::plan::{PlungePlan, Position};
-use crate::cutting::contact::{BlankTop, Columns, PlungeColumn};
+use crate::cutting::contact::{Columns, CoreContact, core_contact};
 use crate::monitor::Monitor;
 
 impl Planner<'_> {
-    /// `plan` with only the plunges that are `kept`, one flag each: contact, retract points and links are made
-    /// anew, and a row is split where the axes of the plunges left in it differ by more than the setup allows.
+    /// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is measured
+    /// anew, links are raised where they must be, and a row is split where the axes of the plunges left in it differ
+    /// by more than the setup allows.
     ///
     /// # Errors
     /// [`PlanError::Cancelled`] when the monitor is cancelled.
@@ -16,6 +19,7 @@ impl Planner<'_> {
         &self,
         plan: &PlungePlan,
         kept: &[bool],
+        columns: &Columns,
         monitor: &Monitor,
     ) -> Result<PlungePlan, PlanError> {
         let limit = self.setup.plunge.max_axis_change_rad;
@@ -40,13 +44,11 @@ impl Planner<'_> {
             }
             section.rows = rows;
         }
-        let top = BlankTop::new(&self.blank);
-        let column = |p: &Position| {
-            let tool = &thinned.sections[p.section].tool;
-            PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
-        };
-        let columns: Columns = thinned.positions.iter().map(column).collect();
-        self.measure(&mut thinned, &columns, monitor)?;
+        let contact = |k: usize| core_contact(&columns.as_slice()[k], columns.before(k), &self.blank);
+        let contacts: Vec<CoreContact> = (0..columns.len()).into_par_iter().map(contact).collect();
+        for (position, contact) in thinned.positions.iter_mut().zip(contacts) {
+            position.contact = contact;
+        }
         raise_links(&mut thinned, &self.blank, self.setup.allowances.safety_distance, monitor)?;
         Ok(thinned)
     }

@@ -2,9 +2,11 @@
 
 use rayon::prelude::*;
 
-use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_interferes};
+use crate::cutting::contact::{
+    BlankTop, Columns, PLANNED_CONTACT, PlungeColumn, core_contact_among, core_interferes,
+};
 use crate::part::Blank;
-use crate::plunge::PlungePlan;
+use crate::plunge::{PlungePlan, Position};
 
 /// The plunges of a plan with those before each that may have cut stock out of the way of its core.
 pub(super) struct Cores<'a> {
@@ -22,14 +24,12 @@ impl<'a> Cores<'a> {
     /// The cores of the plunges of `plan` in `blank`.
     pub fn new(plan: &PlungePlan, blank: &'a Blank) -> Self {
         let top = BlankTop::new(blank);
-        let columns: Columns = plan
-            .positions
-            .iter()
-            .map(|p| {
-                let tool = &plan.sections[p.section].tool;
-                PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
-            })
-            .collect();
+        let column = |p: &Position| {
+            let tool = &plan.sections[p.section].tool;
+            PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
+        };
+        let columns: Vec<PlungeColumn> = plan.positions.par_iter().map(column).collect();
+        let columns: Columns = columns.into_iter().collect();
         let near = |k: usize| columns.before(k).numbers_near(&columns.as_slice()[k]);
         let before: Vec<Vec<u32>> = (0..columns.len()).into_par_iter().map(near).collect();
         let mut after = vec![Vec::new(); columns.len()];
@@ -42,20 +42,43 @@ impl<'a> Cores<'a> {
         Self { blank, columns, before, after, met_before }
     }
 
-    /// The first plunge whose core would meet stock if `plunge` were left out of those that are `kept`.
+    /// The columns of the plunges that are `kept`.
+    pub fn columns_of(&self, kept: &[bool]) -> Columns {
+        self.columns
+            .as_slice()
+            .iter()
+            .zip(kept)
+            .filter(|(_, kept)| **kept)
+            .map(|(column, _)| *column)
+            .collect()
+    }
+
+    /// The first plunge whose core would meet stock if `plunge` were left out of those that are `kept`: by the quick
+    /// test of planning, and what passes it by the one that plans are judged by.
     pub fn first_to_meet_without(&self, plunge: usize, kept: &[bool]) -> Option<usize> {
-        let meets = |later: &usize| {
-            let later = *later;
-            if !kept[later] || self.met_before[later] {
-                return false;
-            }
-            let all = self.columns.as_slice();
-            let near = self.before[later]
-                .iter()
-                .map(|&number| number as usize)
-                .filter(|&number| kept[number] && number != plunge);
-            core_interferes(&all[later], near.map(|number| &all[number]), self.blank)
+        let quick = |later: &usize| {
+            core_interferes(&self.columns.as_slice()[*later], self.near(*later, plunge, kept), self.blank)
         };
-        self.after[plunge].par_iter().map(|&later| later as usize).find_first(meets)
+        let full = |later: &usize| {
+            let column = &self.columns.as_slice()[*later];
+            core_contact_among(column, self.near(*later, plunge, kept), self.blank) > PLANNED_CONTACT
+        };
+        let concerned = || {
+            let later = self.after[plunge].par_iter().map(|&later| later as usize);
+            later.filter(|&later| kept[later] && !self.met_before[later])
+        };
+        concerned().find_first(quick).or_else(|| concerned().find_first(full))
+    }
+
+    /// The kept plunges near the core of `later`, without `plunge`, in cutting order.
+    fn near<'k>(
+        &'k self,
+        later: usize,
+        plunge: usize,
+        kept: &'k [bool],
+    ) -> impl DoubleEndedIterator<Item = &'k PlungeColumn> {
+        let numbers = self.before[later].iter().map(|&number| number as usize);
+        let kept = numbers.filter(move |&number| kept[number] && number != plunge);
+        kept.map(|number| &self.columns.as_slice()[number])
     }
 }

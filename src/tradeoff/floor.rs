@@ -24,6 +24,18 @@ pub(super) struct ThinnedFloor<'a> {
     kept: Vec<bool>,
     reachable_area: f64,
     uncut_area: f64,
+    /// Stock above the allowance on the floor that is cut, by band, mm³, and before any plunge was left out.
+    volumes: [f64; BANDS],
+    first_volumes: [f64; BANDS],
+}
+
+/// Bands of the floor along s whose stock is kept within its limit on its own: small sections are not to pay for
+/// large ones.
+const BANDS: usize = 8;
+
+/// The band of `cell` along s.
+fn band(grid: &FloorGrid, cell: usize) -> usize {
+    cell / grid.columns * BANDS / grid.rows
 }
 
 /// What leaving a plunge out does to the floor.
@@ -33,6 +45,8 @@ pub(super) struct FloorChange {
     pub cost: f64,
     /// Area that is cut no more, mm².
     pub uncut_area: f64,
+    /// Volume of the stock that stays more, by band of the floor, mm³.
+    pub volumes: [f64; BANDS],
 }
 
 impl<'a> ThinnedFloor<'a> {
@@ -40,7 +54,7 @@ impl<'a> ThinnedFloor<'a> {
     pub fn new(grid: &'a FloorGrid, cutters: &[FieldCutter], allowance: f64) -> Self {
         let cover = CellCover::new(grid, cutters);
         let mut cells_of = vec![Vec::new(); cutters.len()];
-        let (mut reachable_area, mut uncut_area) = (0.0, 0.0);
+        let (mut reachable_area, mut uncut_area, mut volumes) = (0.0, 0.0, [0.0; BANDS]);
         for cell in 0..cover.len() {
             if !(grid.floor[cell] && grid.reachable[cell]) {
                 continue;
@@ -52,10 +66,15 @@ impl<'a> ThinnedFloor<'a> {
             let area = f64::from(grid.areas[cell]);
             reachable_area += area;
             let height = entries.first().map_or(f32::INFINITY, |entry| entry.height);
-            uncut_area += if height >= UNCUT_SHARE * grid.blank_heights[cell] { area } else { 0.0 };
+            if height >= UNCUT_SHARE * grid.blank_heights[cell] {
+                uncut_area += area;
+            } else {
+                volumes[band(grid, cell)] += area * (f64::from(height) - allowance);
+            }
         }
         let kept = vec![true; cutters.len()];
-        Self { grid, cover, allowance: allowance as f32, cells_of, kept, reachable_area, uncut_area }
+        let (first_volumes, allowance) = (volumes, allowance as f32);
+        Self { grid, cover, allowance, cells_of, kept, reachable_area, uncut_area, volumes, first_volumes }
     }
 
     /// What changes when `plunge` is left out.
@@ -72,6 +91,7 @@ impl<'a> ThinnedFloor<'a> {
             let area = f64::from(self.grid.areas[cell]);
             let rise = cost_per_area(next, self.allowance) - cost_per_area(lowest.height, self.allowance);
             change.cost += area * rise;
+            change.volumes[self.band_of(cell)] += area * f64::from(next - lowest.height);
             if next >= UNCUT_SHARE * blank && lowest.height < UNCUT_SHARE * blank {
                 change.uncut_area += area;
             }
@@ -81,13 +101,31 @@ impl<'a> ThinnedFloor<'a> {
 
     /// Leaves `plunge` out.
     pub fn leave_out(&mut self, plunge: usize) {
-        self.uncut_area += self.change_without(plunge).uncut_area;
+        let change = self.change_without(plunge);
+        self.uncut_area += change.uncut_area;
+        for (volume, more) in self.volumes.iter_mut().zip(change.volumes) {
+            *volume += more;
+        }
         self.kept[plunge] = false;
     }
 
     /// Share of the reachable floor that would be uncut with `more` mm² beside what is uncut already.
     pub fn uncut_share_with(&self, more: f64) -> f64 {
         if self.reachable_area > 0.0 { (self.uncut_area + more) / self.reachable_area } else { 0.0 }
+    }
+
+    /// Largest share by which the stock above the allowance on a band of the floor rises with `change`, compared to
+    /// the whole plan.
+    pub fn rise_with(&self, change: &FloorChange) -> f64 {
+        let rise = |band: usize| match self.first_volumes[band] {
+            first if first > 0.0 => (self.volumes[band] + change.volumes[band]) / first - 1.0,
+            _ => 0.0,
+        };
+        (0..BANDS).map(rise).fold(0.0, f64::max)
+    }
+
+    fn band_of(&self, cell: usize) -> usize {
+        band(self.grid, cell)
     }
 
     /// Height of the stock over every cell after the plunges that `is_kept`, mm.

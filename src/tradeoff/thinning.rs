@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::cores::Cores;
 use super::floor::ThinnedFloor;
+use crate::cutting::contact::Columns;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::plunge::lane::is_wall;
@@ -32,18 +33,22 @@ pub struct ThinningInput<'a> {
     pub blank: &'a Blank,
     /// The floor of the channel.
     pub grid: &'a FloorGrid,
+    /// Largest share by which the stock above the allowance may rise on any band of the floor; infinite: as many
+    /// plunges go as can.
+    pub max_mean_rise: f64,
 }
 
 /// The plunges of a plan in the order in which they can be left out.
 pub struct Thinning<'a> {
     input: ThinningInput<'a>,
     floor: ThinnedFloor<'a>,
+    cores: Cores<'a>,
     /// Plunges that can be left out, the first one first.
     order: Vec<usize>,
 }
 
 impl<'a> Thinning<'a> {
-    /// Finds the order, down to where nothing more can be left out.
+    /// Finds the order, down to where nothing more can be left out or the limit of `input` is reached.
     ///
     /// # Errors
     /// When `monitor` is cancelled. After a stop the order ends early.
@@ -51,15 +56,15 @@ impl<'a> Thinning<'a> {
         let cutters = field_cutters(input.plan);
         let floor = ThinnedFloor::new(input.grid, &cutters, input.setup.allowances.hub_allowance);
         let cores = Cores::new(input.plan, input.blank);
-        let mut thinning = Self { input, floor, order: Vec::new() };
-        thinning.find_order(&cores, monitor)?;
+        let mut thinning = Self { input, floor, cores, order: Vec::new() };
+        thinning.find_order(monitor)?;
         Ok(thinning)
     }
 
     /// Lazy greedy: the price of a plunge, stock per second, only rises as others go, so the cheapest of the
     /// queue is the cheapest of all once its price is up to date. A plunge that the core of a later one needs waits
     /// until that one goes; one that floor or wall need stays.
-    fn find_order(&mut self, cores: &Cores, monitor: &Monitor) -> Result<(), Cancelled> {
+    fn find_order(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
         let plunges = self.input.plan.positions.len();
         let mut kept = vec![true; plunges];
         let mut rows = Neighbours::new(plunges);
@@ -83,11 +88,14 @@ impl<'a> Thinning<'a> {
                 queue.push(Candidate { price: now, plunge });
                 continue;
             }
-            let uncut = self.floor.change_without(plunge).uncut_area;
-            if self.floor.uncut_share_with(uncut) > max_uncut || !input.wall_stays_smooth(&rows, plunge) {
+            let change = self.floor.change_without(plunge);
+            if self.floor.uncut_share_with(change.uncut_area) > max_uncut
+                || self.floor.rise_with(&change) > input.max_mean_rise
+                || !input.wall_stays_smooth(&rows, plunge)
+            {
                 continue;
             }
-            if let Some(later) = cores.first_to_meet_without(plunge, &kept) {
+            if let Some(later) = self.cores.first_to_meet_without(plunge, &kept) {
                 waiting[later].push(plunge);
                 continue;
             }
@@ -119,6 +127,11 @@ impl<'a> Thinning<'a> {
     /// Whether no plunge can be left out.
     pub fn is_empty(&self) -> bool {
         self.order.is_empty()
+    }
+
+    /// The columns of the plunges that are kept.
+    pub fn columns_of(&self, kept: &[bool]) -> Columns {
+        self.cores.columns_of(kept)
     }
 
     /// Whether each plunge is kept when the first `count` are left out.

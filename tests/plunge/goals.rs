@@ -82,7 +82,8 @@ fn every_point_of_the_curve_is_a_sound_plan() {
 fn stock_after_leaving_plunges_out_is_that_of_the_field() {
     let blank = Blank::of(&WHOLE.part, WHOLE.setup.allowances.inlet_extension);
     let plan = WHOLE.whole.as_ref().expect("some plunges are not worth their time");
-    let input = ThinningInput { plan, setup: &WHOLE.setup, blank: &blank, grid: &WHOLE.grid };
+    let max_mean_rise = f64::INFINITY;
+    let input = ThinningInput { plan, setup: &WHOLE.setup, blank: &blank, grid: &WHOLE.grid, max_mean_rise };
     let thinning = Thinning::new(input, &Monitor::default()).expect("not cancelled");
     let again = Thinning::new(input, &Monitor::default()).expect("not cancelled");
     assert!(!thinning.is_empty());

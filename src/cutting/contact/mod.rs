@@ -42,7 +42,7 @@ const QUICK_LINES: usize = 8;
 const MAX_INTERVALS: usize = 12;
 /// Contact depth that planning tolerates, mm: well below [`CONTACT_TOLERANCE`], so that rounding in a CL file
 /// or the samples of another checker do not exceed it.
-const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
+pub const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
 /// Height below the bottom, mm, below which entries are not distinguished.
 const DEEP_ENTRY: f64 = -0.2;
 /// Height above the bottom, mm, up to which stock counts for the contact area.
@@ -50,7 +50,24 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> CoreContact {
-    let near = Neighbours::of(column, earlier.near(column));
+    contact_among(column, earlier.near(column), blank)
+}
+
+/// Depth of [`core_contact`], given the `earlier` plunges that may meet the core, mm.
+pub fn core_contact_among<'c>(
+    column: &PlungeColumn,
+    earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
+    blank: &Blank,
+) -> f64 {
+    contact_among(column, earlier, blank).depth
+}
+
+fn contact_among<'c>(
+    column: &PlungeColumn,
+    earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
+    blank: &Blank,
+) -> CoreContact {
+    let near = Neighbours::of(column, earlier);
     contact_up_to(column, StockLines::new(column, &near, blank), &RINGS, f64::INFINITY)
 }
 
