@@ -207,14 +207,7 @@ impl<'a> FixedAxisSearch<'a> {
         let rim = self.tool.radius() - self.tool.corner_radius;
         let across = (place.contact.normal - axis * along).try_normalize(1e-9).unwrap_or_else(Vector::zeros);
         let offset = across * rim;
-        let allowance = self.limits.blade_allowance + self.blades.slack;
-        let limits = MinDistances { cutter: enough + allowance, holder: enough + allowance };
-        let least = place.near.min_distances(&self.shape, axis, &offset, limits);
-        if bound(least.cutter - allowance, AxisObstacle::Blade)
-            | bound(least.holder - allowance, AxisObstacle::Holder)
-        {
-            return spare;
-        }
+        // The tables of hub and stock come first: the points of the blades are many.
         // An inclined cutter may meet the hub again further up.
         let bottom = place.centre + offset;
         let (from, to) = (2.0 * self.tool.radius(), self.tool.overhang);
@@ -228,10 +221,19 @@ impl<'a> FixedAxisSearch<'a> {
         let holder = 0.5 * self.tool.holder_diameter();
         for up in [0.0, 2.0 * holder] {
             let middle = bottom + axis * (to - self.tool.corner_radius + up);
-            bound(self.hub.at(&middle) - holder - HUB_SLACK, AxisObstacle::Holder);
+            if bound(self.hub.at(&middle) - holder - HUB_SLACK, AxisObstacle::Holder) {
+                return spare;
+            }
         }
         let end = bottom + axis * (to - self.tool.corner_radius);
-        bound(self.above_stock(&end, axis, place.top) - HUB_SLACK, AxisObstacle::Stock);
+        if bound(self.above_stock(&end, axis, place.top) - HUB_SLACK, AxisObstacle::Stock) {
+            return spare;
+        }
+        let allowance = self.limits.blade_allowance + self.blades.slack;
+        let limits = MinDistances { cutter: enough + allowance, holder: enough + allowance };
+        let least = place.near.min_distances(&self.shape, axis, &offset, limits);
+        bound(least.cutter - allowance, AxisObstacle::Blade);
+        bound(least.holder - allowance, AxisObstacle::Holder);
         spare
     }
 

@@ -119,6 +119,20 @@ impl CutRow {
         self.placed[at].as_ref().ok().map(|placed| placed.lift)
     }
 
+    /// Forgets the places that `is_cut` holds for, by λ and s, of those that are missing or dropped.
+    pub fn forget_open(&mut self, is_cut: impl Fn(f64, f64) -> bool) {
+        let lambda = self.row.lambda;
+        self.row.missing.retain(|(s, _)| !is_cut(lambda, *s));
+        let placed = std::mem::take(&mut self.placed);
+        let stations = std::mem::take(&mut self.row.stations);
+        for (station, placed) in stations.into_iter().zip(placed) {
+            if placed.is_ok() || !is_cut(lambda, station.ends.s_hub) {
+                self.row.stations.push(station);
+                self.placed.push(placed);
+            }
+        }
+    }
+
     /// The stations that are not dropped.
     pub fn stations(&self) -> impl Iterator<Item = &Station> {
         self.row

@@ -19,6 +19,9 @@ const START_LEADS_DEG: [f64; 17] =
 /// Distances by which a start is moved out of the stock, tried in this order, in cutter radii.
 const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
 
+/// Number of starts with which a row is planned to its end where none frees it of contact.
+const MAX_FINISHED_STARTS: usize = 4;
+
 /// What all attempts at one row share.
 struct RowAttempts<'r> {
     maker: &'r RowMaker<'r>,
@@ -50,6 +53,13 @@ struct RowStart {
     first: Station,
     /// Whether the first core column is free up to the top of the blank.
     free: bool,
+}
+
+/// Whether positions of a row may interfere.
+enum Contacts<'c> {
+    Allowed,
+    /// The row ends at the first one; the number of positions before it is stored.
+    None(&'c mut usize),
 }
 
 /// Whether two stations have the same tip within 1e-4 mm and the same axis.
@@ -117,29 +127,35 @@ impl Planner<'_> {
                 monitor.check()?;
                 return Ok(PlannedRow::empty(maker.lambda));
             };
-            let row = self.converge_row(&attempts, policy, &start, true, monitor)?;
+            let row = self.converge_row(&attempts, policy, &start, Contacts::Allowed, monitor)?;
             return Ok(row.unwrap_or_else(|| PlannedRow::empty(maker.lambda)));
         }
         let leans = std::iter::once(None).chain(START_LEADS_DEG.iter().map(|d| Some(d.to_radians())));
-        let mut tried: Vec<RowStart> = Vec::new();
+        // Starts with the number of positions that each got free of contact.
+        let mut tried: Vec<(usize, RowStart)> = Vec::new();
         for lean in leans {
             monitor.check()?;
             let Some(start) = self.find_free_start(&attempts, ends.0, lean, &mut moved) else { continue };
             // Below the jump of α from rear to front contact all lead angles give the same start.
-            if tried.iter().any(|t| same_axis(&t.first, &start.first)) {
+            if tried.iter().any(|(_, t)| same_axis(&t.first, &start.first)) {
                 continue;
             }
-            tried.push(start);
+            let mut reached = 0;
             if start.free
-                && let Some(row) = self.converge_row(&attempts, policy, &start, false, monitor)?
+                && let Some(row) =
+                    self.converge_row(&attempts, policy, &start, Contacts::None(&mut reached), monitor)?
             {
                 return Ok(row);
             }
+            tried.push((reached, start));
         }
-        // No start frees the row: take the one with the fewest contacts.
+        // No start frees the row: of those that got furthest, take the one with the fewest contacts. The sort
+        // is stable: of equal ones the smaller lead angle comes first.
+        tried.sort_by_key(|(reached, _)| std::cmp::Reverse(*reached));
+        tried.truncate(MAX_FINISHED_STARTS);
         let mut best: Option<(usize, PlannedRow)> = None;
-        for start in &tried {
-            if let Some(row) = self.converge_row(&attempts, policy, start, true, monitor)? {
+        for (_, start) in &tried {
+            if let Some(row) = self.converge_row(&attempts, policy, start, Contacts::Allowed, monitor)? {
                 let contacts = self.count_contacts(&attempts, &row.stations);
                 if best.as_ref().is_none_or(|b| contacts < b.0) {
                     best = Some((contacts, row));
@@ -156,7 +172,7 @@ impl Planner<'_> {
         attempts: &RowAttempts,
         policy: AxisPolicy,
         start: &RowStart,
-        contacts_allowed: bool,
+        mut contacts: Contacts,
         monitor: &Monitor,
     ) -> Result<Option<PlannedRow>, PlanError> {
         monitor.check()?;
@@ -169,7 +185,15 @@ impl Planner<'_> {
             row.iterations += 1;
             known.clear_row();
             let mut accept = |stations: &[Station]| {
-                !monitor.is_cancelled() && (contacts_allowed || known.last_is_free(maker, stations))
+                !monitor.is_cancelled()
+                    && match &mut contacts {
+                        Contacts::Allowed => true,
+                        Contacts::None(reached) => {
+                            let is_free = known.last_is_free(maker, stations);
+                            **reached = stations.len() - usize::from(!is_free);
+                            is_free
+                        }
+                    }
             };
             let optimised = match policy {
                 AxisPolicy::Monotone => {

@@ -28,8 +28,8 @@ pub(super) struct NearPoints {
     holder: Vec<PointBlock>,
 }
 
-/// Points processed together (SIMD).
-const LANES: usize = 16;
+/// Points processed together (SIMD): neighbours on a line of a side.
+const LANES: usize = 8;
 type LaneValues = [f32; LANES];
 
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +37,9 @@ struct PointBlock {
     x: LaneValues,
     y: LaneValues,
     z: LaneValues,
+    /// A ball around the points.
+    centre: [f32; 3],
+    radius: f32,
 }
 
 /// Dimensions of a cutter with its holder, mm.
@@ -62,6 +65,11 @@ const RULED_LINES: usize = 6;
 const BOWED_LINES: usize = 10;
 /// Coordinate of padding points that no tool comes near to.
 const FAR: f32 = -1e6;
+/// Every how many blocks the next one is taken: successive ones are far apart, so that most blocked axes are
+/// rejected early.
+const BLOCK_STRIDE: usize = 37;
+/// Margin of the balls of blocks for rounding in single precision, mm.
+const BALL_MARGIN: f32 = 0.01;
 
 impl BladePoints {
     /// The points of `sides`, for a cutter whose axis keeps `reach` mm from them.
@@ -82,11 +90,7 @@ impl BladePoints {
                 points.extend((0..=count).map(|i| side.point(i as f64 / count as f64, v)));
             }
         }
-        // Order the points so that successive ones are far apart: most blocked axes are then rejected early.
-        let stride = 37;
-        let count = points.len();
-        let spread = (0..stride).flat_map(|k| (k..count).step_by(stride)).map(|i| points[i]).collect();
-        Self { points: spread, slack: widest * widest / (8.0 * reach) }
+        Self { points, slack: widest * widest / (8.0 * reach) }
     }
 
     /// The points to which a tool whose corner is centred at `centre` could be nearer than `margin` mm with
@@ -96,8 +100,7 @@ impl BladePoints {
         let rim = shape.rim();
         let (column, holder) = (shape.radius + rim + margin, shape.holder_radius + rim + margin);
         let from = (shape.holder_from - rim).max(0.0).powi(2);
-        let mut near = NearPoints::default();
-        let (mut column_lane, mut holder_lane) = (LANES, LANES);
+        let (mut beside_column, mut beside_holder) = (BlockMaker::default(), BlockMaker::default());
         for point in &self.points {
             let d = point - centre;
             // Lower bound on the distance from the axes of the cone.
@@ -106,25 +109,46 @@ impl BladePoints {
             let across = (squared - along * along).max(0.0).sqrt();
             let off = if cone.angle < 1.5 { across * cos - along * sin } else { 0.0 };
             if off < column || squared < column * column {
-                push(&mut near.column, &mut column_lane, &d);
+                beside_column.push(&d);
             }
             if squared > from && off < holder {
-                push(&mut near.holder, &mut holder_lane, &d);
+                beside_holder.push(&d);
             }
         }
-        near
+        NearPoints { column: beside_column.into_blocks(), holder: beside_holder.into_blocks() }
     }
 }
 
-fn push(blocks: &mut Vec<PointBlock>, lane: &mut usize, d: &Vector) {
-    if *lane == LANES {
-        blocks.push(PointBlock { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES] });
-        *lane = 0;
+/// Collects points into blocks.
+#[derive(Default)]
+struct BlockMaker {
+    points: Vec<[f32; 3]>,
+}
+
+impl BlockMaker {
+    fn push(&mut self, d: &Vector) {
+        self.points.push([d.x as f32, d.y as f32, d.z as f32]);
     }
-    if let Some(block) = blocks.last_mut() {
-        (block.x[*lane], block.y[*lane], block.z[*lane]) = (d.x as f32, d.y as f32, d.z as f32);
+
+    fn into_blocks(self) -> Vec<PointBlock> {
+        let blocks: Vec<&[[f32; 3]]> = self.points.chunks(LANES).collect();
+        let spread = (0..BLOCK_STRIDE).flat_map(|k| (k..blocks.len()).step_by(BLOCK_STRIDE));
+        spread.map(|k| PointBlock::of(blocks[k])).collect()
     }
-    *lane += 1;
+}
+
+impl PointBlock {
+    /// The block of at most [`LANES`] points.
+    fn of(points: &[[f32; 3]]) -> Self {
+        let centre = points[points.len() / 2];
+        let mut block = Self { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES], centre, radius: 0.0 };
+        for (k, &[x, y, z]) in points.iter().enumerate() {
+            (block.x[k], block.y[k], block.z[k]) = (x, y, z);
+            let (dx, dy, dz) = (x - centre[0], y - centre[1], z - centre[2]);
+            block.radius = block.radius.max((dx * dx + dy * dy + dz * dz).sqrt() + BALL_MARGIN);
+        }
+        block
+    }
 }
 
 impl ToolShape {
@@ -153,9 +177,15 @@ impl AxisRay {
     /// Height of the point of a lane along the axis, and its squared distance from the axis.
     #[inline(always)]
     fn seen(&self, block: &PointBlock, k: usize) -> (f32, f32) {
+        self.seen_at([block.x[k], block.y[k], block.z[k]])
+    }
+
+    /// Height of a point along the axis, and its squared distance from the axis.
+    #[inline(always)]
+    fn seen_at(&self, [x, y, z]: [f32; 3]) -> (f32, f32) {
         let [ax, ay, az] = self.axis;
         let [ox, oy, oz] = self.offset;
-        let (x, y, z) = (block.x[k] - ox, block.y[k] - oy, block.z[k] - oz);
+        let (x, y, z) = (x - ox, y - oy, z - oz);
         let up = x * ax + y * ay + z * az;
         (up, (x * x + y * y + z * z - up * up).max(0.0))
     }
@@ -179,47 +209,56 @@ impl NearPoints {
         } else {
             self.column_least::<false>(shape, &ray, enough.cutter)
         };
-        let mut holder = [f32::MAX; LANES];
+        let mut holder = f32::MAX;
         if cutter >= enough.cutter {
             let from = shape.holder_from as f32;
             for block in &self.holder {
+                let (up, radial) = ray.seen_at(block.centre);
+                if up + block.radius < from || radial.sqrt() - block.radius >= holder.sqrt() {
+                    continue;
+                }
+                let mut least = [f32::MAX; LANES];
                 for k in 0..LANES {
                     let (up, radial) = ray.seen(block, k);
-                    holder[k] = holder[k].min(if up >= from { radial } else { f32::MAX });
+                    least[k] = if up >= from { radial } else { f32::MAX };
                 }
+                holder = holder.min(lane_min(&least));
             }
         }
-        MinDistances { cutter, holder: f64::from(lane_min(&holder)).sqrt() - shape.holder_radius }
+        MinDistances { cutter, holder: f64::from(holder).sqrt() - shape.holder_radius }
     }
 
     fn column_least<const BALL: bool>(&self, shape: &ToolShape, ray: &AxisRay, enough: f64) -> f64 {
         let rim = shape.rim() as f32;
-        let (mut beside, mut under) = ([f32::MAX; LANES], [f32::MAX; LANES]);
-        let distance = |beside: &LaneValues, under: &LaneValues| {
-            let beside = f64::from(lane_min(beside)).sqrt() - shape.radius;
-            beside.min(f64::from(lane_min(under)).sqrt() - shape.corner)
-        };
-        for blocks in self.column.chunks(4) {
-            for block in blocks {
-                for k in 0..LANES {
-                    let (up, radial) = ray.seen(block, k);
-                    let beyond = if BALL {
-                        radial
-                    } else {
-                        let beyond = (radial.sqrt() - rim).max(0.0);
-                        beyond * beyond
-                    };
-                    let (column, bottom) =
-                        if up >= 0.0 { (radial, f32::MAX) } else { (f32::MAX, beyond + up * up) };
-                    beside[k] = beside[k].min(column);
-                    under[k] = under[k].min(bottom);
-                }
+        let (radius, corner) = (shape.radius as f32, shape.corner as f32);
+        let mut least = f64::INFINITY;
+        for block in &self.column {
+            // No point of the block is nearer than its ball, seen from the side or from below.
+            let (up, radial) = ray.seen_at(block.centre);
+            let bound = (radial.sqrt() - radius).max(-up - corner) - block.radius;
+            if f64::from(bound) >= least {
+                continue;
             }
-            if distance(&beside, &under) < enough {
+            let (mut beside, mut under) = ([f32::MAX; LANES], [f32::MAX; LANES]);
+            for k in 0..LANES {
+                let (up, radial) = ray.seen(block, k);
+                let beyond = if BALL {
+                    radial
+                } else {
+                    let beyond = (radial.sqrt() - rim).max(0.0);
+                    beyond * beyond
+                };
+                (beside[k], under[k]) =
+                    if up >= 0.0 { (radial, f32::MAX) } else { (f32::MAX, beyond + up * up) };
+            }
+            let side = f64::from(lane_min(&beside)).sqrt() - shape.radius;
+            let bottom = f64::from(lane_min(&under)).sqrt() - shape.corner;
+            least = least.min(side).min(bottom);
+            if least < enough {
                 break;
             }
         }
-        distance(&beside, &under)
+        least
     }
 }
 
@@ -306,5 +345,52 @@ impl DistanceTable {
         let node = |i: usize, j: usize| f64::from(self.distance[i * self.columns + j]);
         let row = |i: usize| node(i, j) + fx * (node(i, j + 1) - node(i, j));
         row(i) + fy * (row(i + 1) - row(i))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Deterministic pseudorandom numbers from −1 to 1.
+    fn dice(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    #[test]
+    fn blocks_that_are_passed_over_leave_the_distances_as_they_are() {
+        let mut seed = 3;
+        let lines = (0..24).flat_map(|k| {
+            let (x, y) = (30.0 * dice(&mut seed), 30.0 * dice(&mut seed));
+            (0..61).map(move |i| Point::new(x + 0.1 * f64::from(k), y, f64::from(i) - 20.0))
+        });
+        let blades = BladePoints { points: lines.collect(), slack: 0.0 };
+        let cone = Cone { axis: Vector::z(), angle: std::f64::consts::PI };
+        let none = MinDistances { cutter: f64::NEG_INFINITY, holder: f64::NEG_INFINITY };
+        for (corner, case) in [4.0, 1.0, 0.0].into_iter().zip(0..) {
+            let shape = ToolShape { radius: 4.0, corner, holder_radius: 9.0, holder_from: 25.0 };
+            for _ in 0..60 {
+                let mut random = || Vector::new(dice(&mut seed), dice(&mut seed), dice(&mut seed));
+                let (centre, axis, offset) = (Point::from(random() * 20.0), random().normalize(), random());
+                let near =
+                    blades.near(&centre, &cone, &shape, 1e3).min_distances(&shape, &axis, &offset, none);
+                let (mut cutter, mut holder) = (f64::INFINITY, f64::INFINITY);
+                for point in &blades.points {
+                    let d = point - centre - offset;
+                    let up = d.dot(&axis);
+                    let radial = (d - axis * up).norm();
+                    let beyond = (radial - shape.rim()).max(0.0);
+                    let bottom = norm2(beyond, up) - corner;
+                    cutter = cutter.min(if up >= 0.0 { radial - shape.radius } else { bottom });
+                    if up >= shape.holder_from {
+                        holder = holder.min(radial - shape.holder_radius);
+                    }
+                }
+                assert!((near.cutter - cutter).abs() < 1e-3, "corner {case}: {} for {cutter}", near.cutter);
+                let far = holder.is_infinite() && near.holder > 1e9;
+                assert!(far || (near.holder - holder).abs() < 1e-3, "{} for {holder}", near.holder);
+            }
+        }
     }
 }

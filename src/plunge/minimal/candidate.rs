@@ -4,6 +4,8 @@
 //! The lead angle is the inclination of the axis from the hub normal along the row, positive towards the
 //! uncut side. The tilt angle is that across the row.
 
+use std::sync::OnceLock;
+
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, PlungeColumn};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
@@ -93,24 +95,80 @@ const TILT_COUNT: usize = 3;
 /// Tilt angles as shares from the row's own tilt angle (0) to zero tilt (1).
 const ZERO_TILT_SHARES: [f64; TILT_COUNT] = [1.0, 0.5, 0.0];
 
+/// The candidates of one lead angle, the cheapest first; without those beyond the limits of inclination.
+pub type LeadCandidates = [Option<RowCandidate>; TILT_COUNT];
+
+/// Where a candidate is in its stage: index of the lead angle, and of the tilt angle.
+pub type CandidateIndex = (usize, usize);
+
+/// What the blades make of a candidate.
+#[derive(Clone, Debug)]
+enum Cleared {
+    /// No axis like it clears them.
+    Blocked,
+    /// It clears them as it is.
+    AsItIs,
+    /// Refitted, it clears them.
+    Refitted(Box<RowCandidate>),
+}
+
+/// Answers about a candidate, each found when first asked for: several searches look at the same candidates,
+/// and most of these at few of them.
+#[derive(Clone, Debug, Default)]
+struct Answers {
+    cleared: OnceLock<Cleared>,
+    is_long_enough: OnceLock<bool>,
+}
+
 /// The candidates of one stage.
 #[derive(Clone, Debug)]
 pub struct CandidateStage {
-    /// Candidates for each lead angle, the cheapest first; without those beyond the limits of inclination.
-    pub by_lead: Vec<[Option<RowCandidate>; TILT_COUNT]>,
+    /// Candidates for each lead angle of the grid.
+    by_lead: Vec<LeadCandidates>,
+    answers: Vec<[Answers; TILT_COUNT]>,
+    frame: AxisFrame,
     floor: FloorPoints,
 }
 
 impl CandidateStage {
-    /// Cost of the cheapest candidate, if there is any.
-    pub fn cheapest(&self, scale: f64) -> Option<f64> {
-        self.by_lead.iter().filter_map(|tilt| Some(tilt[0].as_ref()?.cost(0.0, scale))).reduce(f64::min)
+    /// The candidates of every `stride`-th lead angle.
+    pub fn leads(&self, stride: usize) -> impl Iterator<Item = &LeadCandidates> + Clone {
+        self.by_lead.iter().step_by(stride)
+    }
+
+    /// Number of lead angles.
+    pub fn lead_count(&self) -> usize {
+        self.by_lead.len()
+    }
+
+    /// The candidates of lead angle `lead`.
+    pub fn lead(&self, lead: usize) -> &LeadCandidates {
+        &self.by_lead[lead]
+    }
+
+    /// All candidates of every `stride`-th lead angle.
+    pub fn indices(&self, stride: usize) -> impl Iterator<Item = CandidateIndex> {
+        let of_lead = |lead: usize| (0..TILT_COUNT).map(move |tilt| (lead, tilt));
+        let all = (0..self.by_lead.len()).step_by(stride).flat_map(of_lead);
+        all.filter(|&(lead, tilt)| self.by_lead[lead][tilt].is_some())
+    }
+
+    /// The cheapest candidate of every `stride`-th lead angle, if there is any.
+    pub fn cheapest(&self, scale: f64, stride: usize) -> Option<CandidateIndex> {
+        let cost = |lead: usize| self.by_lead[lead][0].map_or(f64::INFINITY, |c| c.cost(0.0, scale));
+        let leads = (0..self.by_lead.len()).step_by(stride).filter(|&lead| self.by_lead[lead][0].is_some());
+        leads.min_by(|&a, &b| cost(a).total_cmp(&cost(b))).map(|lead| (lead, 0))
+    }
+
+    /// A candidate.
+    pub fn candidate(&self, (lead, tilt): CandidateIndex) -> Option<&RowCandidate> {
+        self.by_lead[lead][tilt].as_ref()
     }
 
     /// Minimum angle between axes of the same lead angle at this stage and `next`, rad; 0 when there are
     /// none.
     pub fn min_turn(&self, next: &Self) -> f64 {
-        let axes = |tilt: &[Option<RowCandidate>; TILT_COUNT]| tilt.map(|c| c.map(|c| c.station.axis));
+        let axes = |tilt: &LeadCandidates| tilt.map(|c| c.map(|c| c.station.axis));
         let turns = self.by_lead.iter().zip(&next.by_lead).flat_map(|(here, next)| {
             let (here, next) = (axes(here).into_iter().flatten(), axes(next));
             here.flat_map(move |a| next.into_iter().flatten().map(move |b| a.angle(&b)))
@@ -178,6 +236,7 @@ impl ZeroLeadRef {
 }
 
 /// Reference from which all axes at an s are made.
+#[derive(Clone, Copy, Debug)]
 struct AxisFrame {
     conventional: AxisEnds,
     frame: RowFrame,
@@ -192,22 +251,44 @@ const SLOPE_STEP: f64 = 2e-3;
 impl CandidateMaker<'_> {
     /// The stage at `s_hub`; `None` where the cutter does not fit at all.
     pub fn stage_at(&self, s_hub: f64) -> Option<CandidateStage> {
-        let AxisFrame { conventional, frame, upright, reference } = self.axis_frame(s_hub)?;
-        let floor = self.floor_points(&conventional, &frame)?;
-        let candidates = |j: usize| {
-            let tilt = (FIRST_LEAD_DEG + LEAD_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
-            let axes = self.axes(upright.s_shroud_at_lead(tilt), (s_hub, &frame, &upright), ZERO_TILT_SHARES);
-            let mut candidates = axes.map(|ends| {
-                let candidate = self.lowered(ends?, &floor, &reference)?;
-                let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
-                Some(RowCandidate { station, ..candidate })
-            });
-            let cost = |c: &Option<RowCandidate>| c.map_or(f64::INFINITY, |c| c.cost(0.0, self.scale));
-            candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-            candidates
-        };
-        let tilts = (0..=LEAD_STEPS * self.fineness).map(candidates).collect();
-        Some(CandidateStage { by_lead: tilts, floor })
+        let frame = self.axis_frame(s_hub)?;
+        let floor = self.floor_points(&frame.conventional, &frame.frame)?;
+        let by_lead: Vec<_> =
+            (0..=LEAD_STEPS * self.fineness).map(|j| self.lead_candidates(j, &frame, &floor)).collect();
+        let answers = by_lead.iter().map(|_| Default::default()).collect();
+        Some(CandidateStage { by_lead, answers, frame, floor })
+    }
+
+    /// Adds lead angles half way between those of `stage`, which has half the fineness of this maker.
+    pub fn refine(&self, stage: &mut CandidateStage) {
+        let CandidateStage { by_lead, answers, frame, floor } = stage;
+        let count = LEAD_STEPS * self.fineness + 1;
+        let coarse = std::mem::replace(by_lead, Vec::with_capacity(count));
+        let known = std::mem::replace(answers, Vec::with_capacity(count));
+        for (j, (candidates, answered)) in coarse.into_iter().zip(known).enumerate() {
+            if j > 0 {
+                by_lead.push(self.lead_candidates(2 * j - 1, frame, floor));
+                answers.push(Default::default());
+            }
+            by_lead.push(candidates);
+            answers.push(answered);
+        }
+    }
+
+    /// The candidates of lead angle `j` of the grid.
+    fn lead_candidates(&self, j: usize, at: &AxisFrame, floor: &FloorPoints) -> LeadCandidates {
+        let AxisFrame { conventional, frame, upright, reference } = at;
+        let tilt = (FIRST_LEAD_DEG + LEAD_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
+        let place = (conventional.s_hub, frame, upright);
+        let axes = self.axes(upright.s_shroud_at_lead(tilt), place, ZERO_TILT_SHARES);
+        let mut candidates = axes.map(|ends| {
+            let candidate = self.lowered(ends?, floor, reference)?;
+            let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
+            Some(RowCandidate { station, ..candidate })
+        });
+        let cost = |c: &Option<RowCandidate>| c.map_or(f64::INFINITY, |c| c.cost(0.0, self.scale));
+        candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        candidates
     }
 
     /// Whether the grid of lead angles is too coarse for the cutter at one of the `s` of a row.
@@ -403,15 +484,37 @@ impl CandidateMaker<'_> {
         }
     }
 
-    /// A candidate of `place` that clears the blades, refitted if needed; `None` where that is impossible.
-    pub fn cleared(&self, candidate: &RowCandidate, place: &CandidateStage) -> Option<RowCandidate> {
+    /// Candidate `index` of `place`, refitted if that is needed to clear the blades; `None` where that is
+    /// impossible.
+    pub fn cleared(&self, place: &CandidateStage, index: CandidateIndex) -> Option<RowCandidate> {
+        let candidate = place.candidate(index)?;
+        let (lead, tilt) = index;
+        match place.answers[lead][tilt].cleared.get_or_init(|| self.clearing(candidate, place)) {
+            Cleared::Blocked => None,
+            Cleared::AsItIs => Some(*candidate),
+            Cleared::Refitted(refitted) => Some(**refitted),
+        }
+    }
+
+    fn clearing(&self, candidate: &RowCandidate, place: &CandidateStage) -> Cleared {
         if self.is_allowed(&candidate.station) {
-            return Some(*candidate);
+            return Cleared::AsItIs;
         }
         // Between two branches of fits the table error exceeds that of a draft.
-        let station = self.maker.exact(&candidate.station)?;
-        (station.ends != candidate.station.ends && self.is_allowed(&station))
-            .then(|| self.candidate(station, &place.floor))
+        let refitted = self.maker.exact(&candidate.station);
+        let turned =
+            refitted.filter(|station| station.ends != candidate.station.ends && self.is_allowed(station));
+        turned.map_or(Cleared::Blocked, |station| {
+            Cleared::Refitted(Box::new(self.candidate(station, &place.floor)))
+        })
+    }
+
+    /// As [`Self::is_long_enough`], for a candidate of `place` as [`Self::cleared`] has it.
+    pub fn is_cleared_long_enough(&self, place: &CandidateStage, index: CandidateIndex) -> bool {
+        let (lead, tilt) = index;
+        *place.answers[lead][tilt].is_long_enough.get_or_init(|| {
+            self.cleared(place, index).is_some_and(|cleared| self.is_long_enough(&cleared.station))
+        })
     }
 
     /// The column of a station for the contact search, with a slightly widened core.

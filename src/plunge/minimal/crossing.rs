@@ -57,8 +57,8 @@ impl RowCrossing<'_> {
         let place = candidates.stage_at(self.s)?;
         let mut search = ContactSearch::default();
         let mut best: Option<(f64, RowCandidate, f64)> = None;
-        for cheapest in place.by_lead.iter().filter_map(|tilt| tilt[0]) {
-            let Some(candidate) = candidates.cleared(&cheapest, &place) else { continue };
+        for index in (0..place.lead_count()).map(|lead| (lead, 0)) {
+            let Some(candidate) = candidates.cleared(&place, index) else { continue };
             if before.is_some_and(|b| b.axis.angle(&candidate.station.axis) > self.search.max_axis_change_rad)
             {
                 continue;

@@ -11,6 +11,7 @@ mod crossing;
 mod extras;
 mod floor;
 mod path;
+mod second_pass;
 mod section;
 mod touch_up;
 

@@ -21,8 +21,9 @@ const COST_PER_POSITION: f64 = 1e-3;
 const MAX_HALVINGS: usize = 4;
 /// Share of the allowed axis change above which an interval between axes of the same lead angle is halved.
 const TURN_SHARE: f64 = 0.7;
-/// Beam: excess of a state's lower bound over the best one of its stage up to which it is expanded, mm.
-const BEAM: f64 = 3.0;
+/// Beam: excess of a state's lower bound over the best one of its stage up to which it is expanded, in cutter
+/// radii.
+const BEAM_RADII: f64 = 0.15;
 /// Cost of ending a row and beginning another, mm.
 const COST_OF_NEW_ROW: f64 = 5.0;
 /// Lift from which on a finer grid of lead angles is tried, in cutter radii.
@@ -61,6 +62,8 @@ pub struct RowPath {
     /// Cost up to which a path is hardly worse than the lower bound on any path (blades and contact are
     /// ignored), mm.
     pub acceptable_cost: f64,
+    /// Lower bound on the cost of any path, mm.
+    pub least_cost: f64,
     /// s of the stages from the start on at which nothing is cut, and why.
     pub missing: Vec<(f64, DropCause)>,
     /// Cost of these stages, mm.
@@ -71,6 +74,11 @@ impl RowPath {
     /// Maximum lift of its plunges, mm.
     fn highest_lift(&self) -> f64 {
         self.steps.iter().map(|step| step.lift).fold(0.0, f64::max)
+    }
+
+    /// s of its positions from the start on.
+    pub fn places(&self) -> impl Iterator<Item = f64> {
+        self.steps.iter().filter(|step| step.counts).map(|step| step.station.ends.s_hub)
     }
 
     /// Cost of the path as it was cut: `lift_at` gives the lift (mm) at an s of the hub, `None` where the
@@ -101,6 +109,23 @@ struct PathState {
 
 /// A stage with its s. Boxed, as stages are large and are moved.
 type StageAt = (f64, Option<Box<CandidateStage>>);
+
+/// The stages of a row on the finest grid of lead angles so far. They do not depend on what was cut, so all
+/// searches of a row share them.
+#[derive(Default)]
+pub struct RowStages {
+    places: Vec<StageAt>,
+    /// See [`CandidateMaker::fineness`]; 0 before the first search.
+    fineness: usize,
+}
+
+impl RowStages {
+    /// What a path along the stages may cost besides the layers that it leaves, mm.
+    pub fn cost_beside_layers(&self) -> f64 {
+        COST_PER_POSITION * self.places.len() as f64 + COST_OF_NEW_ROW
+    }
+}
+
 /// States of one stage, by lead angle.
 type StageStates = Vec<Option<PathState>>;
 
@@ -131,6 +156,10 @@ struct StageContext<'h> {
     counts: bool,
     /// Plunges of earlier rows.
     earlier: &'h Columns,
+    /// Every how many lead angles of the stages belong to the grid.
+    stride: usize,
+    /// Cost that a path must stay below up to this stage, mm.
+    limit: f64,
 }
 
 /// A candidate that clears the blades, prepared for transitions from several previous states.
@@ -155,42 +184,97 @@ impl PathSearch<'_> {
     /// too much from one to the next. Where a plunge has to stop short, the grid of lead angles is refined if
     /// it is coarse for the cutter.
     ///
+    /// `stages` keeps the stages for further searches of the same row along the same `s`.
+    ///
     /// # Errors
     /// When the work is cancelled.
-    pub fn path(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<RowPath, Cancelled> {
+    pub fn path(
+        &self,
+        s: &[f64],
+        start: f64,
+        earlier: &Columns,
+        stages: &mut RowStages,
+    ) -> Result<RowPath, Cancelled> {
+        Ok(self.path_below(s, start, earlier, stages, f64::INFINITY)?.unwrap_or_default())
+    }
+
+    /// As [`Self::path`]; `None` where every path costs `limit` mm or more.
+    ///
+    /// # Errors
+    /// When the work is cancelled.
+    pub fn path_below(
+        &self,
+        s: &[f64],
+        start: f64,
+        earlier: &Columns,
+        stages: &mut RowStages,
+        limit: f64,
+    ) -> Result<Option<RowPath>, Cancelled> {
         let radius = self.candidates.maker.tool.radius();
-        let mut best = self.path_on_grid(s, start, earlier)?;
+        let Some(mut best) = self.path_on_grid(s, start, earlier, stages, limit)? else { return Ok(None) };
         let mut finer = PathSearch { candidates: self.candidates.clone(), ..*self };
         while finer.candidates.fineness < MAX_FINENESS
             && best.highest_lift() > COARSE_LIFT_RADII * radius
             && finer.candidates.is_coarse(s)
         {
             finer.candidates.fineness *= 2;
-            let path = match finer.path_on_grid(s, start, earlier) {
+            let path = match finer.path_on_grid(s, start, earlier, stages, best.cost) {
                 // When stopped, the best path so far is the result.
                 Err(_) if self.candidates.maker.monitor.is_stopped() => break,
                 path => path?,
             };
+            let Some(path) = path.filter(|path| path.cost < best.cost) else { break };
             let gained = best.cost - path.cost;
-            if gained > 0.0 {
-                best = path;
-            }
+            best = path;
             if gained < MIN_SAVED_SHARE * best.cost {
                 break;
             }
         }
-        Ok(best)
+        Ok(Some(best))
     }
 
     /// [`Self::path`] with the current grid.
-    fn path_on_grid(&self, s: &[f64], start: f64, earlier: &Columns) -> Result<RowPath, Cancelled> {
+    fn path_on_grid(
+        &self,
+        s: &[f64],
+        start: f64,
+        earlier: &Columns,
+        stages: &mut RowStages,
+        limit: f64,
+    ) -> Result<Option<RowPath>, Cancelled> {
         let monitor = self.candidates.maker.monitor;
         let inward = self.candidates.maker.direction_sign;
-        let places = self.stages(s);
+        let scale = self.candidates.scale;
+        self.make_stages(s, stages);
+        let stride = stages.fineness / self.candidates.fineness;
+        let places = &stages.places;
+        // A layer left before the start is free.
+        let counts = |s: f64| (start - s) * inward >= -1e-9;
+        let step = if let [first, second, ..] = s { (second - first).abs() } else { f64::INFINITY };
+        // Stages between others count by their share of a step.
+        let share = |k: usize| {
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(places.len() - 1));
+            0.5 * (places[after].0 - places[before].0).abs() / step
+        };
+        let cheapest: Vec<Option<f64>> = places
+            .iter()
+            .map(|(_, place)| {
+                let place = place.as_ref()?;
+                Some(place.candidate(place.cheapest(scale, stride)?)?.cost(0.0, scale))
+            })
+            .collect();
+        // Lower bound on the cost of the stages from the end to the current one.
+        let least = |k: usize| match cheapest[k] {
+            Some(cheapest) if counts(places[k].0) => cheapest * share(k).min(1.0),
+            _ => 0.0,
+        };
+        let least_cost: f64 = (0..places.len()).map(least).sum();
+        let mut to_come = least_cost;
         let mut states: Vec<StageStates> = Vec::with_capacity(places.len());
         let mut last: Option<usize> = None;
         for (k, (s, place)) in places.iter().enumerate() {
             monitor.check()?;
+            to_come -= least(k);
             // Signed distance in s before the start, in cutting direction.
             let ahead = (start - s) * inward;
             let Some(place) = place else {
@@ -204,60 +288,79 @@ impl PathSearch<'_> {
                 may_begin: ahead <= 1e-9 || last.is_none(),
                 counts: ahead >= -1e-9,
                 earlier,
+                stride,
+                limit: limit - to_come,
             };
             let reached = self.stage_states(place, &here);
             if reached.iter().any(Option::is_some) {
                 last = Some(k);
+            } else if here.counts && limit.is_finite() && self.is_reachable(place, stride) {
+                return Ok(None);
             }
             states.push(reached);
         }
-        // A layer left before the start is free.
-        let counts = |s: f64| (start - s) * inward >= -1e-9;
-        let mut path = self.trace_back(&places, &states, last, counts);
+        let mut path = self.trace_back(places, &states, last, (counts, stride));
         let uncut_costs = places.iter().filter_map(|(_, place)| Some(self.uncut_cost(place.as_ref()?)));
         let (count, sum) = uncut_costs.fold((0.0, 0.0), |(count, sum), cost| (count + 1.0, sum + cost));
         let mean_uncut_cost = sum / f64::max(count, 1.0);
-        let step = if let [first, second, ..] = s { (second - first).abs() } else { f64::INFINITY };
         for (k, (s, place)) in places.iter().enumerate().filter(|(_, (s, _))| counts(*s)) {
-            if let Some(cheapest) = place.as_ref().and_then(|place| place.cheapest(self.candidates.scale)) {
-                let excess = ACCEPTED_EXCESS * cheapest.min(self.candidates.scale);
+            if let Some(cheapest) = cheapest[k] {
+                let excess = ACCEPTED_EXCESS * cheapest.min(scale);
                 path.acceptable_cost += cheapest + excess + COST_PER_POSITION;
             }
             if states[k].iter().any(Option::is_some) {
                 continue;
             }
-            // Stages between others count by their share of a step.
-            let (before, after) = (k.saturating_sub(1), (k + 1).min(places.len() - 1));
-            let share = 0.5 * (places[after].0 - places[before].0).abs() / step;
             let (cost, why) = match place {
                 None => (mean_uncut_cost, DropReason::Blades.into()),
-                Some(place) => (self.uncut_cost(place), self.why_unreached(place)),
+                Some(place) => (self.uncut_cost(place), self.why_unreached(place, stride)),
             };
-            path.cost += cost * share;
-            path.missing_cost += cost * share;
+            path.cost += cost * share(k);
+            path.missing_cost += cost * share(k);
             path.missing.push((*s, why));
         }
+        path.least_cost = least_cost;
         path.missing.sort_by(|(a, _), (b, _)| (a * inward).total_cmp(&(b * inward)));
-        Ok(path)
+        Ok((path.cost < limit).then_some(path))
     }
 
     /// Cost of a stage that no position of the row cuts, mm; 0 without candidates.
     fn uncut_cost(&self, place: &CandidateStage) -> f64 {
-        let first = place.by_lead.iter().flatten().flatten().next();
+        let first = place.leads(1).flatten().flatten().next();
         first.map_or(0.0, |candidate| candidate.uncut_cost(self.candidates.scale))
     }
 
+    /// Whether some candidate of a stage clears the blades and is long enough.
+    fn is_reachable(&self, place: &CandidateStage, stride: usize) -> bool {
+        place.indices(stride).any(|index| self.candidates.is_cleared_long_enough(place, index))
+    }
+
     /// Why no candidate of a stage is on a path.
-    fn why_unreached(&self, place: &CandidateStage) -> DropCause {
-        let candidates = place.by_lead.iter().flatten().flatten();
-        let cleared: Vec<_> = candidates.filter_map(|c| self.candidates.cleared(c, place)).collect();
+    fn why_unreached(&self, place: &CandidateStage, stride: usize) -> DropCause {
+        if self.is_reachable(place, stride) {
+            return DropReason::Contact.into();
+        }
+        let cleared = place.indices(stride).filter_map(|index| self.candidates.cleared(place, index));
+        let cleared: Vec<RowCandidate> = cleared.collect();
         if cleared.is_empty() {
             return DropReason::Blades.into();
         }
-        if cleared.iter().any(|c| self.candidates.is_long_enough(&c.station)) {
-            return DropReason::Contact.into();
-        }
         self.candidates.why_too_short(cleared.iter().map(|c| &c.station))
+    }
+
+    /// Makes the stages at every s, and between two of them where the axes turn too much, or those that the
+    /// current grid needs and that earlier searches did not.
+    fn make_stages(&self, s: &[f64], stages: &mut RowStages) {
+        let monitor = self.candidates.maker.monitor;
+        if stages.fineness == 0 {
+            *stages = RowStages { places: self.stages(s), fineness: self.candidates.fineness };
+        }
+        while stages.fineness < self.candidates.fineness && !monitor.is_cancelled() {
+            stages.fineness *= 2;
+            let maker = CandidateMaker { fineness: stages.fineness, ..self.candidates.clone() };
+            let places = stages.places.par_iter_mut().filter_map(|(_, place)| place.as_mut());
+            places.filter(|_| !monitor.is_cancelled()).for_each(|place| maker.refine(place));
+        }
     }
 
     /// The stages at every s, and between two of them where the axes turn too much.
@@ -292,9 +395,10 @@ impl PathSearch<'_> {
     /// States of a stage. Lead angles whose lower bound is outside the beam are expanded only if the best
     /// state inside it costs more than the beam allows, because of lifts or blades.
     fn stage_states(&self, place: &CandidateStage, here: &StageContext) -> StageStates {
-        let bounds: Vec<f64> = place.by_lead.iter().map(|tilt| self.lower_bound(tilt, here)).collect();
-        let promising = bounds.iter().copied().fold(f64::INFINITY, f64::min) + BEAM;
-        let reach = |j: usize| self.cheapest_state(j, place, here);
+        let bounds: Vec<f64> = place.leads(here.stride).map(|tilt| self.lower_bound(tilt, here)).collect();
+        let beam = BEAM_RADII * self.candidates.maker.tool.radius();
+        let promising = bounds.iter().copied().fold(f64::INFINITY, f64::min) + beam;
+        let reach = |j: usize| self.cheapest_state(j * here.stride, place, here);
         let mut states: StageStates = vec![None; bounds.len()];
         let mut fill = |wanted: &(dyn Fn(f64) -> bool + Sync)| {
             let reached: StageStates = (0..bounds.len())
@@ -333,23 +437,26 @@ impl PathSearch<'_> {
 
     /// The cheapest path to a lead angle: usually to its cheapest candidate that clears the blades, or to
     /// another one where the axis change or contact prevents that.
-    fn cheapest_state(&self, tilt: usize, place: &CandidateStage, here: &StageContext) -> Option<PathState> {
+    fn cheapest_state(&self, lead: usize, place: &CandidateStage, here: &StageContext) -> Option<PathState> {
         let before = Self::min_cost_before(here);
         let mut first: Option<Transition> = None;
         let mut best: Option<PathState> = None;
-        for candidate in place.by_lead[tilt].iter().flatten() {
+        for (tilt, candidate) in place.lead(lead).iter().enumerate() {
+            let Some(candidate) = candidate else { continue };
             // The other candidates cost more; before the start any state without lift is as good.
             let is_done = |best: &PathState| match here.counts {
                 true => best.cost <= before + self.own_cost(candidate, 0.0, here),
                 false => best.lift == 0.0,
             };
-            if best.as_ref().is_some_and(is_done) {
+            if best.as_ref().is_some_and(is_done)
+                || here.counts && before + self.own_cost(candidate, 0.0, here) >= here.limit
+            {
                 break;
             }
-            let Some(candidate) = self.candidates.cleared(candidate, place) else { continue };
-            if !self.candidates.is_long_enough(&candidate.station) {
+            if !self.candidates.is_cleared_long_enough(place, (lead, tilt)) {
                 continue;
             }
+            let Some(candidate) = self.candidates.cleared(place, (lead, tilt)) else { continue };
             let mut transition = self.transition(candidate, here);
             self.extend_paths(&mut transition, here, &mut best);
             first.get_or_insert(transition);
@@ -404,15 +511,17 @@ impl PathSearch<'_> {
         best: &mut Option<PathState>,
     ) {
         let Transition { candidate, column, search } = transition;
+        let affordable_below = |cost: f64| {
+            candidate.affordable_lift(cost - cost_before - COST_PER_POSITION, self.candidates.scale)
+        };
         let affordable = match &best {
+            None if here.counts && here.limit.is_finite() => affordable_below(here.limit),
             None => f64::INFINITY,
             // Where the layer is free, prefer the smallest lift, then the latest start.
             Some(b) if !here.counts && b.lift > 0.0 => b.lift,
             Some(b) if !here.counts && cost_before + COST_PER_POSITION >= b.cost => return,
             Some(_) if !here.counts => 0.0,
-            Some(b) => {
-                candidate.affordable_lift(b.cost - cost_before - COST_PER_POSITION, self.candidates.scale)
-            }
+            Some(b) => affordable_below(b.cost),
         };
         if affordable < 0.0 {
             return;
@@ -439,6 +548,9 @@ impl PathSearch<'_> {
             false => self.own_cost(candidate, lift, here),
         };
         let cost = cost_before + own;
+        if here.counts && cost >= here.limit {
+            return;
+        }
         let better =
             |b: &PathState| if here.counts { cost < b.cost } else { (lift, cost) < (b.lift, b.cost) };
         if best.as_ref().is_none_or(better) {
@@ -454,7 +566,7 @@ impl PathSearch<'_> {
         places: &[StageAt],
         states: &[StageStates],
         last: Option<usize>,
-        counts: impl Fn(f64) -> bool,
+        (counts, stride): (impl Fn(f64) -> bool, usize),
     ) -> RowPath {
         let cost = |&(k, j): &(usize, usize)| states[k][j].map_or(f64::INFINITY, |s| s.cost);
         let end = last
@@ -465,7 +577,7 @@ impl PathSearch<'_> {
             && let Some(state) = &states[k][j]
         {
             let before = state.before.and_then(|(k, j)| states[k][j]).map(|s| s.candidate.station.axis);
-            let held = places[k].1.as_ref().and_then(|place| self.limited_by(place, state, before));
+            let held = places[k].1.as_ref().and_then(|place| self.limited_by(place, state, before, stride));
             let station = Station { limited_by: held, ..state.candidate.station };
             let (s, counts) = (station.ends.s_hub, counts(station.ends.s_hub));
             let PathState { candidate, lift, .. } = *state;
@@ -489,22 +601,21 @@ impl PathSearch<'_> {
         place: &CandidateStage,
         state: &PathState,
         before: Option<Vector>,
+        stride: usize,
     ) -> Option<LimitedBy> {
         let cost = |c: &RowCandidate| c.cost(0.0, self.candidates.scale);
-        let cheapest =
-            place.by_lead.iter().filter_map(|tilt| tilt[0]).min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
-        if state.lift == 0.0 && cost(&state.candidate) <= cost(&cheapest) + MIN_REPORTED_SAVING {
+        let index = place.cheapest(self.candidates.scale, stride)?;
+        let cheapest = place.candidate(index)?;
+        if state.lift == 0.0 && cost(&state.candidate) <= cost(cheapest) + MIN_REPORTED_SAVING {
             return None;
         }
         let turn = |before: Vector| before.angle(&cheapest.station.axis);
-        Some(
-            if self.candidates.cleared(&cheapest, place).is_none_or(|c| cost(&c) >= cost(&state.candidate)) {
-                LimitedBy::Walls
-            } else if before.is_some_and(|before| turn(before) > self.max_axis_change_rad) {
-                LimitedBy::AxisChange
-            } else {
-                LimitedBy::Contact
-            },
-        )
+        Some(if self.candidates.cleared(place, index).is_none_or(|c| cost(&c) >= cost(&state.candidate)) {
+            LimitedBy::Walls
+        } else if before.is_some_and(|before| turn(before) > self.max_axis_change_rad) {
+            LimitedBy::AxisChange
+        } else {
+            LimitedBy::Contact
+        })
     }
 }

@@ -1,6 +1,8 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
+use super::path::RowStages;
+use super::second_pass::OpenRow;
 use super::{CandidateMaker, PathSearch, RowCrossing, RowPath};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::geometry::wrap_angle;
@@ -8,6 +10,7 @@ use crate::monitor::Monitor;
 use crate::plunge::assembly::DropCause;
 use crate::plunge::cycle::{CutRow, PlanError, PlannedRow, Planner, SectionCut};
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
+use crate::plunge::plan::DropReason;
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::section_layout::{PassageStretch, RowLayout, StretchLayout};
 use crate::plunge::sections::max_shroud_spacing;
@@ -24,6 +27,12 @@ const WEDGE_RADII: f64 = 0.2;
 pub const MAX_LIFT_OF_DEPTH: f64 = 0.8;
 /// Lift of a row's first position from which on the row is entered from the previous row, in cutter radii.
 const CROSSING_RADII: f64 = 0.2;
+/// Lift from which on a place counts as open: it is tried again once all rows are cut, in cutter radii.
+pub(super) const SHORT_RADII: f64 = 0.3;
+
+/// Share of the least cost of a row in one direction that it costs at least in the other: leads of the grid
+/// mirror each other, floors and walls are the same.
+const LEAST_COST_SHARE: f64 = 0.9;
 
 /// A section planned in one cutting direction.
 struct DirectedPlan {
@@ -32,19 +41,69 @@ struct DirectedPlan {
     cost: f64,
     /// See [`RowPath::acceptable_cost`].
     acceptable_cost: f64,
+    /// [`RowPath::least_cost`] of each row, mm.
+    least_costs: Vec<f64>,
+    /// Rows with places that contact left open.
+    open: Vec<OpenRow>,
+}
+
+/// What a direction must beat to be of use.
+struct DirectionLimit<'a> {
+    /// Cost of the other direction, mm.
+    cost: f64,
+    /// [`DirectedPlan::least_costs`] of the other direction.
+    least_costs: &'a [f64],
+}
+
+impl DirectionLimit<'_> {
+    /// Without another direction.
+    const NONE: Self = Self { cost: f64::INFINITY, least_costs: &[] };
+
+    /// Whether a section whose first `rows` rows cost `cost` mm cannot get cheaper than the limit.
+    fn is_exceeded(&self, rows: usize, cost: f64) -> bool {
+        let to_come: f64 = self.least_costs.iter().skip(rows).sum();
+        cost + LEAST_COST_SHARE * to_come >= self.cost
+    }
 }
 
 /// A row as its path was cut.
-struct CutPath {
-    row: CutRow,
+pub(super) struct CutPath {
+    pub row: CutRow,
     /// All plunges up to the end of the row.
-    columns: Columns,
+    pub columns: Columns,
     /// Cost of the path with the lifts it was cut with, mm.
-    cost: f64,
+    pub cost: f64,
+    /// s of its places from the start on at which a plunge stops far short or is left out, and the lift, mm;
+    /// infinite for one that is left out.
+    pub short: Vec<(f64, f64)>,
     /// Whether plunges of the path were left out.
     has_lost: bool,
     /// See [`RowPath::missing`].
     missing: Vec<(f64, DropCause)>,
+}
+
+impl CutPath {
+    /// `short`, with the places that the path does not reach because of contact.
+    fn open(&self) -> Vec<(f64, f64)> {
+        let missing = self.missing.iter().filter(|(_, cause)| cause.why == DropReason::Contact);
+        let mut open = self.short.clone();
+        open.extend(missing.map(|(s, _)| (*s, f64::INFINITY)));
+        open
+    }
+}
+
+/// A row to be planned: its layout, λ of all rows of the stretch, and its index among them.
+#[derive(Clone, Copy)]
+pub(super) struct RowOf<'l> {
+    pub layout: &'l StretchLayout<'l>,
+    pub lambdas: &'l [f64],
+    pub row: usize,
+}
+
+/// Places of a row: its stages, and the s at which it starts.
+pub(super) struct RowPlaces {
+    pub s: Vec<f64>,
+    pub start: f64,
 }
 
 impl Planner<'_> {
@@ -60,112 +119,109 @@ impl Planner<'_> {
         earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
-        let plan_in = |feed: CutDirection, limit: f64| {
+        let plan_in = |feed: CutDirection, limit: &DirectionLimit| {
             self.plan_in_direction(index, layouts, earlier, feed, limit, monitor)
         };
         let asked = self.setup.plunge.sections[index].cut_direction;
-        let first = plan_in(asked.unwrap_or(CutDirection::OutletToInlet), f64::INFINITY)?;
+        let first = plan_in(asked.unwrap_or(CutDirection::OutletToInlet), &DirectionLimit::NONE)?;
         let other = match &first {
             Some(first) if asked.is_none() && first.cost > first.acceptable_cost && !monitor.is_stopped() => {
-                plan_in(CutDirection::InletToOutlet, first.cost)?
+                let limit = DirectionLimit { cost: first.cost, least_costs: &first.least_costs };
+                plan_in(CutDirection::InletToOutlet, &limit)?
             }
             _ => None,
         };
         // If stopped, discard the incomplete second direction.
         let other = other.filter(|_| !monitor.is_stopped());
-        let Some(DirectedPlan { mut cut, .. }) = other.or(first) else {
+        let Some(DirectedPlan { mut cut, open, .. }) = other.or(first) else {
             return Ok(SectionCut::empty(CutDirection::OutletToInlet, earlier.clone()));
         };
+        self.cut_open_places(index, layouts, &open, &mut cut, monitor)?;
         self.add_extras(index, layouts, &mut cut, monitor)?;
         Ok(cut)
     }
 
-    /// The section planned in one direction, up to where it is stopped; `None` when it costs `limit` or more.
+    /// The section planned in one direction, up to where it is stopped; `None` when it exceeds `limit`.
     fn plan_in_direction(
         &self,
         index: usize,
         layouts: &[StretchLayout],
         earlier: &Columns,
         feed: CutDirection,
-        limit: f64,
+        limit: &DirectionLimit,
         monitor: &Monitor,
     ) -> Result<Option<DirectedPlan>, PlanError> {
         let cut = SectionCut::empty(feed, earlier.clone());
-        let mut directed = DirectedPlan { cut, cost: 0.0, acceptable_cost: 0.0 };
+        let (least_costs, open) = (Vec::new(), Vec::new());
+        let mut directed = DirectedPlan { cut, cost: 0.0, acceptable_cost: 0.0, least_costs, open };
         match self.plan_rows(index, layouts, &mut directed, limit, monitor) {
             Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(directed)),
             within => Ok(within?.then_some(directed)),
         }
     }
 
-    /// Plans row after row into `directed`; `false` when it costs `limit` or more. Its rows are complete even when
+    /// Plans row after row into `directed`; `false` when it exceeds `limit`. Its rows are complete even when
     /// this ends early.
     fn plan_rows(
         &self,
         index: usize,
         layouts: &[StretchLayout],
         directed: &mut DirectedPlan,
-        limit: f64,
+        limit: &DirectionLimit,
         monitor: &Monitor,
     ) -> Result<bool, PlanError> {
-        let DirectedPlan { cut, cost, acceptable_cost } = directed;
+        let DirectedPlan { cut, cost, acceptable_cost, least_costs, open } = directed;
         let feed = cut.feed;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let top = BlankTop::new(&self.blank);
-        let inward = feed.sign_along_s();
         // Found paths are cut even after a stop.
         let closing = &monitor.ignoring_stop();
-        for layout in layouts {
+        for (number, layout) in layouts.iter().enumerate() {
             let StretchLayout { stretch, lane, rows, .. } = layout;
-            let (start, end) = self.row_ends(index, stretch, inward);
-            let rows = self.with_rows_beside_walls(lane, stretch, tool, rows);
-            let sideways = self.max_side_shifts(lane, stretch, tool, &rows);
-            for (row, &lambda) in rows.iter().enumerate() {
-                let maker = self.row_maker(layout, tool, (lambda, rows.len()), feed, monitor);
-                let search = PathSearch {
-                    candidates: CandidateMaker {
-                        floor: &|s| self.floor_of_row(stretch, lane, &rows, row, s),
-                        max_side_shift: sideways[row],
-                        ..self.candidate_maker(&maker, &top)
-                    },
-                    blank: &self.blank,
-                    max_axis_change_rad: self.setup.plunge.max_axis_change_rad,
-                    is_strict: false,
-                };
-                let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
-                let places = stage_positions(&maker, start + run_up, start, end);
+            let lambdas = self.with_rows_beside_walls(lane, stretch, tool, rows);
+            for (row, &lambda) in lambdas.iter().enumerate() {
+                let row_of = RowOf { layout, lambdas: &lambdas, row };
                 let lambda = stretch.lambda_in_channel(lambda);
-                let mut path = search.path(&places, start, &cut.columns)?;
-                if let Some(first) = path.steps.first()
-                    && row > 0
-                    && first.lift > CROSSING_RADII * tool.radius()
-                {
-                    let s = first.station.ends.s_hub;
-                    let crossing = RowCrossing { search: &search, from: rows[row - 1], s };
-                    self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
-                    path = search.path(&places, start, &cut.columns)?;
-                }
-                *acceptable_cost += path.acceptable_cost;
-                let mut best = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
-                if best.has_lost {
+                let best = self.with_row_search(index, row_of, feed, monitor, |search, places| {
+                    let RowPlaces { s: places, start } = places;
+                    let mut stages = RowStages::default();
+                    let mut path = search.path(places, *start, &cut.columns, &mut stages)?;
+                    if let Some(first) = path.steps.first()
+                        && row > 0
+                        && first.lift > CROSSING_RADII * tool.radius()
+                    {
+                        let s = first.station.ends.s_hub;
+                        let crossing = RowCrossing { search, from: lambdas[row - 1], s };
+                        self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
+                        path = search.path(places, *start, &cut.columns, &mut stages)?;
+                    }
+                    *acceptable_cost += path.acceptable_cost;
+                    least_costs.push(path.least_cost);
+                    let best = self.cut_path(path, search, lambda, &cut.columns, closing)?;
+                    if !best.has_lost {
+                        return Ok(best);
+                    }
                     let search =
-                        PathSearch { is_strict: true, candidates: search.candidates.clone(), ..search };
-                    // A stop during this search leaves the row as it was cut first.
-                    match search.path(&places, start, &cut.columns) {
-                        Ok(path) => {
+                        PathSearch { is_strict: true, candidates: search.candidates.clone(), ..*search };
+                    let limit = best.cost + stages.cost_beside_layers();
+                    match search.path_below(places, *start, &cut.columns, &mut stages, limit) {
+                        Ok(None) => {}
+                        Ok(Some(path)) => {
                             let strict = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
                             if strict.cost < best.cost {
-                                best = strict;
+                                return Ok(strict);
                             }
                         }
+                        // A stop during this search leaves the row as it was cut first.
                         Err(_) if monitor.is_stopped() => {}
                         Err(cancelled) => return Err(cancelled.into()),
                     }
-                }
+                    Ok::<CutPath, PlanError>(best)
+                })??;
                 *cost += best.cost;
-                if *cost >= limit {
+                if limit.is_exceeded(least_costs.len(), *cost) {
                     return Ok(false);
                 }
+                open.extend(OpenRow::new((number, row), best.open()));
                 cut.columns = best.columns;
                 cut.rows.extend(best.row.split_where_axes_turn(self.setup.plunge.max_axis_change_rad));
                 cut.note_missing(lambda, best.missing);
@@ -174,8 +230,38 @@ impl Planner<'_> {
         Ok(true)
     }
 
+    /// Calls `plan` with the search of a row, cut in direction `feed`, and its places.
+    pub(super) fn with_row_search<T>(
+        &self,
+        index: usize,
+        RowOf { layout, lambdas, row }: RowOf,
+        feed: CutDirection,
+        monitor: &Monitor,
+        plan: impl FnOnce(&PathSearch, &RowPlaces) -> T,
+    ) -> Result<T, PlanError> {
+        let StretchLayout { stretch, lane, .. } = layout;
+        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
+        let top = BlankTop::new(&self.blank);
+        let inward = feed.sign_along_s();
+        let (start, end) = self.row_ends(index, stretch, inward);
+        let maker = self.row_maker(layout, tool, (lambdas[row], lambdas.len()), feed, monitor);
+        let search = PathSearch {
+            candidates: CandidateMaker {
+                floor: &|s| self.floor_of_row(stretch, lane, lambdas, row, s),
+                max_side_shift: self.max_side_shifts(lane, stretch, tool, lambdas)[row],
+                ..self.candidate_maker(&maker, &top)
+            },
+            blank: &self.blank,
+            max_axis_change_rad: self.setup.plunge.max_axis_change_rad,
+            is_strict: false,
+        };
+        let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
+        let s = stage_positions(&maker, start + run_up, start, end);
+        Ok(plan(&search, &RowPlaces { s, start }))
+    }
+
     /// Cuts the path of a row at `lambda` of the channel after the plunges of `earlier`.
-    fn cut_path(
+    pub(super) fn cut_path(
         &self,
         path: RowPath,
         search: &PathSearch,
@@ -191,8 +277,11 @@ impl Planner<'_> {
         let mut columns = earlier.clone();
         let row = self.cut_row(row, maker.tool, Some(MAX_LIFT_OF_DEPTH), &mut columns, monitor)?;
         let cost = path.cost_as_cut(search.candidates.scale, |s| row.lift_at(s));
-        let has_lost = path.steps.iter().any(|step| row.lift_at(step.station.ends.s_hub).is_none());
-        Ok(CutPath { row, columns, cost, has_lost, missing: path.missing })
+        let lift_of = |s: f64| row.lift_at(s).unwrap_or(f64::INFINITY);
+        let has_lost = path.steps.iter().any(|step| lift_of(step.station.ends.s_hub).is_infinite());
+        let cut_to = path.places().map(|s| (s, lift_of(s)));
+        let short = cut_to.filter(|(_, lift)| *lift > SHORT_RADII * maker.tool.radius()).collect();
+        Ok(CutPath { row, columns, cost, short, has_lost, missing: path.missing })
     }
 
     /// Candidates of a row without a floor to clear and without limit of its tilt angle.
