@@ -9,7 +9,8 @@ struct Frame {
     back: vec4f,      // towards the viewer
     viewport: vec4f,  // width, height, pixels per line width, unit of `lifted` in mm
     range: vec4f,     // lowest and highest value of the colour table, floor colours on, floor in relief
-    look: vec4f,      // walls of the active channel are cut away, floor values are heights
+    look: vec4f,      // walls of the active channel are cut away, floor values are heights, how far below the
+                      // blank stock counts as uncut
     plane: vec4f,     // section plane: points beyond w along xyz are clipped; xyz = 0: none
     greys: array<vec4f, 9>,
     lines: array<vec4f, 8>,
@@ -206,6 +207,10 @@ fn cap_fragment(in: CapOut) -> @location(0) vec4f {
 // The floor with its heights; it is not instanced, so the turn is unused.
 @vertex
 fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
+    return floor_corner(in);
+}
+
+fn floor_corner(in: SurfaceIn) -> SurfaceOut {
     var out: SurfaceOut;
     out.raised = in.position + in.normal * in.value * frame.look.y;
     out.world = select(in.position, out.raised, frame.range.w > 0.5);
@@ -216,6 +221,24 @@ fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
     out.flags = in.flags;
     out.clip = lifted(off(out.world, in.normal * 2.0), LIFT_FLOOR);
     return out;
+}
+
+// The floor with heights that the compute kernel left in a buffer of their own. The value of a corner is the
+// height of the blank.
+@vertex
+fn stock_vertex(in: SurfaceIn, @location(7) height: f32) -> SurfaceOut {
+    var corner = in;
+    corner.value = height;
+    corner.uncut = select(0.0, 1.0, height >= in.value - frame.look.z);
+    return floor_corner(corner);
+}
+
+// The same with the difference of two such buffers.
+@vertex
+fn difference_vertex(in: SurfaceIn, @location(7) height: f32, @location(8) less: f32) -> SurfaceOut {
+    var corner = in;
+    corner.value = height - less;
+    return floor_corner(corner);
 }
 
 @fragment

@@ -168,6 +168,13 @@ impl App {
         &mut self.state.look
     }
 
+    /// Sets what computes the stock that the views draw.
+    pub fn set_preview_source(&mut self, source: picture::PreviewSource) {
+        if let Some(pictures) = &mut self.pictures {
+            pictures.set_preview_source(source);
+        }
+    }
+
     /// Camera of the 3D view; `None` before a part is open.
     pub fn camera(&self) -> Option<crate::gpu::camera::Camera> {
         self.view.current()
@@ -393,8 +400,12 @@ impl eframe::App for App {
             });
         }
         Panel::bottom("status").exact_size(28.0).show(ui, |ui| {
-            let activity =
-                panels::status::Activity { running: self.work.running(), device: self.device.clone() };
+            let preview = self.pictures.as_ref().map(Pictures::preview_name);
+            let activity = panels::status::Activity {
+                running: self.work.running(),
+                preview: preview.unwrap_or_else(|| "no 3D view".to_owned()),
+                device: self.device.clone(),
+            };
             if panels::status::show(ui, &self.state, &activity) {
                 self.run_command(ui.ctx(), Command::Cancel);
             }

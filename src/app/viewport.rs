@@ -20,7 +20,7 @@ use super::export::device_problem;
 use super::look::{Arrangement, PlaneOrientation, SectionPlaneLook};
 use super::overlay::{self, SwitchChoice, Values};
 use super::panels::part;
-use super::picture::{Content, FloorValues};
+use super::picture::Content;
 use super::planned::Side;
 use super::state::AppState;
 use super::theme;
@@ -179,6 +179,10 @@ impl App {
         let coming = self.state.preview_on(pane.side);
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || coming.is_some();
+        // So does the next position of a timeline that plays or is dragged.
+        let held = ui.input(|input| input.pointer.any_down());
+        let look = &self.state.look;
+        let scrubs = look.playing.is_some() || (held && look.cut_count.is_some());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
         };
@@ -187,7 +191,7 @@ impl App {
         picture.load_preview(coming);
         picture.load_borders(borders);
         // The first picture is coarse, too, to appear sooner.
-        let moving = moving || !picture.has_drawn();
+        let moving = moving || !picture.has_drawn() || (scrubs && picture.is_on_software());
         let scale = ui.pixels_per_point();
         let size = [(pane.rect.width() * scale).round() as u32, (pane.rect.height() * scale).round() as u32];
         if let Some(texture) = picture.show(camera, options, size, moving) {
@@ -206,17 +210,11 @@ impl App {
         let other =
             self.state.shown_on(side.other()).filter(|other| Arc::ptr_eq(other.planned, shown.planned));
         let other = other.map(|other| other.policy);
-        let floor = match (self.state.look.cut_count, other) {
-            (_, Some(other)) if self.state.look.difference && side == Side::After => {
-                FloorValues::MoreThan(other)
-            }
-            (Some(_), _) => {
-                let heights = self.scrubbed.heights(shown.planned, shown.policy);
-                heights.map_or(FloorValues::Final, FloorValues::Heights)
-            }
-            (None, _) => FloorValues::Final,
-        };
-        Some(Content { planned: Arc::clone(shown.planned), policy: shown.policy, floor })
+        let (planned, policy) = (Arc::clone(shown.planned), shown.policy);
+        let more_than = other.filter(|_| self.state.look.difference && side == Side::After);
+        let cut = self.state.look.cut_count;
+        let heights = cut.and_then(|_| self.scrubbed.heights(&planned, policy));
+        Some(Content { planned, policy, cut, heights, more_than })
     }
 
     /// Flank plan and colouring that the views show; `None` while it is hidden.

@@ -230,6 +230,7 @@ impl App {
             setup: asked.setup.clone(),
             compare: asked.compare,
             draft,
+            last: self.state.results.planned.clone(),
         };
         self.work.asked = Some(asked);
         self.work.planner.submit(task);

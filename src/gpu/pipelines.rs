@@ -19,6 +19,9 @@ pub struct Pipelines {
     pub background: wgpu::RenderPipeline,
     pub surface: wgpu::RenderPipeline,
     pub floor: wgpu::RenderPipeline,
+    /// The floor with heights from a buffer of their own, and with the difference of two such buffers.
+    pub stock: wgpu::RenderPipeline,
+    pub difference: wgpu::RenderPipeline,
     pub glass: wgpu::RenderPipeline,
     pub cutter: wgpu::RenderPipeline,
     pub cutter_glass: wgpu::RenderPipeline,
@@ -103,6 +106,14 @@ impl Pipelines {
             buffer::<Vertex>(wgpu::VertexStepMode::Vertex, &corner),
             buffer::<SurfaceInstance>(wgpu::VertexStepMode::Instance, &turn),
         ];
+        let (height, less) = (wgpu::vertex_attr_array![7 => Float32], wgpu::vertex_attr_array![8 => Float32]);
+        let [corners, turns] = surfaces.clone();
+        let stock = [
+            corners,
+            turns,
+            buffer::<f32>(wgpu::VertexStepMode::Vertex, &height),
+            buffer::<f32>(wgpu::VertexStepMode::Vertex, &less),
+        ];
         let cutters = [
             buffer::<UnitVertex>(wgpu::VertexStepMode::Vertex, &unit),
             buffer::<CutterInstance>(wgpu::VertexStepMode::Instance, &cutter),
@@ -149,6 +160,8 @@ impl Pipelines {
             }),
             surface: build(&stage("surface", "surface_vertex", "surface_fragment", &surfaces, false)),
             floor: build(&stage("floor", "floor_vertex", "floor_fragment", &surfaces, false)),
+            stock: build(&stage("stock", "stock_vertex", "floor_fragment", &stock[..3], false)),
+            difference: build(&stage("difference", "difference_vertex", "floor_fragment", &stock, false)),
             glass: build(&stage("glass", "surface_vertex", "glass_fragment", &surfaces, true)),
             cutter: build(&stage("cutter", "cutter_vertex", "cutter_fragment", &cutters, false)),
             cutter_glass: build(&stage(

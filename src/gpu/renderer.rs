@@ -11,6 +11,7 @@ use super::mesh::Segment;
 use super::pick::{self, PickTarget};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
 use super::scene::{DrawGroup, FloorColours, MeshBuffers, Scene, SceneOptions, WheelBuffers};
+use super::stock_floor::DrawnStock;
 use super::target;
 use super::uniform::FrameUniform;
 
@@ -130,6 +131,19 @@ fn draw_values(pass: &mut wgpu::RenderPass, wheel: &WheelBuffers, mesh: &MeshBuf
     pass.set_vertex_buffer(1, wheel.instances.slice(..));
     pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
     pass.draw_indexed(0..mesh.count, 0, 0..1);
+}
+
+/// Draws the floor with the heights that the compute kernel left in its buffer.
+fn draw_stock(pass: &mut wgpu::RenderPass, pipelines: &Pipelines, wheel: &WheelBuffers, stock: &DrawnStock) {
+    pass.set_vertex_buffer(2, stock.heights.slice(..));
+    match &stock.less {
+        Some(less) => {
+            pass.set_pipeline(&pipelines.difference);
+            pass.set_vertex_buffer(3, less.slice(..));
+        }
+        None => pass.set_pipeline(&pipelines.stock),
+    }
+    draw_values(pass, wheel, &stock.mesh);
 }
 
 /// Draws the section plane where it cuts material, if there is one.
@@ -267,13 +281,26 @@ impl Renderer {
         let wheel = scene.wheel(options);
         pass.set_pipeline(&pipelines.surface);
         draw_surfaces(pass, wheel, &|layer| is_opaque(layer, options));
-        let floor = scene.floor.as_ref().and_then(|f| match options.show_floor_colours {
-            FloorColours::Residual | FloorColours::Values | FloorColours::Walls => {
-                Some(f.draft.as_ref().filter(|_| options.draft).unwrap_or(&f.residual))
-            }
-            FloorColours::Interference => f.contact.as_ref(),
-            FloorColours::Plain => None,
-        });
+        let values = || {
+            let floor = scene.floor.as_ref()?;
+            Some(floor.draft.as_ref().filter(|_| options.draft).unwrap_or(&floor.residual))
+        };
+        let (stock, floor) = match options.show_floor_colours {
+            FloorColours::Residual => match scene.stock.as_ref().filter(|stock| stock.less.is_none()) {
+                Some(stock) => (Some(stock), None),
+                None => (None, values()),
+            },
+            FloorColours::Values => match scene.stock.as_ref().filter(|stock| stock.less.is_some()) {
+                Some(stock) => (Some(stock), None),
+                None => (None, values()),
+            },
+            FloorColours::Walls => (None, values()),
+            FloorColours::Interference => (None, scene.contact.as_ref()),
+            FloorColours::Plain => (None, None),
+        };
+        if let Some(stock) = stock {
+            draw_stock(pass, pipelines, wheel, stock);
+        }
         if let Some(floor) = floor {
             pass.set_pipeline(&pipelines.floor);
             draw_values(pass, wheel, floor);

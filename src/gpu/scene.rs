@@ -12,6 +12,7 @@ use super::device::Gpu;
 use super::floor;
 use super::mesh::{Mesh, MeshHit, Segment, rotate_about_z};
 use super::part_mesh::{BladeMesh, PartMesh};
+use super::stock_floor::DrawnStock;
 use super::view::{ViewTarget, ViewTargets};
 use crate::palette::{ColourMap, Theme};
 use crate::part::Impeller;
@@ -221,8 +222,8 @@ pub(super) struct SurfaceDraw {
     pub instances: std::ops::Range<u32>,
 }
 
-/// Vertex and index buffer.
-#[derive(Debug)]
+/// Vertex and index buffer. Clones share them.
+#[derive(Clone, Debug)]
 pub(super) struct MeshBuffers {
     pub vertices: wgpu::Buffer,
     pub indices: wgpu::Buffer,
@@ -284,7 +285,6 @@ pub(super) struct FloorBuffers {
     pub residual: MeshBuffers,
     /// The same, coarser, if there is one.
     pub draft: Option<MeshBuffers>,
-    pub contact: Option<MeshBuffers>,
     mesh: Mesh,
 }
 
@@ -313,6 +313,10 @@ pub struct Scene {
     /// Borders between sections.
     pub(super) borders: Option<(wgpu::Buffer, u32)>,
     pub(super) floor: Option<FloorBuffers>,
+    /// Stock on the floor that the device computed; drawn instead of the heights of `floor`.
+    pub(super) stock: Option<DrawnStock>,
+    /// The floor with the contact of all cores.
+    pub(super) contact: Option<MeshBuffers>,
     pub(super) cutters: Vec<DrawnCutter>,
     /// Cutters of a plan preview. They are drawn instead of `cutters` and cannot be picked.
     pub(super) preview: Option<Vec<DrawnCutter>>,
@@ -348,6 +352,8 @@ impl Scene {
             paths: None,
             borders: None,
             floor: None,
+            stock: None,
+            contact: None,
             cutters: Vec::new(),
             preview: None,
             framing,
@@ -393,15 +399,27 @@ impl Scene {
             let mesh = floor::floor_mesh(grid, heights, MAX_LINES)?;
             let draft =
                 floor::floor_mesh(grid, heights, floor::DRAFT_LINES).map(|mesh| MeshBuffers::new(gpu, &mesh));
-            let contact = plan.map(|plan| MeshBuffers::new(gpu, &floor::contact_mesh(grid, plan)));
-            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft, contact, mesh })
+            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft, mesh })
         });
+        self.set_contact(gpu, floor.map(|(grid, _)| grid), plan);
+    }
+
+    /// Sets the contact of all cores of a plan with the floor, or none.
+    pub fn set_contact(&mut self, gpu: &Gpu, grid: Option<&FloorGrid>, plan: Option<&PlungePlan>) {
+        let mesh = grid.zip(plan).map(|(grid, plan)| floor::contact_mesh(grid, plan));
+        self.contact = mesh.filter(|mesh| !mesh.indices.is_empty()).map(|mesh| MeshBuffers::new(gpu, &mesh));
+    }
+
+    /// Sets stock on the floor that the device computed, or removes it. While it is set, it is drawn for
+    /// [`FloorColours::Residual`], or a difference for [`FloorColours::Values`], instead of other heights.
+    pub fn set_stock(&mut self, stock: Option<DrawnStock>) {
+        self.stock = stock;
     }
 
     /// Replaces the floor by surfaces with a value per corner, see [`FloorColours::Values`].
     pub fn set_values(&mut self, gpu: &Gpu, mesh: Mesh) {
         self.floor =
-            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft: None, contact: None, mesh });
+            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft: None, mesh });
     }
 
     /// Replaces the heights on the floor, e.g. while scrubbing. `grid` is that of [`Self::set_floor`];

@@ -11,6 +11,7 @@ mod flank;
 mod harness;
 mod look;
 mod mouse;
+mod preview;
 mod project;
 mod real;
 mod review;
