@@ -54,12 +54,7 @@ pub struct PlanPreview {
 
 impl PlanPreview {
     /// An empty preview. `last` is the plan of that part shown before.
-    pub(super) fn new(
-        task: u64,
-        part: Arc<Impeller>,
-        setup: Setup,
-        last: Option<Arc<DisplayPlan>>,
-    ) -> Self {
+    pub(super) fn new(task: u64, part: Arc<Impeller>, setup: Setup, last: Option<Arc<DisplayPlan>>) -> Self {
         let (cutters, programs) = (Vec::new(), Vec::new());
         Self { task, setup, cutters, planned: None, part, last, resolved: None, floor: None, programs }
     }
@@ -94,8 +89,8 @@ impl PlanPreview {
         self.programs.clone()
     }
 
-    /// Adds a stage; `program` is its plan over [`Self::floor_of`]. Sorts nothing itself: the caller holds a lock,
-    /// and a thread that waits for others to sort may take on another stage.
+    /// Adds a stage; `program` is its plan over [`Self::floor_of`]. Sorts nothing itself: the caller holds a
+    /// lock, and a thread that waits for others to sort may take on another stage.
     pub(super) fn add_stage(&mut self, stage: PlanStage, program: Option<Arc<FieldProgram>>) {
         if let Some(program) = &program {
             self.programs.push(Arc::clone(program));
@@ -162,8 +157,7 @@ impl PlanPreview {
             },
         };
         let Some(floor) = &self.floor else { return };
-        self.planned =
-            Some(Arc::new(DisplayPlan::new(self.setup.clone(), outcome, floor, &self.programs)));
+        self.planned = Some(Arc::new(DisplayPlan::new(self.setup.clone(), outcome, floor, &self.programs)));
     }
 
     /// The cutters to show where `policy` is awaited: its own as soon as there are any, else the latest.

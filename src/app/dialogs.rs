@@ -28,6 +28,8 @@ pub enum Purpose {
     ExportFlank,
     /// Target of the glTF scene.
     ExportScene,
+    /// Target of the stock as a solid.
+    ExportStock,
     /// Target of the picture.
     SavePicture,
 }
@@ -43,6 +45,7 @@ impl Purpose {
             Self::ExportCl => "Export CL (APT)",
             Self::ExportFlank => "Export flank CL (APT)",
             Self::ExportScene => "Export scene",
+            Self::ExportStock => "Export stock",
             Self::SavePicture => "Save picture",
         }
     }
@@ -55,6 +58,7 @@ impl Purpose {
                 | Self::ExportCl
                 | Self::ExportFlank
                 | Self::ExportScene
+                | Self::ExportStock
                 | Self::SavePicture
         )
     }
@@ -66,6 +70,7 @@ impl Purpose {
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::ExportCl | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::ExportScene => ("glTF scenes", &["glb"]),
+            Self::ExportStock => ("Solids", &["stl", "glb"]),
             Self::SavePicture => ("Pictures", &["png"]),
         }
     }

@@ -30,6 +30,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::ExportCl,
                 Command::ExportFlank,
                 Command::ExportScene,
+                Command::ExportStock,
                 Command::SavePicture,
             ],
             &[Command::Quit],
@@ -169,9 +170,14 @@ impl App {
             | C::ViewChannel => open,
             C::Perspective | C::SectionPlane | C::Measure => open,
             C::SavePicture => open && self.pictures.is_some(),
-            C::ExportCl | C::BeforeAfter | C::SideBySide | C::Wipe | C::Difference | C::ViewSection => {
-                self.state.results.planned.is_some()
-            }
+            C::ExportStock
+            | C::Stock
+            | C::ExportCl
+            | C::BeforeAfter
+            | C::SideBySide
+            | C::Wipe
+            | C::Difference
+            | C::ViewSection => self.state.results.planned.is_some(),
             C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow | C::Play | C::StepForward => {
                 self.state.position_count() > 0
             }
@@ -213,6 +219,9 @@ impl App {
             }
             C::ExportScene => {
                 self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"));
+            }
+            C::ExportStock => {
+                self.dialogs.open_dialog(ctx, Purpose::ExportStock, self.suggest_file_name("stock.stl"));
             }
             C::SavePicture => self.export_dialog.open(),
             C::Quit => self.run_guarded(ctx, Pending::Quit),
@@ -279,6 +288,7 @@ impl App {
             C::Axes => look.layers.axes ^= true,
             C::Holders => look.layers.holders ^= true,
             C::Links => look.layers.links ^= true,
+            C::Stock => look.layers.stock ^= true,
             C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
                 look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
                 self.store_preferences();

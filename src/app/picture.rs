@@ -26,6 +26,7 @@ use crate::setup::AxisPolicy;
 
 use super::coming::PreviewCutters;
 use super::planned::{DisplayPlan, Side};
+use super::solid::{SolidColours, SolidPicture};
 use super::view3d::ViewHit;
 
 /// Content of a picture besides the part.
@@ -245,6 +246,8 @@ pub struct SidePicture {
     coming: Option<PreviewCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
     borders: Vec<Segment>,
+    /// The stock as a solid.
+    solid: Option<Arc<SolidPicture>>,
     /// Computes and draws the stock on the device; `None` where the core's heights are drawn.
     stock_floor: Option<StockFloor>,
     /// Texture id in egui, and the generation of the renderer's texture it refers to.
@@ -254,12 +257,7 @@ pub struct SidePicture {
 }
 
 impl SidePicture {
-    fn new(
-        egui: &RenderState,
-        gpu: &Gpu,
-        mesh: &PartMeshes,
-        kernel: Option<Arc<ResidualKernel>>,
-    ) -> Self {
+    fn new(egui: &RenderState, gpu: &Gpu, mesh: &PartMeshes, kernel: Option<Arc<ResidualKernel>>) -> Self {
         Self {
             egui: egui.clone(),
             gpu: gpu.clone(),
@@ -269,6 +267,7 @@ impl SidePicture {
             coming: None,
             flank: None,
             borders: Vec::new(),
+            solid: None,
             stock_floor: kernel.map(StockFloor::new),
             texture: None,
             drawn: None,
@@ -424,6 +423,19 @@ impl SidePicture {
         }
     }
 
+    /// Shows the stock as a solid, or nothing of it; see [`SceneOptions::show_solid`].
+    pub fn load_solid(&mut self, solid: Option<Arc<SolidPicture>>) {
+        let same = match (&self.solid, &solid) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        if !same {
+            self.scene.set_solid(&self.gpu, solid.as_ref().map(|solid| Arc::clone(&solid.mesh)));
+            self.solid = solid;
+            self.generation += 1;
+        }
+    }
+
     fn shows_walls(&self) -> bool {
         self.flank.as_ref().is_some_and(|(_, colours)| *colours == FlankColours::Walls)
     }
@@ -521,8 +533,14 @@ impl SidePicture {
             return ViewHit::default();
         };
         // The cap of the section plane is inside the material: it has no residual stock.
-        let on_hub = !pick.on_section && !self.shows_walls();
-        let stock = if on_hub { self.stock_at(pick.point) } else { None };
+        let stock = if pick.on_section || self.shows_walls() {
+            None
+        } else if options.show_solid && self.solid.is_some() {
+            let by_value = self.solid.as_ref().is_some_and(|s| s.request.colours == SolidColours::Distance);
+            pick.value.filter(|_| by_value)
+        } else {
+            self.stock_at(pick.point)
+        };
         ViewHit { point: Some(pick.point), stock, deviation: pick.value, position: pick.position }
     }
 

@@ -54,16 +54,15 @@ pub struct DisplayPlan {
 }
 
 impl DisplayPlan {
-    /// Computes the display data of a plan, drawn over `floor`; see [`Self::floor_of`]. Programs of `known` are
-    /// taken over where their plunges are the same; others are sorted on all threads.
+    /// Computes the display data of a plan, drawn over `floor`; see [`Self::floor_of`]. Programs of `known`
+    /// are taken over where their plunges are the same; others are sorted on all threads.
     pub fn new(
         setup: Setup,
         outcome: PlanOutcome,
         floor: &Arc<FloorLevels>,
         known: &[Arc<FieldProgram>],
     ) -> Self {
-        let program =
-            |result: &PolicyResult| (result.plan.policy, program_of(&result.plan, floor, known));
+        let program = |result: &PolicyResult| (result.plan.policy, program_of(&result.plan, floor, known));
         let programs = outcome.policies().into_iter().map(program).collect();
         let floor = Arc::clone(floor);
         let under = |result: &PolicyResult| {
@@ -137,8 +136,7 @@ pub(super) fn program_of(
     known: &[Arc<FieldProgram>],
 ) -> Arc<FieldProgram> {
     let cutters = field_cutters(plan);
-    let same =
-        |known: &&Arc<FieldProgram>| Arc::ptr_eq(&known.floor, floor) && known.cutters == cutters;
+    let same = |known: &&Arc<FieldProgram>| Arc::ptr_eq(&known.floor, floor) && known.cutters == cutters;
     let known = known.iter().find(same).cloned();
     known.unwrap_or_else(|| Arc::new(FieldProgram::new(floor, cutters)))
 }

@@ -449,6 +449,11 @@ impl App {
                 }
             }
             Purpose::ExportScene => self.export_scene(path),
+            Purpose::ExportStock => {
+                if let Some(source) = self.state.solid_source(self.state.look.side) {
+                    self.write(WriteTask::Stock(path, source, self.state.look.cut_count));
+                }
+            }
             Purpose::SavePicture => self.export_picture(path),
         }
     }

@@ -54,8 +54,8 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     preview(gpu, outcome)
 }
 
-/// Computes the stock on the floor after one plunge more and more with the kernel and draws it from its buffer,
-/// as the window does while the timeline plays; prints the medians at every resolution.
+/// Computes the stock on the floor after different numbers of plunges with the kernel and draws it from its
+/// buffer, as the window does while the timeline plays; prints the medians at every resolution.
 fn preview(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     let size = draft_size(gpu, UVec2::new(1280, 800));
     let mut scene = Scene::new(gpu, &outcome.part).with_draft(gpu, &PartMesh::draft(&outcome.part));

@@ -146,6 +146,13 @@ fn draw_stock(pass: &mut wgpu::RenderPass, pipelines: &Pipelines, wheel: &WheelB
     draw_values(pass, wheel, &stock.mesh);
 }
 
+/// Draws the stock as a solid.
+fn draw_solid(pass: &mut wgpu::RenderPass, solid: &MeshBuffers) {
+    pass.set_vertex_buffer(0, solid.vertices.slice(..));
+    pass.set_index_buffer(solid.indices.slice(..), wgpu::IndexFormat::Uint32);
+    pass.draw_indexed(0..solid.count, 0, 0..1);
+}
+
 /// Draws the section plane where it cuts material, if there is one.
 fn draw_section_cap(
     pass: &mut wgpu::RenderPass,
@@ -168,6 +175,27 @@ fn draw_section_cap(
         draw_surfaces(pass, wheel, &blade);
     }
     pass.set_pipeline(cap);
+    pass.set_stencil_reference(0);
+    pass.draw(0..4, 0..1);
+}
+
+/// Draws the section plane where it cuts the part within the stock, and where it cuts stock beside it.
+fn draw_solid_cap(
+    pass: &mut wgpu::RenderPass,
+    wheel: &WheelBuffers,
+    options: &SceneOptions,
+    pipelines: &Pipelines,
+    solid: &MeshBuffers,
+) {
+    if options.section.is_none() {
+        return;
+    }
+    let whole = SceneOptions { show_hub: true, show_blades: true, ..*options };
+    // The part comes first: both caps lie in one plane, where what is drawn later does not show.
+    draw_section_cap(pass, wheel, &whole, &pipelines.parity, &pipelines.cap);
+    pass.set_pipeline(&pipelines.solid_parity);
+    draw_solid(pass, solid);
+    pass.set_pipeline(&pipelines.solid_cap);
     pass.set_stencil_reference(0);
     pass.draw(0..4, 0..1);
 }
@@ -279,6 +307,59 @@ impl Renderer {
         }
 
         let wheel = scene.wheel(options);
+        let body = scene.solid(options);
+        match body {
+            Some(solid) => {
+                pass.set_pipeline(&pipelines.solid);
+                draw_solid(pass, solid);
+            }
+            None => self.draw_part(pass, pipelines, scene, options),
+        }
+        match body {
+            Some(solid) => draw_solid_cap(pass, wheel, options, pipelines, solid),
+            None => draw_section_cap(pass, wheel, options, &pipelines.parity, &pipelines.cap),
+        }
+        let unit = self.cutter_mesh(options);
+        let solid = 0..unit.solid;
+        // Overdraw of transparent walls is the main cost, so in motion only the cutters' bottoms are drawn.
+        let glass = unit.solid..if options.draft { unit.solid * 4 / 3 } else { unit.mesh.count };
+        pass.set_pipeline(&pipelines.cutter);
+        self.draw_cutters(pass, unit, solid);
+
+        pass.set_pipeline(&pipelines.line);
+        if options.show_blades && body.is_none() && wheel.edge_count > 0 {
+            pass.set_vertex_buffer(0, wheel.edges.slice(..));
+            pass.draw(0..6, 0..wheel.edge_count);
+        }
+        let borders = scene.borders.as_ref().filter(|_| options.show_borders && body.is_none());
+        for (buffer, count) in scene.paths.iter().chain(borders) {
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..6, 0..*count);
+        }
+        if let Some(buffer) = self.cutter_lines.buffer.as_ref().filter(|_| self.cutter_lines.count > 0) {
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..6, 0..self.cutter_lines.count);
+        }
+
+        pass.set_pipeline(&pipelines.glass);
+        draw_surfaces(pass, wheel, &|layer| {
+            layer == DrawGroup::CutAway && options.show_blades && options.cut_away && body.is_none()
+        });
+        pass.set_pipeline(&pipelines.cutter_glass);
+        self.draw_cutters(pass, unit, glass);
+        pass.set_pipeline(&pipelines.glass);
+        draw_surfaces(pass, wheel, &|layer| layer == DrawGroup::Shroud && options.show_shroud);
+    }
+
+    /// Draws hub and blades, and the floor with its values.
+    fn draw_part(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        pipelines: &Pipelines,
+        scene: &Scene,
+        options: &SceneOptions,
+    ) {
+        let wheel = scene.wheel(options);
         pass.set_pipeline(&pipelines.surface);
         draw_surfaces(pass, wheel, &|layer| is_opaque(layer, options));
         let values = || {
@@ -305,37 +386,6 @@ impl Renderer {
             pass.set_pipeline(&pipelines.floor);
             draw_values(pass, wheel, floor);
         }
-        draw_section_cap(pass, wheel, options, &pipelines.parity, &pipelines.cap);
-        let unit = self.cutter_mesh(options);
-        let solid = 0..unit.solid;
-        // Overdraw of transparent walls is the main cost, so in motion only the cutters' bottoms are drawn.
-        let glass = unit.solid..if options.draft { unit.solid * 4 / 3 } else { unit.mesh.count };
-        pass.set_pipeline(&pipelines.cutter);
-        self.draw_cutters(pass, unit, solid);
-
-        pass.set_pipeline(&pipelines.line);
-        if options.show_blades && wheel.edge_count > 0 {
-            pass.set_vertex_buffer(0, wheel.edges.slice(..));
-            pass.draw(0..6, 0..wheel.edge_count);
-        }
-        let borders = scene.borders.as_ref().filter(|_| options.show_borders);
-        for (buffer, count) in scene.paths.iter().chain(borders) {
-            pass.set_vertex_buffer(0, buffer.slice(..));
-            pass.draw(0..6, 0..*count);
-        }
-        if let Some(buffer) = self.cutter_lines.buffer.as_ref().filter(|_| self.cutter_lines.count > 0) {
-            pass.set_vertex_buffer(0, buffer.slice(..));
-            pass.draw(0..6, 0..self.cutter_lines.count);
-        }
-
-        pass.set_pipeline(&pipelines.glass);
-        draw_surfaces(pass, wheel, &|layer| {
-            layer == DrawGroup::CutAway && options.show_blades && options.cut_away
-        });
-        pass.set_pipeline(&pipelines.cutter_glass);
-        self.draw_cutters(pass, unit, glass);
-        pass.set_pipeline(&pipelines.glass);
-        draw_surfaces(pass, wheel, &|layer| layer == DrawGroup::Shroud && options.show_shroud);
     }
 
     fn cutter_mesh(&self, options: &SceneOptions) -> &CutterMesh {
@@ -382,6 +432,13 @@ impl Renderer {
         let draw = |pass: &mut wgpu::RenderPass| {
             let wheel = scene.wheel(options);
             pass.set_bind_group(0, &self.bind_group, &[]);
+            if let Some(solid) = scene.solid(options) {
+                pass.set_pipeline(&ids.solid);
+                draw_solid(pass, solid);
+                pass.set_pipeline(&ids.cutter);
+                self.draw_cutters(pass, self.cutter_mesh(options), 0..self.cutter_mesh(options).mesh.count);
+                return;
+            }
             pass.set_pipeline(&ids.surface);
             draw_surfaces(pass, wheel, &|layer| is_opaque(layer, options));
             let walls = scene.floor.as_ref().filter(|_| options.show_floor_colours == FloorColours::Walls);

@@ -1,9 +1,9 @@
 //! The residual heightfield on the graphics device; the CPU implementation is
 //! [`crate::stock::residual_field`].
 //!
-//! [`ResidualKernel::run`] reads heights and traces back. For pictures nothing is read back: a [`DeviceField`]
-//! keeps its heights in a buffer that the renderer draws from, and the state after any number of plunges is one
-//! run of the kernel over the same buffers.
+//! [`ResidualKernel::run`] reads heights and traces back. For pictures nothing is read back: a
+//! [`DeviceField`] keeps its heights in a buffer that the renderer draws from, and the state after any number
+//! of plunges is one run of the kernel over the same buffers.
 //!
 //! On a software driver ([`Gpu::is_software`]) the CPU implementation gives the same result several times
 //! faster.
@@ -235,8 +235,7 @@ impl ResidualKernel {
         };
         let output = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let cells = u64::from(floor.grid.rows) * u64::from(floor.grid.columns);
-        let heights =
-            buffer("heights", cells * size_of::<f32>() as u64, output | wgpu::BufferUsages::VERTEX);
+        let heights = buffer("heights", cells * size_of::<f32>() as u64, output | wgpu::BufferUsages::VERTEX);
         let traces_bytes = (packed.len() * size_of::<PackedTrace>()) as u64;
         let traces = buffer("traces", traces_bytes, output | wgpu::BufferUsages::COPY_DST);
         let uniform = buffer(
@@ -389,8 +388,9 @@ mod tests {
     /// The software driver has always given equal bits.
     const HEIGHT_TOLERANCE: f32 = 1e-4;
 
-    /// Compares heights and all traces of both kernels. A ray that grazes a wall may be in on one side and out
-    /// on the other, which moves the counts of a position by a few cells and its volume by what stands there.
+    /// Compares heights and all traces of both kernels. A ray that grazes a wall may be in on one side and
+    /// out on the other, which moves the counts of a position by a few cells and its volume by what stands
+    /// there.
     fn compare(grid: &FloorGrid, gpu: &ResidualField, cpu: &ResidualField) {
         let greatest = |values: &[f32]| values.iter().copied().fold(0.0, f32::max);
         const GRAZING: u32 = 8;

@@ -56,6 +56,8 @@ pub struct SceneOptions {
     pub show_links: bool,
     /// Colours of the floor.
     pub show_floor_colours: FloorColours,
+    /// The stock as a solid, instead of hub and blades; see [`Scene::set_solid`].
+    pub show_solid: bool,
     /// Draws stock raised by its height instead of as flat colours on the hub.
     pub relief: bool,
     /// Draws the walls of the active channel transparent where they hide it.
@@ -117,6 +119,7 @@ impl Default for SceneOptions {
             show_holders: false,
             show_links: false,
             show_floor_colours: FloorColours::Residual,
+            show_solid: false,
             relief: false,
             cut_away: true,
             range_mm: (0.0, 4.0),
@@ -317,6 +320,8 @@ pub struct Scene {
     pub(super) stock: Option<DrawnStock>,
     /// The floor with the contact of all cores.
     pub(super) contact: Option<MeshBuffers>,
+    /// The stock as a solid, for drawing and picking.
+    solid: Option<(MeshBuffers, Arc<Mesh>)>,
     pub(super) cutters: Vec<DrawnCutter>,
     /// Cutters of a plan preview. They are drawn instead of `cutters` and cannot be picked.
     pub(super) preview: Option<Vec<DrawnCutter>>,
@@ -354,6 +359,7 @@ impl Scene {
             floor: None,
             stock: None,
             contact: None,
+            solid: None,
             cutters: Vec::new(),
             preview: None,
             framing,
@@ -410,6 +416,18 @@ impl Scene {
         self.contact = mesh.filter(|mesh| !mesh.indices.is_empty()).map(|mesh| MeshBuffers::new(gpu, &mesh));
     }
 
+    /// Sets the stock as a solid, closed and with corners by [`Vertex::painted`], or removes it. See
+    /// [`SceneOptions::show_solid`].
+    pub fn set_solid(&mut self, gpu: &Gpu, solid: Option<Arc<Mesh>>) {
+        let some = solid.filter(|mesh| !mesh.indices.is_empty());
+        self.solid = some.map(|mesh| (MeshBuffers::new(gpu, &mesh), mesh));
+    }
+
+    /// The solid, if these options show it.
+    pub(super) fn solid(&self, options: &SceneOptions) -> Option<&MeshBuffers> {
+        self.solid.as_ref().filter(|_| options.show_solid).map(|(buffers, _)| buffers)
+    }
+
     /// Sets stock on the floor that the device computed, or removes it. While it is set, it is drawn for
     /// [`FloorColours::Residual`], or a difference for [`FloorColours::Values`], instead of other heights.
     pub fn set_stock(&mut self, stock: Option<DrawnStock>) {
@@ -418,8 +436,7 @@ impl Scene {
 
     /// Replaces the floor by surfaces with a value per corner, see [`FloorColours::Values`].
     pub fn set_values(&mut self, gpu: &Gpu, mesh: Mesh) {
-        self.floor =
-            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft: None, mesh });
+        self.floor = Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft: None, mesh });
     }
 
     /// Replaces the heights on the floor, e.g. while scrubbing. `grid` is that of [`Self::set_floor`];
@@ -504,6 +521,10 @@ impl Scene {
                 nearest = Some(SurfaceHit { distance, value, on_section: false });
             }
         };
+        if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
+            near(mesh.hit(&ray), true);
+            return nearest;
+        }
         if options.show_hub {
             near(self.part.hub.hit(&ray), false);
         }
@@ -532,6 +553,9 @@ impl Scene {
     /// of their faces: the parity rule with which the renderer fills the section plane.
     fn is_inside(&self, ray: &ViewRay, options: &SceneOptions) -> bool {
         let odd = |count: usize| count % 2 == 1;
+        if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
+            return odd(mesh.crossings(ray));
+        }
         let in_blades = || {
             let of = |blade: &BladeMesh| -> usize {
                 let faces = [&blade.suction, &blade.pressure, &blade.closing, &blade.foot];

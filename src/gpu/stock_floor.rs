@@ -1,5 +1,5 @@
-//! The stock on the floor of a channel, computed and drawn on the device: the kernel writes the heights into a
-//! buffer that the renderer reads as a vertex attribute, so they never pass through memory.
+//! The stock on the floor of a channel, computed and drawn on the device: the kernel writes the heights into
+//! a buffer that the renderer reads as a vertex attribute, so they never pass through memory.
 
 use std::sync::Arc;
 

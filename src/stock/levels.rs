@@ -1,8 +1,8 @@
 //! The floor of a channel at several resolutions, and a plan's plunges sorted into the tiles of each: what a
 //! device needs to compute and draw the stock after any number of plunges.
 //!
-//! Sorting takes milliseconds, so a planner's thread does it once per plan. The state after k plunges needs no
-//! sorting of its own: the list of a tile is in cutting order, and the kernel stops at k.
+//! Sorting takes milliseconds, so a planner's thread does it once per plan. The state after k plunges needs
+//! no sorting of its own: the list of a tile is in cutting order, and the kernel stops at k.
 
 use std::sync::Arc;
 
@@ -37,7 +37,8 @@ impl FloorLevels {
         let mut levels: Vec<FloorLevel> = Vec::new();
         for lines in LINES {
             let thin = grid.thinned(lines);
-            let same = |known: &FloorLevel| (known.grid.rows, known.grid.columns) == (thin.rows, thin.columns);
+            let same =
+                |known: &FloorLevel| (known.grid.rows, known.grid.columns) == (thin.rows, thin.columns);
             if levels.last().is_none_or(|known| !same(known)) {
                 let triangles = FloorSurface::new(&thin, lines).triangles;
                 levels.push(FloorLevel { grid: thin, triangles });

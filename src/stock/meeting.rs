@@ -1,8 +1,8 @@
 //! Intersection of one ray with one cutter: the arithmetic of the field for one cell.
 //!
-//! `shaders/residual.wgsl` has the same functions under the same names, and gets the constants of this file when
-//! it is compiled. Only the steps around a rounded corner branch, so that loops over the others become vector
-//! instructions.
+//! `shaders/residual.wgsl` has the same functions under the same names, and gets the constants of this file
+//! when it is compiled. Only the steps around a rounded corner branch, so that loops over the others become
+//! vector instructions.
 
 use super::field::FieldCutter;
 use super::tiles::TILE;

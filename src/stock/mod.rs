@@ -6,6 +6,7 @@ use crate::plunge::plan::SectionPlan;
 use crate::setup::{SectionSetup, Setup, Tool};
 
 mod bounds;
+pub mod excess;
 pub mod field;
 pub mod grid;
 pub mod levels;

@@ -17,6 +17,7 @@ mod real;
 mod review;
 mod roles;
 mod section;
+mod solid;
 mod stages;
 mod tuning;
 mod walk;

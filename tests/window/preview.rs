@@ -88,10 +88,7 @@ fn the_kernel_draws_the_stock_before_after_between_and_their_difference() {
         );
         // Heights of part of a plan come from the core's own kernel.
         if cut.is_none() {
-            assert!(
-                differing(&of_device, &pixels(&mut bare)) > 2000,
-                "{what}: other heights would be seen"
-            );
+            assert!(differing(&of_device, &pixels(&mut bare)) > 2000, "{what}: other heights would be seen");
         }
         for other in &seen {
             assert!(differing(&of_device, other) > 500, "{what}: unlike the pictures before");

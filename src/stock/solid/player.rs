@@ -1,4 +1,5 @@
-//! The stock after any move of one program, for a timeline: checkpoints on the way keep the work of a jump small.
+//! The stock after any move of one program, for a timeline: checkpoints on the way keep the work of a jump
+//! small.
 
 use super::{Contact, SolidError, SolidProgram, SolidStock};
 use crate::monitor::Monitor;
@@ -46,16 +47,13 @@ impl StockPlayer {
     ///
     /// # Errors
     /// When cancelled, which loses no finished stretch, or when the stock falls into too many pieces.
-    pub fn at(
-        &mut self,
-        count: usize,
-        monitor: &Monitor,
-    ) -> Result<(&SolidStock, &[Contact]), SolidError> {
+    pub fn at(&mut self, count: usize, monitor: &Monitor) -> Result<(&SolidStock, &[Contact]), SolidError> {
         let count = count.min(self.program.count);
         let near = self.checkpoints.partition_point(|made| made.count <= count) - 1;
-        let current = self.current.take().filter(|made| {
-            made.count <= count && made.count >= self.checkpoints[near].count
-        });
+        let current = self
+            .current
+            .take()
+            .filter(|made| made.count <= count && made.count >= self.checkpoints[near].count);
         let mut made = current.unwrap_or_else(|| self.checkpoints[near].clone());
         let stretch = self.program.count.div_ceil(CHECKPOINTS).max(1);
         while made.count < count {
