@@ -1,12 +1,13 @@
-// Residual stock of plunges on the channel floor. GPU version of src/residual/field.rs and meeting.rs: the
-// same operations in the same order, so that both give the same heights. One workgroup per tile of 16 × 16
+// Residual stock of plunges on the channel floor. GPU version of src/stock/field.rs and meeting.rs: the same
+// operations in the same order, so that both give the same heights. One workgroup per tile of TILE × TILE
 // cells, one invocation per cell. Lengths in mm.
 
 struct Grid {
     rows: u32,
     columns: u32,
     tiles_across: u32,
-    pad: u32,
+    // Number of plunges that count: the state after so many.
+    limit: u32,
 }
 
 struct Cell {
@@ -46,15 +47,17 @@ struct Trace {
 @group(0) @binding(5) var<storage, read_write> heights: array<f32>;
 @group(0) @binding(6) var<storage, read_write> traces: array<Trace>;
 
-// Set from the constants of the same name in field.rs.
+// Declared in Rust alone, under the same names, in src/stock/field.rs, meeting.rs and tiles.rs.
+override TILE: u32;
 override CONTACT_TOLERANCE: f32;
 override CUT_TOLERANCE: f32;
-
-const FAR: f32 = 1e30;
-const MIN_SQUARED_SINE: f32 = 1e-12;
-const MIN_COSINE: f32 = 1e-6;
-const CORNER_STEPS: u32 = 8u;
-const CORNER_TOLERANCE: f32 = 2e-5;
+override FAR: f32;
+override MIN_SQUARED_SINE: f32;
+override MIN_COSINE: f32;
+override CORNER_STEPS: u32;
+override CORNER_TOLERANCE: f32;
+// Whether `traces` are wanted besides the heights.
+override TRACED: bool;
 
 // Number of cutters whose traces are accumulated in workgroup memory before they are added to `traces`.
 const BATCH: u32 = 64u;
@@ -149,14 +152,14 @@ fn corner_entry(m: Meeting, sharp_entry: f32, cutter: Cutter) -> f32 {
     return height;
 }
 
-@compute @workgroup_size(16, 16)
+@compute @workgroup_size(TILE, TILE)
 fn residual_field(
     @builtin(workgroup_id) tile: vec3<u32>,
     @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let row = tile.y * 16u + local.y;
-    let column = tile.x * 16u + local.x;
+    let row = tile.y * TILE + local.y;
+    let column = tile.x * TILE + local.x;
     let index = row * grid.columns + column;
     let in_grid = row < grid.rows && column < grid.columns;
     // Invocations beyond the edge must reach the barriers too; a negative blank height gives them no stock.
@@ -177,15 +180,25 @@ fn residual_field(
     let first = tile_offsets[tile_index];
     let end = tile_offsets[tile_index + 1u];
     for (var start = first; start < end; start += BATCH) {
-        let count = min(BATCH, end - start);
-        if lane < BATCH {
-            atomicStore(&batch_depths[lane], 0u);
-            atomicStore(&batch_counts[lane], 0u);
-            atomicStore(&batch_removed[lane], 0u);
+        // The list of a tile ascends: from here on all plunges are later.
+        if tile_cutters[start] >= grid.limit {
+            break;
         }
-        workgroupBarrier();
+        let count = min(BATCH, end - start);
+        if TRACED {
+            if lane < BATCH {
+                atomicStore(&batch_depths[lane], 0u);
+                atomicStore(&batch_counts[lane], 0u);
+                atomicStore(&batch_removed[lane], 0u);
+            }
+            workgroupBarrier();
+        }
         for (var i = 0u; i < count; i++) {
-            let cutter = cutters[tile_cutters[start + i]];
+            let k = tile_cutters[start + i];
+            if k >= grid.limit {
+                break;
+            }
+            let cutter = cutters[k];
             let m = meeting_of(point, normal, cutter);
             let squared_radius = cutter.radius * cutter.radius;
             if !(discriminant(m, squared_radius) > 0.0) {
@@ -196,7 +209,7 @@ fn residual_field(
             if cutter.corner_radius > 0.0 && entry < blank {
                 entry = corner_entry(m, entry, cutter);
             }
-            if is_floor {
+            if TRACED && is_floor {
                 let depth = contact_depth(m, cutter.core_radius * cutter.core_radius, height);
                 if depth > 0.0 {
                     atomicMax(&batch_depths[i], bitcast<u32>(depth));
@@ -215,6 +228,9 @@ fn residual_field(
                 }
             }
             height = min(height, entry);
+        }
+        if !TRACED {
+            continue;
         }
         workgroupBarrier();
         if lane < count {

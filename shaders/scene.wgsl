@@ -9,7 +9,8 @@ struct Frame {
     back: vec4f,      // towards the viewer
     viewport: vec4f,  // width, height, pixels per line width, unit of `lifted` in mm
     range: vec4f,     // lowest and highest value of the colour table, floor colours on, floor in relief
-    look: vec4f,      // walls of the active channel are cut away, floor values are heights
+    look: vec4f,      // walls of the active channel are cut away, floor values are heights, how far below the
+                      // blank stock counts as uncut
     plane: vec4f,     // section plane: points beyond w along xyz are clipped; xyz = 0: none
     greys: array<vec4f, 9>,
     lines: array<vec4f, 8>,
@@ -206,6 +207,10 @@ fn cap_fragment(in: CapOut) -> @location(0) vec4f {
 // The floor with its heights; it is not instanced, so the turn is unused.
 @vertex
 fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
+    return floor_corner(in);
+}
+
+fn floor_corner(in: SurfaceIn) -> SurfaceOut {
     var out: SurfaceOut;
     out.raised = in.position + in.normal * in.value * frame.look.y;
     out.world = select(in.position, out.raised, frame.range.w > 0.5);
@@ -216,6 +221,24 @@ fn floor_vertex(in: SurfaceIn) -> SurfaceOut {
     out.flags = in.flags;
     out.clip = lifted(off(out.world, in.normal * 2.0), LIFT_FLOOR);
     return out;
+}
+
+// The floor with heights that the compute kernel left in a buffer of their own. The value of a corner is the
+// height of the blank.
+@vertex
+fn stock_vertex(in: SurfaceIn, @location(7) height: f32) -> SurfaceOut {
+    var corner = in;
+    corner.value = height;
+    corner.uncut = select(0.0, 1.0, height >= in.value - frame.look.z);
+    return floor_corner(corner);
+}
+
+// The same with the difference of two such buffers.
+@vertex
+fn difference_vertex(in: SurfaceIn, @location(7) height: f32, @location(8) less: f32) -> SurfaceOut {
+    var corner = in;
+    corner.value = height - less;
+    return floor_corner(corner);
 }
 
 @fragment
@@ -236,6 +259,76 @@ fn floor_fragment(in: SurfaceOut) -> @location(0) vec4f {
         discard;
     }
     return vec4f(select(stock, uncut, in.uncut > 0.5), 1.0);
+}
+
+// ---- the stock as a solid ---------------------------------------------------------------------------
+
+// Kinds of paint, in the upper byte; a colour is in the lower three.
+const PAINT_BY_VALUE = 0u;
+const PAINT_UNCUT = 1u;
+
+struct SolidOut {
+    @builtin(position) clip: vec4f,
+    @location(0) world: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) value: f32,
+    @location(3) @interpolate(flat) paint: u32,
+}
+
+@vertex
+fn solid_vertex(
+    @location(0) position: vec3f,
+    @location(1) value: f32,
+    @location(2) normal: vec3f,
+    @location(3) paint: u32,
+) -> SolidOut {
+    return SolidOut(frame.clip_from_world * vec4f(position, 1.0), position, normal, value, paint);
+}
+
+@fragment
+fn solid_fragment(in: SolidOut) -> @location(0) vec4f {
+    let v = to_viewer(in.world);
+    // Corners on sharp edges have no normal; a triangle of such corners is flat.
+    let facet = cross(dpdx(in.world), dpdy(in.world));
+    var n = in.normal;
+    if dot(n, n) < 0.04 {
+        n = facet;
+    }
+    if cut_off(in.world) {
+        discard;
+    }
+    let bright = light(facing(n, v), v, 1.0);
+    let t = (in.value - frame.range.x) / max(frame.range.y - frame.range.x, 1e-6);
+    var colour = frame.table[u32(clamp(t, 0.0, 1.0) * 255.0 + 0.5)].rgb;
+    switch in.paint >> 24u {
+        case PAINT_BY_VALUE: {}
+        case PAINT_UNCUT: { colour = frame.greys[2u].rgb; }
+        default: { colour = unpack4x8unorm(in.paint).rgb; }
+    }
+    return vec4f(colour * (0.18 + 0.86 * bright), 1.0);
+}
+
+@fragment
+fn solid_parity_fragment(in: SolidOut) {
+    if cut_off(in.world) {
+        discard;
+    }
+}
+
+// Stock in the section plane, hatched across the hatching of the part in it.
+@fragment
+fn solid_cap_fragment(in: CapOut) -> @location(0) vec4f {
+    let stripe = fract((in.clip.x - in.clip.y) / (9.0 * frame.viewport.z));
+    let hatch = select(1.0, 0.84, stripe < 0.2);
+    return vec4f(frame.greys[GREY_UNCUT].rgb * hatch, 1.0);
+}
+
+@fragment
+fn solid_id_fragment(in: SolidOut) -> @location(0) u32 {
+    if cut_off(in.world) {
+        discard;
+    }
+    return 0u;
 }
 
 // ---- cutters ------------------------------------------------------------------------------------

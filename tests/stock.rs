@@ -6,8 +6,9 @@ use vanecut::geometry::Meridional;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Impeller};
+use vanecut::part::{Blank, Channel, Impeller};
 use vanecut::setup::{AxisPolicy, Setup, Tool};
+use vanecut::stock::excess::Excess;
 use vanecut::stock::solid::{
     SolidBlank, SolidProgram, SolidStock, SpanEnd, StockSurface, ToolPart, TurnedOutline,
 };
@@ -102,4 +103,31 @@ fn contact_and_floor_agree_with_contact_and_heightfield() {
     assert!(highest <= 0.5 * spacing, "the field is {highest} mm higher");
     let near = (0..count).filter(|&k| off(k) >= -0.5 * spacing).count();
     assert!(near as f64 >= 0.99 * count as f64, "{near} of {count} vertices agree");
+}
+
+#[test]
+fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
+    let text = include_bytes!("../assets/parts/impeller9x9.toml");
+    let part = Impeller::build(&read_part_bytes("a.toml", text, "toml").expect("readable")).expect("a wheel");
+    let channel = Channel::of(&part);
+    let excess = Excess::new(&part);
+    for by in [2.0, 0.5, 0.0, -0.5] {
+        // Above the middle of the hub floor, and beside the middle of every wall, away from its edges.
+        let passage = &channel.beside_splitter[0];
+        let floor = passage.point(&part, 0.8, 0.5, 0.0).expect("in the channel").point;
+        let up = part.hub.normal(0.8).direction_at_angle(floor.y.atan2(floor.x));
+        assert!(
+            (excess.at(&(floor + up * by)) - by).abs() < 1e-6,
+            "hub {by}: {}",
+            excess.at(&(floor + up * by))
+        );
+        for (k, side) in channel.sides.iter().enumerate() {
+            let (p, by_u, by_v) = side.derivatives(0.5, 0.6);
+            let other = channel.sides[k ^ 1].point(0.5, 0.6);
+            let normal = by_u.cross(&by_v).normalize();
+            let out = if normal.dot(&(other - p)) > 0.0 { -normal } else { normal };
+            let found = excess.at(&(p + out * by));
+            assert!((found - by).abs() < 1e-3, "side {k}, {by}: {found}");
+        }
+    }
 }

@@ -72,6 +72,8 @@ commands! {
         "Writes the flank plan as an APT cutter-location file" [];
     ExportScene "Export scene…"
         "Writes the part, with the shown plan, as a glTF scene (.glb)" [];
+    ExportStock "Export stock…"
+        "Writes the stock at the position of the timeline as a solid: STL or glTF (.glb)" [];
     SavePicture "Save picture…" "Writes the 3D view as a PNG" [CTRL | SHIFT, E];
     Palette "Search commands" "Finds any command by its name" [CTRL, K];
     KeepSet "Save as variant" "Stores the current setup as a variant, to compare others with it" [CTRL, D];
@@ -132,6 +134,8 @@ commands! {
     Axes "Axes" "Shows the tool axes up to the retract points" [];
     Holders "Holders" "Shows the holders of the current and of the selected position" [];
     Links "Rapids" "Shows the rapids from retract point to retract point" [];
+    Stock "Stock"
+        "Shows the stock as a solid at the position of the timeline, instead of hub and blades" [NONE, S];
     FlankCurves "Flank passes" "Shows the passes of the flank plan" [];
     MouseVanecut "Mouse: Vanecut" "Left button orbits, middle or shift-left pans" [];
     MouseNx "Mouse: NX" "Middle button orbits, shift-middle pans, ctrl-middle zooms" [];

@@ -31,6 +31,8 @@ pub enum Purpose {
     ExportFlank,
     /// Target of the glTF scene.
     ExportScene,
+    /// Target of the stock as a solid.
+    ExportStock,
     /// Target of the picture.
     SavePicture,
 }
@@ -47,6 +49,7 @@ impl Purpose {
             Self::ExportCl { all_channels: true } => "Export CL of all channels (APT)",
             Self::ExportFlank => "Export flank CL (APT)",
             Self::ExportScene => "Export scene",
+            Self::ExportStock => "Export stock",
             Self::SavePicture => "Save picture",
         }
     }
@@ -59,6 +62,7 @@ impl Purpose {
                 | Self::ExportCl { .. }
                 | Self::ExportFlank
                 | Self::ExportScene
+                | Self::ExportStock
                 | Self::SavePicture
         )
     }
@@ -70,6 +74,7 @@ impl Purpose {
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::ExportScene => ("glTF scenes", &["glb"]),
+            Self::ExportStock => ("Solids", &["stl", "glb"]),
             Self::SavePicture => ("Pictures", &["png"]),
         }
     }

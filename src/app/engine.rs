@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 use crate::part::Impeller;
 use crate::setup::Setup;
 
-use super::planned::DisplayPlan;
+use super::planned::{DisplayPlan, program_of};
 use super::preview::{PlanPreview, PreviewSlot};
 
 /// Source of a part.
@@ -111,6 +111,8 @@ pub(super) struct PlanTask {
     pub compare: bool,
     /// Whether to plan a draft with a coarse residual field.
     pub draft: bool,
+    /// The plan of the same part that is shown.
+    pub last: Option<Arc<DisplayPlan>>,
 }
 
 /// Cells of the residual field along s and λ: fine enough that a cell is well below a pixel with the channel
@@ -139,17 +141,30 @@ impl Engine {
             compare: task.compare,
             field_cells: if task.draft { DRAFT_CELLS } else { FIELD_CELLS },
         };
-        let coming = Mutex::new(PlanPreview::new(task.number, Arc::clone(&task.part), task.setup.clone()));
+        let last = task.last.clone().filter(|last| Arc::ptr_eq(&last.outcome.part, &task.part));
+        let coming = PlanPreview::new(task.number, Arc::clone(&task.part), task.setup.clone(), last.clone());
+        let coming = Mutex::new(coming);
         let listen = |stage: PlanStage| {
             if monitor.is_cancelled() {
                 return;
             }
-            let mut coming = coming.lock().unwrap_or_else(PoisonError::into_inner);
-            coming.add_stage(stage);
+            let lock = || coming.lock().unwrap_or_else(PoisonError::into_inner);
+            let (floor, known) = {
+                let mut coming = lock();
+                (coming.floor_of(&stage), coming.programs())
+            };
+            // Without the lock: while this thread waits for others to sort, it may report another stage.
+            let plan = stage.plan();
+            let program = floor.zip(plan).map(|(floor, plan)| program_of(plan, &floor, &known));
+            let mut coming = lock();
+            coming.add_stage(stage, program);
             slot.put(coming.clone());
+            drop(coming);
             notify();
         };
         let outcome = (self.plan)(&request, monitor, Listener::new(&listen))?;
-        Ok(DisplayPlan::new(request.setup, outcome))
+        let coming = coming.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let (floor, known) = coming.into_floor(&outcome);
+        Ok(DisplayPlan::new(request.setup, outcome, &floor, &known))
     }
 }

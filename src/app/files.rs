@@ -22,6 +22,7 @@ use crate::toolpath::ClProgram;
 use super::document::Edited;
 use super::engine::{PartSource, Sample};
 use super::planned::DisplayPlan;
+use super::solid::{SolidSource, solid_bytes};
 use crate::job::flank::FlankOutcome;
 
 /// Name, description and file text of a sample part.
@@ -148,6 +149,8 @@ pub enum WriteTask {
     Flank(PathBuf, Arc<FlankOutcome>),
     /// A glTF scene.
     Scene(PathBuf, SceneTask),
+    /// The stock as a solid after so many plunges; `None`: after the whole program. STL or glTF by extension.
+    Stock(PathBuf, SolidSource, Option<usize>),
     /// A picture: width, height, RGBA.
     Picture(PathBuf, u32, u32, Vec<u8>),
 }
@@ -163,6 +166,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
+        WriteTask::Stock(path, source, cut) => (path, stock_bytes(path, source, *cut)?),
         WriteTask::Picture(path, width, height, rgba) => {
             let png = encode_png(*width, *height, rgba).map_err(|error| InputError {
                 file: path.display().to_string(),
@@ -209,6 +213,22 @@ fn scene_bytes(scene: &SceneTask) -> Vec<u8> {
         cutters: CutterNodes::default(),
     };
     GltfScene::of_plan(&shown).glb()
+}
+
+fn stock_bytes(path: &Path, source: &SolidSource, cut: Option<usize>) -> Result<Vec<u8>, InputError> {
+    let fault = |message: String, help: &str| InputError {
+        file: path.display().to_string(),
+        line: 0,
+        message,
+        help: help.to_owned(),
+    };
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let is_scene = match extension.as_str() {
+        "stl" => false,
+        "glb" => true,
+        _ => return Err(fault("is not a format of solids".to_owned(), "give a .stl or .glb file")),
+    };
+    solid_bytes(source, cut, is_scene).map_err(|message| fault(message, "recalculate and try again"))
 }
 
 fn flank_text(outcome: &FlankOutcome) -> String {

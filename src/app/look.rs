@@ -7,6 +7,7 @@ use crate::setup::AxisPolicy;
 
 use super::mouse::MousePreset;
 use super::planned::Side;
+use super::solid::SolidColours;
 
 /// Visibility of the layers of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +26,8 @@ pub struct Layers {
     pub holders: bool,
     /// Rapids from retract point to retract point.
     pub links: bool,
+    /// The stock as a solid, instead of hub and blades.
+    pub stock: bool,
     /// Quantity that colours the floor of the current channel.
     pub floor: FloorColours,
 }
@@ -39,6 +42,7 @@ impl Default for Layers {
             axes: false,
             holders: false,
             links: false,
+            stock: false,
             floor: FloorColours::Residual,
         }
     }
@@ -197,6 +201,8 @@ pub struct Look {
     pub sort: Sort,
     /// Layers of the 3D view.
     pub layers: Layers,
+    /// What the colours of the solid stock show.
+    pub solid_colours: SolidColours,
     /// Display of the flank plan.
     pub flank: FlankLook,
     /// Timeline: number of positions cut; `None`: all.
@@ -283,6 +289,7 @@ impl Default for Look {
             filter: Filter::All,
             sort: Sort::default(),
             layers: Layers::default(),
+            solid_colours: SolidColours::default(),
             flank: FlankLook::default(),
             cut_count: None,
             playing: None,

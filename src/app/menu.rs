@@ -32,6 +32,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::ExportClAll,
                 Command::ExportFlank,
                 Command::ExportScene,
+                Command::ExportStock,
                 Command::SavePicture,
             ],
             &[Command::Quit],
@@ -171,7 +172,9 @@ impl App {
             | C::ViewChannel => open,
             C::Perspective | C::SectionPlane | C::Measure => open,
             C::SavePicture => open && self.pictures.is_some(),
-            C::ExportCl
+            C::ExportStock
+            | C::Stock
+            | C::ExportCl
             | C::ExportClAll
             | C::BeforeAfter
             | C::SideBySide
@@ -218,6 +221,9 @@ impl App {
             C::ExportClAll => self.ask_for_cl_file(ctx, true),
             C::ExportScene => {
                 self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"));
+            }
+            C::ExportStock => {
+                self.dialogs.open_dialog(ctx, Purpose::ExportStock, self.suggest_file_name("stock.stl"));
             }
             C::SavePicture => self.export_dialog.open(),
             C::Quit => self.run_guarded(ctx, Pending::Quit),
@@ -284,6 +290,7 @@ impl App {
             C::Axes => look.layers.axes ^= true,
             C::Holders => look.layers.holders ^= true,
             C::Links => look.layers.links ^= true,
+            C::Stock => look.layers.stock ^= true,
             C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
                 look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
                 self.store_preferences();

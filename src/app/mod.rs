@@ -14,6 +14,7 @@
 //! | [`mouse`], `point_menu` | mouse presets; the context menu of a 3D view |
 //! | [`overlay`], [`cube`], `borders` | controls over the 3D views; the view cube; section borders to drag |
 //! | `scrub` | stock at a timeline position; sectional view of the selected position |
+//! | [`solid`] | the stock as a solid at a timeline position |
 //! | `roles` | the dialog that assigns roles to the nodes of a mesh file |
 //! | [`dialogs`], [`files`] | file dialogs; reading and writing files in the background |
 //! | `project`, [`home`] | the project file, the question before closing; recent projects, recovery copies |
@@ -51,6 +52,7 @@ pub mod results;
 mod roles;
 pub mod run;
 mod scrub;
+pub mod solid;
 pub mod state;
 pub mod theme;
 pub mod view3d;
@@ -70,7 +72,8 @@ use engine::{Engine, PartSource};
 use look::Tab;
 use panels::part::PartAction;
 use picture::Pictures;
-use state::AppState;
+use planned::Side;
+use state::{AppState, Problem};
 use view3d::View3d;
 use work::Work;
 
@@ -85,6 +88,8 @@ pub struct App {
     pictures: Option<Pictures>,
     scrubbed: scrub::TimelineStock,
     inspected: scrub::InspectedSection,
+    /// The solid stock of each side.
+    solids: [solid::SolidWork; 2],
     hover: Option<viewport::Hover>,
     /// Target of the right click, while its context menu is open.
     context_hit: Option<view3d::ViewHit>,
@@ -128,6 +133,7 @@ impl App {
             pictures,
             scrubbed: scrub::TimelineStock::new(&cc.egui_ctx),
             inspected: scrub::InspectedSection::new(&cc.egui_ctx),
+            solids: [(); 2].map(|()| solid::SolidWork::new(&cc.egui_ctx)),
             hover: None,
             context_hit: None,
             is_dragging_border: false,
@@ -172,6 +178,18 @@ impl App {
         &mut self.state.look
     }
 
+    /// Sets what computes the stock that the views draw.
+    pub fn set_preview_source(&mut self, source: picture::PreviewSource) {
+        if let Some(pictures) = &mut self.pictures {
+            pictures.set_preview_source(source);
+        }
+    }
+
+    /// The solid stock that a side shows; `None` while the layer is hidden or nothing is computed yet.
+    pub fn solid(&self, side: Side) -> Option<&solid::SolidPicture> {
+        self.solids[side as usize].shown().map(|picture| &**picture)
+    }
+
     /// Camera of the 3D view; `None` before a part is open.
     pub fn camera(&self) -> Option<crate::gpu::camera::Camera> {
         self.view.current()
@@ -179,7 +197,10 @@ impl App {
 
     /// Whether a background task runs.
     pub fn is_busy(&self) -> bool {
-        self.work.running().is_some() || self.scrubbed.is_busy() || self.inspected.is_busy()
+        self.work.running().is_some()
+            || self.scrubbed.is_busy()
+            || self.inspected.is_busy()
+            || self.solids.iter().any(solid::SolidWork::is_busy)
     }
 
     /// Time from start to the first picture of a part; `None` before it.
@@ -375,6 +396,13 @@ impl eframe::App for App {
         }
         self.scrubbed.follow(&self.state);
         self.inspected.follow(&self.state);
+        for side in [Side::Before, Side::After] {
+            let wanted = self.state.wanted_solid(side);
+            if let Some(fault) = self.solids[side as usize].follow(wanted) {
+                let help = "recalculate, or hide the layer";
+                self.state.report_problem(Problem::from_planning(format!("Stock as a solid: {fault}"), help));
+            }
+        }
         if self.work.running().is_some() {
             ctx.request_repaint_after(work::PROGRESS_EVERY);
         }
@@ -400,8 +428,12 @@ impl eframe::App for App {
             });
         }
         Panel::bottom("status").exact_size(28.0).show(ui, |ui| {
-            let activity =
-                panels::status::Activity { running: self.work.running(), device: self.device.clone() };
+            let preview = self.pictures.as_ref().map(Pictures::preview_name);
+            let activity = panels::status::Activity {
+                running: self.work.running(),
+                preview: preview.unwrap_or_else(|| "no 3D view".to_owned()),
+                device: self.device.clone(),
+            };
             if panels::status::show(ui, &self.state, &activity) {
                 self.run_command(ui.ctx(), Command::Cancel);
             }

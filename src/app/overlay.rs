@@ -12,6 +12,7 @@ use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
 use super::planned::Side;
 use super::preview::PreviewCutters;
+use super::solid::{SolidColours, SolidPicture};
 use super::state::AppState;
 use super::theme::{self, Condition};
 
@@ -130,7 +131,7 @@ const FLOORS: [(FloorColours, &str); 3] = [
 ];
 
 /// The menu of layers, in the upper right corner of the view.
-pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
+pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look) {
     let at = Rect::from_min_max(
         rect.right_top() + egui::vec2(-68.0, 10.0),
         rect.right_top() + egui::vec2(-10.0, 40.0),
@@ -138,13 +139,20 @@ pub fn layers(ui: &mut Ui, rect: Rect, layers: &mut Layers) {
     floating(ui, at, |ui| {
         let stay = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
         MenuButton::new("Layers").config(stay).ui(ui, |ui| {
-            for (shown, command) in switches(layers) {
+            for (shown, command) in switches(&mut look.layers) {
                 ui.checkbox(shown, command.label()).on_hover_text(command.tip());
             }
             ui.separator();
+            if look.layers.stock {
+                ui.label("Stock colours");
+                for colours in SolidColours::ALL {
+                    ui.radio_value(&mut look.solid_colours, colours, colours.label());
+                }
+                return;
+            }
             ui.label("Floor");
             for (floor, name) in FLOORS {
-                ui.radio_value(&mut layers.floor, floor, name);
+                ui.radio_value(&mut look.layers.floor, floor, name);
             }
         });
     });
@@ -188,7 +196,7 @@ pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
 }
 
 /// The layers with the commands that switch them.
-pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 7] {
+pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 8] {
     [
         (&mut layers.hub, Command::Hub),
         (&mut layers.blades, Command::Blades),
@@ -197,6 +205,7 @@ pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 7] {
         (&mut layers.axes, Command::Axes),
         (&mut layers.holders, Command::Holders),
         (&mut layers.links, Command::Links),
+        (&mut layers.stock, Command::Stock),
     ]
 }
 
@@ -229,11 +238,53 @@ pub struct Values {
     pub other: Option<(Side, f32)>,
 }
 
+/// What the solid stock shows, at the lower left: volume, collisions, and the names of its colours.
+pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above: f32) {
+    let rows = solid.map_or(0, |solid| solid.names.len());
+    let height = 26.0 + 16.0 * (rows + usize::from(solid.is_some_and(|s| s.collisions > 0))) as f32;
+    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - above - height);
+    let at = Rect::from_min_size(corner, egui::vec2(236.0, height)).intersect(rect);
+    floating(ui, at, |ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(4.0, 2.0);
+        let Some(solid) = solid else {
+            ui.label(RichText::new("Stock: calculating…").size(12.0));
+            return;
+        };
+        let refined = if solid.is_coarse { ", refining…" } else { "" };
+        let text = format!("Stock {:.1} cm³{refined}", 1e-3 * solid.volume);
+        ui.label(RichText::new(text).size(12.0)).on_hover_text(format!(
+            "Volume of the whole blank after the moves up to here; rays every {:.2} mm",
+            solid.spacing
+        ));
+        if solid.collisions > 0 {
+            let (word, colour) = (if solid.collisions == 1 { "move meets" } else { "moves meet" }, {
+                Condition::Interfering.text(ui.visuals())
+            });
+            let text = format!("{} {word} stock with core, shank, holder or in rapid", solid.collisions);
+            ui.label(RichText::new(text).size(12.0).color(colour));
+        }
+        for (colour, name) in &solid.names {
+            ui.horizontal(|ui| {
+                let (swatch, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
+                let [r, g, b] = colour.map(|x| (255.0 * x).round() as u8);
+                ui.painter().rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
+                ui.label(RichText::new(name).size(12.0));
+            });
+        }
+    });
+}
+
 /// Legend at the lower left: colour bar, editable ends in mm, and the value under the cursor.
 pub fn legend(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
     let walls = state.shown_deviation();
     let difference = state.look.difference || walls.is_some();
-    let of_floor = state.look.layers.hub && (difference || state.look.layers.floor == FloorColours::Residual);
+    let solid = state.look.layers.stock;
+    if solid && state.look.solid_colours != SolidColours::Distance {
+        return;
+    }
+    let difference = difference && !solid;
+    let of_floor =
+        solid || state.look.layers.hub && (difference || state.look.layers.floor == FloorColours::Residual);
     if walls.is_none() && (state.results.planned.is_none() || !of_floor) {
         return;
     }
@@ -246,6 +297,7 @@ pub fn legend(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
         ui.set_width(width);
         let head = match walls {
             Some(_) => "Residual on walls",
+            None if solid => "Distance to part",
             None if difference => "Stock after − before",
             None => "Residual on hub",
         };

@@ -1,6 +1,7 @@
 //! The 3D pictures: the renderer draws into its own texture, which egui shows as an image; unchanged pictures
 //! are not drawn again. Each side has its own picture, created when it is first shown.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use eframe::egui_wgpu::RenderState;
@@ -14,28 +15,19 @@ use crate::gpu::floor::value_mesh;
 use crate::gpu::mesh::{Mesh, Segment};
 use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
+use crate::gpu::residual::ResidualKernel;
 use crate::gpu::scene::{Scene, SceneOptions};
+use crate::gpu::stock_floor::{StockFloor, StockState};
 use crate::gpu::view::ViewTargets;
 use crate::io::flank_file::{shown_passes, shown_walls};
 use crate::job::flank::FlankOutcome;
 use crate::part::Impeller;
 use crate::setup::AxisPolicy;
-use crate::stock::FloorGrid;
 
 use super::planned::{DisplayPlan, Side};
 use super::preview::PreviewCutters;
+use super::solid::{SolidColours, SolidPicture};
 use super::view3d::ViewHit;
-
-/// Values on the floor of the current channel.
-#[derive(Clone, Debug)]
-pub enum FloorValues {
-    /// Residual stock of the whole plan.
-    Final,
-    /// Stock after part of the positions: heights per cell, mm.
-    Heights(Arc<Vec<f32>>),
-    /// Residual stock minus that of another policy's plan.
-    MoreThan(AxisPolicy),
-}
 
 /// Content of a picture besides the part.
 #[derive(Clone, Debug)]
@@ -44,22 +36,73 @@ pub struct Content {
     pub planned: Arc<DisplayPlan>,
     /// Policy of the shown plan.
     pub policy: AxisPolicy,
-    /// Values on the floor.
-    pub floor: FloorValues,
+    /// Number of positions cut; `None`: all.
+    pub cut: Option<usize>,
+    /// Heights of stock per cell after so many positions, mm, as the core computes them; `None`: those of the
+    /// whole plan.
+    pub heights: Option<Arc<Vec<f32>>>,
+    /// Policy whose stock is subtracted from that of the whole plan, for a difference.
+    pub more_than: Option<AxisPolicy>,
 }
 
-impl PartialEq for Content {
-    /// Plans and heights are immutable, so pointer equality suffices.
-    fn eq(&self, other: &Self) -> bool {
-        let floor = match (&self.floor, &other.floor) {
-            (FloorValues::Final, FloorValues::Final) => true,
-            (FloorValues::Heights(a), FloorValues::Heights(b)) => Arc::ptr_eq(a, b),
-            (FloorValues::MoreThan(a), FloorValues::MoreThan(b)) => a == b,
-            _ => false,
+impl Content {
+    /// Whether the same is drawn, apart from where its heights come from. Plans are immutable, so pointer
+    /// equality suffices.
+    fn same_picture(&self, other: &Self) -> bool {
+        self.same_plan(other) && self.cut == other.cut && self.more_than == other.more_than
+    }
+
+    fn same_plan(&self, other: &Self) -> bool {
+        self.policy == other.policy && Arc::ptr_eq(&self.planned, &other.planned)
+    }
+
+    fn same_heights(&self, other: &Self) -> bool {
+        match (&self.heights, &other.heights) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        }
+    }
+
+    /// Value of a cell of the plan's grid: stock, or a difference of stock, mm.
+    fn value(&self, cell: usize) -> Option<f32> {
+        let left = |policy| self.planned.result(policy).field.heights.get(cell).copied();
+        match (self.more_than, &self.heights) {
+            (Some(other), _) => Some(left(self.policy)? - left(other)?),
+            (None, Some(heights)) => heights.get(cell).copied(),
+            (None, None) => left(self.policy),
+        }
+    }
+
+    /// The stock to draw on the device, and the one to subtract from it.
+    fn stock_states(&self) -> Option<(StockState, Option<StockState>)> {
+        let whole = |policy| {
+            let program = Arc::clone(self.planned.program(policy)?);
+            Some(StockState { count: program.cutters.len(), program })
         };
-        floor && self.policy == other.policy && Arc::ptr_eq(&self.planned, &other.planned)
+        let shown = whole(self.policy)?;
+        match self.more_than {
+            Some(other) => Some((shown, Some(whole(other)?))),
+            None => Some((StockState { count: self.cut.unwrap_or(shown.count), ..shown }, None)),
+        }
     }
 }
+
+/// What computes the stock that the views draw.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PreviewSource {
+    /// The compute kernel on the graphics device, from whose buffer the floor is drawn.
+    #[default]
+    Device,
+    /// The core, whose heights are uploaded.
+    Core,
+}
+
+/// Environment variable; `cpu` makes the core compute the stock that the views draw.
+const PREVIEW_VARIABLE: &str = "VANECUT_PREVIEW";
+
+/// Rays that the kernel may intersect with cutters for a picture in motion on a software driver, so that 30
+/// pictures a second are drawn.
+const MEETINGS_IN_MOTION: usize = 2_000_000;
 
 /// Meshes of a part: fine for still pictures, coarse while the camera moves.
 #[derive(Clone, Debug)]
@@ -81,18 +124,50 @@ pub struct Pictures {
     gpu: Gpu,
     mesh: Option<PartMeshes>,
     sides: [Option<SidePicture>; 2],
+    source: PreviewSource,
+    /// The kernel, compiled when the first part is shown; `None` inside if the device rejected it.
+    kernel: OnceCell<Option<Arc<ResidualKernel>>>,
 }
 
 impl Pictures {
     /// Pictures on the window's device; allocates nothing yet.
     pub fn new(egui: &RenderState) -> Self {
         let gpu = Gpu::from_parts(egui.device.clone(), egui.queue.clone(), egui.adapter.get_info());
-        Self { egui: egui.clone(), gpu, mesh: None, sides: [None, None] }
+        let wants_core = std::env::var_os(PREVIEW_VARIABLE).is_some_and(|value| value == "cpu");
+        let source = if wants_core { PreviewSource::Core } else { PreviewSource::Device };
+        Self { egui: egui.clone(), gpu, mesh: None, sides: [None, None], source, kernel: OnceCell::new() }
     }
 
-    /// Name of the device for the status bar.
+    /// What computes the drawn stock, for the status bar.
+    pub fn preview_name(&self) -> String {
+        let rejected = matches!(self.kernel.get(), Some(None));
+        let failed = self.sides.iter().flatten().any(|picture| picture.stock_floor.is_none());
+        if self.source == PreviewSource::Core || rejected || failed {
+            return "Preview: CPU".to_owned();
+        }
+        // Drivers append versions in brackets.
+        let name = &self.gpu.info.name;
+        format!("Preview: GPU ({})", name.split(" (").next().unwrap_or(name))
+    }
+
+    /// Name and driver of the device.
     pub fn device_name(&self) -> String {
-        if self.gpu.is_software() { "software Vulkan".to_owned() } else { self.gpu.info.name.clone() }
+        let info = &self.gpu.info;
+        format!("{}, {} {}", info.name, info.driver, info.driver_info).trim_end_matches([' ', ',']).to_owned()
+    }
+
+    /// Sets what computes the drawn stock.
+    pub fn set_preview_source(&mut self, source: PreviewSource) {
+        self.source = source;
+        self.sides = [None, None];
+    }
+
+    /// The kernel, if it is to draw.
+    fn kernel(&self) -> Option<Arc<ResidualKernel>> {
+        if self.source == PreviewSource::Core {
+            return None;
+        }
+        self.kernel.get_or_init(|| ResidualKernel::new(&self.gpu).ok().map(Arc::new)).clone()
     }
 
     /// Loads a part.
@@ -122,17 +197,18 @@ impl Pictures {
 
     /// The picture of a side; `None` while no part is loaded.
     pub fn side(&mut self, side: Side) -> Option<&mut SidePicture> {
-        let slot = &mut self.sides[side as usize];
-        if slot.is_none() {
-            *slot = Some(SidePicture::new(&self.egui, &self.gpu, self.mesh.as_ref()?));
+        if self.sides[side as usize].is_none() {
+            let mesh = self.mesh.as_ref()?;
+            self.sides[side as usize] = Some(SidePicture::new(&self.egui, &self.gpu, mesh, self.kernel()));
         }
-        slot.as_mut()
+        self.sides[side as usize].as_mut()
     }
 
     /// A picture of triangles that are not yet a part.
     pub fn picture_of_mesh(&self, mesh: PartMesh) -> SidePicture {
         let mesh = Arc::new(mesh);
-        SidePicture::new(&self.egui, &self.gpu, &PartMeshes { fine: Arc::clone(&mesh), draft: mesh })
+        let meshes = PartMeshes { fine: Arc::clone(&mesh), draft: mesh };
+        SidePicture::new(&self.egui, &self.gpu, &meshes, None)
     }
 
     /// Errors that the device reported since the last call. Polls it first, to detect a loss before drawing.
@@ -170,8 +246,10 @@ pub struct SidePicture {
     coming: Option<PreviewCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
     borders: Vec<Segment>,
-    /// Floor grid and its shown values, for the value under the cursor.
-    floor: Option<(Arc<FloorGrid>, Vec<f32>)>,
+    /// The stock as a solid.
+    solid: Option<Arc<SolidPicture>>,
+    /// Computes and draws the stock on the device; `None` where the core's heights are drawn.
+    stock_floor: Option<StockFloor>,
     /// Texture id in egui, and the generation of the renderer's texture it refers to.
     texture: Option<(TextureId, u64)>,
     drawn: Option<Drawn>,
@@ -179,7 +257,7 @@ pub struct SidePicture {
 }
 
 impl SidePicture {
-    fn new(egui: &RenderState, gpu: &Gpu, mesh: &PartMeshes) -> Self {
+    fn new(egui: &RenderState, gpu: &Gpu, mesh: &PartMeshes, kernel: Option<Arc<ResidualKernel>>) -> Self {
         Self {
             egui: egui.clone(),
             gpu: gpu.clone(),
@@ -189,7 +267,8 @@ impl SidePicture {
             coming: None,
             flank: None,
             borders: Vec::new(),
-            floor: None,
+            solid: None,
+            stock_floor: kernel.map(StockFloor::new),
             texture: None,
             drawn: None,
             generation: 0,
@@ -198,52 +277,85 @@ impl SidePicture {
 
     /// Loads the content; does nothing if it is loaded already.
     pub fn load(&mut self, content: Option<Content>) {
-        if self.content == content {
+        let (same_picture, same_plan, same_heights) = match (&self.content, &content) {
+            (Some(old), Some(new)) => (old.same_picture(new), old.same_plan(new), old.same_heights(new)),
+            (None, None) => (true, true, true),
+            _ => (false, false, false),
+        };
+        let was_difference = self.content.as_ref().is_some_and(|content| content.more_than.is_some());
+        self.content = content;
+        // Heights of the core that arrive later are not drawn; they are read under the cursor.
+        if same_picture && (same_heights || self.stock_floor.is_some()) {
             return;
         }
-        let same_plan =
-            self.content.as_ref().zip(content.as_ref()).is_some_and(|(old, new)| {
-                old.policy == new.policy && Arc::ptr_eq(&old.planned, &new.planned)
-            });
-        let plan = content.as_ref().map(|content| content.planned.plan(content.policy));
+        self.generation += 1;
+        let content = self.content.as_ref();
+        let plan = content.map(|content| content.planned.plan(content.policy));
         if !same_plan {
             self.scene.set_plan(plan);
         }
-        self.floor = content.as_ref().map(|content| {
-            let planned = &content.planned;
-            let left = |policy| planned.result(policy).field.heights.as_slice();
-            let heights = match &content.floor {
-                FloorValues::Final => left(content.policy).to_vec(),
-                FloorValues::Heights(heights) => heights.to_vec(),
-                FloorValues::MoreThan(other) => {
-                    left(content.policy).iter().zip(left(*other)).map(|(a, b)| a - b).collect()
-                }
-            };
-            (Arc::clone(&planned.outcome.grid), heights)
-        });
-        let floor = self.floor.as_ref().map(|(grid, heights)| (&**grid, heights.as_slice()));
+        // Walls replace the floor; `load_flank` loads the floor again afterwards.
         if self.shows_walls() {
-            // Walls replace the floor; `load_flank` loads the floor again afterwards.
-            self.content = content;
-            self.generation += 1;
             return;
         }
-        let is_heights = |content: &Option<Content>| {
-            content.as_ref().is_some_and(|content| !matches!(content.floor, FloorValues::MoreThan(_)))
-        };
-        match (floor, content.as_ref().map(|content| &content.floor)) {
-            (Some((grid, values)), Some(FloorValues::MoreThan(_))) => {
+        let grid = content.map(|content| &*content.planned.outcome.grid);
+        if self.stock_floor.is_some() {
+            // The stock itself is computed when it is drawn, at the resolution of the picture.
+            self.scene.set_floor(&self.gpu, None, None);
+            self.scene.set_contact(&self.gpu, grid, plan);
+            return;
+        }
+        let values = content.map(|content| {
+            (0..content.planned.outcome.grid.points.len())
+                .map(|cell| content.value(cell).unwrap_or_default())
+                .collect::<Vec<f32>>()
+        });
+        let floor = grid.zip(values.as_deref());
+        match (floor, content.is_some_and(|content| content.more_than.is_some())) {
+            (Some((grid, values)), true) => {
                 if let Some(mesh) = value_mesh(grid, values) {
                     self.scene.set_values(&self.gpu, mesh);
                 }
             }
-            (Some((grid, heights)), _) if same_plan && is_heights(&self.content) => {
+            (Some((grid, heights)), false) if same_plan && !was_difference => {
                 self.scene.set_heights(&self.gpu, grid, heights);
             }
             (floor, _) => self.scene.set_floor(&self.gpu, floor, plan),
         }
-        self.content = content;
-        self.generation += 1;
+    }
+
+    /// Submits the computation of the stock on the device, for a picture that is drawn next. A device that
+    /// cannot do it leaves the picture to the core.
+    fn compute_stock(&mut self, moving: bool) {
+        let Some(floor) = &mut self.stock_floor else { return };
+        let last = self.content.as_ref().and_then(Content::stock_states);
+        // Cutters of a running plan, over the floor of the plan that is shown.
+        let coming = self.coming.as_ref().and_then(|coming| coming.program.clone()).filter(|program| {
+            last.as_ref().is_some_and(|(last, _)| Arc::ptr_eq(&program.floor, &last.program.floor))
+        });
+        let states = match coming {
+            Some(program) => Some((StockState { count: program.cutters.len(), program }, None)),
+            None => last,
+        };
+        let Some((state, less)) = states else {
+            self.scene.set_stock(None);
+            return;
+        };
+        let finest = state.program.floor.finest();
+        let level = if moving && self.gpu.is_software() {
+            state.program.finest_within(MEETINGS_IN_MOTION)
+        } else {
+            finest
+        };
+        match floor.show(&self.gpu, level, &state, less.as_ref()) {
+            Ok(stock) => self.scene.set_stock(stock),
+            Err(_) => {
+                // Loaded again in the next frame, with the heights of the core.
+                (self.stock_floor, self.content) = (None, None);
+                self.scene.set_stock(None);
+                self.generation += 1;
+            }
+        }
     }
 
     /// Shows the passes of a flank plan, or none; does nothing if they are shown already.
@@ -311,6 +423,19 @@ impl SidePicture {
         }
     }
 
+    /// Shows the stock as a solid, or nothing of it; see [`SceneOptions::show_solid`].
+    pub fn load_solid(&mut self, solid: Option<Arc<SolidPicture>>) {
+        let same = match (&self.solid, &solid) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        if !same {
+            self.scene.set_solid(&self.gpu, solid.as_ref().map(|solid| Arc::clone(&solid.mesh)));
+            self.solid = solid;
+            self.generation += 1;
+        }
+    }
+
     fn shows_walls(&self) -> bool {
         self.flank.as_ref().is_some_and(|(_, colours)| *colours == FlankColours::Walls)
     }
@@ -333,6 +458,8 @@ impl SidePicture {
         if self.drawn == Some(look) {
             return self.texture.map(|(id, _)| id);
         }
+        self.compute_stock(moving);
+        let look = Drawn { generation: self.generation, ..look };
         let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&self.gpu));
         renderer.render(&self.gpu, &self.scene, &camera, &options, size.into(), samples);
         self.drawn = Some(look);
@@ -357,6 +484,11 @@ impl SidePicture {
         self.drawn.is_some()
     }
 
+    /// Whether the processor draws.
+    pub fn is_on_software(&self) -> bool {
+        self.gpu.is_software()
+    }
+
     /// Whether the last picture was drawn coarsely.
     pub fn is_draft(&self) -> bool {
         self.drawn.is_some_and(|look| look.samples < 4)
@@ -372,6 +504,7 @@ impl SidePicture {
         options: &SceneOptions,
         size: [u32; 2],
     ) -> Result<Pixels, GpuError> {
+        self.compute_stock(false);
         let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&self.gpu));
         renderer.render(&self.gpu, &self.scene, camera, options, size.into(), 4);
         // The renderer replaced the texture on the screen.
@@ -400,14 +533,21 @@ impl SidePicture {
             return ViewHit::default();
         };
         // The cap of the section plane is inside the material: it has no residual stock.
-        let on_hub = !pick.on_section && !self.shows_walls();
-        let stock = if on_hub { self.stock_at(pick.point) } else { None };
+        let stock = if pick.on_section || self.shows_walls() {
+            None
+        } else if options.show_solid && self.solid.is_some() {
+            let by_value = self.solid.as_ref().is_some_and(|s| s.request.colours == SolidColours::Distance);
+            pick.value.filter(|_| by_value)
+        } else {
+            self.stock_at(pick.point)
+        };
         ViewHit { point: Some(pick.point), stock, deviation: pick.value, position: pick.position }
     }
 
     /// Stock on the hub near `point`, mm; `None` off the channel floor.
     pub fn stock_at(&self, point: Vec3) -> Option<f32> {
-        let (grid, heights) = self.floor.as_ref()?;
+        let content = self.content.as_ref()?;
+        let grid = &content.planned.outcome.grid;
         // Coarse-to-fine search for the nearest cell: every fourth cell in both directions, then those around
         // the best.
         let far = |k: usize| Vec3::from_array(grid.points[k]).distance_squared(point);
@@ -427,7 +567,8 @@ impl SidePicture {
         let cell = cells.map(|(i, j)| i * grid.columns + j).min_by(|&a, &b| far(a).total_cmp(&far(b)))?;
         // Beyond a few cell widths the point is on another part of the wheel.
         let near = 16.0 * grid.areas[cell].max(1e-6);
-        (far(cell) <= near && grid.floor[cell]).then(|| heights[cell]).filter(|h| h.is_finite())
+        let value = content.value(cell).filter(|value| value.is_finite());
+        value.filter(|_| far(cell) <= near && grid.floor[cell])
     }
 }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::job::{PlanOutcome, PolicyResult};
 use crate::plunge::{PlungePlan, Position};
-use crate::setup::{AxisPolicy, Setup};
-use crate::stock::{FloorGrid, ResidualField};
+use crate::setup::{AllowanceSetup, AxisPolicy, Setup};
+use crate::stock::{FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters};
 
 /// One of the two plans that are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,18 +47,50 @@ pub struct DisplayPlan {
     stock: Vec<(AxisPolicy, Vec<f32>)>,
     /// Range of the colour scale, mm; the same for all policies.
     pub range: (f32, f32),
+    /// The floor at the resolutions in which the device draws it.
+    pub floor: Arc<FloorLevels>,
+    /// The plunges of each policy over that floor.
+    programs: Vec<(AxisPolicy, Arc<FieldProgram>)>,
 }
 
 impl DisplayPlan {
-    /// Computes the display data of a plan.
-    pub fn new(setup: Setup, outcome: PlanOutcome) -> Self {
+    /// Computes the display data of a plan, drawn over `floor`; see [`Self::floor_of`]. Programs of `known`
+    /// are taken over where their plunges are the same; others are sorted on all threads.
+    pub fn new(
+        setup: Setup,
+        outcome: PlanOutcome,
+        floor: &Arc<FloorLevels>,
+        known: &[Arc<FieldProgram>],
+    ) -> Self {
+        let program = |result: &PolicyResult| (result.plan.policy, program_of(&result.plan, floor, known));
+        let programs = outcome.policies().into_iter().map(program).collect();
+        let floor = Arc::clone(floor);
         let under = |result: &PolicyResult| {
             let positions = result.plan.positions.iter();
             (result.plan.policy, positions.map(|p| stock_under(&outcome, result, p)).collect())
         };
         let stock = outcome.policies().into_iter().map(under).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);
-        Self { setup, outcome: Arc::new(outcome), stock, range }
+        Self { setup, outcome: Arc::new(outcome), stock, range, floor, programs }
+    }
+
+    /// The floor over which a plan with `grid` and `allowances` of the same part is drawn: that of this plan,
+    /// shown before, if it is the same or has more cells. The latter is so while a slider moves.
+    pub fn floor_of(&self, grid: &Arc<FloorGrid>, allowances: &AllowanceSetup) -> Option<Arc<FloorLevels>> {
+        let cells = |level: &FloorLevel| level.grid.rows * level.grid.columns;
+        let is_finer = self.outcome.setup.allowances == *allowances
+            && self.floor.levels().last().is_some_and(|last| cells(last) > grid.rows * grid.columns);
+        (self.floor.is_of(grid) || is_finer).then(|| Arc::clone(&self.floor))
+    }
+
+    /// The plunges of all policies, sorted into the tiles of [`Self::floor`].
+    pub fn programs(&self) -> Vec<Arc<FieldProgram>> {
+        self.programs.iter().map(|(_, program)| Arc::clone(program)).collect()
+    }
+
+    /// The plunges of a policy, sorted into the tiles of [`Self::floor`].
+    pub fn program(&self, policy: AxisPolicy) -> Option<&Arc<FieldProgram>> {
+        self.programs.iter().find(|(known, _)| *known == policy).map(|(_, program)| program)
     }
 
     /// Whether planning was stopped before the plan was finished.
@@ -95,6 +127,18 @@ impl DisplayPlan {
         let of = self.stock.iter().find(|(known, _)| *known == policy);
         of.and_then(|(_, stock)| stock.get(index)).copied().unwrap_or(f32::NAN)
     }
+}
+
+/// The plunges of a plan over a floor: one of `known`, if it has the same.
+pub(super) fn program_of(
+    plan: &PlungePlan,
+    floor: &Arc<FloorLevels>,
+    known: &[Arc<FieldProgram>],
+) -> Arc<FieldProgram> {
+    let cutters = field_cutters(plan);
+    let same = |known: &&Arc<FieldProgram>| Arc::ptr_eq(&known.floor, floor) && known.cutters == cutters;
+    let known = known.iter().find(same).cloned();
+    known.unwrap_or_else(|| Arc::new(FieldProgram::new(floor, cutters)))
 }
 
 /// Range of the colour scale: 0 to the 98th percentile over the machined floor, rounded up to a round value.

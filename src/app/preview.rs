@@ -7,7 +7,7 @@ use crate::job::{PlanOutcome, PlanStage, PolicyResult};
 use crate::part::Impeller;
 use crate::plunge::PlungePlan;
 use crate::setup::{AxisPolicy, Setup};
-use crate::stock::FloorGrid;
+use crate::stock::{FieldProgram, FloorGrid, FloorLevels};
 
 use super::planned::DisplayPlan;
 
@@ -20,6 +20,8 @@ pub struct PreviewCutters {
     pub is_checked: bool,
     /// Whether the axes are those of the last plan (warm start).
     pub is_warm_start: bool,
+    /// The cutters over the floor of the last plan, for a preview of their stock on the device.
+    pub program: Option<Arc<FieldProgram>>,
 }
 
 impl PreviewCutters {
@@ -41,41 +43,70 @@ pub struct PlanPreview {
     /// The finished policies, as a plan.
     pub planned: Option<Arc<DisplayPlan>>,
     part: Arc<Impeller>,
+    /// The plan shown before.
+    last: Option<Arc<DisplayPlan>>,
     resolved: Option<(Setup, Vec<Option<String>>)>,
+    /// The floor of [`Self::planned`].
+    floor: Option<Arc<FloorLevels>>,
+    /// The plunges of the stages so far, sorted into the tiles of a floor.
+    programs: Vec<Arc<FieldProgram>>,
 }
 
 impl PlanPreview {
-    /// An empty preview.
-    pub(super) fn new(task: u64, part: Arc<Impeller>, setup: Setup) -> Self {
-        Self { task, setup, cutters: Vec::new(), planned: None, part, resolved: None }
+    /// An empty preview. `last` is the plan of that part shown before.
+    pub(super) fn new(task: u64, part: Arc<Impeller>, setup: Setup, last: Option<Arc<DisplayPlan>>) -> Self {
+        let (cutters, programs) = (Vec::new(), Vec::new());
+        Self { task, setup, cutters, planned: None, part, last, resolved: None, floor: None, programs }
     }
 
-    /// Adds a stage.
-    pub(super) fn add_stage(&mut self, stage: PlanStage) {
+    /// The floor over which a stage is drawn, for [`super::planned::program_of`].
+    pub(super) fn floor_of(&mut self, stage: &PlanStage) -> Option<Arc<FloorLevels>> {
+        match stage {
+            PlanStage::Resolved(..) => None,
+            PlanStage::Preview(_) | PlanStage::Placed(_) | PlanStage::Evaluated(_) => {
+                self.last.as_ref().map(|last| Arc::clone(&last.floor))
+            }
+            PlanStage::Measured(grid, _) => {
+                let allowances = &self.setup.allowances;
+                let known = self.floor.clone().filter(|floor| floor.is_of(grid));
+                let last = || self.last.as_ref()?.floor_of(grid, allowances);
+                let floor = known.or_else(last).unwrap_or_else(|| Arc::new(FloorLevels::new(grid)));
+                Some(self.floor.insert(floor)).cloned()
+            }
+        }
+    }
+
+    /// The floor over which the finished plan is drawn, and the plunges sorted so far.
+    pub(super) fn into_floor(self, outcome: &PlanOutcome) -> (Arc<FloorLevels>, Vec<Arc<FieldProgram>>) {
+        let grid = &outcome.grid;
+        let known = self.floor.filter(|floor| floor.is_of(grid));
+        let last = || self.last.as_ref()?.floor_of(grid, &outcome.setup.allowances);
+        (known.or_else(last).unwrap_or_else(|| Arc::new(FloorLevels::new(grid))), self.programs)
+    }
+
+    /// The plunges sorted so far.
+    pub(super) fn programs(&self) -> Vec<Arc<FieldProgram>> {
+        self.programs.clone()
+    }
+
+    /// Adds a stage; `program` is its plan over [`Self::floor_of`]. Sorts nothing itself: the caller holds a
+    /// lock, and a thread that waits for others to sort may take on another stage.
+    pub(super) fn add_stage(&mut self, stage: PlanStage, program: Option<Arc<FieldProgram>>) {
+        if let Some(program) = &program {
+            self.programs.push(Arc::clone(program));
+        }
         match stage {
             PlanStage::Resolved(setup, reasons) => self.resolved = Some((setup, reasons)),
             PlanStage::Preview(plan) => {
-                self.take_cutters(PreviewCutters {
-                    plan: plan.into(),
-                    is_checked: true,
-                    is_warm_start: true,
-                });
+                self.take_cutters(plan, true, true, program);
             }
             // The warm-start plan is shown already, and its contact is checked.
             PlanStage::Placed(plan) if self.has_warm_start(plan.policy) => {}
             PlanStage::Placed(plan) => {
-                self.take_cutters(PreviewCutters {
-                    plan: plan.into(),
-                    is_checked: false,
-                    is_warm_start: false,
-                });
+                self.take_cutters(plan, false, false, program);
             }
             PlanStage::Evaluated(plan) => {
-                self.take_cutters(PreviewCutters {
-                    plan: plan.into(),
-                    is_checked: true,
-                    is_warm_start: false,
-                });
+                self.take_cutters(plan, true, false, program);
             }
             // The conventional result arrives first. The requested policy is skipped: the finished plan
             // follows at once.
@@ -85,7 +116,14 @@ impl PlanPreview {
         }
     }
 
-    fn take_cutters(&mut self, cutters: PreviewCutters) {
+    fn take_cutters(
+        &mut self,
+        plan: PlungePlan,
+        is_checked: bool,
+        is_warm_start: bool,
+        program: Option<Arc<FieldProgram>>,
+    ) {
+        let cutters = PreviewCutters { plan: plan.into(), is_checked, is_warm_start, program };
         self.cutters.retain(|known| known.plan.policy != cutters.plan.policy);
         self.cutters.push(cutters);
     }
@@ -119,7 +157,8 @@ impl PlanPreview {
                 elapsed: 0.0,
             },
         };
-        self.planned = Some(Arc::new(DisplayPlan::new(self.setup.clone(), outcome)));
+        let Some(floor) = &self.floor else { return };
+        self.planned = Some(Arc::new(DisplayPlan::new(self.setup.clone(), outcome, floor, &self.programs)));
     }
 
     /// The cutters to show where `policy` is awaited: its own as soon as there are any, else the latest.

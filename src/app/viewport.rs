@@ -20,8 +20,9 @@ use super::export::device_problem;
 use super::look::{Arrangement, PlaneOrientation, SectionPlaneLook};
 use super::overlay::{self, SwitchChoice, Values};
 use super::panels::part;
-use super::picture::{Content, FloorValues};
+use super::picture::Content;
 use super::planned::Side;
+use super::solid::SolidColours;
 use super::state::AppState;
 use super::theme;
 use super::view3d::{self, ViewHit, view_point};
@@ -176,9 +177,14 @@ impl App {
         let options = SceneOptions { show_borders: true, ..self.options(pane.side) };
         let flank = self.shown_flank();
         let borders = self.border_segments(ui.visuals());
+        let solid = self.solids[pane.side as usize].shown().cloned();
         let coming = self.state.preview_on(pane.side);
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || coming.is_some();
+        // So does the next position of a timeline that plays or is dragged.
+        let held = ui.input(|input| input.pointer.any_down());
+        let look = &self.state.look;
+        let scrubs = look.playing.is_some() || (held && look.cut_count.is_some());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
         };
@@ -186,8 +192,9 @@ impl App {
         picture.load(content);
         picture.load_preview(coming);
         picture.load_borders(borders);
+        picture.load_solid(solid);
         // The first picture is coarse, too, to appear sooner.
-        let moving = moving || !picture.has_drawn();
+        let moving = moving || !picture.has_drawn() || (scrubs && picture.is_on_software());
         let scale = ui.pixels_per_point();
         let size = [(pane.rect.width() * scale).round() as u32, (pane.rect.height() * scale).round() as u32];
         if let Some(texture) = picture.show(camera, options, size, moving) {
@@ -206,17 +213,11 @@ impl App {
         let other =
             self.state.shown_on(side.other()).filter(|other| Arc::ptr_eq(other.planned, shown.planned));
         let other = other.map(|other| other.policy);
-        let floor = match (self.state.look.cut_count, other) {
-            (_, Some(other)) if self.state.look.difference && side == Side::After => {
-                FloorValues::MoreThan(other)
-            }
-            (Some(_), _) => {
-                let heights = self.scrubbed.heights(shown.planned, shown.policy);
-                heights.map_or(FloorValues::Final, FloorValues::Heights)
-            }
-            (None, _) => FloorValues::Final,
-        };
-        Some(Content { planned: Arc::clone(shown.planned), policy: shown.policy, floor })
+        let (planned, policy) = (Arc::clone(shown.planned), shown.policy);
+        let more_than = other.filter(|_| self.state.look.difference && side == Side::After);
+        let cut = self.state.look.cut_count;
+        let heights = cut.and_then(|_| self.scrubbed.heights(&planned, policy));
+        Some(Content { planned, policy, cut, heights, more_than })
     }
 
     /// Flank plan and colouring that the views show; `None` while it is hidden.
@@ -247,6 +248,12 @@ impl App {
         }
         self.section_borders(ui, panes, &camera);
         overlay::legend(ui, whole, &mut self.state, values);
+        if self.state.look.layers.stock && self.state.results.planned.is_some() {
+            let scale = self.state.look.solid_colours == SolidColours::Distance;
+            let above = if scale { 78.0 } else { 10.0 };
+            let solid = self.solids[self.state.look.side as usize].shown();
+            overlay::solid_legend(ui, whole, solid.map(|solid| &**solid), above);
+        }
         match overlay::side_switch(ui, whole, &self.state.look) {
             Some(SwitchChoice::Side(side)) => {
                 self.state.look.arrangement = Arrangement::One;
@@ -259,7 +266,7 @@ impl App {
             let corner = pane.visible.left_top() + egui::vec2(10.0, 44.0);
             overlay::policy(ui, corner, &mut self.state, pane.side);
         }
-        overlay::layers(ui, whole, &mut self.state.look.layers);
+        overlay::layers(ui, whole, &mut self.state.look);
         if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
             self.run_command(ui.ctx(), command);
         }
@@ -343,17 +350,31 @@ impl App {
             // The blades would hide the wall values.
             show_blades: layers.blades && walls.is_none(),
             show_shroud: layers.shroud,
-            show_cutters: if layers.cutters { CutterFilter::All } else { CutterFilter::Hidden },
+            show_cutters: match layers.cutters {
+                // Cutters that stay where they plunged would fill what they cut.
+                true if layers.stock => CutterFilter::Last,
+                true => CutterFilter::All,
+                false => CutterFilter::Hidden,
+            },
+            show_solid: layers.stock,
             show_axes: layers.axes,
             show_holders: layers.holders,
             show_links: layers.links,
             show_floor_colours: match walls {
+                // The scale is that of the floor.
+                _ if layers.stock && look.solid_colours == SolidColours::Distance => FloorColours::Residual,
+                _ if layers.stock => FloorColours::Plain,
                 Some(_) => FloorColours::Walls,
                 None if difference => FloorColours::Values,
                 None => layers.floor,
             },
-            map: if difference || walls.is_some() { ColourMap::Difference } else { ColourMap::Cividis },
+            map: if (difference || walls.is_some()) && !layers.stock {
+                ColourMap::Difference
+            } else {
+                ColourMap::Cividis
+            },
             range_mm: match walls {
+                _ if layers.stock => (low, high),
                 Some(most) => (-most, most),
                 None if difference => (-high, high),
                 None => (low, high),

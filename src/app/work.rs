@@ -230,6 +230,7 @@ impl App {
             setup: asked.setup.clone(),
             compare: asked.compare,
             draft,
+            last: self.state.results.planned.clone(),
         };
         self.work.asked = Some(asked);
         self.work.planner.submit(task);
@@ -450,6 +451,11 @@ impl App {
                 }
             }
             Purpose::ExportScene => self.export_scene(path),
+            Purpose::ExportStock => {
+                if let Some(source) = self.state.solid_source(self.state.look.side) {
+                    self.write(WriteTask::Stock(path, source, self.state.look.cut_count));
+                }
+            }
             Purpose::SavePicture => self.export_picture(path),
         }
     }

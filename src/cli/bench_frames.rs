@@ -1,14 +1,19 @@
 //! Benchmark of the 3D view: frame rate while it is still and while it is dragged.
 
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
 use glam::UVec2;
 
 use super::Failure;
 use super::bench::{median, print_row};
 use crate::gpu::part_mesh::PartMesh;
-use crate::gpu::{Camera, Gpu, Renderer, Scene, SceneOptions, View, draft_size};
+use crate::gpu::{
+    Camera, CutterFilter, Gpu, Renderer, ResidualKernel, Scene, SceneOptions, StockFloor, StockState, View,
+    draft_size,
+};
 use crate::job::PlanOutcome;
+use crate::stock::{FieldProgram, FloorLevels, field_cutters};
 
 /// Pictures per measurement.
 const PICTURES: u32 = 12;
@@ -44,6 +49,51 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
                 &format!("view {what}, {of}, {positions} cutters, 1280 × 800: {rate:.0} per second"),
                 seconds,
             )?;
+        }
+    }
+    preview(gpu, outcome)
+}
+
+/// Computes the stock on the floor after different numbers of plunges with the kernel and draws it from its
+/// buffer, as the window does while the timeline plays; prints the medians at every resolution.
+fn preview(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
+    let size = draft_size(gpu, UVec2::new(1280, 800));
+    let mut scene = Scene::new(gpu, &outcome.part).with_draft(gpu, &PartMesh::draft(&outcome.part));
+    let mut renderer = Renderer::new(gpu);
+    let mut floor = StockFloor::new(Arc::new(ResidualKernel::new(gpu)?));
+    let levels = Arc::new(FloorLevels::new(&outcome.grid));
+    let program = Arc::new(FieldProgram::new(&levels, field_cutters(&outcome.after.plan)));
+    let camera = Camera::standard(View::Channel, scene.framing(), size.x as f32 / size.y as f32);
+    let options = SceneOptions {
+        draft: true,
+        show_cutters: CutterFilter::Hidden,
+        range_mm: (0.0, 4.0),
+        ..SceneOptions::default()
+    };
+    for (level, shape) in levels.levels().iter().enumerate() {
+        for draws in [false, true] {
+            let mut failed = None;
+            let seconds = median(|| {
+                for k in 0..PICTURES as usize {
+                    let count = program.cutters.len().saturating_sub(k);
+                    let state = StockState { program: Arc::clone(&program), count };
+                    match floor.show(gpu, level, &state, None) {
+                        Ok(stock) => scene.set_stock(stock),
+                        Err(error) => failed = Some(error),
+                    }
+                    if draws {
+                        renderer.render(gpu, &scene, &camera, &options, size, 1);
+                    }
+                    let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+                }
+            }) / f64::from(PICTURES);
+            if let Some(error) = failed {
+                return Err(error.into());
+            }
+            let what = if draws { "computed and drawn" } else { "computed" };
+            let (rows, columns) = (shape.grid.rows, shape.grid.columns);
+            let meetings = program.meetings(level) as f64 / 1e6;
+            print_row(&format!("  stock {rows} × {columns} {what}, {meetings:.1} M meetings"), seconds)?;
         }
     }
     Ok(())

@@ -29,6 +29,8 @@ pub enum CutterState {
 pub enum CutterFilter {
     /// None, except the selected one.
     Hidden,
+    /// The one that cut last, while only part of the positions is shown, and the selected one.
+    Last,
     /// Interfering and blocked plunges.
     Faulty,
     /// All.
@@ -136,6 +138,7 @@ impl CutterChoice {
         };
         let shown = match self.filter {
             CutterFilter::Hidden => false,
+            CutterFilter::Last => is_last,
             CutterFilter::Faulty => instance.state != CutterState::Sound as u32,
             CutterFilter::All => true,
         };

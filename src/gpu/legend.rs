@@ -46,6 +46,7 @@ const ADVANCE: u32 = 6;
 /// Draws the legend of a picture made with `options`, if the floor is coloured by value.
 pub fn add_legend(picture: &mut Picture, options: &SceneOptions) {
     let (map, title) = match options.show_floor_colours {
+        FloorColours::Residual if options.show_solid => (options.map, "distance to part"),
         FloorColours::Residual => (options.map, "stock on hub"),
         FloorColours::Interference => (ColourMap::Contact, "contact of the core"),
         FloorColours::Values if options.map == ColourMap::Difference => (options.map, "after minus before"),

@@ -20,8 +20,32 @@ pub struct Vertex {
     pub value: f32,
     /// Unit normal, pointing out of the material.
     pub normal: [f32; 3],
-    /// Floor only: 1 where no plunge has cut, else 0.
+    /// Floor: 1 where no plunge has cut, else 0. Of the stock as a solid: the bits of a [`Paint`].
     pub uncut: f32,
+}
+
+/// Colour of a triangle of the stock as a solid; that of its first corner counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Paint(u32);
+
+impl Paint {
+    /// By the value of the corners, in the colour table.
+    pub const BY_VALUE: Self = Self(0);
+    /// Surface of the blank.
+    pub const UNCUT: Self = Self(1 << 24);
+
+    /// A colour of its own.
+    pub fn colour(colour: Rgb) -> Self {
+        let [r, g, b] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
+        Self(2 << 24 | b << 16 | g << 8 | r)
+    }
+}
+
+impl Vertex {
+    /// A corner of the stock as a solid; its normal is zero on a sharp edge.
+    pub fn painted(position: [f32; 3], normal: [f32; 3], value: f32, paint: Paint) -> Self {
+        Self { position, value, normal, uncut: f32::from_bits(paint.0) }
+    }
 }
 
 /// Indexed triangle mesh.

@@ -19,6 +19,13 @@ pub struct Pipelines {
     pub background: wgpu::RenderPipeline,
     pub surface: wgpu::RenderPipeline,
     pub floor: wgpu::RenderPipeline,
+    /// The floor with heights from a buffer of their own, and with the difference of two such buffers.
+    pub stock: wgpu::RenderPipeline,
+    pub difference: wgpu::RenderPipeline,
+    /// The stock as a solid, its parity, and the section plane where it cuts stock beside the part.
+    pub solid: wgpu::RenderPipeline,
+    pub solid_parity: wgpu::RenderPipeline,
+    pub solid_cap: wgpu::RenderPipeline,
     pub glass: wgpu::RenderPipeline,
     pub cutter: wgpu::RenderPipeline,
     pub cutter_glass: wgpu::RenderPipeline,
@@ -36,10 +43,15 @@ pub struct Pipelines {
 pub struct IdPipelines {
     pub surface: wgpu::RenderPipeline,
     pub values: wgpu::RenderPipeline,
+    pub solid: wgpu::RenderPipeline,
     pub parity: [wgpu::RenderPipeline; 2],
     pub cap: wgpu::RenderPipeline,
     pub cutter: wgpu::RenderPipeline,
 }
+
+/// Stencil bits of hub and blades, and of the stock as a solid.
+const PART_BITS: u32 = 3;
+const SOLID_BIT: u32 = 4;
 
 /// Use of the stencil by a pipeline.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -48,8 +60,8 @@ enum Stencil {
     Ignored,
     /// Inverts these bits and draws no colour.
     Inverted(u32),
-    /// Draws only where any bit is set.
-    Masked,
+    /// Draws only where any of these bits is set.
+    Masked(u32),
 }
 
 impl Stencil {
@@ -67,7 +79,10 @@ impl Stencil {
             Self::Inverted(bits) => {
                 both(face(wgpu::CompareFunction::Always, wgpu::StencilOperation::Invert), bits)
             }
-            Self::Masked => both(face(wgpu::CompareFunction::NotEqual, wgpu::StencilOperation::Keep), 0),
+            Self::Masked(bits) => wgpu::StencilState {
+                read_mask: bits,
+                ..both(face(wgpu::CompareFunction::NotEqual, wgpu::StencilOperation::Keep), 0)
+            },
         }
     }
 }
@@ -103,6 +118,16 @@ impl Pipelines {
             buffer::<Vertex>(wgpu::VertexStepMode::Vertex, &corner),
             buffer::<SurfaceInstance>(wgpu::VertexStepMode::Instance, &turn),
         ];
+        let (height, less) = (wgpu::vertex_attr_array![7 => Float32], wgpu::vertex_attr_array![8 => Float32]);
+        let [corners, turns] = surfaces.clone();
+        let stock = [
+            corners,
+            turns,
+            buffer::<f32>(wgpu::VertexStepMode::Vertex, &height),
+            buffer::<f32>(wgpu::VertexStepMode::Vertex, &less),
+        ];
+        let painted = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Uint32];
+        let solid = [buffer::<Vertex>(wgpu::VertexStepMode::Vertex, &painted)];
         let cutters = [
             buffer::<UnitVertex>(wgpu::VertexStepMode::Vertex, &unit),
             buffer::<CutterInstance>(wgpu::VertexStepMode::Instance, &cutter),
@@ -134,9 +159,10 @@ impl Pipelines {
         let ids = (samples == 1).then(|| IdPipelines {
             surface: build(&id("surface ids", "surface_vertex", "surface_id_fragment", &surfaces)),
             values: build(&id("value ids", "floor_vertex", "values_id_fragment", &surfaces)),
+            solid: build(&id("solid ids", "solid_vertex", "solid_id_fragment", &solid)),
             parity: parity("parity of ids", ID_FORMAT),
             cap: build(&PipelineSpec {
-                stencil: Stencil::Masked,
+                stencil: Stencil::Masked(PART_BITS),
                 ..id("cap ids", "cap_vertex", "cap_id_fragment", &[])
             }),
             cutter: build(&id("cutter ids", "cutter_vertex", "cutter_id_fragment", &cutters)),
@@ -149,6 +175,17 @@ impl Pipelines {
             }),
             surface: build(&stage("surface", "surface_vertex", "surface_fragment", &surfaces, false)),
             floor: build(&stage("floor", "floor_vertex", "floor_fragment", &surfaces, false)),
+            stock: build(&stage("stock", "stock_vertex", "floor_fragment", &stock[..3], false)),
+            difference: build(&stage("difference", "difference_vertex", "floor_fragment", &stock, false)),
+            solid: build(&stage("solid", "solid_vertex", "solid_fragment", &solid, false)),
+            solid_parity: build(&PipelineSpec {
+                stencil: Stencil::Inverted(SOLID_BIT),
+                ..stage("solid parity", "solid_vertex", "solid_parity_fragment", &solid, false)
+            }),
+            solid_cap: build(&PipelineSpec {
+                stencil: Stencil::Masked(SOLID_BIT),
+                ..stage("solid cap", "cap_vertex", "solid_cap_fragment", &[], false)
+            }),
             glass: build(&stage("glass", "surface_vertex", "glass_fragment", &surfaces, true)),
             cutter: build(&stage("cutter", "cutter_vertex", "cutter_fragment", &cutters, false)),
             cutter_glass: build(&stage(
@@ -160,7 +197,7 @@ impl Pipelines {
             )),
             parity: parity("parity", COLOUR_FORMAT),
             cap: build(&PipelineSpec {
-                stencil: Stencil::Masked,
+                stencil: Stencil::Masked(PART_BITS),
                 ..stage("cap", "cap_vertex", "cap_fragment", &[], false)
             }),
             line: build(&stage("line", "line_vertex", "line_fragment", &lines, false)),
@@ -204,7 +241,7 @@ fn pipeline(
         // No culling: the winding of blades depends on the part file, so the shader uses the normals.
         primitive: wgpu::PrimitiveState {
             topology: match stage.stencil {
-                Stencil::Masked => wgpu::PrimitiveTopology::TriangleStrip,
+                Stencil::Masked(_) => wgpu::PrimitiveTopology::TriangleStrip,
                 _ => wgpu::PrimitiveTopology::TriangleList,
             },
             ..Default::default()

@@ -11,6 +11,7 @@ use super::mesh::Segment;
 use super::pick::{self, PickTarget};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
 use super::scene::{DrawGroup, FloorColours, MeshBuffers, Scene, SceneOptions, WheelBuffers};
+use super::stock_floor::DrawnStock;
 use super::target;
 use super::uniform::FrameUniform;
 
@@ -132,6 +133,26 @@ fn draw_values(pass: &mut wgpu::RenderPass, wheel: &WheelBuffers, mesh: &MeshBuf
     pass.draw_indexed(0..mesh.count, 0, 0..1);
 }
 
+/// Draws the floor with the heights that the compute kernel left in its buffer.
+fn draw_stock(pass: &mut wgpu::RenderPass, pipelines: &Pipelines, wheel: &WheelBuffers, stock: &DrawnStock) {
+    pass.set_vertex_buffer(2, stock.heights.slice(..));
+    match &stock.less {
+        Some(less) => {
+            pass.set_pipeline(&pipelines.difference);
+            pass.set_vertex_buffer(3, less.slice(..));
+        }
+        None => pass.set_pipeline(&pipelines.stock),
+    }
+    draw_values(pass, wheel, &stock.mesh);
+}
+
+/// Draws the stock as a solid.
+fn draw_solid(pass: &mut wgpu::RenderPass, solid: &MeshBuffers) {
+    pass.set_vertex_buffer(0, solid.vertices.slice(..));
+    pass.set_index_buffer(solid.indices.slice(..), wgpu::IndexFormat::Uint32);
+    pass.draw_indexed(0..solid.count, 0, 0..1);
+}
+
 /// Draws the section plane where it cuts material, if there is one.
 fn draw_section_cap(
     pass: &mut wgpu::RenderPass,
@@ -154,6 +175,27 @@ fn draw_section_cap(
         draw_surfaces(pass, wheel, &blade);
     }
     pass.set_pipeline(cap);
+    pass.set_stencil_reference(0);
+    pass.draw(0..4, 0..1);
+}
+
+/// Draws the section plane where it cuts the part within the stock, and where it cuts stock beside it.
+fn draw_solid_cap(
+    pass: &mut wgpu::RenderPass,
+    wheel: &WheelBuffers,
+    options: &SceneOptions,
+    pipelines: &Pipelines,
+    solid: &MeshBuffers,
+) {
+    if options.section.is_none() {
+        return;
+    }
+    let whole = SceneOptions { show_hub: true, show_blades: true, ..*options };
+    // The part comes first: both caps lie in one plane, where what is drawn later does not show.
+    draw_section_cap(pass, wheel, &whole, &pipelines.parity, &pipelines.cap);
+    pass.set_pipeline(&pipelines.solid_parity);
+    draw_solid(pass, solid);
+    pass.set_pipeline(&pipelines.solid_cap);
     pass.set_stencil_reference(0);
     pass.draw(0..4, 0..1);
 }
@@ -265,20 +307,18 @@ impl Renderer {
         }
 
         let wheel = scene.wheel(options);
-        pass.set_pipeline(&pipelines.surface);
-        draw_surfaces(pass, wheel, &|layer| is_opaque(layer, options));
-        let floor = scene.floor.as_ref().and_then(|f| match options.show_floor_colours {
-            FloorColours::Residual | FloorColours::Values | FloorColours::Walls => {
-                Some(f.draft.as_ref().filter(|_| options.draft).unwrap_or(&f.residual))
+        let body = scene.solid(options);
+        match body {
+            Some(solid) => {
+                pass.set_pipeline(&pipelines.solid);
+                draw_solid(pass, solid);
             }
-            FloorColours::Interference => f.contact.as_ref(),
-            FloorColours::Plain => None,
-        });
-        if let Some(floor) = floor {
-            pass.set_pipeline(&pipelines.floor);
-            draw_values(pass, wheel, floor);
+            None => self.draw_part(pass, pipelines, scene, options),
         }
-        draw_section_cap(pass, wheel, options, &pipelines.parity, &pipelines.cap);
+        match body {
+            Some(solid) => draw_solid_cap(pass, wheel, options, pipelines, solid),
+            None => draw_section_cap(pass, wheel, options, &pipelines.parity, &pipelines.cap),
+        }
         let unit = self.cutter_mesh(options);
         let solid = 0..unit.solid;
         // Overdraw of transparent walls is the main cost, so in motion only the cutters' bottoms are drawn.
@@ -287,11 +327,11 @@ impl Renderer {
         self.draw_cutters(pass, unit, solid);
 
         pass.set_pipeline(&pipelines.line);
-        if options.show_blades && wheel.edge_count > 0 {
+        if options.show_blades && body.is_none() && wheel.edge_count > 0 {
             pass.set_vertex_buffer(0, wheel.edges.slice(..));
             pass.draw(0..6, 0..wheel.edge_count);
         }
-        let borders = scene.borders.as_ref().filter(|_| options.show_borders);
+        let borders = scene.borders.as_ref().filter(|_| options.show_borders && body.is_none());
         for (buffer, count) in scene.paths.iter().chain(borders) {
             pass.set_vertex_buffer(0, buffer.slice(..));
             pass.draw(0..6, 0..*count);
@@ -303,12 +343,49 @@ impl Renderer {
 
         pass.set_pipeline(&pipelines.glass);
         draw_surfaces(pass, wheel, &|layer| {
-            layer == DrawGroup::CutAway && options.show_blades && options.cut_away
+            layer == DrawGroup::CutAway && options.show_blades && options.cut_away && body.is_none()
         });
         pass.set_pipeline(&pipelines.cutter_glass);
         self.draw_cutters(pass, unit, glass);
         pass.set_pipeline(&pipelines.glass);
         draw_surfaces(pass, wheel, &|layer| layer == DrawGroup::Shroud && options.show_shroud);
+    }
+
+    /// Draws hub and blades, and the floor with its values.
+    fn draw_part(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        pipelines: &Pipelines,
+        scene: &Scene,
+        options: &SceneOptions,
+    ) {
+        let wheel = scene.wheel(options);
+        pass.set_pipeline(&pipelines.surface);
+        draw_surfaces(pass, wheel, &|layer| is_opaque(layer, options));
+        let values = || {
+            let floor = scene.floor.as_ref()?;
+            Some(floor.draft.as_ref().filter(|_| options.draft).unwrap_or(&floor.residual))
+        };
+        let (stock, floor) = match options.show_floor_colours {
+            FloorColours::Residual => match scene.stock.as_ref().filter(|stock| stock.less.is_none()) {
+                Some(stock) => (Some(stock), None),
+                None => (None, values()),
+            },
+            FloorColours::Values => match scene.stock.as_ref().filter(|stock| stock.less.is_some()) {
+                Some(stock) => (Some(stock), None),
+                None => (None, values()),
+            },
+            FloorColours::Walls => (None, values()),
+            FloorColours::Interference => (None, scene.contact.as_ref()),
+            FloorColours::Plain => (None, None),
+        };
+        if let Some(stock) = stock {
+            draw_stock(pass, pipelines, wheel, stock);
+        }
+        if let Some(floor) = floor {
+            pass.set_pipeline(&pipelines.floor);
+            draw_values(pass, wheel, floor);
+        }
     }
 
     fn cutter_mesh(&self, options: &SceneOptions) -> &CutterMesh {
@@ -355,6 +432,13 @@ impl Renderer {
         let draw = |pass: &mut wgpu::RenderPass| {
             let wheel = scene.wheel(options);
             pass.set_bind_group(0, &self.bind_group, &[]);
+            if let Some(solid) = scene.solid(options) {
+                pass.set_pipeline(&ids.solid);
+                draw_solid(pass, solid);
+                pass.set_pipeline(&ids.cutter);
+                self.draw_cutters(pass, self.cutter_mesh(options), 0..self.cutter_mesh(options).mesh.count);
+                return;
+            }
             pass.set_pipeline(&ids.surface);
             draw_surfaces(pass, wheel, &|layer| is_opaque(layer, options));
             let walls = scene.floor.as_ref().filter(|_| options.show_floor_colours == FloorColours::Walls);

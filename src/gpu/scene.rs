@@ -12,6 +12,7 @@ use super::device::Gpu;
 use super::floor;
 use super::mesh::{Mesh, MeshHit, Segment, rotate_about_z};
 use super::part_mesh::{BladeMesh, PartMesh};
+use super::stock_floor::DrawnStock;
 use super::view::{ViewTarget, ViewTargets};
 use crate::palette::{ColourMap, Theme};
 use crate::part::Impeller;
@@ -55,6 +56,8 @@ pub struct SceneOptions {
     pub show_links: bool,
     /// Colours of the floor.
     pub show_floor_colours: FloorColours,
+    /// The stock as a solid, instead of hub and blades; see [`Scene::set_solid`].
+    pub show_solid: bool,
     /// Draws stock raised by its height instead of as flat colours on the hub.
     pub relief: bool,
     /// Draws the walls of the active channel transparent where they hide it.
@@ -116,6 +119,7 @@ impl Default for SceneOptions {
             show_holders: false,
             show_links: false,
             show_floor_colours: FloorColours::Residual,
+            show_solid: false,
             relief: false,
             cut_away: true,
             range_mm: (0.0, 4.0),
@@ -221,8 +225,8 @@ pub(super) struct SurfaceDraw {
     pub instances: std::ops::Range<u32>,
 }
 
-/// Vertex and index buffer.
-#[derive(Debug)]
+/// Vertex and index buffer. Clones share them.
+#[derive(Clone, Debug)]
 pub(super) struct MeshBuffers {
     pub vertices: wgpu::Buffer,
     pub indices: wgpu::Buffer,
@@ -284,7 +288,6 @@ pub(super) struct FloorBuffers {
     pub residual: MeshBuffers,
     /// The same, coarser, if there is one.
     pub draft: Option<MeshBuffers>,
-    pub contact: Option<MeshBuffers>,
     mesh: Mesh,
 }
 
@@ -313,6 +316,12 @@ pub struct Scene {
     /// Borders between sections.
     pub(super) borders: Option<(wgpu::Buffer, u32)>,
     pub(super) floor: Option<FloorBuffers>,
+    /// Stock on the floor that the device computed; drawn instead of the heights of `floor`.
+    pub(super) stock: Option<DrawnStock>,
+    /// The floor with the contact of all cores.
+    pub(super) contact: Option<MeshBuffers>,
+    /// The stock as a solid, for drawing and picking.
+    solid: Option<(MeshBuffers, Arc<Mesh>)>,
     pub(super) cutters: Vec<DrawnCutter>,
     /// Cutters of a plan preview. They are drawn instead of `cutters` and cannot be picked.
     pub(super) preview: Option<Vec<DrawnCutter>>,
@@ -348,6 +357,9 @@ impl Scene {
             paths: None,
             borders: None,
             floor: None,
+            stock: None,
+            contact: None,
+            solid: None,
             cutters: Vec::new(),
             preview: None,
             framing,
@@ -393,15 +405,38 @@ impl Scene {
             let mesh = floor::floor_mesh(grid, heights, MAX_LINES)?;
             let draft =
                 floor::floor_mesh(grid, heights, floor::DRAFT_LINES).map(|mesh| MeshBuffers::new(gpu, &mesh));
-            let contact = plan.map(|plan| MeshBuffers::new(gpu, &floor::contact_mesh(grid, plan)));
-            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft, contact, mesh })
+            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft, mesh })
         });
+        self.set_contact(gpu, floor.map(|(grid, _)| grid), plan);
+    }
+
+    /// Sets the contact of all cores of a plan with the floor, or none.
+    pub fn set_contact(&mut self, gpu: &Gpu, grid: Option<&FloorGrid>, plan: Option<&PlungePlan>) {
+        let mesh = grid.zip(plan).map(|(grid, plan)| floor::contact_mesh(grid, plan));
+        self.contact = mesh.filter(|mesh| !mesh.indices.is_empty()).map(|mesh| MeshBuffers::new(gpu, &mesh));
+    }
+
+    /// Sets the stock as a solid, closed and with corners by [`Vertex::painted`], or removes it. See
+    /// [`SceneOptions::show_solid`].
+    pub fn set_solid(&mut self, gpu: &Gpu, solid: Option<Arc<Mesh>>) {
+        let some = solid.filter(|mesh| !mesh.indices.is_empty());
+        self.solid = some.map(|mesh| (MeshBuffers::new(gpu, &mesh), mesh));
+    }
+
+    /// The solid, if these options show it.
+    pub(super) fn solid(&self, options: &SceneOptions) -> Option<&MeshBuffers> {
+        self.solid.as_ref().filter(|_| options.show_solid).map(|(buffers, _)| buffers)
+    }
+
+    /// Sets stock on the floor that the device computed, or removes it. While it is set, it is drawn for
+    /// [`FloorColours::Residual`], or a difference for [`FloorColours::Values`], instead of other heights.
+    pub fn set_stock(&mut self, stock: Option<DrawnStock>) {
+        self.stock = stock;
     }
 
     /// Replaces the floor by surfaces with a value per corner, see [`FloorColours::Values`].
     pub fn set_values(&mut self, gpu: &Gpu, mesh: Mesh) {
-        self.floor =
-            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft: None, contact: None, mesh });
+        self.floor = Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft: None, mesh });
     }
 
     /// Replaces the heights on the floor, e.g. while scrubbing. `grid` is that of [`Self::set_floor`];
@@ -486,6 +521,10 @@ impl Scene {
                 nearest = Some(SurfaceHit { distance, value, on_section: false });
             }
         };
+        if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
+            near(mesh.hit(&ray), true);
+            return nearest;
+        }
         if options.show_hub {
             near(self.part.hub.hit(&ray), false);
         }
@@ -514,6 +553,9 @@ impl Scene {
     /// of their faces: the parity rule with which the renderer fills the section plane.
     fn is_inside(&self, ray: &ViewRay, options: &SceneOptions) -> bool {
         let odd = |count: usize| count % 2 == 1;
+        if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
+            return odd(mesh.crossings(ray));
+        }
         let in_blades = || {
             let of = |blade: &BladeMesh| -> usize {
                 let faces = [&blade.suction, &blade.pressure, &blade.closing, &blade.foot];

@@ -8,6 +8,7 @@ use super::mesh::LineColour;
 use super::scene::{FloorColours, SceneOptions};
 use super::view::ViewTargets;
 use crate::palette::{self, Rgb, TABLE_LEN};
+use crate::stock::surface::UNCUT_TOLERANCE;
 
 /// Uniform of `shaders/scene.wgsl`.
 #[repr(C)]
@@ -63,7 +64,7 @@ impl FrameUniform {
             back: vec(back),
             viewport: [size.x, size.y, options.pixel_scale, framing.wheel.radius * 8e-4],
             range: [options.range_mm.0, options.range_mm.1, 1.0, on(options.relief && heights)],
-            look: [on(options.cut_away), on(heights), 0.0, 0.0],
+            look: [on(options.cut_away), on(heights), UNCUT_TOLERANCE, 0.0],
             plane: options.section.map_or([0.0; 4], |s| s.normal.extend(s.offset).to_array()),
             greys: [
                 g.background_top,

@@ -23,6 +23,17 @@ pub enum PlanStage {
     Measured(Arc<FloorGrid>, PolicyResult),
 }
 
+impl PlanStage {
+    /// The plan of the stage, if it has one.
+    pub fn plan(&self) -> Option<&PlungePlan> {
+        match self {
+            Self::Resolved(..) => None,
+            Self::Placed(plan) | Self::Preview(plan) | Self::Evaluated(plan) => Some(plan),
+            Self::Measured(_, result) => Some(&result.plan),
+        }
+    }
+}
+
 /// Optional callback for job stages. It is called from any thread, but never concurrently for the same
 /// policy.
 #[derive(Clone, Copy, Default)]

@@ -163,6 +163,11 @@ impl SideProbe {
             .unwrap_or_else(|| self.infinitely_far())
     }
 
+    /// As [`Self::nearest_to_point`]; `None` when it is certainly more than `cutoff` mm away.
+    pub fn nearest_to_point_below(&self, point: &Point, cutoff: f64) -> Option<NearestOnSide> {
+        self.nearest_within(&PointQuery { point }, FULL_V_RANGE, cutoff, NO_EARLY_EXIT)
+    }
+
     /// Signed distance from the whole side to a piece of shank or holder, mm; `None` when it is certainly more
     /// than `cutoff` mm.
     pub fn frustum_distance_below(&self, frustum: &Frustum, cutoff: f64) -> Option<f64> {

@@ -1,21 +1,22 @@
 //! Intersection of one ray with one cutter: the arithmetic of the field for one cell.
 //!
-//! `shaders/residual.wgsl` has the same functions and constants under the same names. Only the steps around a
-//! rounded corner branch, so that loops over the others become vector instructions.
+//! `shaders/residual.wgsl` has the same functions under the same names, and gets the constants of this file
+//! when it is compiled. Only the steps around a rounded corner branch, so that loops over the others become
+//! vector instructions.
 
 use super::field::FieldCutter;
 use super::tiles::TILE;
 
 /// Height that no ray reaches, mm.
-pub(super) const FAR: f32 = 1e30;
+pub(crate) const FAR: f32 = 1e30;
 /// Least squared sine between ray and axis: a ray along the axis meets the wall 1e6 radii away.
-const MIN_SQUARED_SINE: f32 = 1e-12;
+pub(crate) const MIN_SQUARED_SINE: f32 = 1e-12;
 /// Least cosine between ray and axis: a ray along the bottom plane crosses it far away.
-const MIN_COSINE: f32 = 1e-6;
+pub(crate) const MIN_COSINE: f32 = 1e-6;
 /// Largest number of Newton steps towards a rounded corner.
-const CORNER_STEPS: u32 = 8;
+pub(crate) const CORNER_STEPS: u32 = 8;
 /// Distance from the rounded corner that counts as on it, mm.
-const CORNER_TOLERANCE: f32 = 2e-5;
+pub(crate) const CORNER_TOLERANCE: f32 = 2e-5;
 
 /// A value per lane: one row of a tile.
 pub(super) type LaneRow<T> = [T; TILE];

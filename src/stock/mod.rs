@@ -7,9 +7,11 @@ use crate::setup::{SectionSetup, Setup, Tool};
 
 mod bounds;
 pub mod cover;
+pub mod excess;
 pub mod field;
 pub mod grid;
-mod meeting;
+pub mod levels;
+pub(crate) mod meeting;
 mod overhang;
 mod profile;
 pub mod reach;
@@ -21,6 +23,7 @@ pub(crate) mod trace;
 
 pub use field::{FieldCutter, ResidualField, residual_field};
 pub use grid::{FloorGrid, FloorSource};
+pub use levels::{FieldProgram, FloorLevel, FloorLevels};
 pub use reach::CutterStretch;
 pub use statistics::{ResidualStatistics, statistics};
 pub use tiles::TileBins;

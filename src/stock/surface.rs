@@ -6,8 +6,8 @@ use crate::mesh::grid_triangles;
 /// Largest number of lines along s and across of a surface that shows every plunge.
 pub const MAX_LINES: (usize, usize) = (257, 129);
 
-/// Distance below the blank's height within which a cell still counts as uncut, mm.
-const UNCUT_TOLERANCE: f32 = 1e-3;
+/// Distance below the blank's height within which a cell still counts as uncut, mm. The shader gets it too.
+pub const UNCUT_TOLERANCE: f32 = 1e-3;
 
 /// The floor as triangles with some of its cells as vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,12 +22,7 @@ pub struct FloorSurface {
 impl FloorSurface {
     /// The floor, thinned to at most `most` lines along s and across. The outermost lines are kept.
     pub fn new(grid: &FloorGrid, most: (usize, usize)) -> Self {
-        let pick = |count: usize, most: usize| -> Vec<usize> {
-            let kept = count.min(most);
-            let step = |i: usize| if kept > 1 { i * (count - 1) / (kept - 1) } else { 0 };
-            (0..kept).map(step).collect()
-        };
-        let (rows, columns) = (pick(grid.rows, most.0), pick(grid.columns, most.1));
+        let (rows, columns) = (thinned_lines(grid.rows, most.0), thinned_lines(grid.columns, most.1));
         let cell = |i: usize, j: usize| rows[i] * grid.columns + columns[j];
         let floor = |i: usize, j: usize| grid.floor[cell(i, j)];
         let keep =
@@ -38,6 +33,13 @@ impl FloorSurface {
             triangles: grid_triangles(rows.len(), columns.len(), keep),
         }
     }
+}
+
+/// At most `most` of `count` lines, evenly spaced; the outermost are kept.
+pub(super) fn thinned_lines(count: usize, most: usize) -> Vec<usize> {
+    let kept = count.min(most);
+    let step = |i: usize| if kept > 1 { i * (count - 1) / (kept - 1) } else { 0 };
+    (0..kept).map(step).collect()
 }
 
 /// Whether no position has taken anything off a cell with that height of stock.

@@ -1,6 +1,5 @@
 //! A fast fake planner whose plan has known faults. The part is real.
 
-use std::f32::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,7 +12,7 @@ use vanecut::part::Impeller;
 use vanecut::part::channel::{Channel, Passage};
 use vanecut::plunge::{Blocked, PlungePlan, Position, SectionPlan, StopReason};
 use vanecut::setup::{AxisPolicy, CutDirection, SectionSetup, SetupFault, Tool};
-use vanecut::stock::{FloorGrid, ResidualField};
+use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 
 /// Number of interfering plunges of the conventional plan at the automatic step.
 pub const FAULTS: usize = 5;
@@ -69,12 +68,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     let result = |policy: AxisPolicy| {
         let plan = plunges(request, &passage, &tool, policy);
         let height = if policy == AxisPolicy::Conventional { 2.6 } else { 1.1 };
-        let wave = |k: usize| {
-            let (i, j) = (k / grid.columns, k % grid.columns);
-            height * (1.0 + 0.6 * (i as f32 * 0.5).sin() * (j as f32 / grid.columns as f32 * 3.0 * PI).sin())
-        };
-        let heights = (0..grid.points.len()).map(wave).collect();
-        let field = ResidualField { heights, traces: Vec::new() };
+        let field = residual_field(&grid, &field_cutters(&plan));
         let summary = summary(&plan, f64::from(height));
         PolicyResult { plan, field, summary }
     };
@@ -115,9 +109,10 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
         for k in 0..per_row {
             let s = 1.0 - 0.5 * k as f64 / per_row as f64;
             let at = |eta| passage.point(&request.part, s, lambda, eta).expect("inside the channel").point;
-            let (tip, top) = (at(0.02), at(1.0));
-            let axis: Vector = (top - tip).normalize();
             let conventional = policy == AxisPolicy::Conventional;
+            // Conventional plunges end higher above the hub.
+            let (tip, top) = (at(if conventional { 0.05 } else { 0.02 }), at(1.0));
+            let axis: Vector = (top - tip).normalize();
             let interferes = conventional && row == 0 && k + FAULTS >= per_row;
             positions.push(Position {
                 tip,

@@ -11,7 +11,9 @@ use super::super::theme::Condition;
 pub struct Activity {
     /// Name and progress (0…1) of the running task.
     pub running: Option<(&'static str, f64)>,
-    /// Name of the graphics device.
+    /// What computes the drawn stock.
+    pub preview: String,
+    /// Name and driver of the graphics device.
     pub device: String,
 }
 
@@ -35,7 +37,12 @@ pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
             }
         }
         ui.separator();
-        ui.label(RichText::new(&activity.device).weak()).on_hover_text("Graphics device of the 3D view");
+        let tip = format!(
+            "What computes the stock that the 3D view draws; all figures come from the CPU\n\
+             Graphics device: {}",
+            activity.device
+        );
+        ui.label(RichText::new(&activity.preview).weak()).on_hover_text(tip);
         ui.separator();
         ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| message(ui, state, activity));
     });

@@ -1,0 +1,57 @@
+//! Excess of stock: the distance of points to the finished surfaces of one channel.
+
+use crate::geometry::{Meridional, Point};
+use crate::part::{Channel, Impeller, SideProbe};
+
+/// A side of a blade.
+struct BladeFace {
+    probe: SideProbe,
+    /// Ball around it: centre and radius, mm.
+    ball: (Point, f64),
+    /// +1 where ∂u × ∂v points out of the blade, else −1.
+    outward: f64,
+}
+
+/// The finished surfaces around channel 1 of a part, prepared for the distances of many points.
+pub struct Excess<'a> {
+    part: &'a Impeller,
+    faces: Vec<BladeFace>,
+}
+
+impl<'a> Excess<'a> {
+    /// The surfaces of `part`.
+    pub fn new(part: &'a Impeller) -> Self {
+        let sides = Channel::of(part).sides;
+        // Both sides of each blade follow each other, so either tells where the inside of the other is.
+        let face = |k: usize| {
+            let (side, back) = (&sides[k], sides.get(k ^ 1));
+            let (p, by_u, by_v) = side.derivatives(0.5, 0.5);
+            let inward = back.map_or_else(crate::geometry::Vector::zeros, |back| back.point(0.5, 0.5) - p);
+            let probe = SideProbe::new(side, 0.0, 1.0);
+            let outward = if by_u.cross(&by_v).dot(&inward) > 0.0 { -1.0 } else { 1.0 };
+            BladeFace { ball: probe.bounding_ball(), probe, outward }
+        };
+        Self { part, faces: (0..sides.len()).map(face).collect() }
+    }
+
+    /// Distance of `point` to the nearest finished surface, mm: stock that stands there, negative where the
+    /// finished part is cut into.
+    pub fn at(&self, point: &Point) -> f64 {
+        let m = Meridional::of(point);
+        let (_, above_hub) = self.part.hub.curve().project(m);
+        let mut nearest = above_hub;
+        for face in &self.faces {
+            let (centre, radius) = face.ball;
+            if (point - centre).norm() - radius > nearest.abs() {
+                continue;
+            }
+            let Some(near) = face.probe.nearest_to_point_below(point, nearest.abs()) else { continue };
+            if near.distance < nearest.abs() {
+                let (p, by_u, by_v) = face.probe.side().derivatives(near.u, near.v);
+                let out = face.outward * by_u.cross(&by_v).dot(&(point - p));
+                nearest = near.distance.copysign(out);
+            }
+        }
+        nearest
+    }
+}

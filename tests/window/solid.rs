@@ -1,0 +1,113 @@
+//! The stock as a solid in the 3D view.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::dialogs::Purpose;
+use vanecut::app::look::{PlaneOrientation, SectionPlaneLook};
+use vanecut::app::planned::Side;
+use vanecut::app::solid::SolidColours;
+use vanecut::io::stl::read_stl_bytes;
+
+use crate::fake;
+use crate::harness::{Window, settle, snapshot_view, with_sample};
+
+/// A window with the layer shown, seen onto the channel.
+fn with_stock() -> Window {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1200.0, 760.0));
+    window.run_steps(3);
+    window.key_press(egui::Key::Num4);
+    window.key_press(egui::Key::S);
+    window.step();
+    settle(&mut window);
+    window
+}
+
+fn volume(window: &Window) -> f64 {
+    window.state().solid(Side::After).expect("a solid").volume
+}
+
+#[test]
+fn the_solid_follows_the_timeline() {
+    let mut window = with_stock();
+    let done = volume(&window);
+    assert!(!window.state().solid(Side::After).expect("a solid").is_coarse, "fine in the end");
+    snapshot_view(&mut window, "stock");
+    let count = window.state().state().position_count();
+    let mut last = f64::INFINITY;
+    for cut in [0, 1, count / 2, count] {
+        window.state_mut().look_mut().cut_count = Some(cut);
+        window.step();
+        settle(&mut window);
+        let now = volume(&window);
+        assert!(now < last, "each position removes stock: {now} after {cut}, {last} before");
+        if cut == count / 2 {
+            snapshot_view(&mut window, "stock_half");
+        }
+        last = now;
+    }
+    assert!((last - done).abs() < 1e-6 * done, "{last} {done}");
+    // Back again, from a checkpoint.
+    window.state_mut().look_mut().cut_count = Some(1);
+    window.step();
+    settle(&mut window);
+    assert!(volume(&window) > last);
+    window.key_press(egui::Key::S);
+    window.step();
+    settle(&mut window);
+    assert!(window.state().solid(Side::After).is_none(), "hidden, it is not kept");
+}
+
+#[test]
+fn tools_sections_and_faults_colour_the_solid_and_the_section_plane_cuts_it() {
+    let mut window = with_stock();
+    window.get_by_label("Distance to part");
+    window.get_by_label("Layers").click();
+    window.run_steps(3);
+    for (colours, name) in
+        [(SolidColours::Tool, "T1 D30"), (SolidColours::Section, "Section 1"), (SolidColours::Fault, "Sound")]
+    {
+        window.get_by_role_and_label(Role::RadioButton, colours.label()).click();
+        window.step();
+        settle(&mut window);
+        window.get_by_label(name);
+    }
+    window.key_press(egui::Key::Escape);
+    window.state_mut().look_mut().solid_colours = SolidColours::Distance;
+    window.state_mut().look_mut().section =
+        Some(SectionPlaneLook { across: PlaneOrientation::Row, ..Default::default() });
+    window.step();
+    settle(&mut window);
+    snapshot_view(&mut window, "stock_section");
+}
+
+#[test]
+fn the_solid_is_exported_as_stl_and_gltf_and_nothing_else() {
+    let mut window = with_stock();
+    let folder = std::env::temp_dir().join(format!("vanecut-solid-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let ctx = window.ctx.clone();
+    let mut export = |name: &str| {
+        let path = folder.join(name);
+        window.state_mut().file_chosen(&ctx, Purpose::ExportStock, path.clone());
+        window.step();
+        settle(&mut window);
+        std::fs::read(path).ok()
+    };
+    let (stl, glb) = (export("stock.stl").expect("written"), export("stock.glb").expect("written"));
+    assert!(export("stock.step").is_none(), "not a format of solids");
+    assert_eq!(&glb[..4], b"glTF");
+    let mesh = read_stl_bytes("stock.stl", &stl).expect("opens");
+    let six: f64 = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|i| mesh.points[i as usize].coords))
+        .map(|[a, b, c]| a.dot(&b.cross(&c)))
+        .sum();
+    let drawn = volume(&window);
+    assert!((six / 6.0 / drawn - 1.0).abs() < 2e-3, "{} {drawn}", six / 6.0);
+    std::fs::remove_dir_all(&folder).unwrap();
+    let problems = &window.state().state().problems;
+    assert!(problems.iter().any(|p| p.message.contains("is not a format of solids")), "{problems:?}");
+}
