@@ -15,6 +15,8 @@ pub mod plan_file;
 pub mod project_file;
 pub mod setup_file;
 pub(crate) mod source;
+pub mod step;
+pub mod stl;
 mod stored;
 mod table;
 pub mod tool_library;
