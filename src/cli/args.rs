@@ -90,7 +90,7 @@ fn role(text: &str) -> Result<(String, Role), String> {
 /// `vanecut plan`.
 #[derive(Debug, Args)]
 pub struct PlanArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
@@ -117,7 +117,7 @@ pub struct PlanArgs {
 /// `vanecut flank`.
 #[derive(Debug, Args)]
 pub struct FlankArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
@@ -138,7 +138,7 @@ pub struct FlankArgs {
 /// `vanecut assess`.
 #[derive(Debug, Args)]
 pub struct AssessArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
@@ -156,7 +156,7 @@ pub struct AssessArgs {
 /// `vanecut verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
