@@ -12,13 +12,15 @@
 //! | [`mesh`] | triangle meshes of a part, and parts from triangle meshes |
 //! | [`assess`] | machinability before any plan: twist, bow, depth, width, reach ([assessment paper]) |
 //! | [`toolpath`] | programs as data: tools, moves, sections, rows |
+//! | [`machine`] | five-axis machines: chain of axes, rotary positions, links, time |
 //! | [`cutting`] | a cutter against part and stock: clearance, drop-cutter depth, links, core contact |
 //! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper] |
 //! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
-//! | [`stock`] | the heightfield of residual stock on the channel floor, and its CPU kernel |
+//! | [`stock`] | the heightfield of residual stock on the channel floor, its CPU kernel; the stock as a solid |
 //! | [`verify`] | judges any program against a part |
 //! | [`io`] | readers and writers of part, setup, program and plan files |
 //! | [`job`] | planning jobs: request, progress, cancel, latest result |
+//! | [`study`] | many plans: axes of variation, shards, results, merge, Pareto set |
 //! | `gpu` | graphics device, compute kernel, renderer; independent of the window |
 //! | `app`, `cli` | the front ends: the egui window and the command line |
 //!
@@ -37,6 +39,7 @@ pub mod geometry;
 pub mod gpu;
 pub mod io;
 pub mod job;
+pub mod machine;
 pub mod mesh;
 pub mod monitor;
 pub mod palette;
@@ -44,5 +47,6 @@ pub mod part;
 pub mod plunge;
 pub mod setup;
 pub mod stock;
+pub mod study;
 pub mod toolpath;
 pub mod verify;

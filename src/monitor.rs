@@ -13,6 +13,13 @@ pub struct Cancelled;
 /// There are two ways to end a computation. After [`Self::stop`] it ends the search and may return the best
 /// result found so far; a computation without partial results treats it as a cancel. After [`Self::cancel`]
 /// it ends without a result.
+///
+/// ```
+/// let monitor = vanecut::monitor::Monitor::default();
+/// assert!(monitor.check().is_ok());
+/// monitor.cancel();
+/// assert!(monitor.check().is_err(), "all work with this monitor ends at its next check");
+/// ```
 #[derive(Debug, Default)]
 pub struct Monitor {
     shared: Arc<MonitorState>,

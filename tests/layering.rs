@@ -6,9 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules, innermost first, as in the table of `src/lib.rs`.
-const MODULES: [&str; 18] = [
-    "monitor", "palette", "geometry", "part", "setup", "mesh", "assess", "toolpath", "cutting", "plunge",
-    "flank", "stock", "verify", "io", "job", "gpu", "app", "cli",
+const MODULES: [&str; 20] = [
+    "monitor", "palette", "geometry", "part", "setup", "mesh", "assess", "toolpath", "machine", "cutting",
+    "plunge", "flank", "stock", "verify", "io", "job", "study", "gpu", "app", "cli",
 ];
 /// Modules of the core are those before this one.
 const FIRST_OUTSIDE: &str = "gpu";

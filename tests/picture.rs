@@ -64,6 +64,7 @@ fn plan(part: &Impeller) -> PlungePlan {
         overhang: 100.0,
         plunge_feed: 300.0,
         spindle: 2000.0,
+        assembly: Default::default(),
     };
     PlungePlan {
         policy: AxisPolicy::Conventional,

@@ -29,10 +29,16 @@ pub enum Command {
     Assess(AssessArgs),
     /// Check any APT program against a part
     Verify(VerifyArgs),
+    /// NC program of a plan or an APT program for a machine
+    Post(PostArgs),
+    /// The stock as a solid after any move of any program: .stl or .glb
+    Stock(StockArgs),
     /// Picture of a part, a plan.json or a flank.json, without a window
     Render(RenderArgs),
     /// Convert a part to another format, or a part or plan to a glTF scene
     Convert(ConvertArgs),
+    /// Many plans over parts and settings, resumable, for any scheduler
+    Study(StudyArgs),
     /// Throughput of the kernels on this machine
     Bench(BenchArgs),
 }
@@ -160,11 +166,71 @@ pub struct VerifyArgs {
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// APT program; `-` reads it from standard input
+    /// APT program, or with --machine an NC program; `-` reads it from standard input
     pub program: PathBuf,
+    /// Machine that an NC program is posted for: a name, or a machine file
+    #[arg(long, value_name = "M")]
+    pub machine: Option<PathBuf>,
+    /// Control of the NC program: a name, or a post file; absent: that of the machine
+    #[arg(long, value_name = "NAME", requires = "machine")]
+    pub control: Option<String>,
     /// Setup file with the allowances and the insert widths
     #[arg(long)]
     pub setup: Option<PathBuf>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `vanecut post`.
+#[derive(Debug, Args)]
+pub struct PostArgs {
+    /// plan.json, flank.json or an APT program; `-` reads APT from standard input
+    pub program: PathBuf,
+    /// Machine: ac-trunnion, bc-trunnion, b-head-c-table, bc-head, nutating-table, or a machine file
+    #[arg(long, value_name = "M")]
+    pub machine: PathBuf,
+    /// Control: heidenhain, siemens, fanuc, haas, linuxcnc, or a post file; absent: that of the machine
+    #[arg(long, value_name = "NAME")]
+    pub control: Option<String>,
+    /// What the program gives the control: tcp-angles, tcp-vectors, plane or joints; absent: from the machine
+    #[arg(long = "output", value_name = "KIND")]
+    pub kind: Option<String>,
+    /// Setup file with tools; what the program does not say of a tool is taken from it
+    #[arg(long)]
+    pub setup: Option<PathBuf>,
+    /// NC program to write
+    #[arg(short = 'o', value_name = "FILE")]
+    pub file: PathBuf,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `vanecut stock`.
+#[derive(Debug, Args)]
+pub struct StockArgs {
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    pub part: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// APT program, plan.json or flank.json; `-` reads an APT program from standard input
+    pub program: PathBuf,
+    /// Setup file with the insert widths and overhangs; absent: that of the plan, or defaults
+    #[arg(long)]
+    pub setup: Option<PathBuf>,
+    /// State after this many moves of the program; absent: after the last
+    #[arg(long, value_name = "K")]
+    pub at: Option<usize>,
+    /// Distance of the rays, mm; absent: the diameter of the blank / 800
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub spacing: Option<f64>,
+    /// Blank: edges (enclosing the edges of the blades), turned (a cylinder), or a closed .stl
+    #[arg(long, value_name = "BLANK")]
+    pub blank: Option<PathBuf>,
+    /// File to write: .stl or .glb
+    #[arg(short, long)]
+    pub output: PathBuf,
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
@@ -216,11 +282,11 @@ pub struct RenderArgs {
 /// `vanecut convert`.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// Part, a plan.json, or a flank.json
+    /// Part, a plan.json or flank.json, or a tool library (.toml, .json, .tools, .fctb, .fctl)
     pub input: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// File to write: .toml, .glb or .gltf
+    /// File to write: .toml, .glb or .gltf; of a tool library .toml or .json
     pub output: PathBuf,
     /// Chord error: largest distance of triangles from the surfaces, mm
     #[arg(long, default_value_t = 0.01)]
@@ -228,4 +294,60 @@ pub struct ConvertArgs {
     /// One node per cutter, for viewers without EXT_mesh_gpu_instancing
     #[arg(long)]
     pub plain: bool,
+}
+
+/// `vanecut study`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub struct StudyArgs {
+    #[command(subcommand)]
+    pub action: Option<StudyAction>,
+    /// Study file: parts, base setup, axes of variation
+    pub study: Option<PathBuf>,
+    /// List the runs and plan nothing; with -o, also which have results
+    #[arg(long)]
+    pub list: bool,
+    /// Shard: I/N with I from 1 to N, or auto: from Slurm, Kubernetes or PBS; auto/N where these give no N
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<String>,
+    /// Runs at a time; absent: one per core
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// Folder of the results
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// What to do with the results of a study.
+#[derive(Debug, Subcommand)]
+pub enum StudyAction {
+    /// Table of all results of a study
+    Merge(MergeArgs),
+    /// Plans of a table that no other plan beats
+    Pareto(ParetoArgs),
+}
+
+/// `vanecut study merge`.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Folder of the results
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Table to write, .csv
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// `vanecut study pareto`.
+#[derive(Debug, Args)]
+pub struct ParetoArgs {
+    /// Table that `study merge` wrote
+    #[arg(value_name = "CSV")]
+    pub table: PathBuf,
+    /// Figures to compare, less is better, separated by commas
+    #[arg(long, value_name = "FIGURES", value_delimiter = ',', default_value = "time_estimate,residual_p95")]
+    pub over: Vec<String>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
 }

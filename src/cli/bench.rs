@@ -6,7 +6,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::args::BenchArgs;
-use super::{Failure, bench_flank, bench_growth, print_stdout};
+use super::{Failure, bench_flank, bench_growth, bench_stock, print_stdout};
 use crate::cutting::drop_cutter::DepthSurface;
 #[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, ResidualKernel};
@@ -39,6 +39,7 @@ fn three_tools() -> Vec<Tool> {
             overhang: 120.0,
             plunge_feed: 300.0,
             spindle: 1200.0,
+            assembly: Default::default(),
         })
         .collect()
 }
@@ -125,6 +126,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     bench_growth::run(&part, &outcome.setup, args.positions)?;
 
     bench_flank::run()?;
+    bench_stock::run()?;
     bench_mesh_import(&part)?;
 
     let plan = &outcome.after.plan;
@@ -191,7 +193,11 @@ pub(super) fn build_sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Fai
     build(&describe(name, text)?)
 }
 
-fn describe(name: &str, text: &[u8]) -> Result<PartDescription, Failure> {
+/// Reads a sample part that is included in the program.
+///
+/// # Errors
+/// [`Failure`] when the sample is not a valid part file, which is a bug.
+pub(super) fn describe(name: &str, text: &[u8]) -> Result<PartDescription, Failure> {
     Ok(read_part_bytes(name, text, "toml")?)
 }
 

@@ -1,4 +1,4 @@
-//! `vanecut convert`: converts parts between formats, and parts and plans to glTF scenes.
+//! `vanecut convert`: converts parts between formats, parts and plans to glTF scenes, and tool libraries.
 
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,9 @@ use crate::io::flank_file::{StoredFlank, is_flank, read_flank_bytes};
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::native::write_native;
 use crate::io::plan_file::{StoredPlan, read_plan_bytes};
+use crate::io::shop_tools::{
+    LibraryFormat, ToolLibrary, looks_like_library, read_library, write_fusion, write_toml,
+};
 use crate::io::source::{name_of, read_bytes};
 use crate::io::write::{write_all_atomically, write_atomically};
 use crate::mesh::tessellate::{Fineness, Tessellation};
@@ -37,6 +40,9 @@ enum InputContent {
 /// # Errors
 /// [`Failure::Input`] when an argument or the input is invalid, or the output cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
+    if let Some(format) = library_format(&args.input, &args.output)? {
+        return convert_library(args, format);
+    }
     let format = format_of(&args.output)?;
     if !(args.chord_error.is_finite() && (1e-4..=10.0).contains(&args.chord_error)) {
         return Err(Failure::Input(format!(
@@ -69,9 +75,57 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     print_stdout(&summary_text(args, part, &shape, &asked))
 }
 
+/// Extension of a path in lower case.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// The format of a tool library as input; `None` for parts and plans. TOML and JSON may be either: the
+/// content decides.
+fn library_format(input: &Path, output: &Path) -> Result<Option<LibraryFormat>, Failure> {
+    let Some(format) = LibraryFormat::of_extension(&extension(input)) else { return Ok(None) };
+    let shared = matches!(format, LibraryFormat::Toml | LibraryFormat::FusionJson);
+    if shared && extension(output) != "json" && !looks_like_library(format, &read_bytes(input)?) {
+        return Ok(None);
+    }
+    Ok(Some(format))
+}
+
+/// Reads a tool library and writes it as our TOML or as Fusion JSON.
+fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Failure> {
+    let name = name_of(&args.output);
+    let writer: fn(&ToolLibrary) -> String = match extension(&args.output).as_str() {
+        "toml" => write_toml,
+        "json" => write_fusion,
+        _ => {
+            return Err(Failure::at(
+                &name,
+                0,
+                "a tool library is written as .toml or .json; name such a file",
+            ));
+        }
+    };
+    let library = read_library(&args.input, format)?;
+    if same_file(&args.input, &args.output) {
+        return Err(Failure::at(&name, 0, "is the input file; name another file to write"));
+    }
+    write_atomically(&args.output, writer(&library).as_bytes())?;
+    let count = library.tools.len();
+    let tools = if count == 1 { "tool" } else { "tools" };
+    let mut text = format!("wrote {}: {count} {tools}\n", args.output.display());
+    for tool in &library.tools {
+        for note in &tool.notes {
+            text += &format!("tool {}: {note}\n", tool.tool.number);
+        }
+    }
+    for note in &library.notes {
+        text += &format!("{note}\n");
+    }
+    print_stdout(&text)
+}
+
 fn format_of(path: &Path) -> Result<Format, Failure> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    match extension.as_str() {
+    match extension(path).as_str() {
         "toml" => Ok(Format::Native),
         "glb" => Ok(Format::Glb),
         "gltf" => Ok(Format::Gltf),

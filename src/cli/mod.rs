@@ -10,6 +10,7 @@ mod bench_flank;
 #[cfg(feature = "gpu")]
 mod bench_frames;
 mod bench_growth;
+mod bench_stock;
 mod bench_wheel;
 mod convert;
 mod flank;
@@ -17,11 +18,14 @@ mod open;
 mod plan;
 #[cfg(feature = "gpu")]
 mod plot;
+mod post;
 #[cfg(feature = "gpu")]
 mod render;
 #[cfg(feature = "gpu")]
 mod render_flank;
 mod report;
+mod stock;
+mod study;
 mod verify;
 mod watch;
 #[cfg(not(feature = "gpu"))]
@@ -137,8 +141,11 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Flank(a)) => flank::run(&a),
         Some(Command::Assess(a)) => assess::run(&a),
         Some(Command::Verify(a)) => verify::run(&a),
+        Some(Command::Post(a)) => post::run(&a),
+        Some(Command::Stock(a)) => stock::run(&a),
         Some(Command::Render(a)) => render::run(&a),
         Some(Command::Convert(a)) => convert::run(&a),
+        Some(Command::Study(a)) => study::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
     }
 }

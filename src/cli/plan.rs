@@ -22,8 +22,7 @@ use crate::setup::AxisPolicy;
 use crate::toolpath::ClProgram;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
-/// Cells of the residual field along s and λ.
-pub const FIELD_CELLS: usize = 512;
+pub use crate::job::FIELD_CELLS;
 
 /// Plans, writes the files and prints the figures.
 ///
@@ -143,6 +142,7 @@ fn plan_json(
     let (part, grid, reasons) = (&outcome.part, &outcome.grid, &outcome.reasons);
     let mut map = report::plan_object(part, channels, &written_figures(outcome, report, channels), reasons);
     let compared = |result| report::comparison_object(&PlanFigures::of_result(result, grid), reasons);
+    map.extend(report::assembly_keys(&report.verdict.assembly));
     map.insert("policy".into(), json!(outcome.after.plan.policy));
     if channels > 1 {
         let one = PlanFigures::of_result(&outcome.after, grid);
@@ -199,6 +199,7 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     text += &report::reasons_text(plan, &outcome.reasons);
     text += &report::added_text(plan);
     text += &report::clearances_text(&report.summary, channels);
+    text += &report::assembly_text(&report.verdict.assembly);
     text += &report::convergence_text(plan);
     text += &report::limited_text(plan);
     text += &report::blocked_text(plan);

@@ -7,7 +7,7 @@ use crate::part::Impeller;
 use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::CutDirection;
 use crate::stock::FloorGrid;
-use crate::verify::{Fault, PlungeReport};
+use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
 /// A number, or null if it is not finite.
 pub fn number(x: f64) -> Value {
@@ -28,7 +28,7 @@ fn residual_keys(s: &Summary) -> Map<String, Value> {
 }
 
 /// Keys that every object of `--json` has, null where they do not apply.
-const SHARED_KEYS: [&str; 26] = [
+const SHARED_KEYS: [&str; 28] = [
     "channels",
     "positions",
     "rows",
@@ -43,6 +43,8 @@ const SHARED_KEYS: [&str; 26] = [
     "min_hub_clearance",
     "min_blade_clearance",
     "min_retract_clearance",
+    "shank_clearance_min",
+    "holder_clearance_min",
     "max_axis_change",
     "cut_length",
     "rapid_length",
@@ -206,6 +208,20 @@ fn feed_word(feed: CutDirection) -> &'static str {
     }
 }
 
+/// The keys of the least distances of shank and holder; null without them.
+pub fn assembly_keys(least: &AssemblyDistances) -> [(String, Value); 2] {
+    [("shank_clearance_min", least.shank), ("holder_clearance_min", least.holder)]
+        .map(|(key, value)| (key.to_owned(), number(value)))
+}
+
+/// Text on the least distances of shank and holder; empty without them.
+pub fn assembly_text(least: &AssemblyDistances) -> String {
+    let near = [("shank", least.shank), ("holder", least.holder)];
+    let near: Vec<String> =
+        near.iter().filter(|(_, d)| d.is_finite()).map(|(name, d)| format!("{name} {d:.2} mm")).collect();
+    if near.is_empty() { String::new() } else { format!("least distance to the part: {}\n", near.join(", ")) }
+}
+
 /// Table of plans under their names, section by section.
 pub fn table<'a>(rows: impl Iterator<Item = (&'a str, PlanFigures<'a>)>) -> String {
     let mut text = String::from(
@@ -333,6 +349,17 @@ pub fn convergence_text(plan: &PlungePlan) -> String {
     )
 }
 
+/// The least overhang with which the positions of a section that were dropped for `why` could be cut; empty
+/// where a longer overhang frees none.
+fn stick_out_text(plan: &PlungePlan, section: usize, why: DropReason) -> String {
+    let ours = || plan.dropped.iter().filter(|d| (d.section, d.why) == (section, why));
+    let Some(most) = ours().filter_map(|d| d.stick_out).reduce(f64::max) else { return String::new() };
+    match ours().filter(|d| d.stick_out.is_none()).count() {
+        0 => format!("; an overhang of {most} mm would do"),
+        never => format!("; an overhang of {most} mm would do, except for {never} that none frees"),
+    }
+}
+
 /// Text that lists the blocked positions of each section and counts those left out.
 pub fn blocked_text(plan: &PlungePlan) -> String {
     let mut text = String::new();
@@ -355,9 +382,10 @@ pub fn blocked_text(plan: &PlungePlan) -> String {
             let left_out = plan.dropped.iter().filter(|d| (d.section, d.why) == (index, why)).count();
             if left_out > 0 {
                 text += &format!(
-                    "left out with tool {}: {left_out} positions {}\n",
+                    "left out with tool {}: {left_out} positions {}{}\n",
                     section.tool.number,
-                    why.words()
+                    why.words(),
+                    stick_out_text(plan, index, why)
                 );
             }
         }

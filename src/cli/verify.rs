@@ -11,10 +11,15 @@ use super::plan::FIELD_CELLS;
 use super::report::PlanFigures;
 use super::{Failure, open, print_stdout, report};
 use crate::io::apt::read_apt_bytes;
+use crate::io::machine_file::read_machine;
+use crate::io::nc::{AxisOverrun, ReadContext, is_apt, read_nc, read_post};
+use crate::io::tool_library::{flank_cutters, plunge_cutters};
+use crate::machine::PlacedPart;
 use crate::part::{Channel, Impeller};
 use crate::plunge::sections::check_part;
-use crate::toolpath::ClWarning;
-use crate::verify::{Fault, PlungeReport, is_flank, report_plunges, verify_flank};
+use crate::setup::{Setup, Tool};
+use crate::toolpath::{ClProgram, ClWarning};
+use crate::verify::{Fault, FaultKind, PlungeReport, is_flank, report_plunges, verify_flank};
 
 /// Number of faults that are printed; further ones are only counted.
 const MAX_SHOWN: usize = 20;
@@ -35,16 +40,18 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     check_part(&opened.setup, &part).map_err(|fault| opened.failure(&fault))?;
     let setup = &opened.setup;
     let (name, bytes) = open::named_bytes(&args.program)?;
-    let program = read_apt_bytes(&name, &bytes)?;
+    let (program, overruns) = read_program(args, &part, setup, &name, &bytes)?;
     let channel = Channel::of(&part);
     let unjudged = |fault: Fault| Failure::at(&name, fault.line, &fault.message);
-    let (mut map, mut text, faults) = if is_flank(&program) {
+    let (mut map, mut text, mut faults) = if is_flank(&program) {
         let verdict = verify_flank(&part, &channel, setup, &program).map_err(unjudged)?;
         (flank::object(&part, &verdict), flank::text(&verdict), verdict.faults)
     } else {
         let report = report_plunges(&part, &channel, setup, &program, FIELD_CELLS).map_err(unjudged)?;
         (plunge_object(&part, &report), plunge_text(&report), report.verdict.faults)
     };
+    faults.extend(overruns.iter().map(overrun_fault));
+    faults.sort_by_key(|fault| fault.line);
     if args.json {
         map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
         map.insert("faults".into(), report::fault_list(&faults));
@@ -70,9 +77,38 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
 }
 
+/// The program to judge: APT, or with a machine the NC program posted for it, with positions beyond limits.
+fn read_program(
+    args: &VerifyArgs,
+    part: &Impeller,
+    setup: &Setup,
+    name: &str,
+    bytes: &[u8],
+) -> Result<(ClProgram, Vec<AxisOverrun>), Failure> {
+    let Some(machine) = args.machine.as_deref().filter(|_| !is_apt(bytes)) else {
+        return Ok((read_apt_bytes(name, bytes)?, Vec::new()));
+    };
+    let machine = read_machine(machine)?;
+    let post = read_post(args.control.as_deref().unwrap_or(&machine.control))?;
+    let library = [plunge_cutters(), flank_cutters()].concat();
+    let tools: Vec<Tool> = setup.tools.iter().chain(&library).cloned().collect();
+    let placed = PlacedPart::new(&machine.part, part.out_of_inlet().z > 0.0);
+    let context = ReadContext { machine: &machine, placed, tools: &tools };
+    let reading = read_nc(name, bytes, post.dialect, &context)?;
+    Ok((reading.program, reading.overruns))
+}
+
+/// The fault of a position beyond the limits of an axis.
+fn overrun_fault(overrun: &AxisOverrun) -> Fault {
+    let AxisOverrun { line, letter, value, limits: (low, high) } = overrun;
+    let message = format!("{letter}{value:.3} is beyond the limits {low:.1} … {high:.1} of the axis");
+    Fault { line: *line, kind: FaultKind::AxisLimit, value: Some(*value), message }
+}
+
 /// The JSON object of a plunge program.
 fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
     let mut map = report::plan_object(part, report.verdict.channels, &PlanFigures::of_program(report), &[]);
+    map.extend(report::assembly_keys(&report.verdict.assembly));
     map.insert("kind".into(), json!("plunge"));
     map.insert("cut_share".into(), report::number(1.0 - report.summary.uncut_share));
     map.insert("deepest_cut".into(), report::number(report.verdict.deepest_plunge));
@@ -98,6 +134,7 @@ fn plunge_text(report: &PlungeReport) -> String {
         100.0 * (1.0 - report.summary.uncut_share),
         report.verdict.deepest_plunge
     );
+    text += &report::assembly_text(&report.verdict.assembly);
     text += &report::notes_text(&report.notes);
     text
 }

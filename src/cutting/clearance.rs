@@ -11,12 +11,21 @@ pub struct FinishedPart<'a> {
     /// The part itself.
     pub part: &'a Impeller,
     blades: Vec<SideProbe>,
+    /// A ball around each side of a blade.
+    balls: Vec<(Point, f64)>,
 }
 
 impl<'a> FinishedPart<'a> {
     /// The surfaces around channel 1 of `part`, whose blade sides are `sides`.
     pub fn new(part: &'a Impeller, sides: &[crate::part::BladeSide]) -> Self {
-        Self { part, blades: sides.iter().map(|s| SideProbe::new(s, 0.0, 1.0)).collect() }
+        let blades: Vec<SideProbe> = sides.iter().map(|s| SideProbe::new(s, 0.0, 1.0)).collect();
+        let balls = blades.iter().map(SideProbe::bounding_ball).collect();
+        Self { part, blades, balls }
+    }
+
+    /// The sides of the blades with a ball around each: centre and radius, mm.
+    pub fn blades_with_balls(&self) -> impl Iterator<Item = (&SideProbe, &(Point, f64))> {
+        self.blades.iter().zip(&self.balls)
     }
 
     /// The sides of the blades, in the order they were given in.

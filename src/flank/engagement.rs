@@ -86,6 +86,7 @@ mod tests {
             overhang: 40.0,
             plunge_feed: 100.0,
             spindle: 5000.0,
+            assembly: Default::default(),
         };
         let mut cut = CutPasses::new(&tool, 2.0);
         assert!(cut.are_far_from(&line(0.0)), "nothing is cut");

@@ -65,6 +65,7 @@ mod tests {
             overhang: 50.0,
             plunge_feed: 300.0,
             spindle: 1200.0,
+            assembly: Default::default(),
         }
     }
 

@@ -4,12 +4,14 @@ pub mod cells;
 pub mod cubic;
 pub mod cutter;
 pub mod envelope;
+mod frustum;
 pub mod meridian;
 pub mod search;
 
 pub use cells::ProximityGrid;
 pub use cubic::Cubic;
 pub use cutter::CutterSolid;
+pub use frustum::Frustum;
 pub use meridian::MeridionalCurve;
 
 /// A point in the part frame: rotation axis Z, mm.
@@ -52,6 +54,15 @@ impl Meridional {
     /// `self + (other − self) · fraction`.
     pub fn lerp(self, other: Self, fraction: f64) -> Self {
         Self { r: self.r + (other.r - self.r) * fraction, z: self.z + (other.z - self.z) * fraction }
+    }
+
+    /// The point of the segment from `a` to `b` that is nearest to this one, with its distance, mm.
+    pub fn nearest_on_segment(self, a: Self, b: Self) -> (f64, Self) {
+        let (dr, dz) = (b.r - a.r, b.z - a.z);
+        let length_squared = (dr * dr + dz * dz).max(f64::MIN_POSITIVE);
+        let share = ((self.r - a.r) * dr + (self.z - a.z) * dz) / length_squared;
+        let foot = a.lerp(b, share.clamp(0.0, 1.0));
+        (self.distance(foot), foot)
     }
 }
 

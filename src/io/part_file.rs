@@ -12,6 +12,12 @@ const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .step, .stl,
 /// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, CAD
 /// bodies, `.step` or `.stp`, or a mesh, `.stl`, `.glb` or `.gltf`. The extension is case-insensitive. The result is in mm and rad, about Z.
 ///
+/// ```
+/// let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+/// assert_eq!((part.name.as_str(), part.blade_count), ("impeller532", 17));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the file cannot be read, its extension is unknown, or it does not describe a part.
 pub fn read_part(path: &Path) -> Result<PartDescription, InputError> {

@@ -35,6 +35,9 @@ struct PlanFile {
     /// Why each entry of `dropped` was left out. Absent in files of earlier versions.
     #[serde(default)]
     dropped_why: Vec<DropReason>,
+    /// Overhang with which each entry of `dropped` could be cut, mm. Absent where there is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    dropped_stick_out: Vec<Option<f64>>,
 }
 
 /// One plunge; lengths in mm, angles in degrees, part frame.
@@ -73,6 +76,8 @@ pub struct StoredPlan {
     pub setup: Setup,
     /// The plan.
     pub plan: PlungePlan,
+    /// Number of channels that it is repeated for.
+    pub channels: usize,
 }
 
 /// Writes a plan file (JSON); lengths in mm, angles in degrees, part frame. `channels` is the number of
@@ -118,6 +123,10 @@ pub fn write_plan(
             .collect(),
         dropped: plan.dropped.iter().map(|d| (d.section, d.row, d.s)).collect(),
         dropped_why: plan.dropped.iter().map(|d| d.why).collect(),
+        dropped_stick_out: match plan.dropped.iter().any(|d| d.stick_out.is_some()) {
+            true => plan.dropped.iter().map(|d| d.stick_out).collect(),
+            false => Vec::new(),
+        },
     };
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
     text.push('\n');
@@ -177,14 +186,17 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
         });
     }
     let why = file.dropped_why.into_iter().chain(std::iter::repeat(DropReason::Blades));
-    let dropped = file.dropped.into_iter().zip(why);
+    let stick_out = file.dropped_stick_out.into_iter().chain(std::iter::repeat(None));
+    let dropped = file.dropped.into_iter().zip(why).zip(stick_out);
     let plan = PlungePlan {
         policy: file.policy,
         sections,
         positions,
-        dropped: dropped.map(|((section, row, s), why)| Dropped { section, row, s, why }).collect(),
+        dropped: dropped
+            .map(|(((section, row, s), why), stick_out)| Dropped { section, row, s, why, stick_out })
+            .collect(),
         iterations: file.rounds,
         converged: file.settled,
     };
-    Ok(StoredPlan { description, part, setup, plan })
+    Ok(StoredPlan { description, part, setup, plan, channels: file.channels })
 }

@@ -5,9 +5,11 @@
 //!
 //! ```toml
 //! part = "impeller"          # the only part this setup applies to
-//! [stock]                    # hub_allowance, blade_allowance, safety_distance, inlet_extension
+//! [stock]                    # hub_allowance, blade_allowance, safety_distance, inlet_extension, material
 //! hub_allowance = 0.5
-//! [[tool]]                   # number, diameter, corner_radius, insert_width, overhang, plunge_feed, spindle
+//! [clearance]                # shank, holder
+//! holder = 1.0
+//! [[tool]]                   # see `tool_file`
 //! diameter = 30.0            # the only required key of a tool
 //! [plunge]                   # axis, step, row_spacing, wall_scallop, max_axis_change, max_tilt, rest
 //! axis = "monotone"
@@ -20,9 +22,6 @@
 //! [machine]                  # max_axis_tilt
 //! max_axis_tilt = 95.0
 //! ```
-//!
-//! Defaults of a tool: number = its position in the list, sharp corner, insert width 0.9 R (core radius
-//! 0.1 R), overhang 4 D, feed rate 300 mm/min, spindle speed 1200 rev/min.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -30,23 +29,17 @@ use std::path::Path;
 use super::InputError;
 use super::source::{name_of, read_bytes};
 use super::table::{NumberRange, TomlDocument, TomlTable, degrees_text, nearest, quoted};
+use super::tool_file::{
+    ALLOWANCE, LENGTH, MAX_NUMBER, RATE, check_count, name, read_tool_tables, write_tools,
+};
 use crate::setup::{
-    AllowanceSetup, AxisPolicy, CutDirection, FlankSetup, FlankStrategy, PlungeSetup, SectionSetup, Setup,
-    SetupPlace, Tool,
+    AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankSetup, FlankStrategy, PlungeSetup,
+    SectionSetup, Setup, SetupPlace, Tool,
 };
 
-/// Maximum length in a setup, mm.
-const MAX_LENGTH: f64 = 10_000.0;
-const LENGTH: NumberRange = NumberRange::Above(0.0, MAX_LENGTH);
-const ALLOWANCE: NumberRange = NumberRange::Between(0.0, MAX_LENGTH);
 const ANGLE: NumberRange = NumberRange::Above(0.0, 90.0);
 const HALF_TURN: NumberRange = NumberRange::Above(0.0, 180.0);
-const RATE: NumberRange = NumberRange::Above(0.0, 1e6);
 
-/// Maximum tool number.
-const MAX_NUMBER: u32 = 1_000_000;
-/// Maximum number of tools in a setup.
-const MAX_TOOLS: usize = 500;
 /// Maximum number of sections in a setup.
 const MAX_SECTIONS: usize = 100;
 
@@ -59,6 +52,14 @@ pub fn read_setup(path: &Path, defaults: &Setup) -> Result<Setup, InputError> {
 }
 
 /// Reads a setup from bytes over [`Setup::default`]; see [`read_setup_with_defaults`].
+///
+/// ```
+/// let setup = vanecut::io::setup_file::read_setup_bytes("my.toml", b"[stock]\nhub_allowance = 0.8")?;
+/// assert_eq!(setup.allowances.hub_allowance, 0.8);
+/// let error = vanecut::io::setup_file::read_setup_bytes("my.toml", b"[stock]\nhub_allowence = 1").unwrap_err();
+/// assert!(error.to_string().starts_with("my.toml:2: "));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// When the bytes are not a valid setup.
@@ -77,14 +78,26 @@ pub fn read_setup_with_defaults(name: &str, bytes: &[u8], defaults: &Setup) -> R
     }
     let document = TomlDocument::new(name, bytes)?;
     let tree = document.parse()?;
-    let root = document.root(&tree);
-    root.check_keys(&["part", "stock", "tool", "plunge", "flank", "machine"])?;
+    setup_of_table(&document.root(&tree), defaults)
+}
+
+/// Reads a setup from the table `root` of a document, as [`read_setup_with_defaults`] does from a file.
+///
+/// # Errors
+/// When a key is unknown, or a value is outside its range.
+pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<Setup, InputError> {
+    root.check_keys(&["part", "stock", "clearance", "tool", "plunge", "flank", "machine"])?;
     let mut setup =
         Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..defaults.clone() };
     if let Some(table) = root.table("stock")? {
         stock(&table, &mut setup.allowances)?;
     }
-    setup.tools = tools(&root)?;
+    if let Some(table) = root.table("clearance")? {
+        table.check_keys(&["shank", "holder"])?;
+        setup.clearances.shank = table.number_or("shank", ALLOWANCE, setup.clearances.shank)?;
+        setup.clearances.holder = table.number_or("holder", ALLOWANCE, setup.clearances.holder)?;
+    }
+    setup.tools = read_tool_tables(root)?;
     if let Some(table) = root.table("plunge")? {
         plunge(&table, &setup.tools, &mut setup.plunge)?;
     }
@@ -98,18 +111,6 @@ pub fn read_setup_with_defaults(name: &str, bytes: &[u8], defaults: &Setup) -> R
         }
     }
     Ok(setup)
-}
-
-/// Reads a tool library: a file with only `[[tool]]` tables, in the format of a setup.
-///
-/// # Errors
-/// As [`read_setup_with_defaults`].
-pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputError> {
-    let document = TomlDocument::new(name, bytes)?;
-    let tree = document.parse()?;
-    let root = document.root(&tree);
-    root.check_keys(&["tool"])?;
-    tools(&root)
 }
 
 /// Line of the setup file that a planning error at `place` refers to; 0 if there is none.
@@ -147,65 +148,19 @@ pub fn line_of_place(bytes: &[u8], place: &SetupPlace) -> usize {
 }
 
 fn stock(table: &TomlTable<'_>, stock: &mut AllowanceSetup) -> Result<(), InputError> {
-    table.check_keys(&["hub_allowance", "blade_allowance", "safety_distance", "inlet_extension"])?;
+    table.check_keys(&[
+        "hub_allowance",
+        "blade_allowance",
+        "safety_distance",
+        "inlet_extension",
+        "material",
+    ])?;
     stock.hub_allowance = table.number_or("hub_allowance", ALLOWANCE, stock.hub_allowance)?;
     stock.blade_allowance = table.number_or("blade_allowance", ALLOWANCE, stock.blade_allowance)?;
     stock.safety_distance = table.number_or("safety_distance", ALLOWANCE, stock.safety_distance)?;
     stock.inlet_extension = table.number_or("inlet_extension", ALLOWANCE, stock.inlet_extension)?;
+    stock.material = name(table, "material")?.or(stock.material.take());
     Ok(())
-}
-
-const TOOL_KEYS: [&str; 7] =
-    ["number", "diameter", "corner_radius", "insert_width", "overhang", "plunge_feed", "spindle"];
-
-/// The `[[tool]]` tables, in file order.
-fn tools(root: &TomlTable<'_>) -> Result<Vec<Tool>, InputError> {
-    let tables = root.tables("tool")?;
-    check_count(&tables, MAX_TOOLS, "tools")?;
-    let mut tools = Vec::with_capacity(tables.len());
-    for table in tables {
-        let tool = tool(&table, &tools)?;
-        tools.push(tool);
-    }
-    Ok(tools)
-}
-
-fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
-    table.check_keys(&TOOL_KEYS)?;
-    let given = table.whole("number", 1, MAX_NUMBER)?;
-    let number = given.map_or(before.len() as u32 + 1, |n| n.value);
-    let at = |at: Option<usize>, what: String, cure: &str| match at {
-        Some(at) => table.fault_at(at, what, cure),
-        None => table.fault(what, cure),
-    };
-    if before.iter().any(|tool| tool.number == number) {
-        let what = format!("two tools have the number {number}");
-        return Err(at(given.map(|n| n.at), what, "give each tool its own number"));
-    }
-    let diameter = table
-        .number("diameter", LENGTH)?
-        .ok_or_else(|| table.fault(format!("tool {number} has no `diameter`"), "add diameter = … in mm"))?
-        .value;
-    let radius = diameter / 2.0;
-    let within_radius = |key: &str, range: NumberRange, default: f64| {
-        let value = table.number(key, range)?;
-        match value.filter(|v| v.value > radius) {
-            Some(v) => {
-                let what = format!("`{key}` {} is larger than the radius {radius}", v.value);
-                Err(table.fault_at(v.at, what, format!("give at most {radius}")))
-            }
-            None => Ok(value.map_or(default, |v| v.value)),
-        }
-    };
-    Ok(Tool {
-        number,
-        diameter,
-        corner_radius: within_radius("corner_radius", ALLOWANCE, 0.0)?,
-        insert_width: within_radius("insert_width", LENGTH, 0.9 * radius)?,
-        overhang: table.number_or("overhang", NumberRange::Above(0.0, 10.0 * MAX_LENGTH), 4.0 * diameter)?,
-        plunge_feed: table.number_or("plunge_feed", RATE, 300.0)?,
-        spindle: table.number_or("spindle", RATE, 1200.0)?,
-    })
 }
 
 fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Result<(), InputError> {
@@ -245,16 +200,6 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
         return Err(table.fault(what, "put it after the sections whose residual stock it removes"));
     }
     Ok(())
-}
-
-/// Returns an error at the first table beyond `max_count`.
-fn check_count(tables: &[TomlTable<'_>], max_count: usize, what: &str) -> Result<(), InputError> {
-    match tables.get(max_count) {
-        Some(table) => {
-            Err(table.fault(format!("more than {max_count} {what}"), format!("give at most {max_count}")))
-        }
-        None => Ok(()),
-    }
 }
 
 /// The axis policy with this name, from a file or the command line.
@@ -380,16 +325,14 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     writeln!(out, "blade_allowance = {:?}", stock.blade_allowance)?;
     writeln!(out, "safety_distance = {:?}", stock.safety_distance)?;
     writeln!(out, "inlet_extension = {:?}", stock.inlet_extension)?;
-    for tool in &setup.tools {
-        writeln!(out, "\n[[tool]]")?;
-        writeln!(out, "number = {}", tool.number)?;
-        writeln!(out, "diameter = {:?}", tool.diameter)?;
-        writeln!(out, "corner_radius = {:?}", tool.corner_radius)?;
-        writeln!(out, "insert_width = {:?}", tool.insert_width)?;
-        writeln!(out, "overhang = {:?}", tool.overhang)?;
-        writeln!(out, "plunge_feed = {:?}", tool.plunge_feed)?;
-        writeln!(out, "spindle = {:?}", tool.spindle)?;
+    if let Some(material) = &stock.material {
+        writeln!(out, "material = {}", quoted(material))?;
     }
+    if setup.clearances != ClearanceSetup::default() {
+        let ClearanceSetup { shank, holder } = setup.clearances;
+        writeln!(out, "\n[clearance]\nshank = {shank:?}\nholder = {holder:?}")?;
+    }
+    write_tools(out, &setup.tools)?;
     let plunge = &setup.plunge;
     let axis = plunge.axis.name();
     writeln!(out, "\n[plunge]\naxis = \"{axis}\"")?;
@@ -505,6 +448,7 @@ tool = 4
             overhang: 64.0,
             plunge_feed: 300.0,
             spindle: 1200.0,
+            assembly: Default::default(),
         };
         assert_eq!(setup.tools[1], second);
         assert_eq!(setup.plunge.axis, AxisPolicy::Conventional);

@@ -141,6 +141,9 @@ impl NumberRange {
     }
 }
 
+/// A dotted key with its values.
+pub(crate) type DottedScalars = (String, Vec<Located<Scalar>>);
+
 /// A value and its byte offset.
 #[derive(Clone, Copy)]
 pub struct Located<T> {
@@ -148,6 +151,31 @@ pub struct Located<T> {
     pub value: T,
     /// Byte offset, for [`TomlDocument::fault`].
     pub at: usize,
+}
+
+/// A value that is neither a list nor a table.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(untagged)]
+pub enum Scalar {
+    /// True or false.
+    Flag(bool),
+    /// An integer.
+    Whole(i64),
+    /// A number with a decimal point.
+    Number(f64),
+    /// A string.
+    Text(String),
+}
+
+impl std::fmt::Display for Scalar {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Flag(flag) => write!(f, "{flag}"),
+            Self::Whole(whole) => write!(f, "{whole}"),
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Text(text) => write!(f, "{text}"),
+        }
+    }
 }
 
 /// Rows of `N` numbers, each with its byte offset.
@@ -360,6 +388,79 @@ impl<'t> TomlTable<'t> {
             rows.push(Located { value: numbers, at: place });
         }
         Ok(Some(Located { value: rows, at }))
+    }
+
+    /// A list of strings, if the key is present; each with its byte offset.
+    ///
+    /// # Errors
+    /// When the value is not a list of strings.
+    pub fn strings(&self, key: &str) -> Result<Option<Vec<Located<&'t str>>>, InputError> {
+        let Some((list, _)) = self.list(key)? else { return Ok(None) };
+        let mut texts = Vec::with_capacity(list.len());
+        for item in list {
+            let at = item.span().start;
+            let DeValue::String(text) = item.get_ref() else {
+                let what = format!("`{key}` holds a {}, not a text", item.get_ref().type_str());
+                return Err(self.doc.fault(at, what, "put it in quotes"));
+            };
+            texts.push(Located { value: text.as_ref(), at });
+        }
+        Ok(Some(texts))
+    }
+
+    /// A list of values of any kind, if the key is present; each with its byte offset. A single value counts
+    /// as a list of one.
+    ///
+    /// # Errors
+    /// When an item is a list, a table or a date, or a number is not finite.
+    pub fn scalars(&self, key: &str) -> Result<Option<Vec<Located<Scalar>>>, InputError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        match value.get_ref() {
+            DeValue::Array(list) => {
+                self.list(key)?;
+                list.iter().map(|item| self.scalar_of(key, item)).collect::<Result<_, _>>().map(Some)
+            }
+            _ => Ok(Some(vec![self.scalar_of(key, value)?])),
+        }
+    }
+
+    fn scalar_of(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<Located<Scalar>, InputError> {
+        let at = value.span().start;
+        let scalar = match value.get_ref() {
+            DeValue::Boolean(flag) => Scalar::Flag(*flag),
+            DeValue::String(text) => Scalar::Text(text.as_ref().to_owned()),
+            DeValue::Integer(integer) if integer.radix() == 10 => {
+                let number = self.number_of(key, value)?;
+                Scalar::Whole(integer.as_str().parse().unwrap_or(number as i64))
+            }
+            DeValue::Float(_) => Scalar::Number(self.number_of(key, value)?),
+            other => {
+                let what = format!("`{key}` holds a {}", other.type_str());
+                return Err(self.doc.fault(at, what, "give numbers, texts, true or false"));
+            }
+        };
+        Ok(Located { value: scalar, at })
+    }
+
+    /// All keys of the table and of the tables in it that hold something else than a table, as dotted paths,
+    /// in file order.
+    ///
+    /// # Errors
+    /// As [`Self::scalars`].
+    pub fn dotted_scalars(&self) -> Result<Vec<DottedScalars>, InputError> {
+        let mut keys: Vec<_> = self.table.iter().collect();
+        keys.sort_by_key(|(key, _)| key.span().start);
+        let mut found = Vec::new();
+        for (key, value) in keys {
+            let key: &str = key.get_ref();
+            if let DeValue::Table(_) = value.get_ref() {
+                let inner = self.child(key, value)?.dotted_scalars()?;
+                found.extend(inner.into_iter().map(|(rest, values)| (format!("{key}.{rest}"), values)));
+            } else if let Some(values) = self.scalars(key)? {
+                found.push((key.to_owned(), values));
+            }
+        }
+        Ok(found)
     }
 
     fn list(&self, key: &str) -> Result<Option<(&'t toml::de::DeArray<'t>, usize)>, InputError> {

@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use super::setup_file::read_tools_bytes;
+use super::tool_file::read_tools_bytes;
 use crate::setup::Tool;
 
 /// Text of the library files.

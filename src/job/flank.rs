@@ -136,6 +136,7 @@ fn fault_reason(kind: FaultKind) -> Option<&'static str> {
     Some(match kind {
         FaultKind::HubAllowance => "the cutter would come too near to the hub",
         FaultKind::BladeAllowance => "the cutter would come too near to a blade",
+        FaultKind::ShankCollision => "the shank would come too near to the part",
         FaultKind::HolderCollision => "the holder would meet a blade or the hub",
         FaultKind::HolderInStock => "the holder would meet uncut stock",
         FaultKind::RapidClearance | FaultKind::RapidInStock | FaultKind::ToolInBlank => {
@@ -143,9 +144,11 @@ fn fault_reason(kind: FaultKind) -> Option<&'static str> {
         }
         FaultKind::AxisTilt => "the tilt exceeds the limit of the machine",
         FaultKind::AxisTurn => "the axis would turn too far in one move",
+        FaultKind::AxisLimit => "an axis of the machine would pass its limit",
         FaultKind::TooDeep => "the cut would be too deep in one pass",
         FaultKind::CoreContact
         | FaultKind::NoFeed
+        | FaultKind::SpindleStopped
         | FaultKind::CutsNothing
         | FaultKind::ToolDiffers
         | FaultKind::NotJudged => return None,

@@ -17,11 +17,14 @@ use crate::io::tool_library::plunge_cutters;
 use crate::monitor::Monitor;
 use crate::part::{Channel, Impeller};
 use crate::plunge::sections::Resolved;
-use crate::plunge::{PlanError, Planner, PlungePlan, SectionCache, sections};
+use crate::plunge::{DropReason, PlanError, Planner, PlungePlan, SectionCache, sections};
 use crate::setup::{AxisPolicy, Setup, SetupFault};
 use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
+
+/// Cells of the residual field along s and λ with which results are reported.
+pub const FIELD_CELLS: usize = 512;
 
 /// Request for a plunge plan.
 #[derive(Clone, Debug)]
@@ -107,6 +110,22 @@ pub fn resolve(setup: &Setup, part: &Impeller, channel: &Channel) -> Result<Reso
 }
 
 /// Plans one channel, without a cache of earlier plans.
+///
+/// ```
+/// use vanecut::{job, monitor::Monitor, setup::{AxisPolicy, Setup}};
+/// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+/// # let part = vanecut::part::Impeller::build(&part)?;
+/// let request = job::PlanRequest {
+///     setup: Setup::for_part(&part),
+///     part: part.into(),
+///     policy: AxisPolicy::Monotone,
+///     compare: false,
+///     field_cells: 64,
+/// };
+/// let outcome = job::run(&request, &Monitor::default())?;
+/// assert!(outcome.after.summary.interfering < outcome.before.summary.interfering);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// The errors of [`PlanJob::run`].
@@ -252,15 +271,47 @@ fn plan(
         None => before.clone(),
     };
     if after.plan.positions.is_empty() {
-        let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
-        return Err(JobError::Setup(SetupFault::new(
-            format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
-            "allow more tilt, or use smaller cutters",
-        )));
+        return Err(JobError::Setup(nothing_cut(&after.plan, &setup)));
     }
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
     Ok(PlanOutcome { part: part.clone(), grid, before, after, others, elapsed, setup, reasons })
+}
+
+/// The fault of a plan that cuts nothing, by the reason for which most of its positions are dropped.
+fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
+    let count = |why: DropReason| plan.dropped.iter().filter(|dropped| dropped.why == why).count();
+    let most = DropReason::ALL.into_iter().max_by_key(|&why| (count(why), why == DropReason::Blades));
+    match most {
+        Some(DropReason::Contact) => SetupFault::new(
+            "the core of every plunge would meet stock before it has cut a fifth of its depth",
+            "begin a section at the outlet (from = 1), give a cutter with wider inserts, or plan with \
+             axis = \"staircase\"",
+        ),
+        Some(DropReason::Overhang) => SetupFault::new(
+            "no tool reaches down to the hub: each is shorter below its holder than its plunges are deep",
+            "give more overhang",
+        ),
+        Some(DropReason::Shank) => SetupFault::new(
+            "the shank of every plunge would come too near to part or blank",
+            "give a thinner shank, or a smaller [clearance] shank",
+        ),
+        Some(DropReason::Holder) => {
+            let least = plan.dropped.iter().filter_map(|d| d.stick_out).reduce(f64::max);
+            let cure = match least {
+                Some(overhang) => format!("give an overhang of {overhang} mm, or a thinner holder"),
+                None => "give a thinner holder, or allow more tilt".to_owned(),
+            };
+            SetupFault::new("the holder of every plunge would come too near to part or blank", cure)
+        }
+        _ => {
+            let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
+            SetupFault::new(
+                format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
+                "allow more tilt, or use smaller cutters",
+            )
+        }
+    }
 }
 
 /// Computes the residual stock and the summary of a plan.

@@ -23,7 +23,7 @@ mod surface;
 pub mod tessellate;
 mod tips;
 mod trim;
-mod weld;
+pub(crate) mod weld;
 
 pub use describe::describe;
 pub use options::{LengthUnit, MeshOptions};

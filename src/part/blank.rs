@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::impeller::Impeller;
+use super::nose::HubNose;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search};
 
 /// Tolerance of the intersection of a line with the border of the blank, mm.
@@ -25,6 +26,8 @@ pub struct Blank {
     /// Distances from hub and from shroud, mm, up to which a locally nearest point of the curve is the
     /// globally nearest one.
     single: (f64, f64),
+    /// The hub upstream of the blank; it is never cut, but rapids keep clear of it.
+    nose: Option<HubNose>,
 }
 
 /// Share of a curve's length on either side of a guess over which a projection is searched first.
@@ -55,7 +58,8 @@ impl Blank {
         let (r_max, z_range) = (r_max + 0.1, (z_range.0 - 0.1, z_range.1 + 0.1));
         let coarse_shroud = CoarseHeights::new(&shroud, r_max, z_range);
         let single = (unique_foot_distance(&hub), unique_foot_distance(&shroud));
-        Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud, single }
+        let nose = HubNose::of(part.hub.curve(), part.hub.arc_at(0.0) - inlet_extension);
+        Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud, single, nose }
     }
 
     /// Points along the leading-edge line and the rim line; revolved about Z they are circles that a cutter
@@ -103,30 +107,26 @@ impl Blank {
         (above_hub, above_shroud)
     }
 
-    /// Distance from `point` (outside) to the blank's top: shroud, leading-edge line and rim line.
-    /// Negative where it is solid. `warm` as in [`Self::is_solid`].
+    /// Distance from `point` (outside) to the blank's top: shroud, leading-edge line and rim line, and to the
+    /// hub upstream of them. Negative where it is solid. `warm` as in [`Self::is_solid`].
     pub fn clearance(&self, point: Meridional, warm: &mut Option<f64>) -> f64 {
         self.nearest_top(point, warm).0
     }
 
     /// As [`Self::clearance`], with the nearest point of the top.
     pub fn nearest_top(&self, point: Meridional, warm: &mut Option<f64>) -> (f64, Meridional) {
-        let on_segment = |(a, b): (Meridional, Meridional)| {
-            let (dr, dz) = (b.r - a.r, b.z - a.z);
-            let share = ((point.r - a.r) * dr + (point.z - a.z) * dz) / (dr * dr + dz * dz);
-            let foot = a.lerp(b, share.clamp(0.0, 1.0));
-            (point.distance(foot), foot)
-        };
         let (t, shroud) = self.on_shroud(point, *warm);
         *warm = Some(t);
         let mut nearest = (shroud.abs(), self.shroud.point(t));
-        for end in self.ends.map(on_segment) {
+        for end in self.ends.map(|(a, b)| point.nearest_on_segment(a, b)) {
             if end.0 < nearest.0 {
                 nearest = end;
             }
         }
-        let solid = shroud < 0.0 && self.ends_depth(point) > 0.0;
-        if solid { (-nearest.0, nearest.1) } else { nearest }
+        if shroud < 0.0 && self.ends_depth(point) > 0.0 {
+            return (-nearest.0, nearest.1);
+        }
+        self.nose.as_ref().and_then(|nose| nose.nearer_than(point, nearest.0)).unwrap_or(nearest)
     }
 
     /// Signed distance from the shroud, positive outside.

@@ -230,6 +230,14 @@ pub struct Channel {
 
 impl Channel {
     /// Channel 1 of `part`. Only the first splitter of a pitch is planned around.
+    ///
+    /// ```
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+    /// # let part = vanecut::part::Impeller::build(&part)?;
+    /// let channel = vanecut::part::Channel::of(&part);
+    /// assert!(channel.splitter_s.is_none(), "all blades are main blades");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn of(part: &Impeller) -> Self {
         let other = part.main.rotated(part.pitch());
         let low = Wall::new(part, &part.main.suction);

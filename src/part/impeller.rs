@@ -35,6 +35,13 @@ const BLADE_COUNTS: std::ops::RangeInclusive<usize> = 2..=200;
 impl Impeller {
     /// Trims, extends and validates a description.
     ///
+    /// ```
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+    /// let part = vanecut::part::Impeller::build(&part)?;
+    /// assert_eq!(part.blade_count, 17);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`PartError`] with the line of the file, when the description is not a valid centrifugal impeller: hub
     /// and shroud swapped or crossing, blades that miss hub or shroud, no radial outlet, an unsupported

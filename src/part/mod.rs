@@ -8,6 +8,7 @@ pub mod description;
 pub mod envelope;
 mod flowpath;
 pub mod impeller;
+mod nose;
 pub mod probe;
 mod rotation;
 mod side;

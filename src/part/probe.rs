@@ -1,7 +1,7 @@
 //! Nearest distances to a blade side: from a cutter, from a point.
 
 use super::side::BladeSide;
-use crate::geometry::{CutterSolid, Point, Vector, norm2, search};
+use crate::geometry::{CutterSolid, Frustum, Point, Vector, norm2, search};
 
 /// A blade side with a coarse grid of its points, precomputed for many distance queries.
 #[derive(Clone, Debug)]
@@ -161,6 +161,21 @@ impl SideProbe {
     pub fn nearest_to_point(&self, point: &Point) -> NearestOnSide {
         self.nearest_within(&PointQuery { point }, FULL_V_RANGE, f64::INFINITY, NO_EARLY_EXIT)
             .unwrap_or_else(|| self.infinitely_far())
+    }
+
+    /// Signed distance from the whole side to a piece of shank or holder, mm; `None` when it is certainly more
+    /// than `cutoff` mm.
+    pub fn frustum_distance_below(&self, frustum: &Frustum, cutoff: f64) -> Option<f64> {
+        let query = FrustumQuery { frustum };
+        self.nearest_within(&query, FULL_V_RANGE, cutoff, NO_EARLY_EXIT).map(|near| near.distance)
+    }
+
+    /// A ball around the side: centre and radius, mm.
+    pub fn bounding_ball(&self) -> (Point, f64) {
+        let sum = self.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords);
+        let centre = Point::from(sum / self.points.len() as f64);
+        let grid = self.points.iter().zip(&self.reaches);
+        (centre, grid.map(|(p, reach)| (p - centre).norm() + reach).fold(0.0, f64::max))
     }
 
     fn infinitely_far(&self) -> NearestOnSide {
@@ -586,5 +601,33 @@ impl DistanceQuery for PointQuery<'_> {
 
     fn smooth_at(&self, _: &Point) -> bool {
         true
+    }
+}
+
+struct FrustumQuery<'a> {
+    frustum: &'a Frustum,
+}
+
+impl DistanceQuery for FrustumQuery<'_> {
+    #[inline]
+    fn distance(&self, p: &Point) -> f64 {
+        self.frustum.distance(p)
+    }
+
+    fn height(&self, p: &Point) -> f64 {
+        (p - self.frustum.base).dot(&self.frustum.axis)
+    }
+
+    fn gradient(&self, p: &Point) -> (f64, Vector) {
+        self.frustum.distance_and_gradient(p)
+    }
+
+    /// The distance itself has kinks at edges, so lines are searched without derivatives.
+    fn slope(&self, _: &Point, _: &Vector, _: &Vector) -> Option<(f64, f64)> {
+        None
+    }
+
+    fn smooth_at(&self, _: &Point) -> bool {
+        false
     }
 }

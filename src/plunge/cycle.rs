@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::assembly::{AssemblyRule, DropCause};
 use super::ground::StretchLayout;
 use super::known::SectionCache;
 use super::links::raise_links;
@@ -83,7 +84,7 @@ pub(super) struct PlannedRow {
     pub iterations: usize,
     pub converged: bool,
     /// s at which the row has no position, and why.
-    pub missing: Vec<(f64, DropReason)>,
+    pub missing: Vec<(f64, DropCause)>,
 }
 
 impl PlannedRow {
@@ -191,7 +192,7 @@ impl SectionCut {
     }
 
     /// Records that the row at `lambda` has no position at the s in `missing`.
-    pub fn note_missing(&mut self, lambda: f64, missing: Vec<(f64, DropReason)>) {
+    pub fn note_missing(&mut self, lambda: f64, missing: Vec<(f64, DropCause)>) {
         if !missing.is_empty() {
             let row = PlannedRow { missing, ..PlannedRow::empty(lambda) };
             self.rows.push(CutRow { row, placed: Vec::new() });
@@ -328,6 +329,7 @@ impl<'a> Planner<'a> {
         };
         for (index, (section, cut)) in self.setup.plunge.sections.iter().zip(&cuts).enumerate() {
             let tool = tool_of(self.setup, section.tool)?;
+            let rule = self.assembly_rule(tool);
             plan.sections.push(SectionPlan {
                 tool: tool.clone(),
                 from: section.from,
@@ -341,18 +343,24 @@ impl<'a> Planner<'a> {
                 plan.iterations = plan.iterations.max(row.iterations);
                 plan.converged &= row.converged;
                 let missing = row.missing.iter();
-                plan.dropped.extend(missing.map(|&(s, why)| Dropped {
+                plan.dropped.extend(missing.map(|&(s, DropCause { why, stick_out })| Dropped {
                     section: index,
                     row: row_index,
                     s,
                     why,
+                    stick_out,
                 }));
                 for (station, placed) in row.stations.iter().zip(placed) {
                     let placed = match placed {
                         Ok(placed) => placed,
                         Err(why) => {
                             let s = station.ends.s_hub;
-                            plan.dropped.push(Dropped { section: index, row: row_index, s, why: *why });
+                            let cause = match &rule {
+                                Some(rule) => rule.cause(*why, (station.tip, station.axis)),
+                                None => (*why).into(),
+                            };
+                            let DropCause { why, stick_out } = cause;
+                            plan.dropped.push(Dropped { section: index, row: row_index, s, why, stick_out });
                             continue;
                         }
                     };
@@ -385,6 +393,11 @@ impl<'a> Planner<'a> {
         }
         raise_links(&mut plan, &self.blank, self.setup.allowances.safety_distance, monitor)?;
         Ok(plan)
+    }
+
+    /// The rule for shank and holder of `tool`; `None` where neither is given.
+    pub(super) fn assembly_rule<'r>(&'r self, tool: &'r Tool) -> Option<AssemblyRule<'r>> {
+        AssemblyRule::new(tool, &self.finished, &self.blank, self.setup)
     }
 
     /// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
@@ -421,14 +434,23 @@ impl<'a> Planner<'a> {
         monitor: &Monitor,
     ) -> Result<CutRow, PlanError> {
         let top = BlankTop::new(&self.blank);
+        let rule = self.assembly_rule(tool);
         let place = |station| {
             monitor.check()?;
             let long_enough = |placed: &PlacedCutter| {
                 PlungeColumn::new(placed.cutter, tool.radius(), &top).top <= tool.overhang
             };
             let placed = self.place_cutter(station, tool);
-            Ok(placed
-                .and_then(|placed| if long_enough(&placed) { Ok(placed) } else { Err(DropReason::Overhang) }))
+            Ok(placed.and_then(|placed| {
+                if !long_enough(&placed) {
+                    return Err(DropReason::Overhang);
+                }
+                let pose = (placed.cutter.tip, placed.cutter.axis);
+                match rule.as_ref().and_then(|rule| rule.obstacle(pose)) {
+                    Some(why) => Err(why),
+                    None => Ok(placed),
+                }
+            }))
         };
         let mut placed = row
             .stations
@@ -574,7 +596,7 @@ impl<'a> Planner<'a> {
                         rows.push(PlannedRow { lambda, ..row });
                     }
                     if !runs.missing.is_empty() {
-                        let missing = runs.missing.iter().map(|&s| (s, DropReason::Blades)).collect();
+                        let missing = runs.missing.iter().map(|&s| (s, DropReason::Blades.into())).collect();
                         rows.push(PlannedRow { missing, ..PlannedRow::empty(lambda) });
                     }
                     Ok(rows)

@@ -6,13 +6,15 @@ use std::sync::Arc;
 use super::choice::rest::rest_threshold_after;
 use super::cycle::SectionCut;
 use crate::setup::{
-    AllowanceSetup, AxisPolicy, Machine, PlungeSetup, SectionSetup, Setup, SetupFault, Tool, tool_of,
+    AllowanceSetup, AxisPolicy, ClearanceSetup, Machine, PlungeSetup, SectionSetup, Setup, SetupFault, Tool,
+    tool_of,
 };
 
 /// Cache key of a section: what its rows depend on, besides the part and the earlier sections.
 #[derive(Clone, Debug, PartialEq)]
 struct SectionKey {
     stock: AllowanceSetup,
+    clearances: ClearanceSetup,
     tool: Tool,
     section: SectionSetup,
     plunge: PlungeSetup,
@@ -27,7 +29,8 @@ impl SectionKey {
         let section = &setup.plunge.sections[index];
         let tool = tool_of(setup, section.tool)?;
         Ok(Self {
-            stock: AllowanceSetup { safety_distance: 0.0, ..setup.allowances.clone() },
+            stock: AllowanceSetup { safety_distance: 0.0, material: None, ..setup.allowances.clone() },
+            clearances: setup.clearances,
             tool: Tool { number: 0, plunge_feed: 0.0, spindle: 0.0, ..tool.clone() },
             section: SectionSetup { tool: 0, ..section.clone() },
             plunge: PlungeSetup {

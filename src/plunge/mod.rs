@@ -13,6 +13,7 @@
 //! | the finished plan, over several channels, as a program | [`plan`], [`whole`], `program` |
 //! | sectional view through one position | [`inspect`] |
 
+mod assembly;
 mod attempts;
 mod carried;
 pub mod choice;

@@ -186,11 +186,15 @@ pub enum DropReason {
     Contact,
     /// The overhang is shorter than the depth in the blank: the holder would enter the blank.
     Overhang,
+    /// The shank would come too near to the part or the blank.
+    Shank,
+    /// The holder would come too near to the part or the blank.
+    Holder,
 }
 
 impl DropReason {
     /// All variants.
-    pub const ALL: [Self; 3] = [Self::Blades, Self::Contact, Self::Overhang];
+    pub const ALL: [Self; 5] = [Self::Blades, Self::Contact, Self::Overhang, Self::Shank, Self::Holder];
 
     /// Relative clause that completes "n positions …" in reports.
     pub fn words(self) -> &'static str {
@@ -198,6 +202,8 @@ impl DropReason {
             Self::Blades => "that do not clear the blades",
             Self::Contact => "whose core is free of stock only far above the hub",
             Self::Overhang => "for which the tool is too short",
+            Self::Shank => "whose shank comes too near to part or blank",
+            Self::Holder => "whose holder comes too near to part or blank",
         }
     }
 }
@@ -213,6 +219,8 @@ pub struct Dropped {
     pub s: f64,
     /// Why.
     pub why: DropReason,
+    /// The least overhang with which the tool could cut there, mm, where only its given holder is in the way.
+    pub stick_out: Option<f64>,
 }
 
 /// Plan of one section: a stretch of s cut with one tool.

@@ -135,6 +135,7 @@ fn cylinder(diameter: f64) -> Tool {
         overhang: f64::INFINITY,
         plunge_feed: 1.0,
         spindle: 1.0,
+        assembly: Default::default(),
     }
 }
 

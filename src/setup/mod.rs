@@ -3,16 +3,19 @@
 //! | file | holds |
 //! |---|---|
 //! | [`settings`](Setup) | the setup with its defaults, which follow the size of the wheel |
-//! | [`tool`] | cutters and their holder |
+//! | [`tool`] | cutters and their cutting data |
+//! | [`assembly`](ToolAssembly) | shank and holder of a tool |
 //! | [`fault`](SetupFault) | the error of a setup that a part cannot be planned with |
 
+mod assembly;
 mod fault;
 mod settings;
 pub mod tool;
 
+pub use assembly::{AssemblyPart, AssemblySegment, ToolAssembly};
 pub use fault::{SetupFault, SetupPlace, tool_of};
 pub use settings::{
-    AllowanceSetup, AxisPolicy, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy, Machine,
-    PlungeSetup, SectionSetup, Setup,
+    AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy,
+    Machine, PlungeSetup, SectionSetup, Setup,
 };
 pub use tool::Tool;

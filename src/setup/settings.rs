@@ -1,6 +1,6 @@
 //! The setup: allowances, clearances, tools and planner parameters. Keys as in the TOML file.
 
-use super::Tool;
+use super::{AssemblyPart, Tool};
 use crate::geometry::Vector;
 use crate::part::{Channel, Impeller, PassageWidth};
 
@@ -64,6 +64,34 @@ pub struct AllowanceSetup {
     pub safety_distance: f64,
     /// Length of blank upstream of the leading edge, along hub and shroud.
     pub inlet_extension: f64,
+    /// Material of the blank, as the shop calls it.
+    pub material: Option<String>,
+}
+
+/// `[clearance]`: distances that shank and holder keep from the finished part with its allowances, and from
+/// the blank, mm. Only tools with a given shank or holder are held to them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClearanceSetup {
+    /// Distance of the shank.
+    pub shank: f64,
+    /// Distance of the holder.
+    pub holder: f64,
+}
+
+impl ClearanceSetup {
+    /// The clearance of a part of the tool, mm.
+    pub fn of(&self, part: AssemblyPart) -> f64 {
+        match part {
+            AssemblyPart::Shank => self.shank,
+            AssemblyPart::Holder => self.holder,
+        }
+    }
+}
+
+impl Default for ClearanceSetup {
+    fn default() -> Self {
+        Self { shank: 1.0, holder: 1.0 }
+    }
 }
 
 /// `[[plunge.section]]`: a range of s cut with one tool.
@@ -211,6 +239,8 @@ pub struct Setup {
     pub part: Option<String>,
     /// `[stock]`.
     pub allowances: AllowanceSetup,
+    /// `[clearance]`.
+    pub clearances: ClearanceSetup,
     /// `[[tool]]`, in file order; empty: chosen for the part from the tool library.
     pub tools: Vec<Tool>,
     /// `[plunge]`.
@@ -241,6 +271,14 @@ impl Setup {
     /// The setup of an empty file for `part`: [`Setup::default`], which suits wheels of 100 to 500 mm, scaled
     /// to the size of the wheel, with allowances that are small relative to its narrowest passage and its
     /// least height.
+    ///
+    /// ```
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+    /// # let part = vanecut::part::Impeller::build(&part)?;
+    /// let setup = vanecut::setup::Setup::for_part(&part);
+    /// assert!(setup.allowances.hub_allowance > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn for_part(part: &Impeller) -> Self {
         let diameter = 2.0 * part.rim_radius();
         let usual = (diameter / ALLOWANCES_PER_DIAMETER).min(USUAL_ALLOWANCE);
@@ -302,7 +340,9 @@ impl Default for Setup {
                 blade_allowance: 0.5,
                 safety_distance: 2.0,
                 inlet_extension: 0.0,
+                material: None,
             },
+            clearances: ClearanceSetup::default(),
             tools: Vec::new(),
             plunge: PlungeSetup {
                 axis: AxisPolicy::Minimal,

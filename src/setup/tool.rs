@@ -1,5 +1,6 @@
 //! Tools.
 
+use super::assembly::ToolAssembly;
 use crate::geometry::{CutterSolid, Point, Vector};
 
 /// A milling tool: cutter, shank, holder and cutting data. All lengths mm.
@@ -19,6 +20,9 @@ pub struct Tool {
     pub plunge_feed: f64,
     /// Spindle speed, rev/min.
     pub spindle: f64,
+    /// Shank, holder and what else a library says about the tool; empty where nothing is known.
+    #[serde(flatten)]
+    pub assembly: ToolAssembly,
 }
 
 impl Tool {
@@ -32,9 +36,14 @@ impl Tool {
         self.radius() - self.insert_width
     }
 
-    /// Diameter assumed for the holder, mm: twice the cutter's. It begins at the end of the overhang.
+    /// Largest diameter of the holder, mm; where none is given it is assumed to be twice the cutter's. The
+    /// holder begins at the end of the overhang.
     pub fn holder_diameter(&self) -> f64 {
-        2.0 * self.diameter
+        let widest = |most: f64, [lower, upper, _]: &[f64; 3]| most.max(*lower).max(*upper);
+        match self.assembly.holder.is_empty() {
+            true => 2.0 * self.diameter,
+            false => self.assembly.holder.iter().fold(0.0, widest),
+        }
     }
 
     /// The cutter with the centre of its bottom at `tip` and its unit `axis` towards the holder.
@@ -42,7 +51,8 @@ impl Tool {
         CutterSolid { tip, axis, radius: self.radius(), corner_radius: self.corner_radius }
     }
 
-    /// The holder with the cutter at `tip` and its unit `axis`, as a cylinder unbounded towards the spindle.
+    /// The holder with the cutter at `tip` and its unit `axis`, as a cylinder of its largest diameter, unbounded
+    /// towards the spindle: it contains the holder.
     pub fn holder(&self, tip: Point, axis: Vector) -> CutterSolid {
         let radius = 0.5 * self.holder_diameter();
         CutterSolid { tip: tip + axis * self.overhang, axis, radius, corner_radius: 0.0 }

@@ -1,5 +1,5 @@
 //! The residual stock as a heightfield over one channel's hub floor: a fast estimate of what a plan leaves.
-//! Single precision, same arithmetic as the WGSL kernel.
+//! Single precision, same arithmetic as the WGSL kernel. And the stock of a whole wheel as a solid ([`solid`]).
 
 use crate::plunge::PlungePlan;
 use crate::plunge::plan::SectionPlan;
@@ -12,6 +12,7 @@ mod meeting;
 mod overhang;
 mod profile;
 pub mod reach;
+pub mod solid;
 pub mod statistics;
 pub mod surface;
 pub mod tiles;

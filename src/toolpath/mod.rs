@@ -4,7 +4,7 @@
 //! rev/min. Tool axes are unit vectors from tip to holder.
 
 use crate::geometry::{Point, Vector};
-use crate::setup::{CutDirection, Tool};
+use crate::setup::{CutDirection, Setup, Tool};
 
 /// Rapid feed rate assumed for time estimates, mm/min.
 pub const RAPID_MM_PER_MIN: f64 = 10_000.0;
@@ -41,6 +41,25 @@ impl ClTool {
             overhang: Some(tool.overhang),
             feed_mm_per_min: Some(tool.plunge_feed),
             spindle_rpm: Some(tool.spindle),
+        }
+    }
+
+    /// The tool with what the program does not say from the tool of the same number and diameter in `setup`,
+    /// or else assumed: edges over 0.9 of the radius, four diameters of overhang.
+    pub fn completed(&self, setup: &Setup) -> Tool {
+        let same = |t: &&Tool| t.number == self.number && (t.diameter - self.diameter).abs() < 1e-6;
+        let known = setup.tools.iter().find(same);
+        let insert_width =
+            self.insert_width.or(known.map(|t| t.insert_width)).unwrap_or(0.9 * self.diameter / 2.0);
+        Tool {
+            number: self.number,
+            diameter: self.diameter,
+            corner_radius: self.corner_radius,
+            insert_width: insert_width.min(self.diameter / 2.0),
+            overhang: self.overhang.or(known.map(|t| t.overhang)).unwrap_or(4.0 * self.diameter),
+            plunge_feed: self.feed_mm_per_min.or(known.map(|t| t.plunge_feed)).unwrap_or(300.0),
+            spindle: self.spindle_rpm.or(known.map(|t| t.spindle)).unwrap_or(1200.0),
+            assembly: known.map(|t| t.assembly.clone()).unwrap_or_default(),
         }
     }
 }
@@ -117,6 +136,10 @@ pub struct ClProgram {
     pub sections: Vec<ClSection>,
     /// Rows of that plan, in cutting order.
     pub rows: Vec<ClRow>,
+    /// Rounding of distances by the file's numbers, mm; 0: that of six decimals.
+    pub rounding: f64,
+    /// Lines of the moves under feed while the program has stopped the spindle.
+    pub stopped_spindle_lines: Vec<usize>,
     /// Warnings of the reader, by line; at most [`MAX_WARNINGS`].
     pub warnings: Vec<ClWarning>,
 }

@@ -25,18 +25,26 @@ pub enum FaultKind {
     RapidInStock,
     /// In a rapid the tool above its bottom runs into the blank; value: how far above the bottom, mm.
     ToolInBlank,
-    /// The holder collides with a blade, its allowance, or the hub.
+    /// The shank comes too near to the finished part, or runs into stock; value: the clearance that is missing,
+    /// mm.
+    ShankCollision,
+    /// The holder comes too near to the finished part, or runs into stock; value: the clearance that is missing,
+    /// mm. An assumed holder collides with a blade, its allowance, or the hub; no value.
     HolderCollision,
     /// The holder collides with remaining stock; value: the stock it meets, mm³.
     HolderInStock,
     /// The axis tilts beyond the machine's limit; value: the tilt, degrees.
     AxisTilt,
+    /// An axis of the machine is beyond its limits; value: its position, mm or degrees.
+    AxisLimit,
     /// The axis turns too far in one move; value: the turn, degrees.
     AxisTurn,
     /// A cut engages deeper than the tool is long; value: the depth, mm.
     TooDeep,
     /// Cuts without a feed rate; value: their number.
     NoFeed,
+    /// Cuts while the program has stopped the spindle; value: their number.
+    SpindleStopped,
     /// The program cuts nothing of the part.
     CutsNothing,
     /// A tool differs from the one of that number in the setup; value: its diameter, mm.
@@ -55,12 +63,15 @@ impl FaultKind {
             Self::RapidClearance => "rapids too near to the blank",
             Self::RapidInStock => "rapids through stock",
             Self::ToolInBlank => "rapids with the tool in the blank",
+            Self::ShankCollision => "moves with the shank in the part",
             Self::HolderCollision => "moves with the holder in the part",
             Self::HolderInStock => "moves with the holder in stock",
             Self::AxisTilt => "axes beyond the machine's tilt",
+            Self::AxisLimit => "positions beyond an axis limit",
             Self::AxisTurn => "moves that turn the axis too far",
             Self::TooDeep => "cuts deeper than the tool is long",
             Self::NoFeed => "cuts without a feed rate",
+            Self::SpindleStopped => "cuts with the spindle stopped",
             Self::CutsNothing => "programs that cut nothing",
             Self::ToolDiffers => "tools that differ from the setup",
             Self::NotJudged => "cuts that cannot be judged",
@@ -165,13 +176,25 @@ pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> O
 
 /// The fault of cuts without a feed rate, at `lines`.
 pub(super) fn missing_feed(lines: &[usize]) -> Option<Fault> {
+    cuts_in_error(FaultKind::NoFeed, lines, "without a feed rate", "give FEDRAT")
+}
+
+/// The fault of cuts with a stopped spindle, by the lines of all cuts and those of the moves under feed while it
+/// is stopped (ascending).
+pub(super) fn stopped_spindle(cuts: impl Iterator<Item = usize>, stopped: &[usize]) -> Option<Fault> {
+    let lines: Vec<usize> = cuts.filter(|line| stopped.binary_search(line).is_ok()).collect();
+    cuts_in_error(FaultKind::SpindleStopped, &lines, "with the spindle stopped", "give SPINDL with a speed")
+}
+
+/// One fault for all cuts in `lines`, which the program makes in a `state` that `remedy` would have ended.
+fn cuts_in_error(kind: FaultKind, lines: &[usize], state: &str, remedy: &str) -> Option<Fault> {
     let first = *lines.first()?;
     let count = lines.len();
     let what = match count {
-        1 => "cuts without a feed rate; give FEDRAT before it".to_owned(),
-        _ => format!("cuts without a feed rate, as {} others do; give FEDRAT before them", count - 1),
+        1 => format!("cuts {state}; {remedy} before it"),
+        _ => format!("cuts {state}, as {} others do; {remedy} before them", count - 1),
     };
-    Some(Finding::new(FaultKind::NoFeed, count as f64, what).at(first))
+    Some(Finding::new(kind, count as f64, what).at(first))
 }
 
 /// The fault of a tool of the program, first used in `line`, that differs from the setup's tool of the same

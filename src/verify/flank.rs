@@ -14,11 +14,13 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use super::assembly::{AssemblyDistances, assembly_findings, unknown_assemblies};
 use super::fault::{
     Fault, FaultKind, Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank,
-    tool_mismatch,
+    stopped_spindle, tool_mismatch,
 };
 use super::too_deep;
+use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings};
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::retract::bottom_clearance;
 use crate::monitor::{Cancelled, Monitor};
@@ -71,6 +73,10 @@ pub struct FlankVerdict {
     /// Deepest cut: height above the bottom of the cutter of the stock over the floor that it removes at
     /// once, mm.
     pub deepest_cut: f64,
+    /// Least distances of shank and holder to the finished part.
+    pub assembly: AssemblyDistances,
+    /// Remarks that are not faults.
+    pub notes: Vec<String>,
     /// All faults, by line.
     pub faults: Vec<Fault>,
 }
@@ -199,6 +205,7 @@ impl<'a> FlankVerifier<'a> {
                 .flat_map(|(_, floor)| &floor.depths)
                 .map(|d| d.0)
                 .fold(0.0, f64::max),
+            notes: unknown_assemblies(program, setup).into_iter().collect(),
             faults,
             ..FlankVerdict::empty()
         };
@@ -268,9 +275,12 @@ impl<'a> FlankVerifier<'a> {
         steps: &[CutterStep],
         monitor: &Monitor,
     ) -> Result<Vec<StepResult>, Cancelled> {
+        let segments: Vec<_> = self.tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect();
         let around = StepSurroundings {
             finished: &self.finished,
             tools: &self.tools,
+            assembly: AssemblySurroundings::new(&self.finished, self.setup),
+            segments: &segments,
             hub_allowance: self.setup.allowances.hub_allowance,
             blade_allowance: self.setup.allowances.blade_allowance,
         };
@@ -338,8 +348,10 @@ impl<'a> FlankVerifier<'a> {
                 Finding::new(FaultKind::AxisTurn, turn, what)
             }),
         ];
+        let around = AssemblySurroundings::new(&self.finished, self.setup);
+        let assembly = assembly_findings(&self.tools[step.tool], &look.assembly, &around);
         let line = step.line;
-        found.into_iter().flatten().map(move |finding| finding.at(line))
+        found.into_iter().flatten().chain(assembly).map(move |finding| finding.at(line))
     }
 
     /// The fault of a cut `depth` mm deep, if any.
@@ -370,6 +382,8 @@ impl<'a> FlankVerifier<'a> {
         let no_feed = |step: &&Move| step.tool.is_some() && step.motion == Motion::Feed(None);
         let without: Vec<usize> = program.moves.iter().filter(no_feed).map(|step| step.line).collect();
         faults.extend(missing_feed(&without));
+        let cuts = steps.iter().filter(|step| step.feed.is_some()).map(|step| step.line);
+        faults.extend(stopped_spindle(cuts, &program.stopped_spindle_lines));
         for (index, tool) in self.tools.iter().enumerate() {
             let line = steps.iter().find(|step| step.tool == index).map(|step| step.line);
             faults.extend(line.and_then(|line| tool_mismatch(line, tool, self.setup)));
@@ -420,6 +434,8 @@ impl StockCollision {
 #[derive(Clone)]
 struct StepResult {
     clearance: StepClearance,
+    /// Of shank and holder that are given.
+    assembly: AssemblyClearance,
     /// At the end of a step under feed.
     end: Option<StepClearance>,
     /// Least distance to the blank of a rapid that is not along the axis, where it is outside the blank, mm;
@@ -441,6 +457,7 @@ fn examine_step(
 ) -> StepResult {
     let mut look = StepResult {
         clearance: StepClearance::FAR,
+        assembly: around.assembly_along(step),
         end: ends[1],
         retract: f64::INFINITY,
         inside: Vec::new(),
@@ -497,12 +514,15 @@ impl FlankVerdict {
             uncovered: Uncovered::default(),
             layer: ResidualStatistics::default(),
             deepest_cut: 0.0,
+            assembly: AssemblyDistances::NONE,
+            notes: Vec::new(),
             faults: Vec::new(),
         }
     }
 
     fn add(&mut self, step: &CutterStep, look: &StepResult) {
         let length = step.length();
+        self.assembly.add(&look.assembly);
         match step.feed {
             Some(feed) => {
                 self.cut_length += length;

@@ -2,6 +2,7 @@
 //!
 //! The checks are independent of the planner: they use only the tool positions of the program.
 
+mod assembly;
 mod channels;
 mod fault;
 mod flank;
@@ -13,15 +14,21 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
+pub use assembly::AssemblyDistances;
+use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, count_by_kind};
-use fault::{Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank, tool_mismatch};
+use fault::{
+    Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank, stopped_spindle,
+    tool_mismatch,
+};
 pub use flank::{FlankVerdict, FlankVerifier, Uncovered, is_flank, verify_flank};
 use plunges::named_sections;
 pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
 
+use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn, core_contact};
 use crate::cutting::link::LinkMove;
@@ -51,6 +58,8 @@ pub struct PlungeVerdict {
     pub channels: usize,
     /// Deepest plunge: from its bottom to the top of the blank above it, mm.
     pub deepest_plunge: f64,
+    /// Least distances of shank and holder to the finished part.
+    pub assembly: AssemblyDistances,
     /// All faults, by line.
     pub faults: Vec<Fault>,
 }
@@ -67,11 +76,25 @@ struct Measured {
     /// removes, mm; the latter only where it may exceed the overhang of the tool.
     top: f64,
     engaged: f64,
+    holder_in_stock: Option<Fault>,
     rapids: Vec<Fault>,
 }
 
 /// Checks `program` against `part` with the allowances of `setup`. Where the program gives no insert width,
 /// that of the setup's tool is used.
+///
+/// ```
+/// use vanecut::{io, part::Channel, setup::Setup, verify};
+/// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+/// # let part = vanecut::part::Impeller::build(&part)?;
+/// // A plunge of D 20 to the axis of rotation, straight through the hub.
+/// let text = b"LOADTL/1\nCUTTER/20\nRAPID\nGOTO/0,0,500,0,0,1\nFEDRAT/300,MMPM\nGOTO/0,0,0,0,0,1\nFINI";
+/// let program = io::apt::read_apt_bytes("through.apt", text)?;
+/// let verdict = verify::verify(&part, &Channel::of(&part), &Setup::for_part(&part), &program)
+///     .map_err(|fault| fault.message)?;
+/// assert!(!verdict.faults.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// When the program has no cuts, or a cut cannot be checked because no tool with a diameter comes before it;
@@ -120,6 +143,8 @@ pub fn verify(
                 in_blank: bottom_in_blank(&cut.cutter, &blank),
                 top: whole.top,
                 engaged: if deep { core_contact(&whole, earlier, &blank).depth } else { 0.0 },
+                holder_in_stock: holder_in_stock(cut, k, &columns, &top, &blank)
+                    .map(|finding| finding.at(cut.line)),
                 rapids,
             }
         })
@@ -139,8 +164,8 @@ pub fn verify(
         let s = part.hub.s_at(part.hub.curve().project(Meridional::of(&here.tip)).0);
         let contact = seen.contact;
         let found = [
-            near_hub(seen.hub, &setup.allowances, PROGRAM_TOLERANCE),
-            near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE),
+            near_hub(seen.hub, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
+            near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| {
                 let what = format!(
@@ -154,6 +179,7 @@ pub fn verify(
             (seen.engaged > cut.tool.overhang + TOOL_TOLERANCE).then(|| too_deep(seen.engaged, &cut.tool)),
         ];
         faults.extend(found.into_iter().flatten().map(|finding| finding.at(cut.line)));
+        faults.extend(seen.holder_in_stock.clone());
         faults.extend_from_slice(&seen.rapids);
         plan.positions.push(Position {
             tip: here.tip,
@@ -181,14 +207,18 @@ pub fn verify(
     }
     let without: Vec<usize> = cuts.iter().filter(|cut| !cut.has_feed).map(|cut| cut.line).collect();
     faults.extend(missing_feed(&without));
+    faults.extend(stopped_spindle(cuts.iter().map(|cut| cut.line), &program.stopped_spindle_lines));
     for index in 0..program.tools.len() {
         let first = cuts.iter().find(|cut| cut.tool_index == index);
         faults.extend(first.and_then(|cut| tool_mismatch(cut.line, &cut.tool, setup)));
     }
+    let around = AssemblySurroundings::new(&finished, setup);
+    let (assembly, found) = judge_moves(program, setup, &around);
+    faults.extend(found);
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
     let channels = turns.iter().collect::<BTreeSet<_>>().len();
-    Ok(PlungeVerdict { plan, channel_offsets: turns, channels, deepest_plunge, faults })
+    Ok(PlungeVerdict { plan, channel_offsets: turns, channels, deepest_plunge, assembly, faults })
 }
 
 /// Whether the bottom of a cutter is in the blank: its centre, or a sample of its rim.

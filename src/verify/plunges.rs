@@ -70,7 +70,7 @@ const MAX_SAMPLES: usize = 200;
 /// # Errors
 /// When a cut comes before any tool, or a tool has no diameter; the fault names the line.
 pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<ProgramCut>, Fault> {
-    let tools: Vec<Tool> = program.tools.iter().map(|t| tool_of(t, setup)).collect();
+    let tools: Vec<Tool> = program.tools.iter().map(|t| t.completed(setup)).collect();
     let mut cuts: Vec<ProgramCut> = Vec::new();
     let mut rapids: Vec<Rapid> = Vec::new();
     let mut section = 0;
@@ -185,7 +185,7 @@ pub(super) fn named_sections(
         rows.sort_unstable();
         rows.dedup();
         SectionPlan {
-            tool: tool_of(&described, setup),
+            tool: described.completed(setup),
             from: section.from,
             to: section.to,
             feed: section.feed,
@@ -195,21 +195,4 @@ pub(super) fn named_sections(
         }
     });
     Some(named.collect()).filter(|sections: &Vec<SectionPlan>| !sections.is_empty())
-}
-
-/// The tool of a program, completed by the setup.
-pub(super) fn tool_of(tool: &ClTool, setup: &Setup) -> Tool {
-    let known =
-        setup.tools.iter().find(|t| t.number == tool.number && (t.diameter - tool.diameter).abs() < 1e-6);
-    let insert_width =
-        tool.insert_width.or(known.map(|t| t.insert_width)).unwrap_or(0.9 * tool.diameter / 2.0);
-    Tool {
-        number: tool.number,
-        diameter: tool.diameter,
-        corner_radius: tool.corner_radius,
-        insert_width: insert_width.min(tool.diameter / 2.0),
-        overhang: tool.overhang.or(known.map(|t| t.overhang)).unwrap_or(4.0 * tool.diameter),
-        plunge_feed: tool.feed_mm_per_min.or(known.map(|t| t.plunge_feed)).unwrap_or(300.0),
-        spindle: tool.spindle_rpm.or(known.map(|t| t.spindle)).unwrap_or(1200.0),
-    }
 }

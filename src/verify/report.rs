@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::assembly::unknown_assemblies;
 use super::summary::{Floors, Summary, Travel};
 use super::{Fault, PlungeVerdict, verify};
 use crate::geometry::{rotate_vector_z, rotate_z};
@@ -57,6 +58,7 @@ pub fn report_plunges(
     if summary.uncut_share > MAX_UNCUT_SHARE {
         notes.push(format!("{:.1} % of the reachable floor stays uncut", 100.0 * summary.uncut_share));
     }
+    notes.extend(unknown_assemblies(program, setup));
     Ok(PlungeReport { verdict, summary, sections, notes })
 }
 

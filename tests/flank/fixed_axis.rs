@@ -34,6 +34,7 @@ fn tool(diameter: f64, corner_radius: f64, overhang: f64) -> Tool {
         overhang,
         plunge_feed: 300.0,
         spindle: 5000.0,
+        assembly: Default::default(),
     }
 }
 

@@ -260,6 +260,7 @@ fn what_cannot_be_planned_is_said_in_a_line() {
         overhang: 100.0,
         plunge_feed: 300.0,
         spindle: 1000.0,
+        assembly: Default::default(),
     };
     assert!(fault(&|s| s.flank.layer_depth = 0.0).contains("more than 0"));
     assert!(fault(&|s| s.flank.layer_depth = 40.0).contains("deeper than the channel"));

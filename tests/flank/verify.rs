@@ -44,6 +44,7 @@ fn made(inner: usize) -> Made {
         overhang: 90.0,
         plunge_feed: 300.0,
         spindle: 5000.0,
+        assembly: Default::default(),
     };
     let setup = Setup::default();
     let stock = &setup.allowances;

@@ -30,6 +30,7 @@ fn tool(diameter: f64, corner_radius: f64) -> Tool {
         overhang: 6.0 * diameter,
         plunge_feed: 300.0,
         spindle: 5000.0,
+        assembly: Default::default(),
     }
 }
 

@@ -120,6 +120,7 @@ fn a_thicker_cutter_is_taken_where_the_thin_ones_are_too_short() {
         overhang,
         plunge_feed: 300.0,
         spindle: 1200.0,
+        assembly: Default::default(),
     };
     let chosen = |tools: Vec<Tool>| {
         let setup = Setup { tools, ..Setup::for_part(&part) };

@@ -189,6 +189,7 @@ fn tool(diameter: f64, overhang: f64) -> Tool {
         overhang,
         plunge_feed: 300.0,
         spindle: 3000.0,
+        assembly: Default::default(),
     }
 }
 

@@ -10,7 +10,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::{Channel, Impeller};
 use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
 use vanecut::toolpath::ClProgram;
-use vanecut::verify::verify;
+use vanecut::verify::{FaultKind, verify};
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
@@ -322,6 +322,7 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
         overhang: 95.0,
         plunge_feed: 300.0,
         spindle: 3000.0,
+        assembly: Default::default(),
     };
     let radius = cutter.radius();
     let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
@@ -341,4 +342,34 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
     };
     let share = excess(AxisPolicy::Minimal) / excess(AxisPolicy::Monotone);
     assert!(share < 0.58, "{share} of what monotone leaves");
+}
+
+#[test]
+fn links_of_a_ball_cutter_keep_the_whole_tool_out_of_the_blank() {
+    let part = sample("impeller532.toml");
+    let cutter = Tool {
+        number: 1,
+        diameter: 12.0,
+        corner_radius: 6.0,
+        insert_width: 5.0,
+        overhang: 80.0,
+        plunge_feed: 300.0,
+        spindle: 3000.0,
+        assembly: Default::default(),
+    };
+    let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
+    setup.plunge.sections =
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, cut_direction: None, rest: false }];
+    let request = PlanRequest {
+        part: part.clone().into(),
+        setup: setup.clone(),
+        policy: AxisPolicy::Monotone,
+        compare: false,
+        field_cells: 512,
+    };
+    let outcome = run(&request, &Monitor::default()).expect("a plan");
+    let program = ClProgram::of_plan(&part.name, &outcome.after.plan);
+    let verdict = verify(&part, &Channel::of(&part), &setup, &program).expect("can be judged");
+    let swings: Vec<_> = verdict.faults.iter().filter(|f| f.kind == FaultKind::ToolInBlank).collect();
+    assert!(swings.is_empty(), "{swings:#?}");
 }

@@ -217,15 +217,18 @@ fn a_tool_that_only_makes_rapids_has_no_section() {
     assert_eq!(report.verdict.plan.sections.len(), outcome.after.plan.sections.len());
 }
 
-/// Distance from the top of a blank by brute force: shroud and both ends as dense polygons; negative between
-/// hub and shroud.
+/// Distance from the top of a blank and from the nose upstream of it by brute force, by dense polygons.
 struct BruteBlank {
+    /// Shroud and both ends.
     top: Vec<Meridional>,
+    /// The top and the hub under it.
     outline: Vec<Meridional>,
+    /// From the axis along the front plane and the hub to the blank; empty where the blank begins with the hub.
+    nose: Vec<Meridional>,
 }
 
 impl BruteBlank {
-    fn new(blank: &Blank) -> Self {
+    fn new(part: &Impeller, blank: &Blank) -> Self {
         const COUNT: usize = 4000;
         let along = |curve: &vanecut::geometry::MeridionalCurve| -> Vec<Meridional> {
             (0..=COUNT).map(|i| curve.point(curve.length() * i as f64 / COUNT as f64)).collect()
@@ -237,13 +240,21 @@ impl BruteBlank {
         top.extend(&shroud);
         top.extend(line(shroud[COUNT], hub[COUNT]));
         let outline = top.iter().chain(hub.iter().rev()).copied().collect();
-        Self { top, outline }
+        let end = part.hub.arc_at(0.0);
+        let at = |i: usize| part.hub.curve().point(end * i as f64 / COUNT as f64);
+        let front = Meridional { r: 0.0, z: at(0).z };
+        let mut nose: Vec<Meridional> = Vec::new();
+        if end > 1e-3 {
+            nose.extend(line(front, at(0)));
+            nose.extend((0..=COUNT).map(at));
+        }
+        Self { top, outline, nose }
     }
 
-    fn inside(&self, p: Meridional) -> bool {
+    fn inside(outline: &[Meridional], p: Meridional) -> bool {
         let mut inside = false;
-        for (i, a) in self.outline.iter().enumerate() {
-            let b = self.outline[(i + 1) % self.outline.len()];
+        for (i, a) in outline.iter().enumerate() {
+            let b = outline[(i + 1) % outline.len()];
             if (a.z > p.z) != (b.z > p.z) && p.r < a.r + (p.z - a.z) / (b.z - a.z) * (b.r - a.r) {
                 inside = !inside;
             }
@@ -251,8 +262,24 @@ impl BruteBlank {
         inside
     }
 
-    fn distance(&self, p: Meridional) -> f64 {
-        self.top.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min)
+    /// Distance from the top and the nose, negative in the blank (from the top) and in the nose (from the nose).
+    fn clearance(&self, p: Meridional) -> f64 {
+        let distance = |line: &[Meridional]| line.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min);
+        let (top, nose) = (distance(&self.top), distance(&self.nose));
+        if Self::inside(&self.outline, p) {
+            -top
+        } else if self.in_nose(p) {
+            -nose
+        } else {
+            top.min(nose)
+        }
+    }
+
+    /// Whether a point is in the nose: the hub upstream of the blank, closed by planes at both of its ends.
+    fn in_nose(&self, p: Meridional) -> bool {
+        let axis = self.nose.last().map(|last| Meridional { r: 0.0, z: last.z });
+        let closed: Vec<Meridional> = self.nose.iter().copied().chain(axis).collect();
+        Self::inside(&closed, p)
     }
 }
 
@@ -270,7 +297,7 @@ fn distances_from_the_blank_are_those_of_brute_force() {
             name => sample(name),
         };
         let blank = Blank::of(&part, 0.0);
-        let brute = BruteBlank::new(&blank);
+        let brute = BruteBlank::new(&part, &blank);
         let (length, size) = (blank.shroud.length(), part.rim_radius());
         let middle = blank.shroud.point(0.5 * length);
         let grain = length / 4000.0;
@@ -280,13 +307,13 @@ fn distances_from_the_blank_are_those_of_brute_force() {
                 r: (middle.r + dice(-1.0, 1.0) * size).abs(),
                 z: middle.z + dice(-1.0, 1.0) * size,
             };
-            let (far, solid) = (brute.distance(point), brute.inside(point));
+            let wanted = brute.clearance(point);
+            let far = wanted.abs();
             // Below the hub, the distance from the top is not defined.
-            if !solid && blank.is_solid(point, &mut None) {
+            if wanted >= 0.0 && blank.is_solid(point, &mut None) {
                 continue;
             }
             looked_at += 1;
-            let wanted = if solid { -far } else { far };
             for warm in [None, Some(0.0), Some(dice(0.0, length)), Some(length)] {
                 let found = blank.clearance(point, &mut warm.clone());
                 assert!(

@@ -63,6 +63,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         overhang: 120.0,
         plunge_feed: 300.0,
         spindle: 1200.0,
+        assembly: Default::default(),
     };
     let grid = Arc::new(grid(part, &passage));
     let result = |policy: AxisPolicy| {

@@ -106,6 +106,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
             overhang: like.map_or(120.0, |t| t.overhang),
             plunge_feed: like.map_or(300.0, |t| t.plunge_feed),
             spindle: like.map_or(1200.0, |t| t.spindle),
+            assembly: Default::default(),
         });
     }
 }

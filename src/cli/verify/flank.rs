@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::cli::report::{head, number};
+use crate::cli::report::{assembly_keys, assembly_text, head, notes_text, number};
 use crate::part::Impeller;
 use crate::verify::FlankVerdict;
 
@@ -37,6 +37,7 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     put("cut_length", number(verdict.cut_length));
     put("rapid_length", number(verdict.rapid_length));
     put("time_estimate", number(verdict.time_estimate));
+    map.extend(assembly_keys(&verdict.assembly));
     map
 }
 
@@ -74,6 +75,8 @@ pub(super) fn text(verdict: &FlankVerdict) -> String {
         verdict.min_blade_clearance,
         verdict.max_axis_change_rad.to_degrees()
     );
+    text += &assembly_text(&verdict.assembly);
+    text += &notes_text(&verdict.notes);
     text
 }
 

@@ -41,6 +41,13 @@ pub fn read_apt(path: &Path) -> Result<ClProgram, InputError> {
 
 /// Reads a CL program from bytes; `name` is the file name used in messages.
 ///
+/// ```
+/// let text = b"LOADTL/1\nCUTTER/10\nRAPID\nGOTO/0,0,50,0,0,1\nFEDRAT/300,MMPM\nGOTO/0,0,20,0,0,1\nFINI";
+/// let program = vanecut::io::apt::read_apt_bytes("one.apt", text)?;
+/// assert_eq!((program.tools[0].diameter, program.moves.len()), (10.0, 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When a number or an axis is invalid, a statement moves or transforms in an unsupported way, or the
 /// program has no moves.
@@ -114,6 +121,8 @@ struct Reader<'a> {
     /// Whether the current tool was given a number.
     numbered: bool,
     spindle_rpm: Option<f64>,
+    /// Whether the program has stopped the spindle.
+    spindle_stopped: bool,
     insert_widths: Vec<(u32, f64)>,
     transform: Transform,
     /// List of the first `MSYS`: the frame of all positions.
@@ -139,6 +148,7 @@ impl<'a> Reader<'a> {
             used: false,
             numbered: false,
             spindle_rpm: None,
+            spindle_stopped: false,
             insert_widths: Vec::new(),
             transform: Transform::default(),
             frame: None,
@@ -399,6 +409,9 @@ impl<'a> Reader<'a> {
         self.used = true;
         self.ended = false;
         let motion = if rapid { Motion::Rapid } else { Motion::Feed(self.feed_mm_per_min) };
+        if !rapid && self.spindle_stopped {
+            self.program.stopped_spindle_lines.push(line);
+        }
         if let Motion::Feed(Some(feed)) = motion
             && let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index))
         {
@@ -439,8 +452,9 @@ impl<'a> Reader<'a> {
     }
 
     fn spindl(&mut self, words: &[String]) {
-        let speed = words.iter().find_map(|word| source::number(word).ok()).filter(|speed| *speed > 0.0);
-        let Some(speed) = speed else { return };
+        let number = words.iter().find_map(|word| source::number(word).ok());
+        self.spindle_stopped = words.iter().any(|word| word == "OFF") || number.is_some_and(|n| n <= 0.0);
+        let Some(speed) = number.filter(|speed| *speed > 0.0) else { return };
         self.spindle_rpm = Some(speed);
         if let Some(tool) = self.tool.and_then(|index| self.program.tools.get_mut(index)) {
             tool.spindle_rpm.get_or_insert(speed);

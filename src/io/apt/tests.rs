@@ -45,6 +45,15 @@ fn sample() -> ClProgram {
 }
 
 #[test]
+fn moves_under_feed_with_a_stopped_spindle_are_noted() {
+    let start = "LOADTL/1\nCUTTER/10\nSPINDL/1200,RPM,CLW\nFEDRAT/100,MMPM\nGOTO/0,0,1\nSPINDL/OFF\nRAPID\n";
+    let lines = |rest: &str| read(&format!("{start}{rest}\nFINI")).stopped_spindle_lines;
+    assert_eq!(lines("GOTO/0,0,9\nGOTO/0,0,8\nGOTO/0,0,7"), [9, 10]);
+    assert_eq!(lines("GOTO/0,0,9\nSPINDL/ON\nGOTO/0,0,8"), [0; 0]);
+    assert_eq!(lines("GOTO/0,0,9\nSPINDL/0,RPM,CLW\nGOTO/0,0,8\nSPINDL/900\nGOTO/0,0,7"), [10]);
+}
+
+#[test]
 fn writes_statements_in_the_documented_form() {
     let text = write_apt(&sample());
     let start = "PARTNO impeller $$ 532\nUNITS/MM\nMULTAX/ON\nLOADTL/1\n\

@@ -9,6 +9,12 @@ const COLUMNS: usize = 72;
 /// is loaded where the moves change to it.
 ///
 /// The part name is truncated to its line, and control characters in it become spaces.
+///
+/// ```
+/// let program = vanecut::toolpath::ClProgram { part: "wheel".to_owned(), ..Default::default() };
+/// let text = vanecut::io::apt::write_apt(&program);
+/// assert!(text.starts_with("PARTNO") && text.trim_end().ends_with("FINI"));
+/// ```
 pub fn write_apt(program: &ClProgram) -> String {
     let mut out = String::new();
     statement(&mut out, &["PARTNO ", &part_name(&program.part)]);

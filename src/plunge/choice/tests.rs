@@ -12,6 +12,7 @@ fn tool(number: u32, diameter: f64) -> Tool {
         overhang: 200.0,
         plunge_feed: 300.0,
         spindle: 1200.0,
+        assembly: Default::default(),
     }
 }
 

@@ -7,7 +7,9 @@
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, PlungeColumn};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
+use crate::plunge::assembly::{AssemblyRule, DropCause};
 use crate::plunge::lane::{AxisEnds, is_wall};
+use crate::plunge::plan::DropReason;
 use crate::plunge::row::{RowMaker, Station};
 use crate::setup::Machine;
 
@@ -34,6 +36,9 @@ const STRIPS: usize = 9;
 const ALONG: usize = 7;
 /// Distance of the outermost point along the row, in cutter radii.
 const REACH_ALONG_RADII: f64 = 0.9;
+
+/// Number of candidates of a position that are asked which overhang would do.
+const MAX_CAUSES: usize = 8;
 
 /// One candidate position, not yet checked against the blades.
 #[derive(Clone, Copy, Debug)]
@@ -124,6 +129,8 @@ pub struct CandidateMaker<'a> {
     pub blade_allowance: f64,
     pub max_tilt_rad: f64,
     pub machine: &'a Machine,
+    /// For a tool whose shank or holder is given.
+    pub assembly: Option<AssemblyRule<'a>>,
     /// Layer e for which e²/`scale` equals e in the cost, mm.
     pub scale: f64,
     /// Floor that the row has to clear at an s: from half way to the previous row or wall to half way to the
@@ -345,10 +352,32 @@ impl CandidateMaker<'_> {
         self.finished.clears(&self.maker.cutter(station), self.blade_allowance - slack)
     }
 
-    /// Whether the cutter of a station is longer than its depth in the blank.
+    /// Whether the cutter of a station is longer than its depth in the blank, and shank and holder are clear.
     pub fn is_long_enough(&self, station: &Station) -> bool {
+        self.is_longer_than_deep(station)
+            && self.assembly.as_ref().is_none_or(|rule| rule.obstacle((station.tip, station.axis)).is_none())
+    }
+
+    fn is_longer_than_deep(&self, station: &Station) -> bool {
         let tool = self.maker.tool;
         PlungeColumn::new(self.maker.cutter(station), tool.radius(), self.top).top <= tool.overhang
+    }
+
+    /// Why none of these stations is long enough; of those with only the holder in the way, the least overhang
+    /// that would do.
+    pub fn why_too_short<'s>(&self, stations: impl Iterator<Item = &'s Station>) -> DropCause {
+        let Some(rule) = &self.assembly else { return DropReason::Overhang.into() };
+        let cause = |station: &Station| {
+            let pose = (station.tip, station.axis);
+            let obstacle = match self.is_longer_than_deep(station) {
+                true => rule.obstacle(pose),
+                false => Some(DropReason::Overhang),
+            };
+            rule.cause(obstacle.unwrap_or(DropReason::Overhang), pose)
+        };
+        let length = |cause: &DropCause| cause.stick_out.unwrap_or(f64::INFINITY);
+        let causes = stations.take(MAX_CAUSES).map(cause);
+        causes.min_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(DropReason::Overhang.into())
     }
 
     fn lowered(&self, ends: AxisEnds, floor: &FloorPoints, reference: &Vector) -> Option<RowCandidate> {

@@ -9,6 +9,7 @@ use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
+use crate::plunge::assembly::DropCause;
 use crate::plunge::plan::{DropReason, LimitedBy};
 use crate::plunge::row::Station;
 
@@ -61,7 +62,7 @@ pub struct RowPath {
     /// ignored), mm.
     pub acceptable_cost: f64,
     /// s of the stages from the start on at which nothing is cut, and why.
-    pub missing: Vec<(f64, DropReason)>,
+    pub missing: Vec<(f64, DropCause)>,
     /// Cost of these stages, mm.
     missing_cost: f64,
 }
@@ -229,7 +230,7 @@ impl PathSearch<'_> {
             let (before, after) = (k.saturating_sub(1), (k + 1).min(places.len() - 1));
             let share = 0.5 * (places[after].0 - places[before].0).abs() / step;
             let (cost, why) = match place {
-                None => (mean_uncut_cost, DropReason::Blades),
+                None => (mean_uncut_cost, DropReason::Blades.into()),
                 Some(place) => (self.uncut_cost(place), self.why_unreached(place)),
             };
             path.cost += cost * share;
@@ -247,16 +248,16 @@ impl PathSearch<'_> {
     }
 
     /// Why no candidate of a stage is on a path.
-    fn why_unreached(&self, place: &CandidateStage) -> DropReason {
+    fn why_unreached(&self, place: &CandidateStage) -> DropCause {
         let candidates = place.by_lead.iter().flatten().flatten();
-        let mut cleared = candidates.filter_map(|c| self.candidates.cleared(c, place)).peekable();
-        if cleared.peek().is_none() {
-            return DropReason::Blades;
+        let cleared: Vec<_> = candidates.filter_map(|c| self.candidates.cleared(c, place)).collect();
+        if cleared.is_empty() {
+            return DropReason::Blades.into();
         }
-        match cleared.any(|c| self.candidates.is_long_enough(&c.station)) {
-            true => DropReason::Contact,
-            false => DropReason::Overhang,
+        if cleared.iter().any(|c| self.candidates.is_long_enough(&c.station)) {
+            return DropReason::Contact.into();
         }
+        self.candidates.why_too_short(cleared.iter().map(|c| &c.station))
     }
 
     /// The stages at every s, and between two of them where the axes turn too much.
@@ -470,7 +471,7 @@ impl PathSearch<'_> {
             let PathState { candidate, lift, .. } = *state;
             match self.is_strict && state.is_left_out {
                 true if counts => {
-                    path.missing.push((s, DropReason::Contact));
+                    path.missing.push((s, DropReason::Contact.into()));
                     path.missing_cost += candidate.uncut_cost(self.candidates.scale);
                 }
                 true => {}

@@ -8,7 +8,7 @@ use crate::monitor::Monitor;
 use crate::plunge::cycle::{CutRow, PlanError, PlannedRow, Planner, SectionCut};
 use crate::plunge::ground::{PassageStretch, RowLayout, StretchLayout};
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
-use crate::plunge::plan::DropReason;
+use crate::plunge::assembly::DropCause;
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::sections::max_shroud_spacing;
 use crate::setup::{CutDirection, Tool, tool_of};
@@ -44,7 +44,7 @@ struct CutPath {
     /// Whether plunges of the path were left out.
     has_lost: bool,
     /// See [`RowPath::missing`].
-    missing: Vec<(f64, DropReason)>,
+    missing: Vec<(f64, DropCause)>,
 }
 
 impl Planner<'_> {
@@ -150,10 +150,16 @@ impl Planner<'_> {
                 if best.has_lost {
                     let search =
                         PathSearch { is_strict: true, candidates: search.candidates.clone(), ..search };
-                    let path = search.path(&places, start, &cut.columns)?;
-                    let strict = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
-                    if strict.cost < best.cost {
-                        best = strict;
+                    // A stop during this search leaves the row as it was cut first.
+                    match search.path(&places, start, &cut.columns) {
+                        Ok(path) => {
+                            let strict = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
+                            if strict.cost < best.cost {
+                                best = strict;
+                            }
+                        }
+                        Err(_) if monitor.is_stopped() => {}
+                        Err(cancelled) => return Err(cancelled.into()),
                     }
                 }
                 *cost += best.cost;
@@ -204,6 +210,7 @@ impl Planner<'_> {
             blade_allowance: stock.blade_allowance,
             max_tilt_rad: self.setup.plunge.max_tilt_rad,
             machine: &self.setup.machine,
+            assembly: self.assembly_rule(maker.tool),
             scale: SCALE_RADII * maker.tool.radius(),
             floor: &|_| None,
             max_side_shift: f64::INFINITY,

@@ -2,7 +2,6 @@
 
 use super::super::Fault;
 use super::super::channels::{channel_at, channels_of};
-use super::super::plunges::tool_of;
 use crate::cutting::link::AxisTurn;
 use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Channel, Impeller};
@@ -75,7 +74,7 @@ pub(super) fn steps_of(
     program: &ClProgram,
     setup: &Setup,
 ) -> Result<(Vec<CutterStep>, Vec<Tool>), Fault> {
-    let tools: Vec<Tool> = program.tools.iter().map(|t| tool_of(t, setup)).collect();
+    let tools: Vec<Tool> = program.tools.iter().map(|t| t.completed(setup)).collect();
     let mut steps: Vec<CutterStep> = Vec::with_capacity(program.moves.len());
     let mut last: Option<(usize, (Point, Vector))> = None;
     for (index, step) in program.moves.iter().enumerate() {

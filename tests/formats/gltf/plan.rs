@@ -53,6 +53,7 @@ fn plan() -> PlungePlan {
             overhang: 50.0,
             plunge_feed: 300.0,
             spindle: 1200.0,
+            assembly: Default::default(),
         },
         from: 1.0,
         to: 0.0,

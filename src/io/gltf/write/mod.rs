@@ -9,6 +9,7 @@ mod cutter;
 mod flank;
 mod part;
 mod plan;
+mod stock;
 
 pub use plan::{CutterNodes, PlanScene};
 

@@ -1,0 +1,34 @@
+//! Judges an APT program of any CAM system against a part:
+//! `cargo run --release --example judge_program -- PART.toml PROGRAM.apt`. It ends with exit code 1 when the
+//! program has faults.
+
+use std::error::Error;
+use std::path::Path;
+use std::process::ExitCode;
+
+use vanecut::io::apt::read_apt;
+use vanecut::io::part_file::read_part;
+use vanecut::part::{Channel, Impeller};
+use vanecut::setup::Setup;
+use vanecut::verify::{is_flank, verify, verify_flank};
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let (Some(part), Some(path)) = (arguments.next(), arguments.next()) else {
+        return Err("usage: judge_program PART.toml PROGRAM.apt".into());
+    };
+    let part = Impeller::build(&read_part(Path::new(&part))?)?;
+    let (channel, setup) = (Channel::of(&part), Setup::for_part(&part));
+    let program = read_apt(Path::new(&path))?;
+    // Plunges and flank milling are judged by rules of their own; the moves of the program tell which it is.
+    let faults = match is_flank(&program) {
+        true => verify_flank(&part, &channel, &setup, &program).map(|verdict| verdict.faults),
+        false => verify(&part, &channel, &setup, &program).map(|verdict| verdict.faults),
+    };
+    let faults = faults.unwrap_or_else(|fault| vec![fault]);
+    for fault in &faults {
+        println!("{path}:{}: {}", fault.line, fault.message);
+    }
+    println!("{} faults", faults.len());
+    Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

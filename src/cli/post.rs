@@ -1,0 +1,258 @@
+//! `vanecut post`.
+
+use serde_json::{Map, Value, json};
+
+use super::args::PostArgs;
+use super::{Failure, open, print_stdout, report};
+use crate::io::apt::read_apt_bytes;
+use crate::io::flank_file::{is_flank, read_flank_bytes};
+use crate::io::machine_file::read_machine;
+use crate::io::nc::{NcProgram, Post, read_post, write_nc};
+use crate::io::plan_file::read_plan_bytes;
+use crate::io::setup_file::read_setup;
+use crate::io::write_atomically;
+use crate::machine::{
+    BlankSize, MachineProgram, MachineTool, MotionFault, MotionOptions, OutputKind, PlacedPart, SectionTime,
+    machine_program, section_times,
+};
+use crate::monitor::Monitor;
+use crate::part::{Blank, Impeller};
+use crate::plunge::whole::plan_channels;
+use crate::setup::{Setup, Tool, tool_of};
+use crate::toolpath::ClProgram;
+
+/// A program with what its source says of the part.
+struct PostSource {
+    program: ClProgram,
+    /// Whether the inlet points to +Z in the part frame.
+    inlet_up: bool,
+    blank: Option<BlankSize>,
+    /// File name for messages.
+    name: String,
+    /// Whether the lines of its moves are those of the file; in plans they are the numbers of the moves.
+    has_lines: bool,
+}
+
+impl PostSource {
+    /// Place of a move in messages.
+    fn place(&self, line: usize) -> String {
+        match (line, self.has_lines) {
+            (0, _) => self.name.clone(),
+            (_, true) => format!("{}:{line}", self.name),
+            (_, false) => format!("{}: move {line}", self.name),
+        }
+    }
+}
+
+/// Posts a program and prints its figures.
+///
+/// # Errors
+/// [`Failure::Input`] when an input is invalid, [`Failure::Work`] when the machine cannot run the program.
+pub fn run(args: &PostArgs) -> Result<(), Failure> {
+    let started = std::time::Instant::now();
+    let machine = read_machine(&args.machine)?;
+    let post = read_post(args.control.as_deref().unwrap_or(&machine.control))?;
+    let output = match args.kind.as_deref() {
+        None => machine.output,
+        Some(name) => OutputKind::of_name(name).ok_or_else(|| {
+            let known = OutputKind::ALL.map(OutputKind::name).join(", ");
+            Failure::Input(format!("--output {name} is not known; use one of {known}"))
+        })?,
+    };
+    if !post.outputs().any(|known| known == output) {
+        let known: Vec<&str> = post.outputs().map(OutputKind::name).collect();
+        let what = format!("the control {} does not take {}", post.name, output.name());
+        return Err(Failure::Input(format!("{what}; give --output {}", known.join(" or "))));
+    }
+    let mut source = read_source(args)?;
+    if let Some(path) = &args.setup {
+        fill_tools(&mut source.program, &read_setup(path, &Setup::default())?.tools);
+    }
+    let placed = PlacedPart::new(&machine.part, source.inlet_up);
+    let mut options = MotionOptions::new(output, post.format.angle_decimals);
+    options.blank = source.blank;
+    let made = machine_program(&machine, &placed, &source.program, &options, &Monitor::default());
+    let motion = made.map_err(|fault| refused(args, &machine, &source, &fault))?;
+    let written = write_nc(&source.program, &machine, &motion, &post, output)
+        .map_err(|what| Failure::at(&source.name, 0, &what))?;
+    let times = section_times(&machine, &source.program, &motion);
+    write_atomically(&args.file, written.text.as_bytes())?;
+    if args.json {
+        let mut map = object(&machine, &source.program, &motion, &written, &times);
+        map.insert("control".into(), json!(post.name));
+        map.insert("output".into(), json!(output.name()));
+        map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
+        print_stdout(&format!("{}\n", Value::Object(map)))
+    } else {
+        print_stdout(&text(args, &machine, &post, output, &source.program, &motion, &written, &times))
+    }
+}
+
+/// The failure of a program that the machine cannot run; with `--json` the number of positions is printed.
+fn refused(args: &PostArgs, machine: &MachineTool, source: &PostSource, fault: &MotionFault) -> Failure {
+    let what = format!("{}: {fault}", machine.name);
+    if matches!(fault, MotionFault::Lacks { .. }) {
+        return Failure::Input(format!("{}: {fault}", source.place(fault.line())));
+    }
+    if args.json {
+        let mut map = Map::new();
+        for key in ["blocks", "time", "time_by_section", "rotary_travel", "rewinds", "largest_tip_error"] {
+            map.insert(key.into(), Value::Null);
+        }
+        map.insert("limits_exceeded".into(), json!(fault.limits_exceeded()));
+        // The fault itself is what counts; a closed output adds nothing to it.
+        let _ = print_stdout(&format!("{}\n", Value::Object(map)));
+    }
+    Failure::Work(format!("{}: {what}", source.place(fault.line())))
+}
+
+/// Reads a plan, a flank plan or an APT program.
+fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
+    let (name, bytes) = open::named_bytes(&args.program)?;
+    if !bytes.trim_ascii_start().starts_with(b"{") {
+        let program = read_apt_bytes(&name, &bytes)?;
+        if program.moves.is_empty() {
+            return Err(Failure::at(&name, 0, "the program moves nothing; give one with GOTO"));
+        }
+        // Tools come from the inlet: their axes lean to its side.
+        let lean: f64 = program.moves.iter().map(|m| m.axis.z).sum();
+        return Ok(PostSource { program, inlet_up: lean >= 0.0, blank: None, name, has_lines: true });
+    }
+    let (mut program, part) = if is_flank(&bytes) {
+        let stored = read_flank_bytes(&name, &bytes)?;
+        let missing = || Failure::at(&name, 0, "the plan names no tool; plan the part again");
+        let number = stored.setup.flank.tool.ok_or_else(missing)?;
+        let tool = tool_of(&stored.setup, number).map_err(|e| Failure::at(&name, 0, &e.what))?;
+        (ClProgram::of_flank(&stored.part.name, tool, &stored.moves), stored.part)
+    } else {
+        let stored = read_plan_bytes(&name, &bytes)?;
+        let channels = stored.channels.clamp(1, stored.part.blade_count);
+        let allowances = &stored.setup.allowances;
+        let blank = Blank::of(&stored.part, allowances.inlet_extension);
+        let safety = allowances.safety_distance;
+        let monitor = Monitor::default();
+        let plan = plan_channels(&stored.plan, &stored.part, &blank, safety, channels, &monitor)
+            .map_err(|cancelled| Failure::Work(cancelled.to_string()))?;
+        (ClProgram::of_plan(&stored.part.name, &plan), stored.part)
+    };
+    if program.moves.is_empty() {
+        return Err(Failure::at(&name, 0, "the plan has no positions; plan the part with tools that fit"));
+    }
+    let inlet_up = part.out_of_inlet().z > 0.0;
+    for (number, step) in (1..).zip(&mut program.moves) {
+        step.line = number;
+    }
+    Ok(PostSource { program, inlet_up, blank: Some(blank_size(&part)), name, has_lines: false })
+}
+
+/// Extent of the turned body between hub and shroud.
+fn blank_size(part: &Impeller) -> BlankSize {
+    let places = (0..=20).map(|i| f64::from(i) / 20.0);
+    let points: Vec<_> = places.flat_map(|s| [part.hub.point(s), part.shroud.point(s)]).collect();
+    let low = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+    let high = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+    BlankSize { radius: points.iter().map(|p| p.r).fold(0.0, f64::max), z: (low, high) }
+}
+
+/// Completes tools by those of the setup with the same number.
+fn fill_tools(program: &mut ClProgram, tools: &[Tool]) {
+    for tool in &mut program.tools {
+        if let Some(known) = tools.iter().find(|known| known.number == tool.number) {
+            tool.spindle_rpm = tool.spindle_rpm.or(Some(known.spindle));
+            tool.overhang = tool.overhang.or(Some(known.overhang));
+            tool.insert_width = tool.insert_width.or(Some(known.insert_width));
+        }
+    }
+}
+
+/// The largest error of the tip: in joint space and by rounding, mm.
+fn tip_error(motion: &MachineProgram, written: &NcProgram) -> f64 {
+    motion.tip_error + written.rounding_error
+}
+
+fn section_object(program: &ClProgram, time: &SectionTime) -> Value {
+    json!({
+        "section": time.section,
+        "tool": program.tools.get(time.tool).map(|tool| tool.number),
+        "time": report::number(time.total_s()),
+        "feed": report::number(time.feed_s),
+        "links": report::number(time.links_s),
+        "turns": report::number(time.turns_s),
+        "tool_change": report::number(time.tool_change_s),
+    })
+}
+
+fn object(
+    machine: &MachineTool,
+    program: &ClProgram,
+    motion: &MachineProgram,
+    written: &NcProgram,
+    times: &[SectionTime],
+) -> Map<String, Value> {
+    let mut map = Map::new();
+    let travel: Map<String, Value> = (0..2)
+        .map(|i| {
+            let degrees = report::number(motion.rotary_travel[i].to_degrees());
+            (machine.rotary[i].letter.to_string(), degrees)
+        })
+        .collect();
+    map.insert("machine".into(), json!(machine.name));
+    map.insert("blocks".into(), json!(written.blocks));
+    map.insert("time".into(), report::number(times.iter().map(SectionTime::total_s).sum()));
+    map.insert("time_by_section".into(), times.iter().map(|time| section_object(program, time)).collect());
+    map.insert("rotary_travel".into(), Value::Object(travel));
+    map.insert("rewinds".into(), json!(motion.rewinds));
+    map.insert("clear_links".into(), json!(motion.clear_links));
+    map.insert("limits_exceeded".into(), json!(0));
+    map.insert("largest_tip_error".into(), report::number(tip_error(motion, written)));
+    map.insert("largest_axis_error".into(), report::number(motion.axis_error_rad.to_degrees()));
+    map
+}
+
+#[expect(clippy::too_many_arguments, reason = "what is printed comes from all of them")]
+fn text(
+    args: &PostArgs,
+    machine: &MachineTool,
+    post: &Post,
+    output: OutputKind,
+    program: &ClProgram,
+    motion: &MachineProgram,
+    written: &NcProgram,
+    times: &[SectionTime],
+) -> String {
+    let minutes = |s: f64| format!("{:.1}", s / 60.0);
+    let mut text = format!(
+        "{}: {} blocks for {}, {} {}\n",
+        args.file.display(),
+        written.blocks,
+        machine.name,
+        post.name,
+        output.name()
+    );
+    text += "section  tool   min  feed  links  turns  change\n";
+    for time in times {
+        let section = time.section.map_or("–".to_owned(), |section| section.to_string());
+        let number = program.tools.get(time.tool).map_or(0, |tool| tool.number);
+        let [total, feed, links, turns, change] =
+            [time.total_s(), time.feed_s, time.links_s, time.turns_s, time.tool_change_s].map(minutes);
+        text += &format!(
+            "{section:>7}  {number:>4}  {total:>4}  {feed:>4}  {links:>5}  {turns:>5}  {change:>6}\n"
+        );
+    }
+    text += &format!(
+        "{} min in all; {} turns {:.0}°, {} turns {:.0}°; {} links leave the part, {} of them unwind an axis\n",
+        minutes(times.iter().map(SectionTime::total_s).sum()),
+        machine.rotary[0].letter,
+        motion.rotary_travel[0].to_degrees(),
+        machine.rotary[1].letter,
+        motion.rotary_travel[1].to_degrees(),
+        motion.clear_links,
+        motion.rewinds
+    );
+    text += &format!(
+        "largest error of the tip {:.4} mm, of the axis {:.4}°\n",
+        tip_error(motion, written),
+        motion.axis_error_rad.to_degrees()
+    );
+    text
+}

@@ -1,0 +1,211 @@
+//! `vanecut stock`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use serde_json::{Map, Value, json};
+
+use super::args::StockArgs;
+use super::report::number;
+use super::watch::run_with_progress;
+use super::{Failure, open, print_stdout};
+use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::flank_file::{is_flank, read_flank_bytes};
+use crate::io::gltf::GltfScene;
+use crate::io::plan_file::read_plan_bytes;
+use crate::io::source::{name_of, read_bytes_up_to};
+use crate::io::stl::{MAX_STL_BYTES, read_stl_bytes, write_stl};
+use crate::io::write_atomically;
+use crate::part::{Blank, Impeller};
+use crate::setup::Setup;
+use crate::stock::solid::{
+    Contact, MeshBlank, SolidBlank, SolidError, SolidProgram, SolidStock, StockSurface, TurnedOutline,
+};
+use crate::toolpath::ClProgram;
+
+/// Number of collisions that are printed; further ones are only counted.
+const MAX_SHOWN: usize = 20;
+
+/// Output format, by extension.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Stl,
+    Glb,
+}
+
+/// Simulates a program, writes the stock and prints the figures.
+///
+/// # Errors
+/// [`Failure::Input`] when an argument or an input is invalid, or the output cannot be written;
+/// [`Failure::Work`] when cancelled.
+pub fn run(args: &StockArgs) -> Result<(), Failure> {
+    let started = Instant::now();
+    let format = format_of(&args.output)?;
+    let (_, part) = open::part(&args.part, &args.mesh)?;
+    if args.program == Path::new("-") && args.setup.as_deref() == Some(Path::new("-")) {
+        return Err(Failure::Input(
+            "standard input cannot be both setup and program; give one as a file".to_owned(),
+        ));
+    }
+    let opened = open::setup(args.setup.as_deref(), &args.part, &part)?;
+    let (name, program, planned) = read_program(&args.program)?;
+    let setup = planned.filter(|_| args.setup.is_none()).unwrap_or(opened.setup);
+    let simulated = SolidProgram::new(&program, &setup)
+        .map_err(|fault| Failure::at(&name, fault.line, &fault.message))?;
+    let made = args.at.unwrap_or(simulated.count);
+    if made > simulated.count {
+        return Err(Failure::Input(format!(
+            "--at {made}: the program has {} moves; give 0 to {}",
+            simulated.count, simulated.count
+        )));
+    }
+    let blank = blank_of(args.blank.as_deref(), &part, &setup)?;
+    let spacing = args.spacing.unwrap_or_else(|| blank.default_spacing());
+    let failed = |error: SolidError| match error {
+        SolidError::Cancelled(cancelled) => Failure::Work(cancelled.to_string()),
+        SolidError::Empty => Failure::Input(format!("--blank: {error}")),
+        other => Failure::Input(format!("--spacing: {other}")),
+    };
+    let mut stock = SolidStock::new(&blank, spacing).map_err(failed)?;
+    let contacts =
+        run_with_progress(|monitor| stock.make_moves(&simulated.tools, simulated.first(made), monitor))
+            .map_err(failed)?;
+    let surface = StockSurface::of(&stock);
+    let (whole, volume) = (blank.volume(), surface.volume());
+    let bytes = match format {
+        Format::Stl => write_stl(&surface.points, &surface.triangles, &part.name),
+        Format::Glb => GltfScene::of_stock(&part.name, &surface, volume).glb(),
+    };
+    write_atomically(&args.output, &bytes)?;
+    let collisions = Collisions { name: &name, program: &program, contacts: &contacts };
+    if args.json {
+        let mut map = Map::new();
+        map.insert("volume".into(), number(volume));
+        map.insert("volume_removed".into(), number(whole - volume));
+        map.insert("spacing".into(), number(spacing));
+        map.insert("moves".into(), json!(made));
+        map.insert("collisions".into(), collisions.json());
+        map.insert("elapsed".into(), number(started.elapsed().as_secs_f64()));
+        return print_stdout(&format!("{}\n", Value::Object(map)));
+    }
+    let mut text = format!(
+        "wrote {}: {} triangles\n{made} of {} moves: {:.1} cm³ of {:.1} cm³ removed, {:.1} cm³ left; spacing \
+         {spacing:.3} mm\n",
+        args.output.display(),
+        surface.triangles.len(),
+        simulated.count,
+        1e-3 * (whole - volume),
+        1e-3 * whole,
+        1e-3 * volume,
+    );
+    text += &collisions.text();
+    print_stdout(&text)
+}
+
+fn format_of(path: &Path) -> Result<Format, Failure> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "stl" => Ok(Format::Stl),
+        "glb" => Ok(Format::Glb),
+        _ => Err(Failure::at(&name_of(path), 0, "is not a format of solids; give a .stl or .glb file")),
+    }
+}
+
+/// The program in an APT file, a plan.json or a flank.json; of a plan with its setup. Lines of a plan's moves
+/// are those of the APT file that `plan` or `flank` writes beside it.
+fn read_program(path: &Path) -> Result<(String, ClProgram, Option<Setup>), Failure> {
+    let (name, bytes) = open::named_bytes(path)?;
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        let program = read_apt_bytes(&name, &bytes)?;
+        return Ok((name, program, None));
+    }
+    let (program, setup) = if is_flank(&bytes) {
+        let stored = read_flank_bytes(&name, &bytes)?;
+        // The setup of a flank plan names the tool that was chosen.
+        let chosen = stored.setup.flank.tool;
+        let tool = stored.setup.tools.iter().find(|tool| chosen.is_none_or(|number| tool.number == number));
+        let Some(tool) = tool else {
+            return Err(Failure::at(&name, 0, "has no tool; plan it again"));
+        };
+        (ClProgram::of_flank(&stored.part.name, tool, &stored.moves), stored.setup.clone())
+    } else {
+        let stored = read_plan_bytes(&name, &bytes)?;
+        (ClProgram::of_plan(&stored.part.name, &stored.plan), stored.setup)
+    };
+    if program.moves.is_empty() {
+        return Err(Failure::at(&name, 0, "has no moves; plan it again"));
+    }
+    let program = read_apt_bytes(&name, write_apt(&program).as_bytes())?;
+    Ok((name, program, Some(setup)))
+}
+
+/// The blank by the word or the file given for it; absent: that between the edges of the blades.
+fn blank_of(given: Option<&Path>, part: &Impeller, setup: &Setup) -> Result<SolidBlank, Failure> {
+    let extension = setup.allowances.inlet_extension;
+    match given.map(|path| (path, path.to_str())) {
+        None | Some((_, Some("edges"))) => {
+            Ok(SolidBlank::Turned(TurnedOutline::of_blank(part, &Blank::of(part, extension))))
+        }
+        Some((_, Some("turned"))) => Ok(SolidBlank::Turned(TurnedOutline::cylinder_of(part, extension))),
+        Some((path, _)) if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl")) => {
+            let name = name_of(path);
+            let mesh = read_stl_bytes(&name, &read_bytes_up_to(path, MAX_STL_BYTES)?)?;
+            let blank = MeshBlank::new(&mesh).map_err(|fault| Failure::at(&name, 0, &fault.to_string()))?;
+            Ok(SolidBlank::Mesh(blank))
+        }
+        Some((path, _)) => Err(Failure::Input(format!(
+            "--blank {}: is not known; give edges, turned, or an .stl file",
+            path.display()
+        ))),
+    }
+}
+
+/// Collisions with the lines of the program.
+struct Collisions<'a> {
+    name: &'a str,
+    program: &'a ClProgram,
+    contacts: &'a [Contact],
+}
+
+impl Collisions<'_> {
+    fn line(&self, contact: &Contact) -> usize {
+        self.program.moves.get(contact.number as usize).map_or(0, |step| step.line)
+    }
+
+    fn json(&self) -> Value {
+        self.contacts
+            .iter()
+            .map(|contact| {
+                json!({
+                    "line": self.line(contact),
+                    "part": contact.part,
+                    "depth": number(contact.depth),
+                    "point": contact.point.iter().map(|x| number(*x)).collect::<Vec<_>>(),
+                })
+            })
+            .collect()
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        for contact in self.contacts.iter().take(MAX_SHOWN) {
+            let p = contact.point;
+            text += &format!(
+                "{}:{}: the {} meets stock, {:.2} mm deep, at {:.2}, {:.2}, {:.2}\n",
+                self.name,
+                self.line(contact),
+                contact.part.name(),
+                contact.depth,
+                p.x,
+                p.y,
+                p.z
+            );
+        }
+        match self.contacts.len() {
+            0 => text += "no collision with stock\n",
+            count if count > MAX_SHOWN => text += &format!("… and {} more collisions\n", count - MAX_SHOWN),
+            _ => {}
+        }
+        text
+    }
+}

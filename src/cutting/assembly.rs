@@ -1,0 +1,275 @@
+//! Shank and holder of a tool against the finished part and the blank.
+//!
+//! Each cylinder or cone is measured on its own: against the blades of the whole wheel by the search of
+//! [`SideProbe`](crate::part::SideProbe), against the hub along circles of its surface. Moves are sampled by
+//! conservative advancement: a distance changes by no more than the fastest point of the tool travels, so
+//! that the slack at a sample says how far the next one may be.
+
+use super::clearance::FinishedPart;
+use super::link::AxisTurn;
+use super::retract::bottom_clearance;
+use crate::geometry::{
+    Circle, CutterSolid, Frustum, Meridional, Point, Vector, distance_rate, rotate_vector_z, rotate_z, search,
+};
+use crate::part::Blank;
+use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Setup, Tool};
+
+/// Clearance that may be missing by rounding, mm.
+pub const ASSEMBLY_TOLERANCE: f64 = 1e-3;
+/// Distance beyond the required one up to which distances are measured along moves, mm.
+const LOOK_AHEAD: f64 = 20.0;
+/// Largest number of samples along a move.
+const MAX_SAMPLES: usize = 400;
+/// Shares of the length of a segment at which circles are compared with the hub.
+const CIRCLES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+/// Least increment and largest extension of the search for a stick-out, mm; a whole number of mm is proposed.
+const STICK_OUT_STEP: f64 = 0.05;
+const MAX_EXTENSION: f64 = 1000.0;
+
+/// Least distance of shank or holder, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartClearance {
+    /// Signed distance to the finished part; infinite beyond the cap of the query.
+    pub distance: f64,
+    /// Clearance that is missing; negative where there is more than required.
+    pub missing: f64,
+}
+
+impl PartClearance {
+    /// Nothing near.
+    pub const FAR: Self = Self { distance: f64::INFINITY, missing: f64::NEG_INFINITY };
+
+    /// The lesser of each.
+    pub fn worst_of(self, other: Self) -> Self {
+        Self { distance: self.distance.min(other.distance), missing: self.missing.max(other.missing) }
+    }
+
+    /// Whether clearance is missing by more than rounding.
+    pub fn collides(&self) -> bool {
+        self.missing > ASSEMBLY_TOLERANCE
+    }
+}
+
+/// Clearances of shank and holder over a move, with the worst poses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AssemblyClearance {
+    /// Of the shank.
+    pub shank: PartClearance,
+    /// Of the holder.
+    pub holder: PartClearance,
+    /// Tip and axis where the holder misses most.
+    pub worst: Option<(Point, Vector)>,
+}
+
+impl AssemblyClearance {
+    /// Nothing near.
+    pub const FAR: Self = Self { shank: PartClearance::FAR, holder: PartClearance::FAR, worst: None };
+
+    /// The lesser of each.
+    pub fn worst_of(self, other: Self) -> Self {
+        let worst = if other.holder.missing > self.holder.missing { other.worst } else { self.worst };
+        Self { shank: self.shank.worst_of(other.shank), holder: self.holder.worst_of(other.holder), worst }
+    }
+
+    /// Clearance of one of them.
+    pub fn of(&self, part: AssemblyPart) -> PartClearance {
+        match part {
+            AssemblyPart::Shank => self.shank,
+            AssemblyPart::Holder => self.holder,
+        }
+    }
+}
+
+/// What shank and holder must stay clear of.
+#[derive(Clone, Copy, Debug)]
+pub struct AssemblySurroundings<'a> {
+    /// The finished part.
+    pub finished: &'a FinishedPart<'a>,
+    /// The blank, where all of it counts as standing.
+    pub blank: Option<&'a Blank>,
+    /// Allowances on hub and blades, mm.
+    pub allowances: [f64; 2],
+    /// Clearances beyond them.
+    pub clearances: ClearanceSetup,
+}
+
+impl<'a> AssemblySurroundings<'a> {
+    /// The finished part with the allowances and clearances of `setup`.
+    pub fn new(finished: &'a FinishedPart<'a>, setup: &Setup) -> Self {
+        let allowances = [setup.allowances.hub_allowance, setup.allowances.blade_allowance];
+        Self { finished, blank: None, allowances, clearances: setup.clearances }
+    }
+
+    /// As these, with the whole blank standing.
+    pub fn with_blank(self, blank: &'a Blank) -> Self {
+        Self { blank: Some(blank), ..self }
+    }
+
+    /// Clearance of one segment of `tool` in a pose; distances are measured up to `cap` mm.
+    fn segment(
+        &self,
+        segment: &AssemblySegment,
+        tool: &Tool,
+        pose: (Point, Vector),
+        cap: f64,
+    ) -> PartClearance {
+        let frustum = segment.placed(&pose.0, &pose.1);
+        let required = self.allowances.map(|allowance| allowance + self.clearances.of(segment.part));
+        let cap = cap.max(required[0]).max(required[1]);
+        let hub = hub_distance(self.finished, &frustum, cap);
+        let blade = blade_distance(self.finished, &frustum, cap);
+        let mut missing = (required[0] - hub).max(required[1] - blade);
+        let widest = frustum.radii[0].max(frustum.radii[1]);
+        // A shank no wider than its cutter moves where the cutter has cut.
+        if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
+            missing = missing.max(self.clearances.of(segment.part) - blank_distance(&frustum, blank));
+        }
+        let distance = hub.min(blade);
+        PartClearance { distance: if distance < cap { distance } else { f64::INFINITY }, missing }
+    }
+
+    /// Clearance of `segments` of `tool` with its tip and unit axis at `pose`.
+    pub fn at(
+        &self,
+        tool: &Tool,
+        segments: &[AssemblySegment],
+        pose: (Point, Vector),
+        cap: f64,
+    ) -> AssemblyClearance {
+        let mut least = AssemblyClearance::FAR;
+        for segment in segments {
+            let of = match segment.part {
+                AssemblyPart::Shank => &mut least.shank,
+                AssemblyPart::Holder => &mut least.holder,
+            };
+            *of = of.worst_of(self.segment(segment, tool, pose, cap.min(of.distance)));
+        }
+        least.worst = Some(pose);
+        least
+    }
+
+    /// Least clearance while the tool moves from one pose to another; the axis turns at a constant rate.
+    pub fn along(
+        &self,
+        tool: &Tool,
+        segments: &[AssemblySegment],
+        from: (Point, Vector),
+        to: (Point, Vector),
+    ) -> AssemblyClearance {
+        let cap = LOOK_AHEAD + self.allowances[0].max(self.allowances[1]);
+        let travel = to.0 - from.0;
+        let turn = AxisTurn::new(from.1, &to.1);
+        // No point of the tool is faster than its tip, and a turn about that.
+        let reach =
+            segments.iter().map(|s| s.from + s.length + s.radii[0].max(s.radii[1])).fold(0.0, f64::max);
+        let speed = travel.norm() + from.1.angle(&to.1) * reach;
+        let mut least = self.at(tool, segments, to, f64::INFINITY);
+        if speed < 1e-9 {
+            return least;
+        }
+        let mut share = 0.0;
+        while share < 1.0 {
+            let here = self.at(tool, segments, (from.0 + travel * share, turn.at(share).0), cap);
+            least = least.worst_of(here);
+            let slack = -here.shank.missing.max(here.holder.missing);
+            share += (slack / speed).max(1.0 / MAX_SAMPLES as f64).max(0.1 / speed);
+        }
+        least
+    }
+
+    /// The least overhang, in whole mm, with which the holder of `tool` is clear at a pose; `None` where the
+    /// shank is in the way, too, or no overhang within reason suffices.
+    pub fn stick_out(&self, tool: &Tool, pose: (Point, Vector)) -> Option<f64> {
+        if tool.assembly.holder.is_empty() {
+            return None;
+        }
+        let mut overhang = tool.overhang;
+        while overhang <= tool.overhang + MAX_EXTENSION {
+            let clearance = self.at(tool, &tool.assembly.segments(overhang), pose, 0.0);
+            if clearance.shank.collides() {
+                return None;
+            }
+            if !clearance.holder.collides() {
+                let whole = overhang.ceil();
+                if overhang == whole {
+                    return Some(whole);
+                }
+                overhang = whole;
+                continue;
+            }
+            // A holder that is raised by some distance gains at most that.
+            overhang += clearance.holder.missing.max(STICK_OUT_STEP);
+        }
+        None
+    }
+}
+
+/// Signed distance to the nearest blade of the whole wheel, mm, or `cap` where none is nearer than that.
+pub fn blade_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64 {
+    let (centre, radius) = frustum.bounding_ball();
+    let mut least = cap;
+    for k in 0..finished.part.blade_count {
+        let angle = -finished.part.pitch() * k as f64;
+        let there = rotate_z(&centre, angle);
+        for (blade, (other, reach)) in finished.blades_with_balls() {
+            if (there - other).norm() - radius - reach > least {
+                continue;
+            }
+            let base = rotate_z(&frustum.base, angle);
+            let turned = Frustum { base, axis: rotate_vector_z(&frustum.axis, angle), ..*frustum };
+            if let Some(distance) = blade.frustum_distance_below(&turned, least) {
+                least = least.min(distance);
+            }
+        }
+    }
+    least
+}
+
+/// Signed distance to the finished hub, mm, or `cap` where it is not nearer than that.
+pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64 {
+    let curve = finished.part.hub.curve();
+    // Signed distance of a point, and its foot on the hub; beyond its ends the hub has an edge, no surface.
+    let distance = |p: &Point| {
+        let (t, d) = curve.project(Meridional::of(p));
+        (if t <= 0.0 || t >= curve.length() { d.abs() } else { d }, curve.point(t))
+    };
+    let (centre, radius) = frustum.bounding_ball();
+    if distance(&centre).0 - radius > cap {
+        return cap;
+    }
+    let on_circle = |share: f64, radius: f64| {
+        let circle =
+            Circle::new(&(frustum.base + frustum.axis * (share * frustum.length)), &frustum.axis, radius);
+        let at = |phi: f64| {
+            let (p, turning) = circle.point_and_derivative(phi.sin_cos());
+            let (d, foot) = distance(&p);
+            (d, distance_rate(&p, &turning, foot) * d.signum())
+        };
+        search::min_over_turn::<18>(at, 0.2)
+    };
+    let side = |share: f64| on_circle(share, frustum.radius_at(share));
+    let circles = CIRCLES.map(side);
+    let mut least = circles.iter().copied().fold(cap, f64::min);
+    // Inside the lower end, for convex hubs.
+    least = least.min(on_circle(0.0, 0.5 * frustum.radii[0]));
+    let (best, lowest) = (0..CIRCLES.len())
+        .map(|k| (k, circles[k]))
+        .fold((0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a });
+    // Between two circles the distance may be less, by no more than half their spacing.
+    if lowest - 0.25 * frustum.length < cap {
+        let from = CIRCLES[best.saturating_sub(1)];
+        let to = CIRCLES[(best + 1).min(CIRCLES.len() - 1)];
+        least = least.min(search::minimum(side, from, to, 1e-3).1);
+    }
+    least
+}
+
+/// Signed distance to the top of the blank, mm, of the ends and the middle.
+fn blank_distance(frustum: &Frustum, blank: &Blank) -> f64 {
+    let disc = |share: f64| {
+        let tip = frustum.base + frustum.axis * (share * frustum.length);
+        let radius = frustum.radius_at(share);
+        bottom_clearance(&CutterSolid { tip, axis: frustum.axis, radius, corner_radius: 0.0 }, blank)
+    };
+    [0.0, 0.5, 1.0].map(disc).into_iter().fold(f64::INFINITY, f64::min)
+}

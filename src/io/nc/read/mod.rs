@@ -1,0 +1,98 @@
+//! Reads NC programs of the dialects that posts write, by the grammar of the controls.
+//!
+//! One file per grammar turns a line into [`Word`](words::NcWord)s; `machine_state` executes them block by
+//! block and runs what they say through the machine's chain of axes.
+
+mod iso;
+mod klartext;
+mod machine_state;
+mod sinumerik;
+mod words;
+
+use super::post::Dialect;
+use crate::io::InputError;
+use crate::io::source::{self, Source};
+use crate::machine::{MachineTool, PlacedPart};
+use crate::setup::Tool;
+use crate::toolpath::ClProgram;
+use machine_state::NcState;
+
+/// Largest number of lines.
+const MAX_LINES: usize = 2_000_000;
+
+/// A position of a program beyond the limits of the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisOverrun {
+    /// Line of the program.
+    pub line: usize,
+    /// Letter of the axis.
+    pub letter: char,
+    /// Its position, mm or degrees.
+    pub value: f64,
+    /// Its limits, mm or degrees.
+    pub limits: (f64, f64),
+}
+
+/// A program read back.
+#[derive(Clone, Debug, Default)]
+pub struct NcReading {
+    /// Its moves, in the part frame. Between two blocks that turn the tool far, positions are added, as the
+    /// axes run linearly in joint space.
+    pub program: ClProgram,
+    /// Positions beyond limits; at most [`MAX_OVERRUNS`].
+    pub overruns: Vec<AxisOverrun>,
+    /// Rotary positions (rad) at each move, where the program names them.
+    pub angles: Vec<Option<[f64; 2]>>,
+}
+
+/// Largest number of [`NcReading::overruns`].
+pub const MAX_OVERRUNS: usize = 1000;
+
+/// What a program does not say itself.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadContext<'a> {
+    /// The machine.
+    pub machine: &'a MachineTool,
+    /// How the part lies on it.
+    pub placed: PlacedPart,
+    /// Tools by number; a comment `TOOL n D= R= W= L=` in the program comes first.
+    pub tools: &'a [Tool],
+}
+
+/// Whether the bytes look like APT rather than NC code.
+pub fn is_apt(bytes: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(bytes.get(..bytes.len().min(4000)).unwrap_or_default()).to_uppercase();
+    ["PARTNO", "GOTO/", "LOADTL", "MULTAX"].iter().any(|word| text.contains(word))
+}
+
+/// Reads a program; `name` is the file name used in messages.
+///
+/// # Errors
+/// When a line is not of the dialect, or what it says is not allowed there: with its line.
+pub fn read_nc(
+    name: &str,
+    bytes: &[u8],
+    dialect: Dialect,
+    context: &ReadContext<'_>,
+) -> Result<NcReading, InputError> {
+    let source = Source { file: name };
+    let text = source::text_lossy(source, bytes)?;
+    let mut state = NcState::new(source, dialect, context);
+    let mut words = Vec::with_capacity(16);
+    let mut lines = 0;
+    for (line, text) in (1..).zip(text.lines()) {
+        lines = line;
+        if line > MAX_LINES {
+            return Err(source.fault(line, "the program is longer than 2,000,000 lines", "split it"));
+        }
+        words.clear();
+        let read = match dialect {
+            Dialect::Heidenhain => klartext::words(text, &mut words),
+            Dialect::Siemens => sinumerik::words(text, &mut words),
+            Dialect::Fanuc | Dialect::Haas | Dialect::LinuxCnc => iso::words(dialect, text, &mut words),
+        };
+        read.map_err(|fault| source.fault(line, fault.what, fault.cure))?;
+        state.block(line, &words)?;
+    }
+    state.finish(lines)
+}

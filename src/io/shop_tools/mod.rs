@@ -1,0 +1,227 @@
+//! Tool libraries of shops: Fusion (`.json`, `.tools`), FreeCAD (`.fctb`, `.fctl`), and Vanecut's own TOML.
+//!
+//! All lengths become mm. What a format does not say and is assumed, and what could not be taken over, is
+//! listed with each tool.
+
+mod expression;
+mod freecad;
+mod fusion;
+mod zip;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::InputError;
+use super::source::{Source, name_of, read_bytes, text, text_lossy};
+use super::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TOOLS, RATE, read_tools_bytes, write_tool};
+use crate::setup::Tool;
+pub use fusion::write_fusion;
+
+/// Largest number of separators in a JSON library: this bounds the memory of its tree.
+const MAX_JSON_ITEMS: usize = 3_000_000;
+/// Overhang in cutter diameters, and insert width in radii, where a library has none.
+const OVERHANG_DIAMETERS: f64 = 4.0;
+
+/// A tool of a library.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LibraryTool {
+    /// The tool.
+    pub tool: Tool,
+    /// What was assumed, or could not be taken over.
+    pub notes: Vec<String>,
+}
+
+/// A library that was read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToolLibrary {
+    /// The mills, in file order.
+    pub tools: Vec<LibraryTool>,
+    /// Entries that are no mills, and other remarks on the whole.
+    pub notes: Vec<String>,
+}
+
+/// Format of a library file, by its extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LibraryFormat {
+    /// `[[tool]]` tables.
+    Toml,
+    /// Fusion JSON.
+    FusionJson,
+    /// Fusion JSON in a ZIP archive.
+    FusionTools,
+    /// One FreeCAD tool bit.
+    FreeCadBit,
+    /// A FreeCAD library, which names tool bits beside it.
+    FreeCadLibrary,
+}
+
+impl LibraryFormat {
+    /// The format of an extension without its dot, in lower case.
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        Some(match extension {
+            "toml" => Self::Toml,
+            "json" => Self::FusionJson,
+            "tools" => Self::FusionTools,
+            "fctb" => Self::FreeCadBit,
+            "fctl" => Self::FreeCadLibrary,
+            _ => return None,
+        })
+    }
+}
+
+/// Whether bytes look like a tool library of one of the formats that share their extension with others: our
+/// TOML (only `[[tool]]` tables) and Fusion JSON (a list `data`).
+pub fn looks_like_library(format: LibraryFormat, bytes: &[u8]) -> bool {
+    match format {
+        LibraryFormat::Toml => {
+            let text = String::from_utf8_lossy(bytes);
+            let line = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
+            line.is_some_and(|line| line.starts_with("[[tool]]"))
+        }
+        LibraryFormat::FusionJson => {
+            let start = &bytes[..bytes.len().min(1 << 16)];
+            let words = |word: &str| start.windows(word.len()).any(|w| w == word.as_bytes());
+            words("\"data\"") && !words("\"vanecut") && (words("\"geometry\"") || words("\"guid\""))
+                || words("\"data\"") && bytes.len() < 64
+        }
+        _ => true,
+    }
+}
+
+/// Reads a tool library.
+///
+/// # Errors
+/// When the file cannot be read or is not such a library.
+pub fn read_library(path: &Path, format: LibraryFormat) -> Result<ToolLibrary, InputError> {
+    let name = name_of(path);
+    let bytes = read_bytes(path)?;
+    match format {
+        LibraryFormat::FreeCadLibrary => {
+            let beside = |file: &str| {
+                // Bits lie beside the library or in the folder `Bit` beside its own.
+                let folder = path.parent().unwrap_or(Path::new(""));
+                let places = [folder.join(file), folder.join("..").join("Bit").join(file)];
+                let found = places.iter().find(|place| place.is_file()).unwrap_or(&places[0]);
+                Ok((name_of(found), read_bytes(found)?))
+            };
+            freecad::read_list(&name, &bytes, &beside)
+        }
+        _ => read_library_bytes(&name, &bytes, format),
+    }
+}
+
+/// Reads a tool library from bytes; `name` is the file name used in messages.
+///
+/// # Errors
+/// When the bytes are not such a library, or it is a FreeCAD library, whose tools are in other files.
+pub fn read_library_bytes(
+    name: &str,
+    bytes: &[u8],
+    format: LibraryFormat,
+) -> Result<ToolLibrary, InputError> {
+    match format {
+        LibraryFormat::Toml => {
+            let tools = read_tools_bytes(name, bytes)?.into_iter();
+            let tools = tools.map(|tool| LibraryTool { tool, notes: Vec::new() }).collect();
+            Ok(ToolLibrary { tools, notes: Vec::new() })
+        }
+        LibraryFormat::FusionJson => fusion::read(name, bytes),
+        LibraryFormat::FusionTools => fusion::read(name, &zip::json_member(name, bytes)?),
+        LibraryFormat::FreeCadBit => {
+            let tool = freecad::read_bit(name, bytes, None)?;
+            Ok(ToolLibrary { tools: tool.tools, notes: tool.notes })
+        }
+        LibraryFormat::FreeCadLibrary => freecad::read_list(name, bytes, &|file| {
+            Err(Source { file }.fault(0, "is not given", "give it beside the library"))
+        }),
+    }
+}
+
+/// Writes our TOML; remarks become comments above their tool.
+pub fn write_toml(library: &ToolLibrary) -> String {
+    let mut out = String::new();
+    let comment = |out: &mut String, note: &str| {
+        // `write!` to a `String` cannot fail.
+        let _ = writeln!(out, "# {}", note.replace(char::is_control, " "));
+    };
+    library.notes.iter().for_each(|note| comment(&mut out, note));
+    for LibraryTool { tool, notes } in &library.tools {
+        if !out.is_empty() {
+            out.push('\n');
+        }
+        notes.iter().for_each(|note| comment(&mut out, note));
+        out.push_str("[[tool]]\n");
+        let _ = write_tool(&mut out, tool);
+    }
+    out
+}
+
+/// The tree of a JSON file.
+fn parse_json(name: &str, bytes: &[u8]) -> Result<Value, InputError> {
+    let source = Source { file: name };
+    let text = text(source, bytes).or_else(|error| match error.message.contains("UTF-8") {
+        true => text_lossy(source, bytes).and(Err(error)),
+        false => Err(error),
+    })?;
+    let items = text.bytes().filter(|b| matches!(b, b',' | b'[' | b'{' | b':')).count();
+    if items > MAX_JSON_ITEMS {
+        let what = format!("holds more than {MAX_JSON_ITEMS} values");
+        return Err(source.fault(0, what, "split the library"));
+    }
+    serde_json::from_str(text).map_err(|error| {
+        source.fault(error.line(), format!("not valid JSON: {error}"), "export the library again")
+    })
+}
+
+/// Puts tools under numbers of their own: a tool without one, or with one that is taken, gets the least free
+/// one above all given ones.
+fn number_tools(library: &mut ToolLibrary) {
+    let mut taken = std::collections::BTreeSet::new();
+    let mut next = library.tools.iter().map(|t| t.tool.number).max().unwrap_or(0);
+    for LibraryTool { tool, notes } in &mut library.tools {
+        if tool.number == 0 || !taken.insert(tool.number) {
+            next += 1;
+            notes.push(match tool.number {
+                0 => format!("no number in the library: number {next} given"),
+                other => format!("number {other} is taken by another tool: number {next} given"),
+            });
+            tool.number = next;
+            taken.insert(next);
+        }
+    }
+}
+
+/// A description cut to the length of a name; `None` when it is empty.
+fn short_name(text: &str) -> Option<String> {
+    let name: String = text.trim().chars().filter(|c| !c.is_control()).take(MAX_NAME).collect();
+    (!name.is_empty()).then_some(name)
+}
+
+/// A rate within the range of setups, if it is positive.
+fn rate(value: Option<f64>) -> Option<f64> {
+    value.filter(|value| RATE.check(*value).is_ok())
+}
+
+/// Checks the sizes of a tool as the reader of setups does: writes it and reads it back.
+///
+/// # Errors
+/// What is out of range, and what to do.
+fn check_tool(tool: &Tool) -> Result<(), String> {
+    let mut text = String::from("[[tool]]\n");
+    // `write!` to a `String` cannot fail.
+    let _ = write_tool(&mut text, &Tool { number: tool.number.max(1), ..tool.clone() });
+    read_tools_bytes("", text.as_bytes())
+        .map(|_| ())
+        .map_err(|error| format!("{}; {}", error.message, error.help))
+}
+
+/// Error of a library with too many tools.
+fn too_many(name: &str, count: usize) -> Result<(), InputError> {
+    if count <= MAX_TOOLS {
+        return Ok(());
+    }
+    let what = format!("{count} tools, more than {MAX_TOOLS}");
+    Err(Source { file: name }.fault(0, what, "split the library"))
+}

@@ -1,0 +1,286 @@
+//! The `[[tool]]` tables of setups and of tool libraries.
+//!
+//! ```toml
+//! [[tool]]
+//! number = 1                 # default: position in the list
+//! diameter = 30.0            # the only required key
+//! corner_radius = 0.0
+//! insert_width = 13.5        # default 0.9 R: core radius 0.1 R
+//! overhang = 120.0           # default 4 D
+//! plunge_feed = 300.0        # default feed_per_tooth × teeth × spindle, or 300
+//! spindle = 1200             # default from cutting_speed, or 1200
+//! name = "D30 Z3"
+//! flute_length = 20.0
+//! teeth = 3
+//! taper = 0.0                # half angle, degrees
+//! shank = [[27, 60], [25, 20]]           # [diameter, length], from the cutter towards the spindle
+//! holder = [[40, 50, 30], [50, 50, 40]]  # [lower diameter, upper diameter, length]
+//! length_offset = 1          # numbers of offsets in the control
+//! diameter_offset = 1
+//! feed_per_tooth = 0.1       # mm
+//! cutting_speed = 180        # m/min
+//! ```
+
+use std::fmt::Write;
+
+use super::InputError;
+use super::table::{Located, NumberRange, TomlDocument, TomlTable, degrees_text, quoted};
+use crate::setup::{Tool, ToolAssembly};
+
+/// Maximum length in a setup, mm.
+pub const MAX_LENGTH: f64 = 10_000.0;
+/// Range of lengths.
+pub const LENGTH: NumberRange = NumberRange::Above(0.0, MAX_LENGTH);
+/// Range of allowances and clearances.
+pub const ALLOWANCE: NumberRange = NumberRange::Between(0.0, MAX_LENGTH);
+/// Range of feed rates, speeds and spindle speeds.
+pub const RATE: NumberRange = NumberRange::Above(0.0, 1e6);
+/// Maximum number of a tool or an offset.
+pub const MAX_NUMBER: u32 = 1_000_000;
+/// Maximum number of tools in a setup.
+pub const MAX_TOOLS: usize = 500;
+/// Maximum number of teeth.
+pub const MAX_TEETH: u32 = 200;
+/// Maximum number of segments of a shank or holder.
+pub const MAX_SEGMENTS: usize = 50;
+/// Maximum number of characters of a name.
+pub const MAX_NAME: usize = 200;
+/// Range of half angles of tapered cutters, degrees.
+const TAPER: NumberRange = NumberRange::Between(0.0, 60.0);
+/// Feed rate and spindle speed of a tool that says nothing about them.
+const DEFAULT_FEED: f64 = 300.0;
+const DEFAULT_SPINDLE: f64 = 1200.0;
+
+const TOOL_KEYS: [&str; 17] = [
+    "number",
+    "diameter",
+    "corner_radius",
+    "insert_width",
+    "overhang",
+    "plunge_feed",
+    "spindle",
+    "name",
+    "flute_length",
+    "teeth",
+    "taper",
+    "shank",
+    "holder",
+    "length_offset",
+    "diameter_offset",
+    "feed_per_tooth",
+    "cutting_speed",
+];
+
+/// Reads a tool library: a file with only `[[tool]]` tables, in the format of a setup.
+///
+/// # Errors
+/// When the bytes are not TOML, a key is unknown, or a value is outside its range.
+pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputError> {
+    let document = TomlDocument::new(name, bytes)?;
+    let tree = document.parse()?;
+    let root = document.root(&tree);
+    root.check_keys(&["tool"])?;
+    read_tool_tables(&root)
+}
+
+/// The `[[tool]]` tables, in file order.
+pub(super) fn read_tool_tables(root: &TomlTable<'_>) -> Result<Vec<Tool>, InputError> {
+    let tables = root.tables("tool")?;
+    check_count(&tables, MAX_TOOLS, "tools")?;
+    let mut tools = Vec::with_capacity(tables.len());
+    for table in tables {
+        let tool = tool(&table, &tools)?;
+        tools.push(tool);
+    }
+    Ok(tools)
+}
+
+/// Returns an error at the first table beyond `max_count`.
+pub(super) fn check_count(tables: &[TomlTable<'_>], max_count: usize, what: &str) -> Result<(), InputError> {
+    match tables.get(max_count) {
+        Some(table) => {
+            Err(table.fault(format!("more than {max_count} {what}"), format!("give at most {max_count}")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// A name, if the key is present.
+pub(super) fn name(table: &TomlTable<'_>, key: &str) -> Result<Option<String>, InputError> {
+    let Some(text) = table.string(key)? else { return Ok(None) };
+    if text.value.chars().count() > MAX_NAME {
+        let what = format!("`{key}` has more than {MAX_NAME} characters");
+        return Err(table.fault_at(text.at, what, "give a shorter one"));
+    }
+    Ok(Some(text.value.to_owned()))
+}
+
+fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
+    table.check_keys(&TOOL_KEYS)?;
+    let given = table.whole("number", 1, MAX_NUMBER)?;
+    let number = given.map_or(before.len() as u32 + 1, |n| n.value);
+    let at = |at: Option<usize>, what: String, cure: &str| match at {
+        Some(at) => table.fault_at(at, what, cure),
+        None => table.fault(what, cure),
+    };
+    if before.iter().any(|tool| tool.number == number) {
+        let what = format!("two tools have the number {number}");
+        return Err(at(given.map(|n| n.at), what, "give each tool its own number"));
+    }
+    let diameter = table
+        .number("diameter", LENGTH)?
+        .ok_or_else(|| table.fault(format!("tool {number} has no `diameter`"), "add diameter = … in mm"))?
+        .value;
+    let radius = diameter / 2.0;
+    let within_radius = |key: &str, range: NumberRange, default: f64| {
+        let value = table.number(key, range)?;
+        match value.filter(|v| v.value > radius) {
+            Some(v) => {
+                let what = format!("`{key}` {} is larger than the radius {radius}", v.value);
+                Err(table.fault_at(v.at, what, format!("give at most {radius}")))
+            }
+            None => Ok(value.map_or(default, |v| v.value)),
+        }
+    };
+    let overhang = table.number_or("overhang", NumberRange::Above(0.0, 10.0 * MAX_LENGTH), 4.0 * diameter)?;
+    let assembly = assembly(table, overhang)?;
+    let spindle = match assembly.cutting_speed {
+        Some(speed) => (speed * 1000.0 / (std::f64::consts::PI * diameter)).clamp(1.0, 1e6),
+        None => DEFAULT_SPINDLE,
+    };
+    let spindle = table.number_or("spindle", RATE, spindle)?;
+    let feed = match (assembly.feed_per_tooth, assembly.teeth) {
+        (Some(feed), Some(teeth)) => (feed * f64::from(teeth) * spindle).clamp(1e-3, 1e6),
+        _ => DEFAULT_FEED,
+    };
+    Ok(Tool {
+        number,
+        diameter,
+        corner_radius: within_radius("corner_radius", ALLOWANCE, 0.0)?,
+        insert_width: within_radius("insert_width", LENGTH, 0.9 * radius)?,
+        overhang,
+        plunge_feed: table.number_or("plunge_feed", RATE, feed)?,
+        spindle,
+        assembly,
+    })
+}
+
+/// Shank, holder and library data of a tool whose holder begins `overhang` mm above the tip.
+fn assembly(table: &TomlTable<'_>, overhang: f64) -> Result<ToolAssembly, InputError> {
+    let flute_length = table.number("flute_length", LENGTH)?;
+    if let Some(flute) = flute_length.as_ref().filter(|flute| flute.value > overhang) {
+        let what = format!("`flute_length` {} is longer than the overhang {overhang}", flute.value);
+        return Err(table.fault_at(flute.at, what, "give a longer overhang, or shorter flutes"));
+    }
+    let shank = segments::<2>(table, "shank", |[diameter, length]| {
+        LENGTH.check(diameter).and(LENGTH.check(length)).map_err(|cure| format!("both numbers: {cure}"))
+    })?;
+    let total: f64 = shank.value.iter().map(|[_, length]| length).sum();
+    if flute_length.is_none() && total >= overhang {
+        let what =
+            format!("the shank is {total} long, and no flute length is left of the overhang {overhang}");
+        return Err(table.fault_at(
+            shank.at,
+            what,
+            "give flute_length, a shorter shank or a longer overhang",
+        ));
+    }
+    let holder = segments::<3>(table, "holder", |[lower, upper, length]| {
+        let diameters = LENGTH.check(lower).and(LENGTH.check(upper));
+        diameters.and(LENGTH.check(length)).map_err(|cure| format!("all three numbers: {cure}"))
+    })?;
+    Ok(ToolAssembly {
+        name: name(table, "name")?,
+        flute_length: flute_length.map(|x| x.value),
+        teeth: table.whole("teeth", 1, MAX_TEETH)?.map(|n| n.value),
+        taper_rad: table.number("taper", TAPER)?.map(|angle| angle.value.to_radians()),
+        shank: shank.value,
+        holder: holder.value,
+        length_offset: table.whole("length_offset", 0, MAX_NUMBER)?.map(|n| n.value),
+        diameter_offset: table.whole("diameter_offset", 0, MAX_NUMBER)?.map(|n| n.value),
+        feed_per_tooth: table.number("feed_per_tooth", NumberRange::Above(0.0, 100.0))?.map(|x| x.value),
+        cutting_speed: table.number("cutting_speed", NumberRange::Above(0.0, 1e5))?.map(|x| x.value),
+    })
+}
+
+/// The rows of `shank` or `holder`, checked one by one; empty when the key is absent.
+fn segments<const N: usize>(
+    table: &TomlTable<'_>,
+    key: &str,
+    check: impl Fn([f64; N]) -> Result<(), String>,
+) -> Result<Located<Vec<[f64; N]>>, InputError> {
+    let Some(rows) = table.rows::<N>(key)? else { return Ok(Located { value: Vec::new(), at: 0 }) };
+    if rows.value.len() > MAX_SEGMENTS {
+        let what = format!("`{key}` has more than {MAX_SEGMENTS} segments");
+        return Err(table.fault_at(rows.at, what, format!("give at most {MAX_SEGMENTS}")));
+    }
+    for (index, row) in rows.value.iter().enumerate() {
+        check(row.value).map_err(|cure| {
+            let what = format!("segment {} of `{key}` is {:?}", index + 1, row.value);
+            table.fault_at(row.at, what, cure)
+        })?;
+    }
+    Ok(Located { value: rows.value.iter().map(|row| row.value).collect(), at: rows.at })
+}
+
+/// Writes a tool library. It reads back equal.
+pub fn write_tool_library(tools: &[Tool]) -> String {
+    let mut out = String::new();
+    // `write!` to a `String` cannot fail.
+    let _ = write_tools(&mut out, tools);
+    out
+}
+
+/// Writes `[[tool]]` tables.
+pub(super) fn write_tools(out: &mut String, tools: &[Tool]) -> std::fmt::Result {
+    for tool in tools {
+        writeln!(out, "\n[[tool]]")?;
+        write_tool(out, tool)?;
+    }
+    Ok(())
+}
+
+/// Writes the keys of one tool.
+pub(super) fn write_tool(out: &mut String, tool: &Tool) -> std::fmt::Result {
+    writeln!(out, "number = {}", tool.number)?;
+    writeln!(out, "diameter = {:?}", tool.diameter)?;
+    writeln!(out, "corner_radius = {:?}", tool.corner_radius)?;
+    writeln!(out, "insert_width = {:?}", tool.insert_width)?;
+    writeln!(out, "overhang = {:?}", tool.overhang)?;
+    writeln!(out, "plunge_feed = {:?}", tool.plunge_feed)?;
+    writeln!(out, "spindle = {:?}", tool.spindle)?;
+    let more = &tool.assembly;
+    if let Some(name) = &more.name {
+        writeln!(out, "name = {}", quoted(name))?;
+    }
+    let numbers = [
+        ("flute_length", more.flute_length),
+        ("feed_per_tooth", more.feed_per_tooth),
+        ("cutting_speed", more.cutting_speed),
+    ];
+    for (key, value) in numbers {
+        if let Some(value) = value {
+            writeln!(out, "{key} = {value:?}")?;
+        }
+    }
+    let counts = [
+        ("teeth", more.teeth),
+        ("length_offset", more.length_offset),
+        ("diameter_offset", more.diameter_offset),
+    ];
+    for (key, value) in counts {
+        if let Some(value) = value {
+            writeln!(out, "{key} = {value}")?;
+        }
+    }
+    if let Some(taper) = more.taper_rad {
+        writeln!(out, "taper = {}", degrees_text(taper))?;
+    }
+    if !more.shank.is_empty() {
+        writeln!(out, "shank = {:?}", more.shank)?;
+    }
+    if !more.holder.is_empty() {
+        writeln!(out, "holder = {:?}", more.holder)?;
+    }
+    Ok(())
+}

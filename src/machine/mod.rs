@@ -1,0 +1,39 @@
+//! From a program of the part to the motion of a five-axis machine.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`model`](MachineTool) | what a machine file says |
+//! | `kinematics` | the chain of axes, forwards and backwards, for any two rotary axes |
+//! | [`placement`](PlacedPart) | how the part lies on the table |
+//! | `choice` | rotary positions of a whole program: branches, turns, poles |
+//! | [`course`](Pose) | how far a move in joint space strays from the planned one |
+//! | `clear` | links that leave the part |
+//! | [`motion`](machine_program) | the blocks of a program |
+//! | [`time`](section_times) | how long they take |
+//!
+//! **Program coordinates** are fixed to the part: their origin is the part's, Z is the table's normal with all
+//! rotary axes at 0. **Machine coordinates** are those of the gauge point (the spindle's nose). Angles are
+//! positions of rotary axes in rad; which way a positive one turns, the machine file says.
+
+mod choice;
+mod clear;
+mod course;
+mod fault;
+mod kinematics;
+mod model;
+mod motion;
+mod placement;
+mod time;
+
+pub use course::{Pose, even_turn, mixed_angles};
+pub use fault::MotionFault;
+pub use kinematics::{AngleSolution, turned};
+pub use model::{
+    LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis, Side,
+    TurnLink,
+};
+pub use motion::{
+    BlankSize, MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program,
+};
+pub use placement::PlacedPart;
+pub use time::{SectionTime, block_times, section_times};

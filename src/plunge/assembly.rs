@@ -1,0 +1,62 @@
+//! Shank and holder while planning: a position is kept only where both are clear of the finished part and of
+//! the whole blank. Tools without a given shank or holder are not held to this.
+
+use super::plan::DropReason;
+use crate::cutting::assembly::AssemblySurroundings;
+use crate::cutting::clearance::FinishedPart;
+use crate::geometry::{Point, Vector};
+use crate::part::Blank;
+use crate::setup::{AssemblySegment, Setup, Tool};
+
+/// Clearance missing by rounding that a planned position may have, mm: below what `verify` tolerates.
+const PLANNED_TOLERANCE: f64 = 5e-4;
+
+/// Why a position is left out, and with what overhang it would not be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DropCause {
+    /// The reason.
+    pub why: DropReason,
+    /// Overhang that would do where only the holder is in the way, mm.
+    pub stick_out: Option<f64>,
+}
+
+impl From<DropReason> for DropCause {
+    fn from(why: DropReason) -> Self {
+        Self { why, stick_out: None }
+    }
+}
+
+/// Judges poses of one tool.
+#[derive(Clone, Debug)]
+pub struct AssemblyRule<'a> {
+    around: AssemblySurroundings<'a>,
+    tool: &'a Tool,
+    segments: Vec<AssemblySegment>,
+}
+
+impl<'a> AssemblyRule<'a> {
+    /// The rule for `tool`; `None` where neither shank nor holder is given.
+    pub fn new(tool: &'a Tool, finished: &'a FinishedPart<'a>, blank: &'a Blank, setup: &Setup) -> Option<Self> {
+        let around = AssemblySurroundings::new(finished, setup).with_blank(blank);
+        let segments = tool.assembly.segments(tool.overhang);
+        (!segments.is_empty()).then_some(Self { around, tool, segments })
+    }
+
+    /// What is in the way with the tip and axis at `pose`, the shank first.
+    pub fn obstacle(&self, pose: (Point, Vector)) -> Option<DropReason> {
+        let clearance = self.around.at(self.tool, &self.segments, pose, 0.0);
+        if clearance.shank.missing > PLANNED_TOLERANCE {
+            Some(DropReason::Shank)
+        } else if clearance.holder.missing > PLANNED_TOLERANCE {
+            Some(DropReason::Holder)
+        } else {
+            None
+        }
+    }
+
+    /// `why` with the least overhang that would do there.
+    pub fn cause(&self, why: DropReason, pose: (Point, Vector)) -> DropCause {
+        let by_length = matches!(why, DropReason::Holder | DropReason::Overhang);
+        DropCause { why, stick_out: by_length.then(|| self.around.stick_out(self.tool, pose)).flatten() }
+    }
+}

@@ -1,0 +1,109 @@
+//! Shank and holder of a tool, and what a shop's library says about it beyond the cutter.
+
+use crate::geometry::{Frustum, Point, Vector};
+
+/// What a tool has beyond cutter and overhang; everything may be absent. Lengths mm.
+///
+/// Segments run from the cutter towards the spindle.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ToolAssembly {
+    /// Name in the shop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Length of the cutting edges from the tip; the shank begins there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flute_length: Option<f64>,
+    /// Number of teeth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub teeth: Option<u32>,
+    /// Half angle of a tapered cutter, rad (degrees in files).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub taper_rad: Option<f64>,
+    /// Neck and shank as `[diameter, length]`; the last one runs on to the holder.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shank: Vec<[f64; 2]>,
+    /// Holder as `[lower diameter, upper diameter, length]`, from the end of the overhang.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub holder: Vec<[f64; 3]>,
+    /// Number of the length offset in the control.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length_offset: Option<u32>,
+    /// Number of the diameter offset in the control.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diameter_offset: Option<u32>,
+    /// Feed per tooth, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feed_per_tooth: Option<f64>,
+    /// Cutting speed, m/min.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cutting_speed: Option<f64>,
+}
+
+/// Part of a tool above its cutter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum AssemblyPart {
+    /// Neck and shank.
+    Shank,
+    /// Holder.
+    Holder,
+}
+
+impl AssemblyPart {
+    /// Its name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shank => "shank",
+            Self::Holder => "holder",
+        }
+    }
+}
+
+/// A cylinder or cone of a tool, relative to its tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AssemblySegment {
+    /// Shank or holder.
+    pub part: AssemblyPart,
+    /// Height of its lower end above the tip, mm.
+    pub from: f64,
+    /// Its length, mm.
+    pub length: f64,
+    /// Radius at its lower and at its upper end, mm.
+    pub radii: [f64; 2],
+}
+
+impl AssemblySegment {
+    /// The segment of a tool with its tip at `tip` and its unit `axis`.
+    pub fn placed(&self, tip: &Point, axis: &Vector) -> Frustum {
+        Frustum { base: tip + axis * self.from, axis: *axis, length: self.length, radii: self.radii }
+    }
+}
+
+impl ToolAssembly {
+    /// Whether neither shank nor holder is given.
+    pub fn is_empty(&self) -> bool {
+        self.shank.is_empty() && self.holder.is_empty()
+    }
+
+    /// Segments of shank and holder with the holder beginning `overhang` mm above the tip.
+    pub fn segments(&self, overhang: f64) -> Vec<AssemblySegment> {
+        let total: f64 = self.shank.iter().map(|[_, length]| length).sum();
+        let mut from = self.flute_length.unwrap_or(overhang - total).max(0.0);
+        let mut segments = Vec::with_capacity(self.shank.len() + self.holder.len());
+        for (index, &[diameter, length]) in self.shank.iter().enumerate() {
+            let end = if index + 1 == self.shank.len() { overhang } else { (from + length).min(overhang) };
+            if end > from {
+                let radii = [0.5 * diameter; 2];
+                let part = AssemblyPart::Shank;
+                segments.push(AssemblySegment { part, from, length: end - from, radii });
+                from = end;
+            }
+        }
+        from = overhang;
+        for &[lower, upper, length] in &self.holder {
+            let radii = [0.5 * lower, 0.5 * upper];
+            segments.push(AssemblySegment { part: AssemblyPart::Holder, from, length, radii });
+            from += length;
+        }
+        segments
+    }
+}

@@ -1,0 +1,233 @@
+//! Removes pieces of moves from the rays of a stock, tile by tile, and records what must not meet it.
+
+use rayon::prelude::*;
+
+use super::lattice::Lattice;
+use super::part::{Action, ToolPart};
+use super::piece::{Piece, PieceOnRays};
+use super::rays::{RayField, RayTile, TILE};
+use super::span::{Span, SpanEnd, cut};
+use crate::geometry::Point;
+
+/// Cuts in a tile after which the bounds of its stock are computed anew; in between they are only too wide.
+const REFRESH: u32 = 4;
+
+/// Stock that a part of a tool met in one move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Number of the move.
+    pub number: u32,
+    /// The part.
+    pub part: ToolPart,
+    /// Of the core: height above the bottom at the end of the plunge up to which it meets stock, mm. Of other
+    /// parts: how deep stock gets into them, mm.
+    pub depth: f64,
+    /// Where this is, mm.
+    pub point: Point,
+}
+
+/// The tiles that each piece may meet: for each tile the indices of pieces, in order.
+fn bins(lattice: &Lattice, field: &RayField, pieces: &[Piece]) -> Vec<Vec<u32>> {
+    let (a, b) = Lattice::across(field.direction);
+    let side = lattice.spacing * TILE as f64;
+    let mut bins = vec![Vec::new(); field.tiles.len()];
+    for (index, piece) in (0u32..).zip(pieces) {
+        let (low, high) = piece.bounds();
+        let range = |k: usize, count: usize| {
+            let first = ((low[k] - lattice.origin[k]) / side).floor().max(0.0);
+            let last = ((high[k] - lattice.origin[k]) / side).floor().min(count as f64 - 1.0);
+            (first as usize, (last.max(-1.0) + 1.0) as usize)
+        };
+        let (rows, columns) = (range(a, field.tiles_across.0), range(b, field.tiles_across.1));
+        // A tile is met only if its centre is near to the axis of the piece in the middle of its travel.
+        let middle = piece.base + 0.5 * piece.travel;
+        let (px, py) = (middle[a], middle[b]);
+        let (dx, dy) = (piece.axis[a] * piece.outline.length, piece.axis[b] * piece.outline.length);
+        let squared = dx * dx + dy * dy;
+        let moved = 0.5 * piece.travel[a].hypot(piece.travel[b]);
+        let reach = piece.outline.radius + moved + side * std::f64::consts::FRAC_1_SQRT_2;
+        for i in rows.0..rows.1 {
+            let x = lattice.origin[a] + (i as f64 + 0.5) * side - 0.5 * lattice.spacing - px;
+            for j in columns.0..columns.1 {
+                let tile = i * field.tiles_across.1 + j;
+                if field.tiles[tile].is_empty() {
+                    continue;
+                }
+                let y = lattice.origin[b] + (j as f64 + 0.5) * side - 0.5 * lattice.spacing - py;
+                let share = if squared > 1e-12 { ((x * dx + y * dy) / squared).clamp(0.0, 1.0) } else { 0.0 };
+                let (x, y) = (x - share * dx, y - share * dy);
+                if x * x + y * y <= reach * reach {
+                    bins[tile].push(index);
+                }
+            }
+        }
+    }
+    bins
+}
+
+/// Applies `pieces` in order to all rays of `fields`; returns for each move and part the deepest contact,
+/// where it is more than `resolved` mm, sorted by move and part.
+pub fn carve(lattice: &Lattice, fields: &mut [RayField; 3], pieces: &[Piece], resolved: f64) -> Vec<Contact> {
+    let all: Vec<Vec<Vec<u32>>> = fields.par_iter().map(|field| bins(lattice, field, pieces)).collect();
+    let mut tasks: Vec<(usize, usize, usize, &mut RayTile, &[u32])> = Vec::new();
+    for (field, bins) in fields.iter_mut().zip(&all) {
+        let (direction, across) = (field.direction, field.tiles_across.1);
+        for (index, (tile, bin)) in field.tiles.iter_mut().zip(bins).enumerate() {
+            if !bin.is_empty() {
+                tasks.push((direction, index / across * TILE, index % across * TILE, tile, bin));
+            }
+        }
+    }
+    let found: Vec<Vec<Contact>> = tasks
+        .into_par_iter()
+        .map_init(
+            || vec![Vec::new(); TILE * TILE],
+            |rays, (direction, u, v, tile, bin)| {
+                tile.load(rays);
+                let mut carver =
+                    TileCarver { lattice, direction, u, v, rays, found: Vec::new(), resolved, changes: 0 };
+                let (mut range, mut changed) = (tile.range(), false);
+                for &index in bin {
+                    changed |= carver.apply(&pieces[index as usize], &mut range);
+                }
+                let found = carver.found;
+                if changed {
+                    tile.store(rays);
+                }
+                found
+            },
+        )
+        .collect();
+    deepest(found.into_iter().flatten().collect())
+}
+
+/// The deepest contact of each move and part, sorted by them.
+pub fn deepest(mut found: Vec<Contact>) -> Vec<Contact> {
+    let place = |c: &Contact| [c.point.x, c.point.y, c.point.z];
+    let order = |a: &Contact, b: &Contact| {
+        let places = place(a).into_iter().zip(place(b));
+        let nearer = places.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+        (a.number, a.part)
+            .cmp(&(b.number, b.part))
+            .then(b.depth.total_cmp(&a.depth))
+            .then(nearer.unwrap_or(std::cmp::Ordering::Equal))
+    };
+    found.sort_by(order);
+    found.dedup_by_key(|contact| (contact.number, contact.part));
+    found
+}
+
+/// The rays of a tile while pieces are applied to them.
+struct TileCarver<'a> {
+    lattice: &'a Lattice,
+    direction: usize,
+    /// First ray along both coordinates.
+    u: usize,
+    v: usize,
+    rays: &'a mut [Vec<Span>],
+    found: Vec<Contact>,
+    resolved: f64,
+    /// Number of pieces that removed stock.
+    changes: u32,
+}
+
+impl TileCarver<'_> {
+    /// Applies one piece; `range` are bounds of all stock in the tile. Returns whether stock was removed.
+    fn apply(&mut self, piece: &Piece, range: &mut (f64, f64)) -> bool {
+        let (low, high) = piece.bounds();
+        if low[self.direction] >= range.1 || high[self.direction] <= range.0 {
+            return false;
+        }
+        let on_rays = PieceOnRays::new(piece, self.direction);
+        let first = on_rays.local(&self.lattice.ray(self.direction, self.u, self.v));
+        let steps = on_rays.steps(Lattice::across(self.direction), self.lattice.spacing);
+        let reach = on_rays.reach(*range);
+        let mut changed = false;
+        for i in 0..TILE {
+            let row: [f64; 3] = std::array::from_fn(|k| first[k] + i as f64 * steps.0[k]);
+            for j in reach.rays(&row, &steps.1, TILE) {
+                let spans = &mut self.rays[i * TILE + j];
+                let (Some(head), Some(tail)) = (spans.first(), spans.last()) else { continue };
+                let origin: [f64; 3] = std::array::from_fn(|k| row[k] + j as f64 * steps.1[k]);
+                let (from, to) = (head.from, tail.to);
+                let Some(swept) = on_rays.interval(&origin) else { continue };
+                if swept.low >= to || swept.high <= from {
+                    continue;
+                }
+                match piece.action {
+                    Action::Cut => {
+                        changed |= cut(spans, swept.low, swept.high, |at_high| {
+                            let (t, share) = if at_high {
+                                (swept.high, swept.high_share)
+                            } else {
+                                (swept.low, swept.low_share)
+                            };
+                            // The stock lies on the other side of the cutter's surface.
+                            SpanEnd::new(&-on_rays.normal(&origin, t, share), piece.number)
+                        });
+                    }
+                    Action::Check(part) => {
+                        for span in spans.iter() {
+                            let (low, high) = (swept.low.max(span.from), swept.high.min(span.to));
+                            if low < high {
+                                let ray = self.lattice.ray(self.direction, self.u + i, self.v + j);
+                                let at = (low, high);
+                                record(
+                                    &mut self.found,
+                                    &on_rays,
+                                    self.direction,
+                                    (&origin, ray),
+                                    part,
+                                    at,
+                                    self.resolved,
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        self.changes += u32::from(changed);
+        if changed && self.changes.is_multiple_of(REFRESH) {
+            *range = self
+                .rays
+                .iter()
+                .filter_map(|spans| Some((spans.first()?.from, spans.last()?.to)))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (from, to)| {
+                    (low.min(from), high.max(to))
+                });
+        }
+        changed
+    }
+}
+
+/// Records stock between two points of a ray in a part of a tool.
+fn record(
+    found: &mut Vec<Contact>,
+    on_rays: &PieceOnRays,
+    direction: usize,
+    (origin, ray): (&[f64; 3], Point),
+    part: ToolPart,
+    (low, high): (f64, f64),
+    resolved: f64,
+) {
+    let (depth, t) = if part == ToolPart::Core {
+        let (a, b) = (on_rays.height(origin, low), on_rays.height(origin, high));
+        if a > b { (a, low) } else { (b, high) }
+    } else {
+        on_rays.depth(origin, low, high)
+    };
+    if depth <= resolved {
+        return;
+    }
+    let mut point = ray;
+    point[direction] = t;
+    let contact = Contact { number: on_rays.number(), part, depth, point };
+    // Pieces of one move follow each other: mostly the last contact is of the same move and part.
+    let same = found.iter_mut().rev().take(4).find(|c| (c.number, c.part) == (contact.number, part));
+    match same {
+        Some(known) if known.depth >= depth => {}
+        Some(known) => *known = contact,
+        None => found.push(contact),
+    }
+}

@@ -1,0 +1,114 @@
+//! The lattice on whose lines the rays run.
+
+use crate::geometry::Point;
+
+/// Memory that a stock may take, bytes.
+pub const MAX_BYTES: f64 = (1u64 << 30) as f64;
+/// Bytes that a ray takes on average with its spans, the surface on it, and the file of that: measured on a
+/// milled wheel, with room.
+const BYTES_PER_RAY: f64 = 330.0;
+/// Empty cells around the stock.
+const MARGIN: f64 = 1.5;
+/// Shift of the lattice in cells, so that its planes do not coincide with faces at round coordinates.
+const SHIFT: [f64; 3] = [0.137_035, 0.291_103, 0.412_307];
+
+/// Why a stock cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SolidError {
+    /// The spacing is not a length.
+    #[error("a spacing of {0} mm is not possible; give a length above 0")]
+    Spacing(f64),
+    /// The stock would take too much memory.
+    #[error("a spacing of {spacing} mm would take {gib:.1} GiB; give at least {least:.3} mm")]
+    Memory {
+        /// The spacing, mm.
+        spacing: f64,
+        /// Memory it would take, GiB.
+        gib: f64,
+        /// A spacing that would do, mm.
+        least: f64,
+    },
+    /// The cuts leave too many separate pieces.
+    #[error("the stock falls into too many pieces for 1 GiB; give a larger spacing than {0} mm")]
+    Pieces(f64),
+    /// The blank has no extent.
+    #[error("the blank encloses no volume; check its file")]
+    Empty,
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] crate::monitor::Cancelled),
+}
+
+/// A cubic lattice; rays run along its lines in all three directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// The node with the least coordinates, mm.
+    pub origin: Point,
+    /// Distance of neighbouring nodes, mm.
+    pub spacing: f64,
+    /// Number of nodes along x, y and z.
+    pub counts: [usize; 3],
+}
+
+impl Lattice {
+    /// The lattice of a spacing around the box from `low` to `high`.
+    ///
+    /// # Errors
+    /// When the spacing is not a positive number, the box is empty, or the stock would take more than
+    /// [`MAX_BYTES`].
+    pub fn around(low: Point, high: Point, spacing: f64) -> Result<Self, SolidError> {
+        if !(spacing.is_finite() && spacing > 0.0) {
+            return Err(SolidError::Spacing(spacing));
+        }
+        let extent = high - low;
+        if !(extent.min() > 0.0 && extent.iter().all(|x| x.is_finite())) {
+            return Err(SolidError::Empty);
+        }
+        let bytes = |spacing: f64| {
+            let [x, y, z] = [0, 1, 2].map(|k| extent[k] / spacing + 2.0 * MARGIN + 2.0);
+            // Spans, and one bit for each node while a surface is made.
+            BYTES_PER_RAY * (x * y + y * z + z * x) + x * y * z / 8.0
+        };
+        if bytes(spacing) > MAX_BYTES {
+            let mut least = spacing;
+            while bytes(least) > MAX_BYTES {
+                least *= 1.01;
+            }
+            return Err(SolidError::Memory { spacing, gib: bytes(spacing) / MAX_BYTES, least });
+        }
+        let mut origin = low;
+        let mut counts = [0; 3];
+        for k in 0..3 {
+            origin[k] -= (MARGIN + SHIFT[k]) * spacing;
+            counts[k] = (extent[k] / spacing + 2.0 * MARGIN + 1.0).ceil() as usize + 1;
+        }
+        Ok(Self { origin, spacing, counts })
+    }
+
+    /// Coordinate of node `index` along `axis`, mm.
+    #[inline]
+    pub fn coordinate(&self, axis: usize, index: usize) -> f64 {
+        self.origin[axis] + self.spacing * index as f64
+    }
+
+    /// The two coordinates across rays along `direction`.
+    pub fn across(direction: usize) -> (usize, usize) {
+        ((direction + 1) % 3, (direction + 2) % 3)
+    }
+
+    /// The point with coordinate 0 of the ray (u, v) along `direction`.
+    #[inline]
+    pub fn ray(&self, direction: usize, u: usize, v: usize) -> Point {
+        let (a, b) = Self::across(direction);
+        let mut point = Point::origin();
+        point[a] = self.coordinate(a, u);
+        point[b] = self.coordinate(b, v);
+        point
+    }
+
+    /// Lower and upper corner, mm.
+    pub fn bounds(&self) -> (Point, Point) {
+        let end = |k: usize| self.coordinate(k, self.counts[k] - 1);
+        (self.origin, Point::new(end(0), end(1), end(2)))
+    }
+}

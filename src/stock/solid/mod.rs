@@ -1,0 +1,163 @@
+//! The stock as a solid, after any move of any program: a tri-dexel model.
+//!
+//! Rays run along x, y and z on the lines of a cubic lattice. Each keeps a sorted list of disjoint spans of
+//! stock, with the surface and the move that bounds them. A move is a few convex pieces that travel on
+//! straight lines (`motion.rs`); what one of them sweeps of a ray is one interval in closed form
+//! (`piece.rs`). Plunges are exact, other moves are within a tenth of the spacing.
+
+pub mod assembly;
+mod carve;
+mod lattice;
+pub mod mesh_blank;
+pub mod motion;
+mod outline;
+mod part;
+mod piece;
+pub mod program;
+mod rays;
+mod revolved;
+mod span;
+pub mod surface;
+#[cfg(test)]
+mod tests;
+
+pub use assembly::{Segment, SolidTool};
+pub use carve::Contact;
+pub use lattice::{Lattice, SolidError};
+pub use mesh_blank::{MeshBlank, MeshFault};
+pub use motion::{SolidMove, ToolPose};
+pub use part::ToolPart;
+pub use program::{ProgramFault, SolidProgram};
+pub use revolved::TurnedOutline;
+pub use span::{Span, SpanEnd};
+pub use surface::StockSurface;
+
+use motion::PieceMaker;
+use rays::RayField;
+
+use crate::geometry::Point;
+use crate::monitor::Monitor;
+
+/// Distance of the sweep of a move that turns from the true one, in spacings.
+const TOLERANCE: f64 = 0.1;
+/// Depth of contact that the model resolves, in spacings: less is not reported.
+const RESOLVED: f64 = 0.5;
+/// Pieces applied between two looks at the monitor.
+const CHUNK: usize = 1 << 14;
+/// Spans that fit the memory allowed.
+const MAX_SPANS: usize = lattice::MAX_BYTES as usize / (2 * size_of::<Span>());
+
+/// What a stock is before the first cut.
+#[derive(Clone, Debug)]
+pub enum SolidBlank {
+    /// A turned blank.
+    Turned(TurnedOutline),
+    /// A closed triangle mesh.
+    Mesh(MeshBlank),
+}
+
+impl SolidBlank {
+    /// Lower and upper corner of the box around it, mm.
+    pub fn bounds(&self) -> (Point, Point) {
+        match self {
+            Self::Turned(outline) => outline.bounds(),
+            Self::Mesh(mesh) => mesh.bounds(),
+        }
+    }
+
+    /// Its volume, mm³.
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Turned(outline) => outline.volume(),
+            Self::Mesh(mesh) => mesh.volume(),
+        }
+    }
+
+    /// Default spacing: the largest extent across the axis of rotation / 800, mm.
+    pub fn default_spacing(&self) -> f64 {
+        let (low, high) = self.bounds();
+        (high.x - low.x).max(high.y - low.y) / 800.0
+    }
+}
+
+/// The stock as a solid.
+#[derive(Clone, Debug)]
+pub struct SolidStock {
+    lattice: Lattice,
+    fields: [RayField; 3],
+}
+
+impl SolidStock {
+    /// The blank, with rays at a spacing in mm.
+    ///
+    /// # Errors
+    /// When the spacing is not possible or would take too much memory.
+    pub fn new(blank: &SolidBlank, spacing: f64) -> Result<Self, SolidError> {
+        let (low, high) = blank.bounds();
+        let lattice = Lattice::around(low, high, spacing)?;
+        let fields = match blank {
+            SolidBlank::Turned(outline) => outline.rays(&lattice),
+            SolidBlank::Mesh(mesh) => mesh.rays(&lattice)?,
+        };
+        Ok(Self { lattice, fields })
+    }
+
+    /// The lattice of its rays.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// Volume, mm³: the mean of the three directions. Faces along the rays make it less exact than that of
+    /// [`StockSurface::volume`]; it takes a hundredth of the time.
+    pub fn volume(&self) -> f64 {
+        let length: f64 = self.fields.iter().map(RayField::length).sum();
+        length / 3.0 * self.lattice.spacing * self.lattice.spacing
+    }
+
+    /// Number of spans; memory grows with it.
+    pub fn span_count(&self) -> usize {
+        self.fields.iter().flat_map(|field| &field.tiles).map(rays::RayTile::len).sum()
+    }
+
+    /// Memory of its rays, bytes.
+    pub fn bytes(&self) -> usize {
+        self.fields.iter().flat_map(|field| &field.tiles).map(rays::RayTile::bytes).sum()
+    }
+
+    /// The spans of the ray along `direction` (0 to 2) through node (u, v) of the other two coordinates,
+    /// which follow it in cyclic order.
+    pub fn spans(&self, direction: usize, u: usize, v: usize) -> &[Span] {
+        self.fields[direction].spans(u, v)
+    }
+
+    /// Makes the moves with `tools`: under feed the cutter removes stock; what must not meet stock is
+    /// returned, by move, where it gets deeper than half the spacing.
+    ///
+    /// # Errors
+    /// When cancelled, which leaves a part of the moves made, or when the stock falls into too many pieces.
+    pub fn make_moves(
+        &mut self,
+        tools: &[SolidTool],
+        moves: &[SolidMove],
+        monitor: &Monitor,
+    ) -> Result<Vec<Contact>, SolidError> {
+        let spacing = self.lattice.spacing;
+        let bounds = self.lattice.bounds();
+        let maker = PieceMaker { tools, tolerance: TOLERANCE * spacing, bounds };
+        let mut contacts = Vec::new();
+        let mut pieces = Vec::new();
+        for (index, step) in moves.iter().enumerate() {
+            maker.add(step, &mut pieces);
+            if pieces.len() >= CHUNK || index + 1 == moves.len() {
+                monitor.check()?;
+                monitor.report(index as f64 / moves.len() as f64);
+                contacts.extend(carve::carve(&self.lattice, &mut self.fields, &pieces, RESOLVED * spacing));
+                pieces.clear();
+                if self.span_count() > MAX_SPANS {
+                    return Err(SolidError::Pieces(spacing));
+                }
+            }
+        }
+        Ok(carve::deepest(contacts))
+    }
+}

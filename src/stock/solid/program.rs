@@ -1,0 +1,70 @@
+//! A program as moves of tool assemblies.
+
+use super::assembly::SolidTool;
+use super::motion::{SolidMove, ToolPose};
+use crate::setup::Setup;
+use crate::toolpath::{ClProgram, Motion};
+
+/// Why a program cannot be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct ProgramFault {
+    /// Line of the program; 0 when it is about all of it.
+    pub line: usize,
+    /// What is wrong and what to do.
+    pub message: String,
+}
+
+/// A program that can be simulated.
+#[derive(Clone, Debug)]
+pub struct SolidProgram {
+    /// The tools, as the moves refer to them.
+    pub tools: Vec<SolidTool>,
+    /// Moves with a tool, in order; `number` is that of the move in the program.
+    pub moves: Vec<SolidMove>,
+    /// Number of moves of the program, those without a tool included.
+    pub count: usize,
+}
+
+impl SolidProgram {
+    /// The moves of `program` with its tools, completed by `setup`. After a tool change the first move starts
+    /// where it ends, as nobody knows where the tool comes from.
+    ///
+    /// # Errors
+    /// When no tool is loaded, a cut comes before any tool, or a tool has no diameter.
+    pub fn new(program: &ClProgram, setup: &Setup) -> Result<Self, ProgramFault> {
+        let fault = |line: usize, message: String| Err(ProgramFault { line, message });
+        if program.tools.is_empty() {
+            return fault(0, "loads no tool; add LOADTL and CUTTER before its cuts".to_owned());
+        }
+        let tools: Vec<_> = program.tools.iter().map(|tool| tool.completed(setup)).collect();
+        let mut moves: Vec<SolidMove> = Vec::with_capacity(program.moves.len());
+        for (number, step) in program.moves.iter().enumerate() {
+            let Some(tool) = step.tool else {
+                if matches!(step.motion, Motion::Feed(_)) && number > 0 {
+                    let what = "cuts before any tool is loaded; add LOADTL and CUTTER before it";
+                    return fault(step.line, what.to_owned());
+                }
+                continue;
+            };
+            let size = &tools[tool];
+            if size.diameter <= 0.0 {
+                let what = format!(
+                    "tool {} has the diameter {}; give CUTTER/ its diameter",
+                    size.number, size.diameter
+                );
+                return fault(step.line, what);
+            }
+            let to = ToolPose { tip: step.tip, axis: step.axis };
+            let from = moves.last().filter(|last| last.tool == tool).map_or(to, |last| last.to);
+            let rapid = step.motion == Motion::Rapid;
+            moves.push(SolidMove { number: number as u32, tool, rapid, from, to });
+        }
+        Ok(Self { tools: tools.iter().map(SolidTool::of).collect(), moves, count: program.moves.len() })
+    }
+
+    /// The moves before move `count` of the program.
+    pub fn first(&self, count: usize) -> &[SolidMove] {
+        &self.moves[..self.moves.partition_point(|step| (step.number as usize) < count)]
+    }
+}

@@ -1,0 +1,126 @@
+//! One run: plan, write the program, judge it, and take its figures.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use super::result::{FIGURES, PROGRAM_VERSION, RESULT_VERSION, RunResult, RunStatus};
+use super::runs::{Run, RunInput, RunList};
+use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::job::{self, FIELD_CELLS, JobError, PlanOutcome, PlanRequest};
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::Channel;
+use crate::setup::Setup;
+use crate::toolpath::ClProgram;
+use crate::verify::{count_by_kind, report_plunges};
+
+/// Significant digits of figures.
+const DIGITS: usize = 10;
+
+/// Plans a run. Whatever goes wrong with it is its result.
+///
+/// # Errors
+/// [`Cancelled`] after a stop or cancel of `monitor`: a plan that was cut short is not a result.
+pub(super) fn evaluate(
+    list: &RunList,
+    run: &Run,
+    input: RunInput<'_>,
+    monitor: &Monitor,
+) -> Result<RunResult, Cancelled> {
+    let started = std::time::Instant::now();
+    let keys = list.keys().into_iter().map(str::to_owned);
+    let mut result = RunResult {
+        vanecut_study_run: RESULT_VERSION,
+        program: PROGRAM_VERSION.to_owned(),
+        id: run.id.clone(),
+        part: input.part.shown.clone(),
+        part_hash: input.part.hash.clone(),
+        varied: keys.zip(list.values(&run.choice).into_iter().cloned()).collect(),
+        setup: input.setup_text,
+        status: RunStatus::Error,
+        error: None,
+        policy: None,
+        tools: Vec::new(),
+        figures: FIGURES.iter().map(|name| ((*name).to_owned(), None)).collect(),
+        elapsed: 0.0,
+    };
+    let planned = match input.setup {
+        Err(fault) => Err(fault),
+        Ok(setup) => {
+            // A fault of the planner in one run must not end the others.
+            let planning = AssertUnwindSafe(|| plan(input.part.part.clone(), setup, monitor));
+            match catch_unwind(planning) {
+                Ok(Err(JobError::Cancelled)) => return Err(Cancelled),
+                Ok(Err(JobError::Setup(fault))) => Err(fault.to_string()),
+                Ok(Ok(outcome)) => judge(&outcome, &mut result),
+                Err(_) => Err("the planner failed on this input; report it with the part".to_owned()),
+            }
+        }
+    };
+    if let Err(fault) = planned {
+        result.status = RunStatus::Error;
+        result.error = Some(fault.split_whitespace().collect::<Vec<_>>().join(" "));
+    }
+    monitor.check()?;
+    result.elapsed = started.elapsed().as_secs_f64();
+    Ok(result)
+}
+
+fn plan(part: Arc<crate::part::Impeller>, setup: Setup, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
+    let policy = setup.plunge.axis;
+    job::run(&PlanRequest { part, setup, policy, compare: false, field_cells: FIELD_CELLS }, monitor)
+}
+
+/// Takes the figures from the program as it would be written, as `vanecut plan` does.
+fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), String> {
+    let (part, plan) = (&outcome.part, &outcome.after.plan);
+    let text = write_apt(&ClProgram::of_plan(&part.name, plan));
+    let program = read_apt_bytes("", text.as_bytes()).map_err(|error| error.to_string())?;
+    let channel = Channel::of(part);
+    let report = report_plunges(part, &channel, &outcome.setup, &program, FIELD_CELLS)
+        .map_err(|fault| fault.message)?;
+    let (summary, faults) = (&report.summary, &report.verdict.faults);
+    let sections = || report.verdict.plan.sections.iter().filter(|section| section.is_cut());
+    let figures: [f64; FIGURES.len()] = [
+        summary.positions as f64,
+        report.verdict.plan.sections.iter().map(|section| section.rows).sum::<usize>() as f64,
+        sections().count() as f64,
+        summary.time_estimate,
+        summary.residual_mean,
+        summary.residual_p95,
+        summary.residual_max,
+        summary.uncut_share,
+        summary.inaccessible_share,
+        summary.interfering as f64,
+        summary.max_contact_depth,
+        faults.len() as f64,
+        // A program does not contain blocked positions.
+        outcome.after.summary.blocked as f64,
+        summary.min_hub_clearance,
+        summary.min_blade_clearance,
+        summary.min_retract_clearance,
+        summary.max_axis_change_rad.to_degrees(),
+        summary.cut_length,
+        summary.rapid_length,
+        plan.iterations as f64,
+    ];
+    let named = FIGURES.iter().zip(figures).map(|(name, value)| ((*name).to_owned(), rounded(value)));
+    result.figures = named.collect::<BTreeMap<_, _>>();
+    result.policy = Some(plan.policy.name().to_owned());
+    result.tools = sections().map(|section| section.tool.diameter).collect();
+    result.status = match (faults.is_empty(), plan.converged) {
+        (false, _) => RunStatus::Faults,
+        (true, false) => RunStatus::Unsettled,
+        (true, true) => RunStatus::Done,
+    };
+    if let Some(first) = faults.first() {
+        result.error = Some(format!("{}; in all {}", first.message, count_by_kind(faults)));
+    }
+    Ok(())
+}
+
+/// A figure with as many digits as survive any reader; none where it is not finite.
+fn rounded(value: f64) -> Option<f64> {
+    let digits = DIGITS - 1;
+    value.is_finite().then(|| format!("{value:.digits$e}").parse().unwrap_or(value))
+}

@@ -1,0 +1,25 @@
+//! Studies: many plans over parts and settings, on one machine or many.
+//!
+//! A study file names parts, a base setup and axes of variation ([`StudyFile`]); every combination is a run
+//! ([`RunList`]). A run is named by a hash of its complete input, and its result is one file, written whole
+//! ([`RunResult`]): a study goes on where it was cut off, without locks and without a server. Shards
+//! ([`Shard`]) are done by independent processes ([`execute`]); [`merge`] puts the results into one table,
+//! the same byte for byte whoever computed them, and [`pareto`] picks the plans that no other plan beats.
+
+mod csv;
+mod evaluate;
+mod execute;
+mod file;
+pub mod merge;
+pub mod pareto;
+mod result;
+mod runs;
+mod setting;
+mod sha256;
+mod shard;
+
+pub use execute::{Execution, Tally, execute};
+pub use file::{Axis, MAX_RUNS, StudyFile};
+pub use result::{RESULT_VERSION, RunResult, RunStatus};
+pub use runs::{Run, RunList, StudyPart};
+pub use shard::{Lookup, Shard};

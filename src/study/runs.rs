@@ -1,0 +1,228 @@
+//! The runs of a study: every combination of its axes, each with the name of its result.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::file::{Axis, StudyFile};
+use super::result::RESULT_VERSION;
+use super::sha256::sha256_hex;
+use crate::io::native::write_native;
+use crate::io::part_file::read_part;
+use crate::io::setup_file::{read_setup_with_defaults, write_setup};
+use crate::io::table::Scalar;
+use crate::io::{InputError, source};
+use crate::part::Impeller;
+use crate::setup::Setup;
+
+/// Hexadecimal digits of the name of a run: 64 bits, by which 100,000 runs collide once in billions of
+/// studies; a collision is found, since results hold their whole input.
+const ID_DIGITS: usize = 16;
+
+/// A part of a study.
+#[derive(Clone, Debug)]
+pub struct StudyPart {
+    /// Path as written in the study file.
+    pub shown: String,
+    /// The part.
+    pub part: Arc<Impeller>,
+    /// SHA-256 of the part in the native format. Formats of several files have no bytes of their own.
+    pub hash: String,
+    /// The setup of an empty file.
+    pub defaults: Setup,
+}
+
+/// One run: a value on each axis.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Name of the run: the first digits of the SHA-256 of part, setup and version of the result.
+    pub id: String,
+    /// Index of the value on each axis.
+    pub choice: Vec<u32>,
+}
+
+/// All runs of a study, in the order of its axes.
+#[derive(Clone, Debug)]
+pub struct RunList {
+    /// The study file.
+    pub file: StudyFile,
+    /// The parts, in the order of their axis.
+    pub parts: Vec<StudyPart>,
+    /// The runs; all have different names.
+    pub runs: Vec<Run>,
+}
+
+/// The complete input of a run.
+#[derive(Clone, Debug)]
+pub struct RunInput<'a> {
+    /// The part.
+    pub part: &'a StudyPart,
+    /// The setup, or why there is none.
+    pub setup: Result<Setup, String>,
+    /// The complete setup as text; the text that is not a setup where there is none.
+    pub setup_text: String,
+}
+
+impl RunList {
+    /// Reads the parts of a study and lists its runs.
+    ///
+    /// # Errors
+    /// When a part cannot be read, a value can never be used, no run is left, or two runs are the same.
+    pub fn of(file: StudyFile) -> Result<Self, InputError> {
+        let paths = &file.axes[file.part_axis()].values;
+        let parts = paths.iter().map(|path| read(&file, path)).collect::<Result<Vec<_>, _>>()?;
+        let choices = choices(&file);
+        let mut list = Self { file, parts, runs: Vec::new() };
+        let ids: Vec<(String, bool)> = choices.par_iter().map(|choice| list.id_of(choice)).collect();
+        list.check_values(&choices, &ids)?;
+        let fault = |what: String, cure: &str| Err(InputError::new(&list.file.name, 0, what, cure));
+        if choices.is_empty() {
+            return fault("every run is excluded".to_owned(), "remove an [[exclude]]");
+        }
+        let mut places: HashMap<&str, usize> = HashMap::with_capacity(ids.len());
+        for (place, (id, _)) in ids.iter().enumerate() {
+            if let Some(first) = places.insert(id, place) {
+                let shown = |place: usize| list.shown_choice(&choices[place]);
+                let what = format!("two runs are the same: {} and {}", shown(first), shown(place));
+                return fault(what, "remove the value that is given twice");
+            }
+        }
+        list.runs = ids.into_iter().zip(choices).map(|((id, _), choice)| Run { id, choice }).collect();
+        Ok(list)
+    }
+
+    /// The complete input of a run.
+    pub fn input(&self, choice: &[u32]) -> RunInput<'_> {
+        let place = choice.get(self.file.part_axis()).map_or(0, |&index| index as usize);
+        let part = &self.parts[place];
+        let (setup, setup_text) = match self.file.setup_text(choice) {
+            Err(what) => (Err(what), String::new()),
+            Ok(text) => match read_setup_with_defaults("", text.as_bytes(), &part.defaults) {
+                Ok(setup) => {
+                    let text = write_setup(&setup);
+                    (Ok(setup), text)
+                }
+                // Lines of this text are those of no file.
+                Err(error) => (Err(format!("{}; {}", error.message, error.help)), text),
+            },
+        };
+        RunInput { part, setup, setup_text }
+    }
+
+    /// Keys that vary, without the part.
+    pub fn keys(&self) -> Vec<&str> {
+        self.axes_but_part().map(|(_, axis)| axis.key.as_str()).collect()
+    }
+
+    /// Values of a run on the axes of [`Self::keys`].
+    pub fn values(&self, choice: &[u32]) -> Vec<&Scalar> {
+        self.axes_but_part()
+            .filter_map(|(place, axis)| axis.values.get(*choice.get(place)? as usize))
+            .collect()
+    }
+
+    fn axes_but_part(&self) -> impl Iterator<Item = (usize, &Axis)> {
+        let part = self.file.part_axis();
+        self.file.axes.iter().enumerate().filter(move |(place, _)| *place != part)
+    }
+
+    /// A combination for a message, such as `plunge.step = 8, plunge.axis = minimal`.
+    fn shown_choice(&self, choice: &[u32]) -> String {
+        let pairs = self.keys().into_iter().zip(self.values(choice));
+        let part = self.input(choice).part.shown.clone();
+        let settings = pairs.map(|(key, value)| format!("{key} = {value}"));
+        [part].into_iter().chain(settings).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Name of a run, and whether its setup can be used.
+    fn id_of(&self, choice: &[u32]) -> (String, bool) {
+        let input = self.input(choice);
+        // A setup that cannot be used has the values that make it so in its text, or in its message.
+        let (usable, fault) = match &input.setup {
+            Ok(_) => (true, ""),
+            Err(fault) => (false, fault.as_str()),
+        };
+        let settings = if input.setup_text.is_empty() { self.shown_choice(choice) } else { String::new() };
+        let whole = [
+            &format!("vanecut study run {RESULT_VERSION}"),
+            &input.part.hash,
+            input.setup_text.as_str(),
+            fault,
+            &settings,
+        ]
+        .join("\n");
+        let mut id = sha256_hex(whole.as_bytes());
+        id.truncate(ID_DIGITS);
+        (id, usable)
+    }
+
+    /// Refuses values that cannot be used in any run and are wrong by themselves, such as those of an unknown
+    /// key. Values that fail in some combinations only make runs that fail.
+    fn check_values(&self, choices: &[Vec<u32>], ids: &[(String, bool)]) -> Result<(), InputError> {
+        let mut used: Vec<Vec<bool>> =
+            self.file.axes.iter().map(|axis| vec![false; axis.values.len()]).collect();
+        for (choice, _) in choices.iter().zip(ids).filter(|(_, (_, usable))| *usable) {
+            for (used, &index) in used.iter_mut().zip(choice) {
+                if let Some(used) = used.get_mut(index as usize) {
+                    *used = true;
+                }
+            }
+        }
+        for (axis, used) in self.file.axes.iter().zip(&used) {
+            for ((value, line), _) in
+                axis.values.iter().zip(&axis.lines).zip(used).filter(|(_, used)| !**used)
+            {
+                let read = self.file.text_with([(axis, value)].into_iter()).and_then(|text| {
+                    read_setup_with_defaults("", text.as_bytes(), &Setup::default())
+                        .map_err(|error| format!("{}; {}", error.message, error.help))
+                });
+                if let Err(fault) = read {
+                    let name = format!("{}:{line}", self.file.name);
+                    let (what, cure) = fault.split_once("; ").unwrap_or((&fault, "correct it"));
+                    return Err(InputError::new(&name, 0, format!("`{}`: {what}", axis.key), cure));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reads a part of the study.
+fn read(file: &StudyFile, path: &Scalar) -> Result<StudyPart, InputError> {
+    let shown = path.to_string();
+    let path: PathBuf = file.folder.join(&shown);
+    let description = read_part(&path)?;
+    let part = Impeller::build(&description)
+        .map_err(|error| InputError::new(&source::name_of(&path), error.line, error.message, error.help))?;
+    let hash = sha256_hex(write_native(&description).as_bytes());
+    let defaults = Setup::for_part(&part);
+    Ok(StudyPart { shown, part: Arc::new(part), hash, defaults })
+}
+
+/// All combinations that are not excluded, the last axis fastest; at most `limit`, picked evenly.
+fn choices(file: &StudyFile) -> Vec<Vec<u32>> {
+    let counts: Vec<usize> = file.axes.iter().map(|axis| axis.values.len()).collect();
+    let count = counts.iter().product::<usize>();
+    let decode = |mut number: usize| {
+        let mut choice = vec![0; counts.len()];
+        for (place, count) in counts.iter().enumerate().rev() {
+            choice[place] = (number % count) as u32;
+            number /= count;
+        }
+        choice
+    };
+    let excluded = |choice: &[u32]| {
+        file.excludes
+            .iter()
+            .any(|exclude| exclude.iter().all(|(axis, values)| values.contains(&(choice[*axis] as usize))))
+    };
+    let kept: Vec<Vec<u32>> = (0..count).map(decode).filter(|choice| !excluded(choice)).collect();
+    match file.limit {
+        Some(limit) if limit < kept.len() => {
+            (0..limit).filter_map(|k| kept.get(k * kept.len() / limit).cloned()).collect()
+        }
+        _ => kept,
+    }
+}

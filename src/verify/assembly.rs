@@ -1,0 +1,166 @@
+//! Shank and holder of every move against the finished part, and against stock where a plunge ends.
+
+use rayon::prelude::*;
+
+use super::fault::{Fault, FaultKind, Finding};
+use super::{ProgramCut, TOOL_TOLERANCE};
+use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings};
+use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
+use crate::cutting::retract::bottom_clearance;
+use crate::geometry::{CutterSolid, Frustum};
+use crate::part::Blank;
+use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
+use crate::toolpath::ClProgram;
+
+/// Cylinders by which a cone is represented against stock; each contains its slice.
+const SLICES: u32 = 4;
+
+/// Least distances of shank and holder to the finished part over a program, mm; infinite where no tool has
+/// one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AssemblyDistances {
+    /// Of the shank.
+    pub shank: f64,
+    /// Of the holder.
+    pub holder: f64,
+}
+
+impl AssemblyDistances {
+    /// Without any shank or holder.
+    pub const NONE: Self = Self { shank: f64::INFINITY, holder: f64::INFINITY };
+
+    /// The lesser of each.
+    pub(super) fn add(&mut self, clearance: &AssemblyClearance) {
+        self.shank = self.shank.min(clearance.shank.distance);
+        self.holder = self.holder.min(clearance.holder.distance);
+    }
+}
+
+/// The faults of a move with these clearances of its tool.
+pub(super) fn assembly_findings(
+    tool: &Tool,
+    clearance: &AssemblyClearance,
+    around: &AssemblySurroundings,
+) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    if clearance.shank.collides() {
+        let what = format!(
+            "the shank of tool {} comes within {:.3} mm of the part: {:.3} mm short of allowance and clearance; \
+             give a thinner shank, or a smaller clearance",
+            tool.number, clearance.shank.distance, clearance.shank.missing
+        );
+        findings.push(Finding::new(FaultKind::ShankCollision, clearance.shank.missing, what));
+    }
+    if clearance.holder.collides() {
+        let only = (!clearance.shank.collides()).then_some(clearance.worst).flatten();
+        let cure = match only.and_then(|pose| around.stick_out(tool, pose)) {
+            Some(overhang) => format!("an overhang of {overhang} mm would do, instead of {}", tool.overhang),
+            None => "no longer overhang frees it: tilt the axis, or give a thinner holder".to_owned(),
+        };
+        let what = format!(
+            "the holder of tool {} comes within {:.3} mm of the part: {:.3} mm short of allowance and \
+             clearance; {cure}",
+            tool.number, clearance.holder.distance, clearance.holder.missing
+        );
+        findings.push(Finding::new(FaultKind::HolderCollision, clearance.holder.missing, what));
+    }
+    findings
+}
+
+/// Judges all moves of a plunge program against the finished part.
+pub(super) fn judge_moves(
+    program: &ClProgram,
+    setup: &Setup,
+    around: &AssemblySurroundings,
+) -> (AssemblyDistances, Vec<Fault>) {
+    let tools: Vec<Tool> = program.tools.iter().map(|tool| tool.completed(setup)).collect();
+    let segments: Vec<Vec<AssemblySegment>> =
+        tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect();
+    let judged: Vec<(AssemblyClearance, Vec<Fault>)> = (0..program.moves.len())
+        .into_par_iter()
+        .filter_map(|k| {
+            let step = &program.moves[k];
+            let number = step.tool.filter(|&number| !segments[number].is_empty())?;
+            let before = k.checked_sub(1).map(|k| &program.moves[k]).filter(|b| b.tool == step.tool);
+            let to = (step.tip, step.axis);
+            let from = before.map_or(to, |before| (before.tip, before.axis));
+            let clearance = around.along(&tools[number], &segments[number], from, to);
+            let findings = assembly_findings(&tools[number], &clearance, around);
+            Some((clearance, findings.into_iter().map(|finding| finding.at(step.line)).collect()))
+        })
+        .collect();
+    let mut least = AssemblyDistances::NONE;
+    let mut faults = Vec::new();
+    for (clearance, found) in judged {
+        least.add(&clearance);
+        faults.extend(found);
+    }
+    (least, faults)
+}
+
+/// The fault of plunge `k` if at its end the holder, or a shank thicker than the cutter, is in stock that
+/// neither it nor an earlier plunge removed.
+pub(super) fn holder_in_stock(
+    cut: &ProgramCut,
+    k: usize,
+    columns: &Columns,
+    top: &BlankTop,
+    blank: &Blank,
+) -> Option<Finding> {
+    let (tool, cutter) = (&cut.tool, &cut.cutter);
+    if tool.assembly.is_empty() {
+        return None;
+    }
+    let depth = |frustum: &Frustum| {
+        let slice = |i: u32| {
+            let [from, to] = [i, i + 1].map(|i| f64::from(i) / f64::from(SLICES));
+            let radius = frustum.radius_at(from).max(frustum.radius_at(to));
+            let tip = frustum.base + frustum.axis * (from * frustum.length);
+            let solid = CutterSolid { tip, axis: frustum.axis, radius, corner_radius: 0.0 };
+            if bottom_clearance(&solid, blank) > 0.0 {
+                return 0.0;
+            }
+            core_contact(&PlungeColumn::new(solid, radius, top), columns.before(k + 1), blank).depth
+        };
+        (0..SLICES).map(slice).fold(0.0, f64::max)
+    };
+    for segment in tool.assembly.segments(tool.overhang) {
+        let widest = segment.radii[0].max(segment.radii[1]);
+        if widest <= tool.radius() {
+            continue;
+        }
+        let depth = depth(&segment.placed(&cutter.tip, &cutter.axis));
+        if depth > TOOL_TOLERANCE {
+            let (kind, name) = match segment.part {
+                AssemblyPart::Shank => (FaultKind::ShankCollision, "shank"),
+                AssemblyPart::Holder => (FaultKind::HolderCollision, "holder"),
+            };
+            let what = format!(
+                "the {name} of tool {} runs {depth:.1} mm into stock that no plunge before it removed: cut in \
+                 steps, or give more overhang",
+                tool.number
+            );
+            return Some(Finding::new(kind, depth, what));
+        }
+    }
+    None
+}
+
+/// Tools of a program whose shank and holder are unknown, while the setup knows those of others: a remark.
+pub(super) fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
+    if setup.tools.iter().all(|tool| tool.assembly.is_empty()) {
+        return None;
+    }
+    let used = |index: usize| program.moves.iter().any(|step| step.tool == Some(index));
+    let unknown: Vec<String> = program
+        .tools
+        .iter()
+        .enumerate()
+        .filter(|(index, tool)| tool.completed(setup).assembly.is_empty() && used(*index))
+        .map(|(_, tool)| tool.number.to_string())
+        .collect();
+    (!unknown.is_empty()).then(|| {
+        let numbers = unknown.join(", ");
+        format!("shank and holder are unknown and were not checked: tool {numbers}; give them in the setup")
+    })
+}

@@ -1,0 +1,180 @@
+//! What must not pass: limits, missing words, and programs with one thing changed.
+
+use vanecut::io::nc::{read_post, read_post_bytes, write_nc};
+use vanecut::machine::{MotionFault, OutputKind};
+use vanecut::toolpath::Motion;
+
+use super::programs::{OUTPUTS, largest_difference, machine, moved, plunges, posted, read_back, sweeps};
+
+fn fault_of(edit: impl Fn(&mut vanecut::machine::MachineTool)) -> MotionFault {
+    let mut machine = machine("ac-trunnion");
+    edit(&mut machine);
+    let post = read_post("fanuc").unwrap();
+    moved(&machine, &plunges(), &post, OutputKind::TcpAngles).unwrap_err()
+}
+
+#[test]
+fn limits_and_reach_are_told_with_their_number() {
+    let tilt = fault_of(|m| m.rotary[1].limits = Some((-0.2, 0.5)));
+    assert!(tilt.to_string().contains("A would have to be") && tilt.limits_exceeded() > 3, "{tilt}");
+    assert!(tilt.line() > 0 && !tilt.to_string().contains('\n'));
+    let travel = fault_of(|m| m.linear[0].limits = (-20.0, 20.0));
+    assert!(
+        travel.to_string().contains("X ") && travel.to_string().contains("beyond its limits"),
+        "{travel}"
+    );
+
+    let mut steep = plunges();
+    for step in &mut steep.moves {
+        step.axis = -step.axis;
+    }
+    let post = read_post("linuxcnc").unwrap();
+    let fault = moved(&machine("nutating-table"), &steep, &post, OutputKind::TcpAngles).unwrap_err();
+    assert!(fault.to_string().contains("no position of C and B"), "{fault}");
+}
+
+#[test]
+fn programs_lack_nothing() {
+    let (ac, post) = (machine("ac-trunnion"), read_post("fanuc").unwrap());
+    let mut program = plunges();
+    let motion = moved(&ac, &program, &post, OutputKind::TcpAngles).unwrap();
+    program.tools[0].number = 0;
+    let error = write_nc(&program, &ac, &motion, &post, OutputKind::TcpAngles).unwrap_err();
+    assert!(error.contains("no number"), "{error}");
+    program.tools[0].number = 4;
+    program.tools[1].spindle_rpm = None;
+    let error = write_nc(&program, &ac, &motion, &post, OutputKind::TcpAngles).unwrap_err();
+    assert!(error.contains("no spindle speed"), "{error}");
+    let error =
+        write_nc(&plunges(), &ac, &motion, &read_post("haas").unwrap(), OutputKind::Plane).unwrap_err();
+    assert!(error.contains("does not take plane"), "{error}");
+
+    let mut program = plunges();
+    program.moves[1].motion = Motion::Feed(None);
+    let fault = moved(&ac, &program, &post, OutputKind::TcpAngles).unwrap_err();
+    assert!(matches!(fault, MotionFault::Lacks { line: 2, .. }), "{fault}");
+    let fault = moved(&ac, &sweeps(), &post, OutputKind::Plane).unwrap_err();
+    assert!(fault.to_string().contains("planes cannot"), "{fault}");
+}
+
+/// One sign, one offset, a missing F, a missing H, TCP left on: each is seen in what is read back.
+#[test]
+fn changed_programs_are_caught() {
+    let program = plunges();
+    for (control, kinds) in OUTPUTS {
+        for &output in kinds {
+            let machine = machine("ac-trunnion");
+            let text = posted(&machine, &program, control, output).text;
+            let caught = |text: &str| match read_back(&machine, control, text) {
+                Err(_) => true,
+                Ok(reading) => {
+                    let no_rate = reading.program.moves.iter().any(|m| m.motion == Motion::Feed(None));
+                    let differs = largest_difference(&program, &reading)
+                        .map_or(true, |(tip, axis)| tip > 1e-3 || axis > 1e-4);
+                    no_rate || differs || !reading.overruns.is_empty()
+                }
+            };
+            let case = |what: &str| format!("{control} {}: {what}", output.name());
+            assert!(!caught(&text), "{}", case("unchanged"));
+            // A line in the middle that moves X while cutting or linking.
+            let lines: Vec<&str> = text.lines().collect();
+            let cut = (lines.len() / 2..lines.len())
+                .find(|&k| lines[k].contains(" F240") && lines[k].contains('Z'))
+                .unwrap();
+            let replaced = |k: usize, line: &str| {
+                let mut lines = lines.clone();
+                lines[k] = line;
+                lines.join("\n")
+            };
+            // The sign of the last coordinate before the feed rate, and that coordinate moved by a tenth.
+            let at = lines[cut].find('Z').unwrap();
+            let (head, tail) = lines[cut].split_at(at + 1);
+            let end = tail.find(' ').unwrap_or(tail.len());
+            let z: f64 = tail[..end].parse().unwrap();
+            for (what, z) in [("sign", -z), ("offset", z + 0.1)] {
+                let line = format!("{head}{z:.4}{}", &tail[end..]);
+                assert!(caught(&replaced(cut, &line)), "{}", case(what));
+            }
+            // Without its F a cut runs at the rate of links, or has none.
+            let line = lines[cut].split(" F").next().unwrap();
+            assert!(caught(&replaced(cut, line)), "{}", case("no F"));
+            let post = read_post(control).unwrap();
+            let off = match (control, output) {
+                (_, OutputKind::Joints) => continue,
+                ("heidenhain", OutputKind::Plane) => "PLANE RESET STAY",
+                ("heidenhain", _) => "M129",
+                ("siemens", OutputKind::Plane) => "CYCLE800()",
+                ("siemens", _) => "TRAFOOF",
+                ("fanuc", OutputKind::Plane) => "G69",
+                ("linuxcnc", _) => "M429",
+                _ => "G49",
+            };
+            assert!(post.outputs().any(|kind| kind == output));
+            let without: Vec<&str> = lines.iter().copied().filter(|line| !line.ends_with(off)).collect();
+            assert!(without.len() < lines.len(), "{}", case(off));
+            assert!(caught(&without.join("\n")), "{}", case("left on"));
+        }
+    }
+}
+
+#[test]
+fn faulty_programs_name_their_line() {
+    let machine = machine("ac-trunnion");
+    let text = posted(&machine, &plunges(), "fanuc", OutputKind::TcpAngles).text;
+    for (from, to, what) in [
+        ("G43.4 H4", "G43.4", "the length offset H is missing"),
+        ("G43.4 H4", "G43.4 H5", "H5 is not the length offset of tool 4"),
+        ("S1200 M3", "S1200", "the spindle stands"),
+        ("T4 M6", "M6", "no tool number"),
+        ("G21", "G20", "inches"),
+        ("G1 X", "G2 X", "arcs"),
+        ("M30", "M0", "no end"),
+        (" A", " A1 A", "stands twice"),
+        ("G54", "G54 G999", "G999 is not read"),
+        ("(AC", "AC", "is not a number"),
+    ] {
+        let changed = text.replacen(from, to, 1);
+        assert_ne!(changed, text, "{from}");
+        let error = read_back(&machine, "fanuc", &changed).unwrap_err();
+        assert!(error.starts_with("p.nc:") && error.contains(what), "{from} → {to}: {error}");
+    }
+}
+
+#[test]
+fn any_text_is_answered() {
+    let machine = machine("ac-trunnion");
+    let texts =
+        ["", "\0", "%", "G", "N10", "0 L X", "0 TOOL CALL", "A3=", "CYCLE800(", "G1 X1e9", "é", "0 LN TX+0"];
+    for (control, _) in OUTPUTS {
+        let sound = posted(&machine, &plunges(), control, OutputKind::TcpAngles).text;
+        for text in texts {
+            assert!(read_back(&machine, control, text).is_err(), "{control}: {text:?}");
+        }
+        // Cut off anywhere, or with a line doubled or left out, it is answered without a panic.
+        for k in (0..sound.len()).step_by(sound.len() / 60) {
+            let _ = read_back(&machine, control, sound.get(..k).unwrap_or_default());
+        }
+    }
+}
+
+#[test]
+fn posts_of_a_shop() {
+    let text =
+        "extends = \"fanuc\"\n[format]\nnumbers = []\n[blocks]\nend = [\"M5\", \"M9\", \"M30\", \"%\"]\n";
+    let post = read_post_bytes("shop.toml", text.as_bytes()).unwrap();
+    let machine = machine("ac-trunnion");
+    let program = plunges();
+    let motion = moved(&machine, &program, &post, OutputKind::TcpAngles).unwrap();
+    let nc = write_nc(&program, &machine, &motion, &post, OutputKind::TcpAngles).unwrap();
+    assert!(nc.text.ends_with("M5\nM9\nM30\n%\n") && nc.text.contains("\nG43.4 H4\n"), "{}", nc.text);
+    assert!(read_back(&machine, "fanuc", &nc.text).is_ok());
+    for (text, what) in [
+        ("extends = \"fanuk\"", "shop.toml:1: unknown control `fanuk`"),
+        ("extends = \"haas\"\n[blocks]\nend = [\"{toll}\"]", "shop.toml:3: unknown word `toll` in braces"),
+        ("extends = \"haas\"\n[on]\nspiral = []", "unknown key `spiral`"),
+        ("[format]\ndecimals = 3", "names no control"),
+    ] {
+        let error = read_post_bytes("shop.toml", text.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(what), "{error}");
+    }
+}

@@ -1,0 +1,144 @@
+//! Shank and holder against a part: closed forms, `verify` and `plan`.
+
+use vanecut::cutting::assembly::{AssemblySurroundings, blade_distance, hub_distance};
+use vanecut::cutting::clearance::FinishedPart;
+use vanecut::geometry::{Frustum, Point, Vector};
+use vanecut::io::{read_part_bytes, read_setup_bytes, write_setup};
+use vanecut::part::{Channel, Impeller};
+use vanecut::setup::Setup;
+
+/// A hub that is a cylinder of radius 30, or a plane z = 0, over its range, with a few thin blades on it.
+fn wheel(hub: &str, shroud: &str) -> Impeller {
+    let text = format!(
+        "name = \"w\"\nblades = 3\n[hub]\npoints = {hub}\n[shroud]\npoints = {shroud}\n\
+         [[main.span]]\nspan = 0.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, 2.0], [1.0, 2.0]]\n\
+         [[main.span]]\nspan = 1.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, 2.0], [1.0, 2.0]]\n"
+    );
+    Impeller::build(&read_part_bytes("w.toml", text.as_bytes(), "toml").expect("readable")).expect("a wheel")
+}
+
+fn pump() -> Impeller {
+    let text = include_bytes!("../../assets/parts/pump6.toml");
+    Impeller::build(&read_part_bytes("pump6.toml", text, "toml").expect("readable")).expect("an impeller")
+}
+
+#[test]
+fn a_holder_cone_beside_a_cylindrical_hub_in_closed_form() {
+    let part = wheel("[[30, -100], [30, -50], [30, 0], [30, 50]]", "[[60, -100], [60, -50], [60, 0], [60, 50]]");
+    let channel = Channel::of(&part);
+    let finished = FinishedPart::new(&part, &channel.sides);
+    for (off, lower, upper) in [(60.0, 10.0, 10.0), (60.0, 10.0, 24.0), (55.0, 20.0, 8.0)] {
+        // Parallel axes: the widest circle is the nearest.
+        let axis = Vector::new(0.0, 0.0, 1.0);
+        let cone = Frustum { base: Point::new(off, 0.0, -60.0), axis, length: 40.0, radii: [lower, upper] };
+        let expected = off - 30.0 - f64::max(lower, upper);
+        assert!((hub_distance(&finished, &cone, 100.0) - expected).abs() < 1e-6, "{off} {lower} {upper}");
+        // A radial axis: the centre of the lower end is nearest to a cylinder that it lies across.
+        let axis = Vector::new(1.0, 0.0, 0.0);
+        let cone = Frustum { base: Point::new(off, 0.0, -40.0), axis, length: 40.0, radii: [lower, upper] };
+        let rim = off - 30.0;
+        assert!((hub_distance(&finished, &cone, 100.0) - rim).abs() < 1e-6, "{off} {lower} {upper}");
+    }
+}
+
+#[test]
+fn a_holder_cone_above_a_plane_hub_in_closed_form() {
+    let part = wheel("[[20, 0], [60, 0], [100, 0], [140, 0]]", "[[20, 40], [60, 40], [100, 40], [140, 40]]");
+    let channel = Channel::of(&part);
+    let finished = FinishedPart::new(&part, &channel.sides);
+    for tilt_deg in [0.0f64, 10.0, 25.0, 60.0] {
+        let (sin, cos) = tilt_deg.to_radians().sin_cos();
+        let axis = Vector::new(0.0, sin, cos);
+        let base = Point::new(80.0, 0.0, 30.0);
+        for [lower, upper, length] in [[15.0, 15.0, 30.0], [12.0, 22.0, 20.0], [5.0, 25.0, 12.0]] {
+            let cone = Frustum { base, axis, length, radii: [lower, upper] };
+            // The lowest point of either rim.
+            let expected = (base.z - lower * sin).min(base.z + length * cos - upper * sin);
+            let found = hub_distance(&finished, &cone, 200.0);
+            assert!((found - expected).abs() < 1e-5, "{tilt_deg}° {lower} {upper}: {found}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn blades_are_measured_as_by_dense_samples() {
+    let part = pump();
+    let channel = Channel::of(&part);
+    let finished = FinishedPart::new(&part, &channel.sides);
+    let mut near = 0;
+    for k in 0..24 {
+        let a = f64::from(k) * 0.7;
+        let r = part.rim_radius() * (0.5 + 0.02 * f64::from(k));
+        let base = Point::new(r * a.cos(), r * a.sin(), 5.0 + f64::from(k % 5) * 4.0);
+        let axis = Vector::new(0.3 * a.sin(), 0.2, 1.0).normalize();
+        let cone = Frustum { base, axis, length: 25.0, radii: [6.0, 6.0 + f64::from(k % 4) * 3.0] };
+        let found = blade_distance(&finished, &cone, 1000.0);
+        let mut sampled = f64::INFINITY;
+        for side in &channel.sides {
+            for turn in 0..part.blade_count {
+                let side = side.rotated(part.pitch() * turn as f64);
+                for (i, j) in (0..=120).flat_map(|i| (0..=30).map(move |j| (i, j))) {
+                    let p = side.point(f64::from(i) / 120.0, f64::from(j) / 30.0);
+                    sampled = sampled.min(cone.distance(&p));
+                }
+            }
+        }
+        assert!(found < sampled + 1e-6, "{k}: {found} is not the least, {sampled} is there");
+        assert!(found > sampled - 1.5, "{k}: {found} is far below {sampled}");
+        near += usize::from(found < 30.0);
+    }
+    assert!(near > 5, "some are near");
+}
+
+const ASSEMBLY: &str = r#"[stock]
+material = "1.4571"
+[clearance]
+shank = 0.2
+holder = 1.5
+[[tool]]
+diameter = 12.0
+overhang = 60.0
+name = "D12 Z3"
+flute_length = 20.0
+teeth = 3
+taper = 1.5
+shank = [[11.0, 20.0], [10.0, 10.0]]
+holder = [[20.0, 30.0, 25.0], [40.0, 40.0, 30.0]]
+length_offset = 4
+diameter_offset = 5
+feed_per_tooth = 0.1
+cutting_speed = 100
+"#;
+
+#[test]
+fn a_setup_carries_the_assembly() {
+    let setup = read_setup_bytes("s.toml", ASSEMBLY.as_bytes()).expect("reads");
+    assert_eq!(read_setup_bytes("s.toml", write_setup(&setup).as_bytes()).expect("reads"), setup);
+    let tool = &setup.tools[0];
+    assert!((tool.spindle - 100e3 / (std::f64::consts::PI * 12.0)).abs() < 1e-9, "from the cutting speed");
+    assert!((tool.plunge_feed - 0.3 * tool.spindle).abs() < 1e-9, "from the feed per tooth");
+    let segments = tool.assembly.segments(tool.overhang);
+    let ends: Vec<(f64, f64)> = segments.iter().map(|s| (s.from, s.from + s.length)).collect();
+    // The last segment of the shank runs on to the holder.
+    assert_eq!(ends, [(20.0, 40.0), (40.0, 60.0), (60.0, 85.0), (85.0, 115.0)]);
+    assert_eq!((setup.clearances.shank, setup.clearances.holder), (0.2, 1.5));
+    assert_eq!(read_setup_bytes("s.toml", b"[[tool]]\ndiameter = 5\n").unwrap().clearances, Setup::default().clearances);
+}
+
+#[test]
+fn the_stick_out_frees_the_holder_and_no_shorter_one_does() {
+    let part = pump();
+    let channel = Channel::of(&part);
+    let finished = FinishedPart::new(&part, &channel.sides);
+    let text = "[[tool]]\ndiameter = 4\noverhang = 6\nholder = [[30, 40, 40]]\n";
+    let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("reads");
+    let tool = &setup.tools[0];
+    let around = AssemblySurroundings::new(&finished, &setup);
+    let foot = part.hub.point(0.6);
+    let pose = (foot.at_angle(0.2), part.hub.at(0.6).normal.direction_at_angle(0.2));
+    let missing = |overhang: f64| around.at(tool, &tool.assembly.segments(overhang), pose, 0.0).holder.missing;
+    assert!(missing(tool.overhang) > 1.0, "the short tool collides");
+    let overhang = around.stick_out(tool, pose).expect("a longer one does");
+    assert!(missing(overhang) <= 1e-3, "{overhang}");
+    assert!(missing(overhang - 1.0) > 0.0, "1 mm less does not do");
+}

@@ -1,0 +1,219 @@
+//! Tool libraries of Fusion and FreeCAD, and our own.
+
+use serde_json::{Value, json};
+use vanecut::io::shop_tools::{LibraryFormat, ToolLibrary, read_library_bytes, write_fusion, write_toml};
+
+fn library() -> Value {
+    json!({"version": 36, "data": [
+        {
+            "type": "face mill", "unit": "inches", "description": "cutter with inserts",
+            "geometry": {"DC": 1.0, "RE": 0.03125, "LCF": 0.4, "LB": 3.0, "NOF": 3, "SFDM": 0.75,
+                "shoulder-length": 1.0, "shoulder-diameter": 0.9},
+            "expressions": {"tool_diameter": "1.25 in", "tool_bodyLength": "tool_fluteLength * 8",
+                "tool_fluteLength": "10 mm"},
+            "post-process": {"number": 7, "length-offset": 8, "diameter-offset": 9},
+            "start-values": {"presets": [{"n": 900, "v_f_plunge": 10.0, "f_z": 0.004, "v_c": 300,
+                "expressions": {"tool_feedPlunge": "tool_feedCutting / 2", "tool_feedCutting": "20 inpm"}}]},
+            "holder": {"unit": "millimeters", "gaugeLength": 70.0, "segments": [
+                {"height": 30, "lower-diameter": 40, "upper-diameter": 50},
+                {"height": 40, "lower-diameter": 50, "upper-diameter": 50},
+                {"height": 2, "lower-diameter": 46, "upper-diameter": 46}]}
+        },
+        {
+            "type": "flat end mill", "unit": "millimeters", "description": "old",
+            "geometry": {"DC": 4, "LB": 50, "LCF": 10, "NOF": 3, "RE": 0, "SFDM": 6, "shoulder-length": 14},
+            "post-process": {"number": 7},
+            "start-values": {"*": {"n": 20000, "v_f_plunge": 150, "f_z": 0.005, "v_c": 251.3}}
+        },
+        {"type": "drill", "unit": "millimeters", "description": "drill", "geometry": {"DC": 3}},
+    ]})
+}
+
+fn read(tree: &Value) -> ToolLibrary {
+    read_library_bytes("shop.json", tree.to_string().as_bytes(), LibraryFormat::FusionJson).expect("reads")
+}
+
+#[test]
+fn units_expressions_presets_and_segments_of_fusion() {
+    let library = read(&library());
+    let [first, second] = library.tools.as_slice() else { panic!("two mills: {library:?}") };
+    let tool = &first.tool;
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} is not {b}");
+    near(tool.diameter, 31.75);
+    near(tool.overhang, 80.0);
+    near(tool.insert_width, 0.45 * 31.75);
+    near(tool.plunge_feed, 254.0);
+    near(tool.assembly.feed_per_tooth.unwrap(), 0.1016);
+    near(tool.assembly.cutting_speed.unwrap(), 91.44);
+    near(tool.assembly.flute_length.unwrap(), 10.0);
+    assert_eq!((tool.number, tool.spindle, tool.assembly.teeth), (7, 900.0, Some(3)));
+    assert_eq!((tool.assembly.length_offset, tool.assembly.diameter_offset), (Some(8), Some(9)));
+    // The holder is in mm inside an inch tool; the segment beyond the gauge line is in the spindle.
+    assert_eq!(tool.assembly.holder, [[40.0, 50.0, 30.0], [50.0, 50.0, 40.0]]);
+    let shank = &tool.assembly.shank;
+    near(shank[0][0], 22.86);
+    near(shank[0][1], 15.4);
+    near(shank[1][0], 19.05);
+    near(shank[1][1], 54.6);
+    assert!(first.notes.iter().any(|note| note.contains("insert width assumed")), "{:?}", first.notes);
+    let old = &second.tool;
+    assert_eq!((old.number, old.plunge_feed, old.spindle), (8, 150.0, 20000.0), "the number 7 is taken");
+    assert_eq!(old.assembly.shank, [[4.0, 4.0], [6.0, 36.0]]);
+    assert!(library.notes.iter().any(|note| note.contains("drill")), "{:?}", library.notes);
+}
+
+#[test]
+fn what_is_written_reads_back() {
+    let library = read(&library());
+    let text = write_toml(&library);
+    assert!(text.contains("# insert width assumed"), "{text}");
+    let own = read_library_bytes("t.toml", text.as_bytes(), LibraryFormat::Toml).expect("reads");
+    let tools = |library: &ToolLibrary| library.tools.iter().map(|t| t.tool.clone()).collect::<Vec<_>>();
+    assert_eq!(tools(&own), tools(&library));
+    let fusion = read_library_bytes("t.json", write_fusion(&library).as_bytes(), LibraryFormat::FusionJson);
+    let fusion = tools(&fusion.expect("reads"));
+    for (written, read) in tools(&library).iter().zip(&fusion) {
+        assert_eq!((written.number, written.assembly.holder.clone()), (read.number, read.assembly.holder.clone()));
+        assert_eq!((written.diameter, written.overhang), (read.diameter, read.overhang));
+        assert_eq!((written.plunge_feed, written.spindle), (read.plunge_feed, read.spindle));
+        assert_eq!(written.assembly.shank, read.assembly.shank);
+    }
+}
+
+/// A ZIP archive with one member, stored or deflated.
+fn zip(member: &str, content: &[u8], deflate: bool) -> Vec<u8> {
+    let packed = if deflate { miniz_oxide::deflate::compress_to_vec(content, 6) } else { content.to_vec() };
+    let crc = !content.iter().fold(!0u32, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |c, _| if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 })
+    });
+    let mut common = Vec::new();
+    common.extend([20, 0, 0, 0, if deflate { 8 } else { 0 }, 0, 0, 0, 0, 0]);
+    for word in [crc, packed.len() as u32, content.len() as u32] {
+        common.extend(word.to_le_bytes());
+    }
+    common.extend((member.len() as u16).to_le_bytes());
+    common.extend([0, 0]);
+    let mut out = b"PK\x03\x04".to_vec();
+    out.extend(&common);
+    out.extend(member.as_bytes());
+    out.extend(&packed);
+    let directory = out.len() as u32;
+    out.extend(b"PK\x01\x02\x14\x00");
+    out.extend(&common);
+    out.extend([0; 14]);
+    out.extend(member.as_bytes());
+    let size = out.len() as u32 - directory;
+    out.extend(b"PK\x05\x06\x00\x00\x00\x00\x01\x00\x01\x00");
+    out.extend(size.to_le_bytes());
+    out.extend(directory.to_le_bytes());
+    out.extend([0, 0]);
+    out
+}
+
+#[test]
+fn archives_stored_and_deflated() {
+    let expected = read(&library());
+    for deflate in [false, true] {
+        let bytes = zip("tools.json", library().to_string().as_bytes(), deflate);
+        let found = read_library_bytes("shop.tools", &bytes, LibraryFormat::FusionTools).expect("reads");
+        assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn no_cut_or_changed_archive_panics_or_passes_as_another_library() {
+    let expected = read(&library());
+    let whole = zip("tools.json", library().to_string().as_bytes(), true);
+    for end in 0..whole.len() {
+        assert!(read_library_bytes("x.tools", &whole[..end], LibraryFormat::FusionTools).is_err(), "{end}");
+    }
+    for at in 0..whole.len() {
+        let mut changed = whole.clone();
+        changed[at] ^= 0x55;
+        if let Ok(found) = read_library_bytes("x.tools", &changed, LibraryFormat::FusionTools) {
+            assert_eq!(found, expected, "byte {at}");
+        }
+    }
+}
+
+#[test]
+fn a_tool_bit_of_freecad() {
+    let bit = json!({"version": 2, "name": "6 mm Bull Nose", "shape": "bullnose.fcstd", "shape-type": "Bullnose",
+        "parameter": {"CuttingEdgeHeight": "40.0000 mm", "Diameter": "6.0000 mm", "CornerRadius": "1.5000 mm",
+            "Length": "50.0000 mm", "ShankDiameter": "3.0000 mm"}, "attribute": {}});
+    let read = read_library_bytes("b.fctb", bit.to_string().as_bytes(), LibraryFormat::FreeCadBit).expect("reads");
+    let tool = &read.tools[0].tool;
+    assert_eq!((tool.diameter, tool.corner_radius, tool.overhang), (6.0, 1.5, 50.0));
+    assert_eq!((tool.assembly.flute_length, tool.assembly.shank.clone()), (Some(40.0), vec![[3.0, 10.0]]));
+}
+
+/// Sets the value at a JSON pointer.
+fn with(pointer: &str, value: Value) -> String {
+    let mut tree = library();
+    *tree.pointer_mut(pointer).unwrap_or_else(|| panic!("{pointer} must be in the library")) = value;
+    tree.to_string()
+}
+
+#[test]
+fn thirty_broken_libraries_are_named_in_one_line() {
+    use LibraryFormat::{FreeCadBit, FreeCadLibrary, FusionJson, FusionTools, Toml};
+    let segments = "/data/0/holder/segments";
+    let many = Value::Array(vec![json!({"height": 1, "lower-diameter": 9, "upper-diameter": 9}); 51]);
+    let bit = |key: &str, value: Value| {
+        let mut tree = json!({"name": "x", "shape": "endmill.fcstd", "parameter": {"Diameter": "6 mm"}});
+        tree["parameter"][key] = value;
+        tree.to_string()
+    };
+    let toml = |line: &str| format!("[[tool]]\ndiameter = 10\noverhang = 50\n{line}\n");
+    let archive = |name: &str, content: &[u8]| zip(name, content, true);
+    let mut encrypted = archive("tools.json", b"{}");
+    let at = encrypted.windows(4).position(|w| w == b"PK\x01\x02").unwrap();
+    encrypted[at + 8] = 1;
+    let cases: Vec<(LibraryFormat, Vec<u8>, &str)> = vec![
+        (FusionJson, b"".to_vec(), "empty"),
+        (FusionJson, b"{\"data\": [".to_vec(), "not valid JSON"),
+        (FusionJson, b"[]".to_vec(), "no list `data`"),
+        (FusionJson, b"{\"data\": 3}".to_vec(), "no list `data`"),
+        (FusionJson, b"{\"data\": []}".to_vec(), "no mill"),
+        (FusionJson, b"{\"data\": [7]}".to_vec(), "entry 1 is not a tool"),
+        (FusionJson, vec![b'['; 100_000], "not valid JSON"),
+        (FusionJson, format!("[{}0]", "0,".repeat(3_000_001)).into_bytes(), "more than"),
+        (FusionJson, with("/data/0/unit", json!("feet")).into(), "`feet`"),
+        (FusionJson, with("/data/0/unit", json!(3)).into(), "neither millimeters nor inches"),
+        (FusionJson, with("/data/0/geometry", json!(null)).into(), "no `geometry`"),
+        (FusionJson, with("/data/1/geometry/DC", json!(-4)).into(), "-4"),
+        (FusionJson, with("/data/1/geometry/DC", json!("4 mm")).into(), "`DC` is not a number"),
+        (FusionJson, with("/data/1/geometry/DC", json!(null)).into(), "no diameter"),
+        (FusionJson, with("/data/1/geometry/DC", json!(1e300)).into(), "`diameter`"),
+        (FusionJson, with("/data/0/holder/unit", json!("mils")).into(), "its holder has the unit `mils`"),
+        (FusionJson, with(segments, json!("none")).into(), "not a list"),
+        (FusionJson, with(segments, many).into(), "51 segments"),
+        (FusionJson, with(&format!("{segments}/0/height"), json!(-30)).into(), "negative"),
+        (FusionJson, with(&format!("{segments}/0/height"), json!(null)).into(), "no `height`"),
+        (FusionJson, with("/data/0/start-values/presets", json!(1)).into(), "`presets` is not a list"),
+        (FusionTools, b"PK".to_vec(), "not a ZIP archive"),
+        (FusionTools, archive("tools.txt", b"{}"), "no .json"),
+        (FusionTools, archive("tools.json", b"{}"), "no list `data`"),
+        (FusionTools, encrypted, "encrypted"),
+        (FreeCadBit, b"{}".to_vec(), "no object `parameter`"),
+        (FreeCadBit, bit("Diameter", json!("six")).into(), "`Diameter` is not a length"),
+        (FreeCadBit, bit("Diameter", json!("0 mm")).into(), "no `Diameter`"),
+        (FreeCadBit, bit("Length", json!("1e9 mm")).into(), "`Length` is not a length"),
+        (FreeCadLibrary, b"{\"version\": 1}".to_vec(), "no list `tools`"),
+        (FreeCadLibrary, b"{\"tools\": [{\"nr\": 1}]}".to_vec(), "no `path`"),
+        (FreeCadLibrary, b"{\"tools\": [{\"path\": \"../../etc/x.fctb\"}]}".to_vec(), "not a .fctb file beside"),
+        (Toml, toml("holdr = 3").into(), "nearest known key"),
+        (Toml, toml("holder = [[40, 50]]").into(), "3 numbers"),
+        (Toml, toml("holder = [[40, 50, 0]]").into(), "segment 1 of `holder`"),
+        (Toml, toml("shank = [[8, 60]]").into(), "no flute length"),
+        (Toml, toml("flute_length = 60").into(), "longer than the overhang"),
+        (Toml, toml("teeth = 0").into(), "whole number"),
+        (Toml, toml("taper = 80").into(), "`taper` is 80"),
+        (Toml, toml(&format!("name = \"{}\"", "x".repeat(201))).into(), "more than 200"),
+    ];
+    for (format, bytes, words) in cases {
+        let error = read_library_bytes("shop", &bytes, format).expect_err(words).to_string();
+        assert!(error.contains(words) && error.starts_with("shop"), "{words}: {error}");
+        assert!(error.lines().count() == 1 && error.len() < 400, "{error}");
+    }
+}

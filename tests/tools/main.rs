@@ -1,0 +1,6 @@
+//! Tools as shops have them: libraries, assemblies in setups, shank and holder against a part.
+
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
+mod assembly;
+mod libraries;
