@@ -10,7 +10,8 @@ use crate::part::PartDescription;
 const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .step, .stl, .glb or .gltf file";
 
 /// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, CAD
-/// bodies, `.step` or `.stp`, or a mesh, `.stl`, `.glb` or `.gltf`. The extension is case-insensitive. The result is in mm and rad, about Z.
+/// bodies, `.step` or `.stp`, or a mesh, `.stl`, `.glb` or `.gltf`. The extension is case-insensitive. The
+/// result is in mm and rad, about Z.
 ///
 /// ```
 /// let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;

@@ -135,7 +135,11 @@ pub fn read_part(path: &Path, options: &MeshOptions) -> Result<PartDescription, 
 ///
 /// # Errors
 /// As [`read_part`].
-pub fn read_part_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<PartDescription, InputError> {
+pub fn read_part_bytes(
+    name: &str,
+    bytes: &[u8],
+    options: &MeshOptions,
+) -> Result<PartDescription, InputError> {
     let mesh = read_stl_bytes(name, bytes)?;
     let stem = stem_of(name);
     let mut source = MeshSource { unit: LengthUnit::Millimetre, axis: None, notes: Vec::new() };

@@ -70,8 +70,9 @@ pub fn segment_bodies(bodies: Vec<Body>, notes: &mut Vec<String>) -> Result<Opti
         return Err(round.len());
     }
     // The hub is nearest to the axis.
-    let inner =
-        |m: &Measured| m.body.surface.points.iter().map(|p| Meridional::of(p).r).fold(f64::INFINITY, f64::min);
+    let inner = |m: &Measured| {
+        m.body.surface.points.iter().map(|p| Meridional::of(p).r).fold(f64::INFINITY, f64::min)
+    };
     round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));
     let mut round = round.into_iter().map(|m| m.body.surface);
     let Some(hub) = round.next() else { return Ok(None) };

@@ -33,6 +33,8 @@ const STRAIGHT: f64 = 0.012;
 const MIN_HEIGHT: f64 = 0.2;
 /// Holes up to this size are ignored, mm: the sections are interpolated across them.
 const MIN_HOLE: f64 = 0.05;
+/// Relative height of the highest section below which a blade is said to end short of the shroud.
+const SHORT: f64 = 0.975;
 /// Help text for missing triangles.
 const CLOSE: &str = "close the mesh, or export the surface again with all of its faces";
 /// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
@@ -95,7 +97,8 @@ pub fn describe_source(
     bodies.iter_mut().flat_map(|(_, mesh)| &mut mesh.points).for_each(|p| *p *= scale);
     let hub = MeshSurface::of(&hub);
     let body = |(name, mesh): (String, TriangleMesh)| Body { name, surface: MeshSurface::of(&mesh) };
-    let bodies: Vec<Body> = if bodies.len() > 1 { bodies.into_iter().map(body).collect() } else { Vec::new() };
+    let bodies: Vec<Body> =
+        if bodies.len() > 1 { bodies.into_iter().map(body).collect() } else { Vec::new() };
     let frame = match (options.axis, axis) {
         (Some(axis), _) => PartFromFile::Along(axis),
         (None, Some((through, along))) => PartFromFile::about(&(through * scale), &along),
@@ -144,8 +147,7 @@ pub fn describe_source(
         [(Some(&hub_curve), &outlines[0], "hub"), (fitted_shroud.as_ref(), &outlines[1], "cover")]
     {
         let (Some(profile), Some(_)) = (profile, outline) else { continue };
-        let line =
-            MeridionalCurve::through(&profile.points).with_outer_side_towards(mean_point(&corners));
+        let line = MeridionalCurve::through(&profile.points).with_outer_side_towards(mean_point(&corners));
         let depth = depth_behind(&main, &line);
         if depth > REACHES_IN * tolerance {
             main = trimmed(&main, &line);
@@ -157,8 +159,7 @@ pub fn describe_source(
     let shroud_curve = match fitted_shroud {
         Some(shroud) => shroud,
         None => {
-            let hub = MeridionalCurve::through(&hub_curve.points);
-            let tips = fit_tip_curve(std::slice::from_ref(&main), &hub, &course);
+            let tips = fit_tip_curve(&main, &hub_curve.points, &course);
             let tips = tips.ok_or_else(|| {
                 PartError::new(
                     0,
@@ -239,8 +240,13 @@ fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted
     if !one && !has(Role::Blade) {
         return Err(missing("blade"));
     }
-    let mut sorted =
-        SortedMeshes { hub: TriangleMesh::default(), shroud: None, blades: Vec::new(), one: None, bodies: Vec::new() };
+    let mut sorted = SortedMeshes {
+        hub: TriangleMesh::default(),
+        shroud: None,
+        blades: Vec::new(),
+        one: None,
+        bodies: Vec::new(),
+    };
     let mut body_of: Vec<(usize, usize)> = Vec::new();
     let mut places: Vec<(usize, usize, Role)> = Vec::new();
     for (mesh, role) in meshes.into_iter().zip(roles) {
@@ -337,12 +343,19 @@ fn span_sections(
             "check the roles of the meshes (--role NODE=hub, shroud or blade)",
         ));
     }
+    let tip = high;
     let (low, high) = between_fillets(low, high, |height| SpanSection::of(&cutter.slice_at(height)));
     if high - low < MIN_HEIGHT {
         return Err(PartError::new(
             0,
             format!("the fillets of the {name} leave {:.0} % of its height", 100.0 * (high - low)),
             "export the wheel without fillets",
+        ));
+    }
+    if tip - high < INSET && high < SHORT {
+        notes.push(format!(
+            "a side of the {name} ends up to {:.1} % of the height below the shroud; it is extended to it",
+            100.0 * (1.0 - high - INSET)
         ));
     }
     let at = |k: usize| low + (high - low) * k as f64 / (SECTIONS - 1) as f64;

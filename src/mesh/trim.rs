@@ -138,7 +138,9 @@ mod tests {
     #[test]
     fn points_within_a_closed_body_are_found() {
         let outline = BodyOutline::of(&ring()).expect("closed");
-        for (r, z, within) in [(3.0, 0.5, true), (1.0, 0.5, false), (3.0, 1.5, false), (5.5, 0.5, false), (2.1, 0.1, true)] {
+        for (r, z, within) in
+            [(3.0, 0.5, true), (1.0, 0.5, false), (3.0, 1.5, false), (5.5, 0.5, false), (2.1, 0.1, true)]
+        {
             assert_eq!(outline.contains(Meridional { r, z }), within, "{r} {z}");
         }
         let open = ring().subset(|t| t > 0);
@@ -148,7 +150,8 @@ mod tests {
     #[test]
     fn a_blade_is_cut_at_the_curve() {
         // A plate from z = -1 to 1 mm above a hub in the plane z = 0.
-        let points = (0..5).flat_map(|i| [3.0, 6.0, 9.0].map(|x| Point::new(x, 0.0, -1.0 + 0.5 * f64::from(i) - 0.1)));
+        let points =
+            (0..5).flat_map(|i| [3.0, 6.0, 9.0].map(|x| Point::new(x, 0.0, -1.0 + 0.5 * f64::from(i) - 0.1)));
         let mesh = TriangleMesh { points: points.collect(), triangles: grid_triangles(5, 3, |_, _| true) };
         let hub = [2.0, 6.0, 10.0].map(|r| Meridional { r, z: 0.0 });
         let hub = MeridionalCurve::through(&hub).with_outer_side_towards(Meridional { r: 6.0, z: 5.0 });

@@ -112,7 +112,8 @@ pub fn placed_bodies(model: &Model<'_>) -> Result<Vec<PlacedBody>> {
         visits: 0,
     };
     tree.read_relationships()?;
-    let representations: Vec<u32> = model.exchange.iter().filter(|i| is_representation(i.keyword())).map(|i| i.id).collect();
+    let representations: Vec<u32> =
+        model.exchange.iter().filter(|i| is_representation(i.keyword())).map(|i| i.id).collect();
     let mut seen = BTreeSet::new();
     for id in &representations {
         let group = tree.group(*id);
@@ -151,7 +152,9 @@ impl Tree<'_, '_> {
             model.expect(from, shape, &["PRODUCT_DEFINITION_SHAPE"]).ok()?.reference(2).ok()
         };
         for a in model.all("SHAPE_DEFINITION_REPRESENTATION") {
-            if let (Some(product), Some(shape)) = (a.optional(0).and_then(|s| definition(a.id, s)), a.optional(1)) {
+            if let (Some(product), Some(shape)) =
+                (a.optional(0).and_then(|s| definition(a.id, s)), a.optional(1))
+            {
                 of_product.entry(product).or_default().insert(shape);
             }
         }
@@ -159,15 +162,16 @@ impl Tree<'_, '_> {
             let usage = a.optional(1).and_then(|s| definition(a.id, s));
             let usage = usage.and_then(|u| model.expect(a.id, u, &["NEXT_ASSEMBLY_USAGE_OCCURRENCE"]).ok());
             if let (Some(relationship), Some(usage)) = (a.optional(0), usage) {
-                let component = usage.optional(4).and_then(|c| of_product.get(&c)).cloned().unwrap_or_default();
+                let component =
+                    usage.optional(4).and_then(|c| of_product.get(&c)).cloned().unwrap_or_default();
                 of_component.insert(relationship, (component, usage.text(1)));
             }
         }
         for instance in model.exchange.iter() {
             let record = |name: &str| instance.record(name).map(|v| Arguments::new(instance.id, v));
-            let Some(pair) = record("REPRESENTATION_RELATIONSHIP")
-                .or_else(|| record("SHAPE_REPRESENTATION_RELATIONSHIP").filter(|_| instance.records.len() == 1))
-            else {
+            let Some(pair) = record("REPRESENTATION_RELATIONSHIP").or_else(|| {
+                record("SHAPE_REPRESENTATION_RELATIONSHIP").filter(|_| instance.records.len() == 1)
+            }) else {
                 continue;
             };
             let (first, second) = (pair.reference(2)?, pair.reference(3)?);
@@ -180,14 +184,17 @@ impl Tree<'_, '_> {
             let (component, name) = of_component.get(&instance.id).unwrap_or(&empty);
             // Exporters disagree on the order: the component is the child.
             let within = |id: u32| self.group(id).iter().any(|id| component.contains(id));
-            let (child, parent) = if !within(first) && within(second) { (second, first) } else { (first, second) };
+            let (child, parent) =
+                if !within(first) && within(second) { (second, first) } else { (first, second) };
             let items = model.expect(moved.id, moved.reference(0)?, &["ITEM_DEFINED_TRANSFORMATION"])?;
             let (mut from, mut to) = (items.reference(2)?, items.reference(3)?);
             if child == second {
                 std::mem::swap(&mut from, &mut to);
             }
             // … and on the order of the placements: each is an item of its representation.
-            if !self.has_item(child, from) && !self.has_item(parent, to) || self.has_item(parent, from) && !self.has_item(parent, to) {
+            if !self.has_item(child, from) && !self.has_item(parent, to)
+                || self.has_item(parent, from) && !self.has_item(parent, to)
+            {
                 std::mem::swap(&mut from, &mut to);
             }
             let frame = |placement: u32, of: u32| -> Result<Frame> {
@@ -201,7 +208,9 @@ impl Tree<'_, '_> {
         for instance in model.exchange.iter().filter(|i| is_representation(i.keyword())) {
             let a = Arguments::new(instance.id, instance.record(instance.keyword()).unwrap_or_default());
             for item in a.list(1).unwrap_or_default().iter().filter_map(Value::reference) {
-                let Some(mapped) = model.exchange.get(item).and_then(|i| i.record("MAPPED_ITEM")) else { continue };
+                let Some(mapped) = model.exchange.get(item).and_then(|i| i.record("MAPPED_ITEM")) else {
+                    continue;
+                };
                 let mapped = Arguments::new(item, mapped);
                 let map = model.expect(item, mapped.reference(1)?, &["REPRESENTATION_MAP"])?;
                 let child = map.reference(1)?;
@@ -250,7 +259,13 @@ impl Tree<'_, '_> {
         group
     }
 
-    fn walk(&mut self, id: u32, placement: &Placement, above: &mut Vec<u32>, names: &mut Vec<String>) -> Result<()> {
+    fn walk(
+        &mut self,
+        id: u32,
+        placement: &Placement,
+        above: &mut Vec<u32>,
+        names: &mut Vec<String>,
+    ) -> Result<()> {
         if above.contains(&id) {
             return Err(EntityFault::new(id, "is an assembly that contains itself"));
         }

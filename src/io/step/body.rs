@@ -127,7 +127,9 @@ fn faces_of(model: &Model<'_>, id: u32) -> Result<(Vec<(u32, bool)>, bool)> {
     let mut shells: Vec<u32> = Vec::new();
     let mut solid = true;
     // The complex form of a solid has its attributes in separate records.
-    if let Some(a) = of("MANIFOLD_SOLID_BREP").or_else(|| of("FACETED_BREP")).or_else(|| of("BREP_WITH_VOIDS")) {
+    if let Some(a) =
+        of("MANIFOLD_SOLID_BREP").or_else(|| of("FACETED_BREP")).or_else(|| of("BREP_WITH_VOIDS"))
+    {
         let shell = (0..2).find_map(|k| a.optional(k));
         shells.push(shell.ok_or_else(|| EntityFault::new(id, "has no outer shell"))?);
     }
@@ -150,11 +152,16 @@ fn faces_of(model: &Model<'_>, id: u32) -> Result<(Vec<(u32, bool)>, bool)> {
             reversed = !o.is_true(3)?;
             id_of_shell = o.reference(2)?;
         } else {
-            record = s.record("CLOSED_SHELL").or_else(|| s.record("OPEN_SHELL")).or_else(|| s.record("CONNECTED_FACE_SET"));
+            record = s
+                .record("CLOSED_SHELL")
+                .or_else(|| s.record("OPEN_SHELL"))
+                .or_else(|| s.record("CONNECTED_FACE_SET"));
         }
         let a = match record {
             Some(values) => Arguments::new(shell, values),
-            None => model.expect(shell, id_of_shell, &["CLOSED_SHELL", "OPEN_SHELL", "CONNECTED_FACE_SET"])?,
+            None => {
+                model.expect(shell, id_of_shell, &["CLOSED_SHELL", "OPEN_SHELL", "CONNECTED_FACE_SET"])?
+            }
         };
         for face in a.references(1)? {
             let oriented = model.instance(id_of_shell, face)?.record("ORIENTED_FACE");
@@ -169,7 +176,8 @@ fn faces_of(model: &Model<'_>, id: u32) -> Result<(Vec<(u32, bool)>, bool)> {
 
 /// Edges of faces that are curved in both directions.
 fn curved_edges(model: &Model<'_>, faces: &[(u32, bool)]) -> HashSet<u32> {
-    const STRAIGHT: [&str; 4] = ["PLANE", "CYLINDRICAL_SURFACE", "CONICAL_SURFACE", "SURFACE_OF_LINEAR_EXTRUSION"];
+    const STRAIGHT: [&str; 4] =
+        ["PLANE", "CYLINDRICAL_SURFACE", "CONICAL_SURFACE", "SURFACE_OF_LINEAR_EXTRUSION"];
     let get = |id: u32, keywords: &[&str]| model.expect(id, id, keywords).ok();
     let mut curved = HashSet::new();
     for (face, _) in faces {

@@ -111,7 +111,12 @@ impl Chart {
     ///
     /// # Errors
     /// Why the borders do not bound a face.
-    pub fn new(surface: &Surface, rings: &mut [Ring], same: bool, poles: &[Pole]) -> Result<Self, &'static str> {
+    pub fn new(
+        surface: &Surface,
+        rings: &mut [Ring],
+        same: bool,
+        poles: &[Pole],
+    ) -> Result<Self, &'static str> {
         let round = (0..2).find(|k| rings.iter().any(|r| r.winding[*k] != 0));
         match round {
             None => Ok(Self::flat(surface, rings)),
@@ -156,7 +161,8 @@ impl Chart {
         let above = |r: &Ring| ((r.winding[round] > 0) == same) == (round == 0);
         if let Some(turn) = surface.periods()[across] {
             // Round a tube: the other borders are within one turn from the first, on its face's side.
-            let base = rings.iter().find(|r| r.winding[round] != 0).map(|r| (r.places[0].0[across], above(r)));
+            let base =
+                rings.iter().find(|r| r.winding[round] != 0).map(|r| (r.places[0].0[across], above(r)));
             let (base, up) = base.ok_or("it has no borders")?;
             let mut first = true;
             for ring in rings.iter_mut() {
@@ -178,7 +184,8 @@ impl Chart {
             0 => None,
             1 | -1 => {
                 let up = rising > falling;
-                let beyond = |p: &&Pole| p.loose == round && if up { p.value >= high } else { p.value <= low };
+                let beyond =
+                    |p: &&Pole| p.loose == round && if up { p.value >= high } else { p.value <= low };
                 Some(*poles.iter().find(beyond).ok_or("it has no border at one end")?)
             }
             _ => return Err("its borders do not bound it"),

@@ -40,7 +40,9 @@ impl Curve {
                 let k = (t.max(0.0) as usize).min(points.len() - 2);
                 points[k] + (points[k + 1] - points[k]) * (t - k as f64)
             }
-            Self::Trimmed(curve, (a, b)) => curve.at(if curve.is_periodic() { t } else { t.clamp(a.min(*b), a.max(*b)) }),
+            Self::Trimmed(curve, (a, b)) => {
+                curve.at(if curve.is_periodic() { t } else { t.clamp(a.min(*b), a.max(*b)) })
+            }
             Self::Composite(pieces) => {
                 let k = (t.max(0.0) as usize).min(pieces.len() - 1);
                 let (a, b) = pieces[k].span();

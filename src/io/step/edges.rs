@@ -106,7 +106,14 @@ impl<'m, 'a> EdgePoints<'m, 'a> {
     }
 
     /// Points of a curve between two of its points.
-    fn inner_points(&self, curve: &Curve, start: &Point, end: &Point, whole: bool, curved: bool) -> Vec<Point> {
+    fn inner_points(
+        &self,
+        curve: &Curve,
+        start: &Point,
+        end: &Point,
+        whole: bool,
+        curved: bool,
+    ) -> Vec<Point> {
         let StepFineness { chord_mm, turn_rad } = self.fineness;
         let even = |from: f64, to: f64, n: usize| -> Vec<Point> {
             (1..n).map(|k| curve.at(from + (to - from) * k as f64 / n as f64)).collect()
@@ -183,7 +190,13 @@ pub fn off_line(p: &Point, a: &Point, b: &Point) -> f64 {
 }
 
 /// Halves a piece of a curve until its chords are fine enough, and adds the points between its ends.
-fn halve(at: &impl Fn(f64) -> Point, piece: (f64, f64), fineness: StepFineness, left: usize, out: &mut Vec<Point>) {
+fn halve(
+    at: &impl Fn(f64) -> Point,
+    piece: (f64, f64),
+    fineness: StepFineness,
+    left: usize,
+    out: &mut Vec<Point>,
+) {
     let (a, b) = piece;
     let m = 0.5 * (a + b);
     let (p, q, r) = (at(a), at(m), at(b));

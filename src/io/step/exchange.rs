@@ -240,8 +240,7 @@ impl<'a> Parser<'a> {
                         let at = self.at;
                         self.at += 1;
                         let id = self.number_of_instance()?;
-                        let instance =
-                            self.instance(id).map_err(|fault| Fault { id: Some(id), ..fault })?;
+                        let instance = self.instance(id).map_err(|fault| Fault { id: Some(id), ..fault })?;
                         if instances.last().is_some_and(|last| last.id == id) {
                             return Err(Fault { at, id: Some(id), what: "is defined twice".to_owned() });
                         }
@@ -450,8 +449,8 @@ mod tests {
 
     fn file(data: &str) -> String {
         format!(
-            "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 }}'));\nENDSEC;\nDATA;\n\
-             {data}\nENDSEC;\nEND-ISO-10303-21;\n"
+            "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 }}'));\nENDSEC;\n\
+             DATA;\n{data}\nENDSEC;\nEND-ISO-10303-21;\n"
         )
     }
 

@@ -36,7 +36,11 @@ pub struct MeshedFace {
 }
 
 /// The borders of a face as closed lines of points; edges that the face has on both sides are left out.
-fn border_rings(reader: ShapeReader<'_, '_>, edges: &mut EdgePoints<'_, '_>, face: &Arguments<'_, '_>) -> Result<Vec<Vec<u32>>> {
+fn border_rings(
+    reader: ShapeReader<'_, '_>,
+    edges: &mut EdgePoints<'_, '_>,
+    face: &Arguments<'_, '_>,
+) -> Result<Vec<Vec<u32>>> {
     let model = reader.model;
     let mut rings = Vec::new();
     for bound in face.references(1)? {
@@ -166,9 +170,9 @@ pub fn mesh_face(
                     if chart.reversed {
                         triangles.iter_mut().for_each(|t| t.swap(1, 2));
                     }
-                    fault = crossing.then_some("its borders cross").or_else(|| {
-                        triangles.is_empty().then_some("it has no extent")
-                    });
+                    fault = crossing
+                        .then_some("its borders cross")
+                        .or_else(|| triangles.is_empty().then_some("it has no extent"));
                 }
             },
         }
@@ -183,7 +187,8 @@ pub fn mesh_face(
 fn plane_of(rings: &[Vec<u32>], points: &[Point]) -> Option<Surface> {
     let ring: Vec<Point> = rings.first()?.iter().map(|i| points[*i as usize]).collect();
     let origin = *ring.first()?;
-    let area = ring.windows(2).map(|w| (w[0] - origin).cross(&(w[1] - origin))).sum::<crate::geometry::Vector>();
+    let area =
+        ring.windows(2).map(|w| (w[0] - origin).cross(&(w[1] - origin))).sum::<crate::geometry::Vector>();
     let z = area.try_normalize(1e-12)?;
     Some(Surface::Plane(super::model::Frame::new(origin, z, crate::geometry::Vector::x())))
 }
@@ -223,7 +228,8 @@ fn steps(surface: &Surface, ranges: [(f64, f64); 2], k: usize, fineness: StepFin
 
 /// Each step divided into `n`.
 fn divided(steps: &[f64], n: usize) -> Vec<f64> {
-    let inner = steps.windows(2).flat_map(|w| (0..n).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / n as f64));
+    let inner =
+        steps.windows(2).flat_map(|w| (0..n).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / n as f64));
     inner.chain(steps.last().copied()).collect()
 }
 
@@ -257,7 +263,11 @@ fn grid(surface: &Surface, ranges: [(f64, f64); 2], fineness: StepFineness) -> [
 }
 
 /// Triangles of a surface without borders, such as a sphere: a grid closed at its periods and poles.
-fn closed_surface(surface: &Surface, edges: &mut EdgePoints<'_, '_>, fineness: StepFineness) -> Option<Vec<[u32; 3]>> {
+fn closed_surface(
+    surface: &Surface,
+    edges: &mut EdgePoints<'_, '_>,
+    fineness: StepFineness,
+) -> Option<Vec<[u32; 3]>> {
     let ranges = surface.closed_range()?;
     let periods = surface.periods();
     let poles = surface.poles();
@@ -392,8 +402,13 @@ fn triangulate(
         // The distance between neighbours of the grid, to stay clear of the border by a share of it.
         let near = |k: usize, n: usize| n > k + 1;
         let spacing = |i: usize| -> f64 {
-            let other = |j: usize| places.get(j).map(|(_, p)| (p.x - places[i].1.x).hypot(p.y - places[i].1.y));
-            let next_v = if near(i % vs.len().max(1), vs.len()) { other(i + 1) } else { i.checked_sub(1).and_then(other) };
+            let other =
+                |j: usize| places.get(j).map(|(_, p)| (p.x - places[i].1.x).hypot(p.y - places[i].1.y));
+            let next_v = if near(i % vs.len().max(1), vs.len()) {
+                other(i + 1)
+            } else {
+                i.checked_sub(1).and_then(other)
+            };
             let next_u = other(i + vs.len()).or_else(|| i.checked_sub(vs.len()).and_then(other));
             let own = |d: Option<f64>| d.filter(|d| *d > 0.0).unwrap_or(f64::INFINITY);
             own(next_v).min(own(next_u))

@@ -9,6 +9,7 @@
 //! | `assembly` | bodies with their placements, names and colours |
 //! | `edges`, `chart`, `face`, `body` | tessellation: shared edges, parameter charts, constrained Delaunay |
 //! | `read` | bodies as named meshes, and as a part |
+//! | `write` | parts as solids |
 
 mod assembly;
 mod body;
@@ -24,6 +25,8 @@ mod shape;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod write;
 
 pub use body::{MeshedBody, SurfaceKind};
 pub use read::{StepScene, read, read_bytes, read_scene, read_scene_bytes};
+pub use write::write_part;

@@ -202,9 +202,9 @@ impl<'a> Model<'a> {
     /// All records with a keyword, with their instances' numbers.
     pub fn all(&self, keyword: &'static str) -> impl Iterator<Item = Arguments<'_, 'a>> {
         let of = move |r: &&Record<'_>| r.keyword == keyword;
-        self.exchange.iter().filter_map(move |i| {
-            i.records.iter().find(of).map(|r| Arguments { id: i.id, values: &r.values })
-        })
+        self.exchange
+            .iter()
+            .filter_map(move |i| i.records.iter().find(of).map(|r| Arguments { id: i.id, values: &r.values }))
     }
 
     /// A point, mm.
@@ -269,7 +269,8 @@ impl<'a> Model<'a> {
     /// # Errors
     /// When a unit is not understood.
     pub fn units(&self, context: Option<u32>) -> Result<Units> {
-        let own = context.and_then(|id| Some((id, self.exchange.get(id)?.record("GLOBAL_UNIT_ASSIGNED_CONTEXT")?)));
+        let own =
+            context.and_then(|id| Some((id, self.exchange.get(id)?.record("GLOBAL_UNIT_ASSIGNED_CONTEXT")?)));
         let any = || self.all("GLOBAL_UNIT_ASSIGNED_CONTEXT").next().map(|a| (a.id, a.values));
         let Some((id, values)) = own.or_else(any) else { return Ok(Units::default()) };
         let mut units = Units::default();

@@ -66,7 +66,8 @@ impl Knots {
         let t = t.clamp(low, high);
         // The last span of some length that begins at or before t.
         let span = (p + k[p..self.count].partition_point(|x| *x <= t)).saturating_sub(1).max(p);
-        let mut basis = Basis { first: span - p, values: [0.0; MAX_DEGREE + 1], slopes: [0.0; MAX_DEGREE + 1] };
+        let mut basis =
+            Basis { first: span - p, values: [0.0; MAX_DEGREE + 1], slopes: [0.0; MAX_DEGREE + 1] };
         basis.values[0] = 1.0;
         for j in 1..=p {
             if j == p {
@@ -206,9 +207,8 @@ impl NurbsSurface {
             }
         }
         let at = point(p);
-        let slope = |d: [f64; 4]| {
-            Vector::new(d[0] - at.x * d[3], d[1] - at.y * d[3], d[2] - at.z * d[3]) / p[3]
-        };
+        let slope =
+            |d: [f64; 4]| Vector::new(d[0] - at.x * d[3], d[1] - at.y * d[3], d[2] - at.z * d[3]) / p[3];
         (at, slope(pu), slope(pv))
     }
 

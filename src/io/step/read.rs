@@ -16,7 +16,7 @@ use crate::io::InputError;
 use crate::io::source::{MAX_BYTES, name_of, read_bytes_up_to, stem_of};
 use crate::mesh::describe::{MeshSource, describe_source};
 use crate::mesh::{LengthUnit, MeshOptions, NamedMesh};
-use crate::part::{PartDescription, PartError};
+use crate::part::{PartDescription, PartError, Rotation};
 
 /// Chord error of the triangles of a part, as a share of its largest extent, and its limits, mm.
 const CHORD: f64 = 1e-4;
@@ -25,6 +25,8 @@ const CHORD_LIMITS: (f64, f64) = (5e-4, 0.02);
 const COARSE_MM: f64 = 1.0;
 /// Largest angle between neighbouring chords, rad.
 const TURN: f64 = 0.12;
+/// Beginning of a product's description that says the sense of rotation.
+pub const ROTATION_NOTE: &str = "rotation seen from the inlet: ";
 /// Axes within this angle, rad, and distance, mm, are one.
 const ONE_AXIS: (f64, f64) = (1e-4, 1e-3);
 
@@ -35,6 +37,8 @@ pub struct StepScene {
     pub bodies: Vec<MeshedBody>,
     /// Chord error of their triangles, mm.
     pub chord_mm: f64,
+    /// Sense of rotation of the wheel, where the description of a product says it.
+    pub rotation: Option<Rotation>,
 }
 
 /// Reads a part from a `.step` or `.stp` file; the result is in mm, about Z.
@@ -53,8 +57,9 @@ pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<Par
     let scene = read_scene_bytes(name, bytes, None)?;
     let fault = |e: PartError| InputError::new(name, e.line, e.message, e.help);
     let source = MeshSource { unit: LengthUnit::Millimetre, axis: scene.axis(), notes: scene.notes() };
-    // The file gives its unit.
-    let options = MeshOptions { unit: None, ..options.clone() };
+    // The file gives its unit, and one that Vanecut wrote the sense of rotation.
+    let rotation = options.rotation.or(scene.rotation);
+    let options = MeshOptions { unit: None, rotation, ..options.clone() };
     describe_source(&stem_of(name), scene.into_meshes(), source, &options).map_err(fault)
 }
 
@@ -81,15 +86,20 @@ pub fn read_scene_bytes(name: &str, bytes: &[u8], chord_mm: Option<f64>) -> Resu
         };
         return Err(InputError::new(name, 0, what, "export the wheel's solids or surfaces"));
     }
-    let chord_mm = chord_mm.unwrap_or_else(|| {
-        (CHORD * extent(&model, &bodies)).clamp(CHORD_LIMITS.0, CHORD_LIMITS.1)
-    });
+    let chord_mm =
+        chord_mm.unwrap_or_else(|| (CHORD * extent(&model, &bodies)).clamp(CHORD_LIMITS.0, CHORD_LIMITS.1));
     let fineness = StepFineness { chord_mm, turn_rad: TURN };
     let budget = AtomicUsize::new(MAX_WORK);
     let meshed: Result<Vec<MeshedBody>, _> =
         bodies.par_iter().map(|body| mesh_body(&model, body, fineness, &budget)).collect();
     let bodies = meshed.map_err(|fault| fault.in_file(name))?;
-    Ok(StepScene { bodies, chord_mm })
+    Ok(StepScene { bodies, chord_mm, rotation: rotation(&model) })
+}
+
+/// The sense of rotation in the description of a product, as `write_part` notes it.
+fn rotation(model: &Model<'_>) -> Option<Rotation> {
+    let said = |text: String| text.strip_prefix(ROTATION_NOTE)?.parse().ok();
+    model.all("PRODUCT").find_map(|product| said(product.text(2)))
 }
 
 /// Largest extent of the vertices of all bodies, mm; [`COARSE_MM`] × 1,000 where there are none.

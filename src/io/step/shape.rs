@@ -126,7 +126,9 @@ impl ShapeReader<'_, '_> {
     }
 
     fn weighted(&self, from: u32, point: &Value<'_>, weight: f64) -> Result<[f64; 4]> {
-        let id = point.reference().ok_or_else(|| EntityFault::new(from, "has a control point that is no point"))?;
+        let id = point
+            .reference()
+            .ok_or_else(|| EntityFault::new(from, "has a control point that is no point"))?;
         let p = self.model.point(from, id, self.units.mm)?;
         if !WEIGHTS.contains(&weight) {
             return Err(EntityFault::new(from, format!("has the weight {weight}")));
@@ -222,7 +224,8 @@ impl ShapeReader<'_, '_> {
         };
         let end = |at: usize| -> Result<f64> {
             let values = a.list(at)?;
-            let parameter = values.iter().find_map(|v| if v.reference().is_none() { v.number() } else { None });
+            let parameter =
+                values.iter().find_map(|v| if v.reference().is_none() { v.number() } else { None });
             if let Some(x) = parameter {
                 return Ok(x * scale + offset);
             }
@@ -296,7 +299,8 @@ impl ShapeReader<'_, '_> {
                 self.surface_within(id, a.reference(1)?, depth + 1)?
             }
             other => {
-                let what = format!("is a surface of the kind {}, which is not read", quote_for_message(other));
+                let what =
+                    format!("is a surface of the kind {}, which is not read", quote_for_message(other));
                 return Err(EntityFault::new(id, what));
             }
         })
@@ -318,7 +322,9 @@ impl ShapeReader<'_, '_> {
             let row = row.list().filter(|row| row.len() == columns).ok_or_else(wrong)?;
             for (j, point) in row.iter().enumerate() {
                 let weight = match weights {
-                    Some(w) => w.get(i).and_then(Value::list).and_then(|w| w.get(j)?.number()).ok_or_else(wrong)?,
+                    Some(w) => {
+                        w.get(i).and_then(Value::list).and_then(|w| w.get(j)?.number()).ok_or_else(wrong)?
+                    }
                     None => 1.0,
                 };
                 control.push(self.weighted(id, point, weight)?);

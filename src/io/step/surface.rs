@@ -120,9 +120,7 @@ impl Surface {
                 let r = r + v * k;
                 f.world(Vector::new(r * u.cos(), r * u.sin(), v))
             }
-            Self::Sphere(f, r) => {
-                f.world(Vector::new(v.cos() * u.cos(), v.cos() * u.sin(), v.sin()) * *r)
-            }
+            Self::Sphere(f, r) => f.world(Vector::new(v.cos() * u.cos(), v.cos() * u.sin(), v.sin()) * *r),
             Self::Torus(f, major, minor) => {
                 let r = major + minor * v.cos();
                 f.world(Vector::new(r * u.cos(), r * u.sin(), minor * v.sin()))
@@ -238,7 +236,11 @@ impl Surface {
                 vec![Pole { loose: 0, value, point: f.world(Vector::new(0.0, 0.0, value)) }]
             }
             Self::Sphere(f, r) => [-1.0, 1.0]
-                .map(|s| Pole { loose: 0, value: s * FRAC_PI_2, point: f.world(Vector::new(0.0, 0.0, s * r)) })
+                .map(|s| Pole {
+                    loose: 0,
+                    value: s * FRAC_PI_2,
+                    point: f.world(Vector::new(0.0, 0.0, s * r)),
+                })
                 .to_vec(),
             Self::Revolved(s) => {
                 let (a, b) = s.curve.span();

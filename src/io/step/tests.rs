@@ -12,7 +12,8 @@ fn file(unit: &str, data: &str) -> String {
     format!(
         "ISO-10303-21;HEADER;FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));ENDSEC;DATA;\n\
          #1=(LENGTH_UNIT()NAMED_UNIT(*){unit});\n\
-         #2=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#1))REPRESENTATION_CONTEXT('',''));\n\
+         #2=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#1))\
+         REPRESENTATION_CONTEXT('',''));\n\
          #3=ADVANCED_BREP_SHAPE_REPRESENTATION('body',(#4),#2);\n\
          #5=CARTESIAN_POINT('',(0.,0.,0.));#6=DIRECTION('',(0.,0.,1.));#7=DIRECTION('',(1.,0.,0.));\n\
          #8=AXIS2_PLACEMENT_3D('',#5,#6,#7);\n{data}\nENDSEC;END-ISO-10303-21;"
@@ -90,8 +91,11 @@ fn surfaces_meet_their_closed_forms() {
 fn units_are_those_of_the_representation() {
     let can = can("CYLINDRICAL_SURFACE('',#8,5.)", 5.0, 5.0, 8.0);
     let inch = "CONVERSION_BASED_UNIT('INCH',#60)";
-    let measure_of_inch = "#60=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#61);#61=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));";
-    for (unit, scale) in [(MM, 1.0), ("SI_UNIT(.CENTI.,.METRE.)", 10.0), ("SI_UNIT($,.METRE.)", 1e3), (inch, 25.4)] {
+    let measure_of_inch = "#60=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#61);\
+         #61=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));";
+    for (unit, scale) in
+        [(MM, 1.0), ("SI_UNIT(.CENTI.,.METRE.)", 10.0), ("SI_UNIT($,.METRE.)", 1e3), (inch, 25.4)]
+    {
         let scene = scene(&file(unit, &format!("{can}{measure_of_inch}")), 0.001 * scale);
         let high = scene.bodies[0].mesh.points.iter().map(|p| p.z).fold(0.0, f64::max);
         assert!((high - 8.0 * scale).abs() < 1e-9 * scale, "{unit}: {high}");
@@ -131,7 +135,9 @@ fn faults_name_the_instance() {
         ("#4=MANIFOLD_SOLID_BREP('',#4);".to_owned(), "#4: is `MANIFOLD_SOLID_BREP`"),
         ("#4=GEOMETRIC_SET('',());".to_owned(), "holds no solids"),
     ] {
-        let error = read_scene_bytes("a.step", file(MM, &data).as_bytes(), Some(0.1)).expect_err(expected).to_string();
+        let error = read_scene_bytes("a.step", file(MM, &data).as_bytes(), Some(0.1))
+            .expect_err(expected)
+            .to_string();
         assert!(error.contains(expected) && error.lines().count() == 1, "{error}");
     }
 }
@@ -144,7 +150,8 @@ fn an_assembly_that_contains_itself_is_refused() {
     // No representation is outermost: the body is taken as it is, once.
     assert_eq!(scene(&text, 0.1).bodies.len(), 1);
     let outer = "#72=SHAPE_REPRESENTATION('outer',(#73),#2);#73=MAPPED_ITEM('',#70,#8);";
-    let error = read_scene_bytes("a.step", text.replace("#70=", &format!("{outer}#70=")).as_bytes(), Some(0.1));
+    let error =
+        read_scene_bytes("a.step", text.replace("#70=", &format!("{outer}#70=")).as_bytes(), Some(0.1));
     let error = error.expect_err("a circle").to_string();
     assert!(error.contains("#3: is an assembly that contains itself"), "{error}");
 }
