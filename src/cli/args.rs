@@ -35,7 +35,7 @@ pub enum Command {
     Stock(StockArgs),
     /// Picture of a part, a plan.json or a flank.json, without a window
     Render(RenderArgs),
-    /// Convert a part to another format, or a part or plan to a glTF scene
+    /// Convert a part to another format, STEP and STL too, or a part or plan to a glTF scene
     Convert(ConvertArgs),
     /// Many plans over parts and settings, resumable, for any scheduler
     Study(StudyArgs),
@@ -59,7 +59,7 @@ pub struct MeshArgs {
     /// Role of a node by its name: hub, shroud, blade, splitter or ignore; may be repeated
     #[arg(long = "role", value_name = "NODE=ROLE", value_parser = role)]
     pub roles: Vec<(String, Role)>,
-    /// Unit of the file's lengths: mm, cm, m or in; absent: metres
+    /// Unit of the file's lengths: mm, cm, m or in; absent: m for glTF, mm for STL; STEP files tell theirs
     #[arg(long)]
     pub unit: Option<LengthUnit>,
     /// Axis of rotation in the file: x, y or z; absent: found from the hub
@@ -96,7 +96,7 @@ fn role(text: &str) -> Result<(String, Role), String> {
 /// `vanecut plan`.
 #[derive(Debug, Args)]
 pub struct PlanArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
@@ -127,7 +127,7 @@ pub struct PlanArgs {
 /// `vanecut flank`.
 #[derive(Debug, Args)]
 pub struct FlankArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
@@ -148,7 +148,7 @@ pub struct FlankArgs {
 /// `vanecut assess`.
 #[derive(Debug, Args)]
 pub struct AssessArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
@@ -166,7 +166,7 @@ pub struct AssessArgs {
 /// `vanecut verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// Part: .toml, .geomTurbo, TurboGrid .inf, .glb or .gltf
+    /// Part: .toml, .geomTurbo, TurboGrid .inf, .step, .stl, .glb or .gltf
     pub part: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
@@ -290,7 +290,7 @@ pub struct ConvertArgs {
     pub input: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// File to write: .toml, .glb or .gltf; of a tool library .toml or .json
+    /// File to write: .toml, .step, .stl, .glb or .gltf; of a tool library .toml or .json
     pub output: PathBuf,
     /// Chord error: largest distance of triangles from the surfaces, mm
     #[arg(long, default_value_t = 0.01)]

@@ -1,10 +1,12 @@
-//! `vanecut convert`: converts parts between formats, parts and plans to glTF scenes, and tool libraries.
+//! `vanecut convert`: converts parts between formats, parts to STEP and STL, parts and plans to glTF scenes,
+//! and tool libraries.
 
 use std::path::{Path, PathBuf};
 
 use super::args::{ConvertArgs, MeshArgs};
 use super::plan::FIELD_CELLS;
 use super::{Failure, open, print_stdout};
+use crate::geometry::rotate_z;
 use crate::io::flank_file::{StoredFlank, is_flank, read_flank_bytes};
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::native::write_native;
@@ -13,7 +15,10 @@ use crate::io::shop_tools::{
     LibraryFormat, ToolLibrary, looks_like_library, read_library, write_fusion, write_toml,
 };
 use crate::io::source::{name_of, read_bytes};
+use crate::io::step;
+use crate::io::stl::write_stl;
 use crate::io::write::{write_all_atomically, write_atomically};
+use crate::mesh::TriangleMesh;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::{Blank, Channel, Impeller, PartDescription};
@@ -26,6 +31,8 @@ enum Format {
     Native,
     Glb,
     Gltf,
+    Step,
+    Stl,
 }
 
 /// Content of the input file.
@@ -63,8 +70,21 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         write_atomically(&args.output, write_native(description).as_bytes())?;
         return print_stdout(&format!("wrote {}: {}\n", args.output.display(), part.name));
     }
+    if format == Format::Step {
+        let file = args.output.file_name().unwrap_or_default().to_string_lossy();
+        write_atomically(&args.output, step::write_part(part, &file).as_bytes())?;
+        let solids = 1 + part.blade_count * (1 + part.splitters.len());
+        let text =
+            format!("wrote {}: {}, {solids} solids and the shroud\n", args.output.display(), part.name);
+        return print_stdout(&text);
+    }
     let asked = Fineness { chord_error: args.chord_error, ..Fineness::default() };
     let shape = Tessellation::new(part, &asked);
+    if format == Format::Stl {
+        let mesh = whole_wheel(part, &shape);
+        write_atomically(&args.output, &write_stl(&mesh.points, &mesh.triangles, &part.name))?;
+        return print_stdout(&summary_text(args, part, &shape, &asked));
+    }
     let cutters = if args.plain { CutterNodes::Plain } else { CutterNodes::Instanced };
     let scene = match &content {
         InputContent::Part(_) => GltfScene::of_part(part, &shape),
@@ -129,13 +149,19 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
         "toml" => Ok(Format::Native),
         "glb" => Ok(Format::Glb),
         "gltf" => Ok(Format::Gltf),
+        "step" | "stp" => Ok(Format::Step),
+        "stl" => Ok(Format::Stl),
         other => {
             let what = if other.is_empty() {
                 "has no extension, so its format is unknown".to_owned()
             } else {
                 format!("`.{other}` is not an output format")
             };
-            Err(Failure::at(&name_of(path), 0, &format!("{what}; give a .toml, .glb or .gltf file")))
+            Err(Failure::at(
+                &name_of(path),
+                0,
+                &format!("{what}; give a .toml, .step, .stl, .glb or .gltf file"),
+            ))
         }
     }
 }
@@ -209,6 +235,20 @@ fn uri_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let plain = |b: u8| b.is_ascii_alphanumeric() || b"-._~".contains(&b);
     name.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
+}
+
+/// Hub body and all blades as one mesh of closed pieces.
+fn whole_wheel(part: &Impeller, shape: &Tessellation) -> TriangleMesh {
+    let mut whole = shape.hub.mesh();
+    for blade in std::iter::once(&shape.main).chain(&shape.splitters) {
+        let mesh = blade.mesh();
+        for k in 0..part.blade_count {
+            let turn = part.pitch() * k as f64;
+            let points = mesh.points.iter().map(|p| rotate_z(p, turn)).collect();
+            whole.append(&TriangleMesh { points, triangles: mesh.triangles.clone() });
+        }
+    }
+    whole
 }
 
 fn summary_text(args: &ConvertArgs, part: &Impeller, shape: &Tessellation, asked: &Fineness) -> String {

@@ -18,6 +18,7 @@ pub mod project_file;
 pub mod setup_file;
 pub mod shop_tools;
 pub(crate) mod source;
+pub mod step;
 pub mod stl;
 mod stored;
 pub(crate) mod table;

@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use super::source::{name_of, read_bytes};
-use super::{InputError, geomturbo, gltf, native, turbogrid};
+use super::{InputError, geomturbo, gltf, native, step, stl, turbogrid};
 use crate::mesh::MeshOptions;
 use crate::part::PartDescription;
 
-const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .glb or .gltf file";
+const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .step, .stl, .glb or .gltf file";
 
-/// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, or a
-/// mesh, `.glb` or `.gltf`. The extension is case-insensitive. The result is in mm and rad, about Z.
+/// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, CAD
+/// bodies, `.step` or `.stp`, or a mesh, `.stl`, `.glb` or `.gltf`. The extension is case-insensitive. The
+/// result is in mm and rad, about Z.
 ///
 /// ```
 /// let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
@@ -34,13 +35,15 @@ pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescript
     match extension.as_str() {
         "inf" => turbogrid::read(path),
         "glb" | "gltf" => gltf::read(path, options),
+        "step" | "stp" | "p21" => step::read(path, options),
+        "stl" => stl::read_part(path, options),
         "toml" | "geomturbo" => read_part_bytes(&name, &read_bytes(path)?, &extension),
         other => Err(unknown(&name, other)),
     }
 }
 
-/// Reads a part from the bytes of a single file; `ext` is `toml`, `geomTurbo`, `glb` or `gltf` in any
-/// case. `name` is the file name used in messages; its stem names a part without a name.
+/// Reads a part from the bytes of a single file; `ext` is `toml`, `geomTurbo`, `step`, `stl`, `glb` or
+/// `gltf` in any case. `name` is the file name used in messages; its stem names a part without a name.
 ///
 /// # Errors
 /// When the bytes do not describe a part in that format, or the format needs several files.
@@ -49,6 +52,8 @@ pub fn read_part_bytes(name: &str, bytes: &[u8], ext: &str) -> Result<PartDescri
         "toml" => native::read(name, bytes),
         "geomturbo" => geomturbo::read(name, bytes),
         "glb" | "gltf" => gltf::read_bytes(name, bytes, &MeshOptions::default()),
+        "step" | "stp" | "p21" => step::read_bytes(name, bytes, &MeshOptions::default()),
+        "stl" => stl::read_part_bytes(name, bytes, &MeshOptions::default()),
         "inf" => Err(InputError::new(
             name,
             0,
@@ -74,7 +79,7 @@ mod tests {
 
     #[test]
     fn other_extensions_list_what_can_be_opened() {
-        for name in ["a.step", "noext", "b.curve"] {
+        for name in ["a.iges", "noext", "b.curve"] {
             let error = read_part(Path::new(name)).unwrap_err();
             assert!(error.to_string().contains(".geomTurbo"), "{error}");
         }

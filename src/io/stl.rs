@@ -1,9 +1,15 @@
 //! STL: triangles without shared corners, binary or text. Lengths are mm.
 
+use std::path::Path;
+
 use super::InputError;
-use super::source::{MAX_COORDINATE, Source, line_at, number, quote_for_message};
+use super::source::{
+    MAX_COORDINATE, Source, line_at, name_of, number, quote_for_message, read_bytes_up_to, stem_of,
+};
 use crate::geometry::{Point, Vector};
-use crate::mesh::TriangleMesh;
+use crate::mesh::describe::{MeshSource, describe_source};
+use crate::mesh::{LengthUnit, MeshOptions, NamedMesh, TriangleMesh};
+use crate::part::PartDescription;
 
 /// Maximum file size, bytes.
 pub const MAX_STL_BYTES: usize = 512 << 20;
@@ -115,6 +121,34 @@ fn read_text(source: Source<'_>, bytes: &[u8]) -> Result<TriangleMesh, InputErro
         return Err(source.fault(line_at(bytes, bytes.len()), "lacks `endsolid`", super::source::TRUNCATED));
     }
     Ok(mesh)
+}
+
+/// Reads a part from an `.stl` file; the result is in mm, about Z.
+///
+/// # Errors
+/// When the file cannot be read, is not STL, or does not describe a part.
+pub fn read_part(path: &Path, options: &MeshOptions) -> Result<PartDescription, InputError> {
+    read_part_bytes(&name_of(path), &read_bytes_up_to(path, MAX_STL_BYTES)?, options)
+}
+
+/// As [`read_part`], from bytes; `name` is the file name used in messages.
+///
+/// # Errors
+/// As [`read_part`].
+pub fn read_part_bytes(
+    name: &str,
+    bytes: &[u8],
+    options: &MeshOptions,
+) -> Result<PartDescription, InputError> {
+    let mesh = read_stl_bytes(name, bytes)?;
+    let stem = stem_of(name);
+    let mut source = MeshSource { unit: LengthUnit::Millimetre, axis: None, notes: Vec::new() };
+    if options.unit.is_none() {
+        source.notes.push("STL has no unit: mm are assumed; give --unit if they are not".to_owned());
+    }
+    let named = NamedMesh { name: stem.clone(), other_names: Vec::new(), node: 0, instance: 0, mesh };
+    describe_source(&stem, vec![named], source, options)
+        .map_err(|e| InputError::new(name, e.line, e.message, e.help))
 }
 
 /// Writes triangles over shared `points` as binary STL. `about` goes to its head, up to 75 characters.

@@ -58,6 +58,26 @@ pub enum PartFromFile {
 }
 
 impl PartFromFile {
+    /// The frame about an exact axis through `through`, mm, along the unit vector `along`.
+    pub fn about(through: &Point, along: &Vector) -> Self {
+        Self::snapped(through, along, EXACT.0, EXACT.1)
+    }
+
+    /// The frame about an axis, which is one of the file's where they are within `angle`, rad, and `offset`.
+    fn snapped(through: &Point, along: &Vector, angle: f64, offset: f64) -> Self {
+        for (axis, own) in [(Axis::Z, Vector::z()), (Axis::Y, Vector::y()), (Axis::X, Vector::x())] {
+            let aside = through.coords - own * own.dot(&through.coords);
+            if along.cross(&own).norm() < angle && aside.norm() < offset {
+                return Self::Along(axis);
+            }
+        }
+        let along = if along.sum() < 0.0 { -along } else { *along };
+        // The opposite of Z has no single rotation; any about a line across it will do.
+        let turn = Rotation3::rotation_between(&along, &Vector::z())
+            .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI));
+        Self::Turned { turn, through: *through }
+    }
+
     /// Transforms a point of the file's frame to the frame of the part.
     pub fn apply(&self, p: &Point) -> Point {
         match self {
@@ -76,6 +96,8 @@ const FOUND: f64 = 0.02;
 const TURNED: f64 = 0.05;
 /// Angle, rad, and offset as a share of the size, within which a fitted axis is snapped to one of the file's.
 const SNAP: (f64, f64) = (0.002, 5e-4);
+/// As [`SNAP`], for an axis that is exact but for rounding: rad and mm.
+const EXACT: (f64, f64) = (1e-6, 1e-4);
 
 /// Deviation of `surface` from a surface of revolution about the axis through `through` along `along`:
 /// area-weighted mean of the circumferential component of its normals.
@@ -111,14 +133,20 @@ pub fn find_axis(hub: &MeshSurface) -> Option<PartFromFile> {
         return largest_revolved_axis(hub).map(PartFromFile::Along);
     }
     let size = hub.points.iter().map(|p| (p - through).norm()).fold(0.0, f64::max);
-    for (axis, own) in axes {
-        let offset = through.coords - own * own.dot(&through.coords);
-        if along.dot(&own).abs() > 1.0 - 0.5 * SNAP.0 * SNAP.0 && offset.norm() < SNAP.1 * size {
-            return Some(PartFromFile::Along(axis));
+    Some(PartFromFile::snapped(&through, &along, SNAP.0, SNAP.1 * size))
+}
+
+/// As [`find_axis`], only where the surface is one of revolution.
+pub fn turned_axis(surface: &MeshSurface) -> Option<PartFromFile> {
+    let (along, through) = match find_axis(surface)? {
+        PartFromFile::Along(axis) => {
+            let own = [(Axis::X, Vector::x()), (Axis::Y, Vector::y()), (Axis::Z, Vector::z())];
+            let along = own.into_iter().find(|(a, _)| *a == axis).map_or_else(Vector::z, |(_, v)| v);
+            (along, Point::origin())
         }
-    }
-    let turn = Rotation3::rotation_between(&along, &Vector::z())?;
-    Some(PartFromFile::Turned { turn, through })
+        PartFromFile::Turned { turn, through } => (turn.inverse() * Vector::z(), through),
+    };
+    (revolution_error(surface, &along, &through) < FOUND).then(|| find_axis(surface)).flatten()
 }
 
 /// The file's axis with by far the largest area of revolution about it. In a wheel with its blades, that area

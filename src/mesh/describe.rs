@@ -1,7 +1,8 @@
 //! Reconstruction of a part from named meshes.
 
 use super::TriangleMesh;
-use super::axis::{Axis, PartFromFile, find_axis};
+use super::axis::{Axis, PartFromFile, find_axis, turned_axis};
+use super::bodies::{Body, segment_bodies};
 use super::edges::find_jump;
 use super::fillets::between_fillets;
 use super::holes::{fill_holes, largest_hole};
@@ -15,7 +16,8 @@ use super::segment::segment_wheel;
 use super::sides::{SideCurve, SpanSection};
 use super::surface::MeshSurface;
 use super::tips::fit_tip_curve;
-use crate::geometry::{Meridional, MeridionalCurve, Point};
+use super::trim::{BodyOutline, depth_behind, trimmed};
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError, Rotation};
 
 /// Number of span sections of a blade.
@@ -31,6 +33,8 @@ const STRAIGHT: f64 = 0.012;
 const MIN_HEIGHT: f64 = 0.2;
 /// Holes up to this size are ignored, mm: the sections are interpolated across them.
 const MIN_HOLE: f64 = 0.05;
+/// Relative height of the highest section below which a blade is said to end short of the shroud.
+const SHORT: f64 = 0.975;
 /// Help text for missing triangles.
 const CLOSE: &str = "close the mesh, or export the surface again with all of its faces";
 /// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
@@ -39,31 +43,66 @@ const CLEAR_WRAP: f64 = 0.1;
 pub(super) const MOSTLY: f64 = 0.5;
 /// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
 const TOLERANCE: (f64, f64) = (0.05, 1e-4);
+/// Largest distance of a blade tip from the line of the tips, as a share of the diameter: tips are often not
+/// turned in a model.
+const TIP_TOLERANCE: f64 = 2e-3;
+/// Blades that are deeper in hub or cover than this many times the tolerance reach into it.
+const REACHES_IN: f64 = 4.0;
+
+/// What a file says of its meshes.
+#[derive(Clone, Debug)]
+pub struct MeshSource {
+    /// Unit of its coordinates.
+    pub unit: LengthUnit,
+    /// Axis of the surfaces of revolution, exact: a point, in the file's unit, and the direction.
+    pub axis: Option<(Point, Vector)>,
+    /// What the user should know of it.
+    pub notes: Vec<String>,
+}
 
 /// Reconstructs the part, named `name`, from its meshes, which are in the file's frame and in `unit`.
 ///
 /// # Errors
-/// Fails when hub or blades are missing or incomplete, when hub or shroud is not a surface of revolution, or
-/// when unit, axis or number of blades cannot be derived; the help text names the option that helps.
+/// As [`describe_source`].
 pub fn describe(
     name: &str,
     meshes: Vec<NamedMesh>,
     unit: LengthUnit,
     options: &MeshOptions,
 ) -> Result<PartDescription, PartError> {
+    describe_source(name, meshes, MeshSource { unit, axis: None, notes: Vec::new() }, options)
+}
+
+/// Reconstructs the part, named `name`, from its meshes, with what their file says of them.
+///
+/// # Errors
+/// Fails when hub or blades are missing or incomplete, when hub or shroud is not a surface of revolution, or
+/// when unit, axis or number of blades cannot be derived; the help text names the option that helps.
+pub fn describe_source(
+    name: &str,
+    meshes: Vec<NamedMesh>,
+    source: MeshSource,
+    options: &MeshOptions,
+) -> Result<PartDescription, PartError> {
+    let MeshSource { unit, axis, mut notes } = source;
     let roles = assign_roles(&meshes, &options.roles)?;
     let sorted = sort_by_role(meshes, &roles)?;
     let scale = options.unit.unwrap_or(unit).mm();
-    let SortedMeshes { mut hub, mut shroud, blades: mut blade_meshes, one } = sorted;
+    let SortedMeshes { mut hub, mut shroud, blades: mut blade_meshes, one, mut bodies } = sorted;
     let all = || std::iter::once(&hub).chain(&shroud).chain(blade_meshes.iter().map(|(_, m)| m));
     check_size(all(), unit, options.unit)?;
     for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
         mesh.points.iter_mut().for_each(|p| *p *= scale);
     }
+    bodies.iter_mut().flat_map(|(_, mesh)| &mut mesh.points).for_each(|p| *p *= scale);
     let hub = MeshSurface::of(&hub);
-    let frame = match options.axis {
-        Some(axis) => PartFromFile::Along(axis),
-        None => find_axis(&hub).ok_or_else(|| {
+    let body = |(name, mesh): (String, TriangleMesh)| Body { name, surface: MeshSurface::of(&mesh) };
+    let bodies: Vec<Body> =
+        if bodies.len() > 1 { bodies.into_iter().map(body).collect() } else { Vec::new() };
+    let frame = match (options.axis, axis) {
+        (Some(axis), _) => PartFromFile::Along(axis),
+        (None, Some((through, along))) => PartFromFile::about(&(through * scale), &along),
+        (None, None) => axis_of_bodies(&bodies).or_else(|| find_axis(&hub)).ok_or_else(|| {
             PartError::new(0, "the hub has no axis of rotation", "give it with --rotation-axis x, y or z")
         })?,
     };
@@ -77,25 +116,50 @@ pub fn describe(
         blade_meshes.into_iter().map(|(role, mesh)| (role, upright(MeshSurface::of(&mesh)))).collect();
     let size = hub.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     if let Some(name) = one {
-        let segments = segment_wheel(&hub, &name)?;
+        let bodies =
+            bodies.into_iter().map(|b| Body { surface: upright(b.surface), ..b }).collect::<Vec<Body>>();
+        let segments = match segment_bodies(bodies, &mut notes) {
+            Ok(Some(segments)) => segments,
+            _ => segment_wheel(&hub, &name)?,
+        };
         hub = segments.hub;
         shroud = shroud.or(segments.shroud);
         blade_surfaces = segments.blades.into_iter().map(|blade| (Role::Blade, blade)).collect();
     }
     let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
 
-    let BladeRows { count, main, splitters } =
+    let BladeRows { count, main, splitters, note } =
         BladeRows::of(separate_blades(blade_surfaces), options.blades)?;
-    let main = fill_holes(main);
-    let splitters: Vec<MeshSurface> = splitters.into_iter().map(fill_holes).collect();
-    let corners: Vec<Meridional> = main.points.iter().map(Meridional::of).collect();
+    notes.extend(note);
+    let mut main = fill_holes(main);
+    let mut splitters: Vec<MeshSurface> = splitters.into_iter().map(fill_holes).collect();
+    // Corners within hub or cover say nothing about the channel.
+    let outlines = [BodyOutline::of(&hub), shroud.as_ref().and_then(BodyOutline::of)];
+    let buried = |p: &Meridional| outlines.iter().flatten().any(|outline| outline.contains(*p));
+    let all: Vec<Meridional> = main.points.iter().map(Meridional::of).collect();
+    let free: Vec<Meridional> = all.iter().filter(|p| !buried(p)).copied().collect();
+    let mut corners = if free.len() < 8 { all } else { free };
     let course = Course::of(&corners);
     let hub_curve = fit_revolved(&hub, &course, &corners, "hub", tolerance)?;
-    let shroud_curve = match shroud {
-        Some(shroud) => fit_revolved(&shroud, &course, &corners, "shroud", tolerance)?,
+    let fitted_shroud =
+        shroud.map(|shroud| fit_revolved(&shroud, &course, &corners, "shroud", tolerance)).transpose()?;
+    for (profile, outline, name) in
+        [(Some(&hub_curve), &outlines[0], "hub"), (fitted_shroud.as_ref(), &outlines[1], "cover")]
+    {
+        let (Some(profile), Some(_)) = (profile, outline) else { continue };
+        let line = MeridionalCurve::through(&profile.points).with_outer_side_towards(mean_point(&corners));
+        let depth = depth_behind(&main, &line);
+        if depth > REACHES_IN * tolerance {
+            main = trimmed(&main, &line);
+            splitters = splitters.iter().map(|s| trimmed(s, &line)).collect();
+            corners = main.points.iter().map(Meridional::of).collect();
+            notes.push(format!("the blades reach {depth:.2} mm into the {name}; they are cut off at it"));
+        }
+    }
+    let shroud_curve = match fitted_shroud {
+        Some(shroud) => shroud,
         None => {
-            let hub = MeridionalCurve::through(&hub_curve.points);
-            let tips = fit_tip_curve(std::slice::from_ref(&main), &hub, &course);
+            let tips = fit_tip_curve(&main, &hub_curve.points, &course);
             let tips = tips.ok_or_else(|| {
                 PartError::new(
                     0,
@@ -103,12 +167,17 @@ pub fn describe(
                     "give one with --role NODE=shroud",
                 )
             })?;
-            check_deviation(tips, "line of the blade tips", tolerance)?
+            let off = tips.max_deviation_mm;
+            if off > tolerance {
+                notes.push(format!(
+                    "the blade tips are up to {off:.2} mm off the surface of revolution through them"
+                ));
+            }
+            check_deviation(tips, "line of the blade tips", tolerance.max(2.0 * size * TIP_TOLERANCE))?
         }
     };
     let curve = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
     let band = ChannelCoordinates::new(&curve(&hub_curve), &curve(&shroud_curve), &corners);
-    let mut notes = Vec::new();
     let main = span_sections(&main, &band, "main blade", &mut notes)?;
     let splitters = splitters
         .iter()
@@ -142,6 +211,16 @@ struct SortedMeshes {
     blades: Vec<(Role, TriangleMesh)>,
     /// Name of the mesh, stored as `hub`, that holds hub and blades and is still to be segmented.
     one: Option<String>,
+    /// The bodies in `hub`, if they are to be segmented: one mesh for each node and instance, with its name.
+    bodies: Vec<(String, TriangleMesh)>,
+}
+
+/// The axis of the largest of several bodies that is one of revolution.
+fn axis_of_bodies(bodies: &[Body]) -> Option<PartFromFile> {
+    let area = |b: &Body| (0..b.surface.triangles.len()).map(|t| b.surface.area(t)).sum::<f64>();
+    let mut by_area: Vec<(f64, &Body)> = bodies.iter().map(|b| (area(b), b)).collect();
+    by_area.sort_by(|a, b| b.0.total_cmp(&a.0));
+    by_area.iter().take(4).find_map(|(_, body)| turned_axis(&body.surface))
 }
 
 fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<SortedMeshes, PartError> {
@@ -161,8 +240,14 @@ fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted
     if !one && !has(Role::Blade) {
         return Err(missing("blade"));
     }
-    let mut sorted =
-        SortedMeshes { hub: TriangleMesh::default(), shroud: None, blades: Vec::new(), one: None };
+    let mut sorted = SortedMeshes {
+        hub: TriangleMesh::default(),
+        shroud: None,
+        blades: Vec::new(),
+        one: None,
+        bodies: Vec::new(),
+    };
+    let mut body_of: Vec<(usize, usize)> = Vec::new();
     let mut places: Vec<(usize, usize, Role)> = Vec::new();
     for (mesh, role) in meshes.into_iter().zip(roles) {
         match role {
@@ -180,6 +265,14 @@ fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted
             }
             None if one => {
                 sorted.hub.append(&mesh.mesh);
+                let place = (mesh.node, mesh.instance);
+                match body_of.iter().position(|p| *p == place) {
+                    Some(at) => sorted.bodies[at].1.append(&mesh.mesh),
+                    None => {
+                        body_of.push(place);
+                        sorted.bodies.push((mesh.name.clone(), mesh.mesh));
+                    }
+                }
                 sorted.one.get_or_insert(mesh.name);
             }
             Some(Role::Ignored) | None => {}
@@ -250,12 +343,19 @@ fn span_sections(
             "check the roles of the meshes (--role NODE=hub, shroud or blade)",
         ));
     }
+    let tip = high;
     let (low, high) = between_fillets(low, high, |height| SpanSection::of(&cutter.slice_at(height)));
     if high - low < MIN_HEIGHT {
         return Err(PartError::new(
             0,
             format!("the fillets of the {name} leave {:.0} % of its height", 100.0 * (high - low)),
             "export the wheel without fillets",
+        ));
+    }
+    if tip - high < INSET && high < SHORT {
+        notes.push(format!(
+            "a side of the {name} ends up to {:.1} % of the height below the shroud; it is extended to it",
+            100.0 * (1.0 - high - INSET)
         ));
     }
     let at = |k: usize| low + (high - low) * k as f64 / (SECTIONS - 1) as f64;

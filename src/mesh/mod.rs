@@ -1,6 +1,7 @@
 //! Triangle meshes of impellers: tessellation of a part, and reconstruction of a part from meshes.
 
 pub mod axis;
+mod bodies;
 pub mod describe;
 mod edges;
 mod fillets;
@@ -21,6 +22,7 @@ pub mod solid;
 mod surface;
 pub mod tessellate;
 mod tips;
+mod trim;
 pub(crate) mod weld;
 
 pub use describe::describe;

@@ -17,6 +17,8 @@ const SCRAP: f64 = 0.15;
 const TOUCHING: f64 = 1e-3;
 /// Largest deviation of a blade from equal spacing, as a share of the pitch.
 const OFF_PATTERN: f64 = 0.05;
+/// Relative difference of areas up to which blades are copies of one.
+const COPIES: f64 = 2e-3;
 
 /// One blade.
 #[derive(Clone, Debug)]
@@ -40,6 +42,8 @@ pub struct BladeRows {
     pub main: MeshSurface,
     /// One splitter for each position within the pitch, in the order of the file.
     pub splitters: Vec<MeshSurface>,
+    /// How far the blades differ, where they are not copies.
+    pub note: Option<String>,
 }
 
 /// Separates surfaces, each of one or more blades with their role, into single blades.
@@ -149,7 +153,8 @@ impl BladeRows {
         };
         let (splitters, mains): (Vec<SingleBlade>, Vec<SingleBlade>) =
             blades.into_iter().partition(is_splitter);
-        let Some(main) = mains.first() else {
+        let (pattern, note) = choose_pattern(&mains);
+        let Some(main) = mains.get(pattern) else {
             return Err(PartError::new(0, "there is no main blade", "name one with --role NODE=blade"));
         };
         let count = match count {
@@ -167,8 +172,30 @@ impl BladeRows {
                 kept.push(splitter.surface);
             }
         }
-        Ok(Self { count, main: main.surface.clone(), splitters: kept })
+        Ok(Self { count, main: main.surface.clone(), splitters: kept, note })
     }
+}
+
+/// Index of the blade that stands for all: the first where they are copies, else the one of median area, with
+/// a line about the difference.
+fn choose_pattern(mains: &[SingleBlade]) -> (usize, Option<String>) {
+    let area = |b: &SingleBlade| (0..b.surface.triangles.len()).map(|t| b.surface.area(t)).sum::<f64>();
+    let mut areas: Vec<(f64, usize)> = mains.iter().map(area).zip(0..).collect();
+    areas.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (Some(least), Some(most), true) = (areas.first(), areas.last(), mains.len() > 2) else {
+        return (0, None);
+    };
+    let spread = (most.0 - least.0) / most.0.max(1e-300);
+    if spread < COPIES {
+        return (0, None);
+    }
+    let pattern = areas[areas.len() / 2].1;
+    let note = format!(
+        "the {} blades differ by {:.1} % in area; the one of median area is the pattern",
+        mains.len(),
+        100.0 * spread
+    );
+    (pattern, Some(note))
 }
 
 /// Number of blades derived from the spacing of the given ones, of which some may be missing.

@@ -49,6 +49,11 @@ impl BladeSide {
         self.slopes.is_empty()
     }
 
+    /// Values of v of its sections, from 0 to 1; the side is a polynomial in v between them.
+    pub fn stations(&self) -> &[f64] {
+        &self.stations
+    }
+
     /// Values of u at which the side has points; suitable for mesh lines.
     pub fn u_knots(&self) -> &[f64] {
         self.spans[0].knots()

@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 mod any_bytes;
+mod cad;
 mod gltf;
 mod gltf_faults;
 mod mesh_parts;

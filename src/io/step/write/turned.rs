@@ -1,0 +1,138 @@
+//! Hub body and shroud.
+
+use super::instances::{Edge, EdgeUse, Instances, Knots};
+use super::spline::generatrix;
+use crate::geometry::{Meridional, MeridionalCurve};
+use crate::mesh::tessellate::{body_outline, nose};
+use crate::part::Impeller;
+
+/// Smallest radius of a circle, mm: below it the surface ends on the axis.
+const ON_AXIS: f64 = 1e-6;
+
+/// A surface of revolution about Z, from inlet to outlet.
+pub struct RevolvedSurface {
+    /// Number of its instance.
+    pub id: u32,
+    /// Number of its curve, which lies in the half plane y = 0, x ≥ 0.
+    curve: u32,
+    /// First and last point of the curve.
+    ends: [Meridional; 2],
+}
+
+fn revolved(out: &mut Instances, curve: &MeridionalCurve, from: f64, to: f64) -> RevolvedSurface {
+    let (knots, control) = generatrix(curve, from, to);
+    let end = |p: Option<&[f64; 3]>| p.map_or_else(Meridional::default, |p| Meridional { r: p[0], z: p[2] });
+    let ends = [end(control.first()), end(control.last())];
+    let curve = out.curve(3, &control, &Knots { values: &knots, inner: 1 });
+    let (origin, z) = (out.point([0.0; 3]), out.direction([0.0, 0.0, 1.0]));
+    let axis = out.add(&format!("AXIS1_PLACEMENT('',#{origin},#{z})"));
+    let id = out.add(&format!("SURFACE_OF_REVOLUTION('',#{curve},#{axis})"));
+    RevolvedSurface { id, curve, ends }
+}
+
+/// The surface of the hub, from its nose to the rim.
+pub fn hub_surface(out: &mut Instances, part: &Impeller) -> RevolvedSurface {
+    let hub = &part.hub;
+    revolved(out, hub.curve(), hub.arc_at(nose(hub)), hub.arc_at(1.0))
+}
+
+/// The surface of the shroud.
+pub fn shroud_surface(out: &mut Instances, part: &Impeller) -> RevolvedSurface {
+    let shroud = &part.shroud;
+    revolved(out, shroud.curve(), shroud.arc_at(nose(shroud)), shroud.arc_at(1.0))
+}
+
+/// A corner of an outline: its vertex, and its circle where it is off the axis.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: Meridional,
+    vertex: u32,
+    circle: Option<Edge>,
+}
+
+fn corner(out: &mut Instances, at: Meridional) -> Corner {
+    let vertex = out.vertex([at.r, 0.0, at.z]);
+    let circle = (at.r > ON_AXIS).then(|| out.circle(vertex, at.r, at.z));
+    Corner { at, vertex, circle }
+}
+
+/// The face between two corners with a seam; `natural`: it faces to the right of the way from `a` to `b`.
+fn band(
+    out: &mut Instances,
+    [a, b]: [Corner; 2],
+    seam: Edge,
+    surface: u32,
+    natural: bool,
+    sense: bool,
+) -> u32 {
+    let mut edges: Vec<EdgeUse> = Vec::with_capacity(4);
+    edges.extend(a.circle.map(|c| (c, true)));
+    edges.push((seam, true));
+    edges.extend(b.circle.map(|c| (c, false)));
+    edges.push((seam, false));
+    if !natural {
+        edges = reversed(edges);
+    }
+    out.face(&[edges], surface, sense)
+}
+
+fn reversed(mut edges: Vec<EdgeUse>) -> Vec<EdgeUse> {
+    edges.reverse();
+    edges.iter_mut().for_each(|(_, forward)| *forward = !*forward);
+    edges
+}
+
+/// The hub with rim, back, bore and nose ring: a solid.
+pub fn hub_body(out: &mut Instances, part: &Impeller, hub: &RevolvedSurface) -> u32 {
+    let [_, rim_back, bore_back, bore_nose, _] = body_outline(part);
+    let [first, last] = hub.ends;
+    let outline = [first, last, rim_back, bore_back, Meridional { r: bore_nose.r, z: first.z }];
+    let area: f64 = (0..outline.len())
+        .map(|k| {
+            let (a, b) = (outline[k], outline[(k + 1) % outline.len()]);
+            a.r * b.z - b.r * a.z
+        })
+        .sum();
+    // The outside is to the right of the way round where that is counter-clockwise. The hub's curve does not
+    // cross the rest of the outline, so that its chord has the same sense.
+    let natural = area > 0.0;
+    let corners: Vec<Corner> = outline.iter().map(|p| corner(out, *p)).collect();
+    let seam = out.edge(corners[0].vertex, corners[1].vertex, hub.curve);
+    let mut faces = vec![band(out, [corners[0], corners[1]], seam, hub.id, natural, natural)];
+    for k in 1..corners.len() {
+        let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
+        let (dr, dz) = (b.at.r - a.at.r, b.at.z - a.at.z);
+        if dr.abs().max(dz.abs()) < ON_AXIS || a.at.r.max(b.at.r) < ON_AXIS {
+            continue;
+        }
+        let outwards = if natural { Meridional { r: dz, z: -dr } } else { Meridional { r: -dz, z: dr } };
+        if dz.abs() > dr.abs() {
+            let ends = [a, b].map(|c| (c.vertex, [c.at.r, 0.0, c.at.z].into()));
+            let seam = out.straight_edge(ends[0], ends[1]);
+            let frame = out.frame([0.0; 3], [0.0, 0.0, 1.0]);
+            let radius = super::instances::real(a.at.r);
+            let cylinder = out.add(&format!("CYLINDRICAL_SURFACE('',#{frame},{radius})"));
+            faces.push(band(out, [a, b], seam, cylinder, natural, outwards.r > 0.0));
+        } else {
+            let frame = out.frame([0.0, 0.0, a.at.z], [0.0, 0.0, outwards.z.signum()]);
+            let plane = out.add(&format!("PLANE('',#{frame})"));
+            let uses = [(a, natural), (b, !natural)];
+            // The outer circle comes first.
+            let mut loops: Vec<(f64, Vec<EdgeUse>)> =
+                uses.iter().filter_map(|(c, way)| Some((c.at.r, vec![(c.circle?, *way)]))).collect();
+            loops.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let loops: Vec<Vec<EdgeUse>> = loops.into_iter().map(|(_, edges)| edges).collect();
+            faces.push(out.face(&loops, plane, true));
+        }
+    }
+    out.solid("hub", &faces)
+}
+
+/// The shroud as a sheet.
+pub fn shroud_sheet(out: &mut Instances, shroud: &RevolvedSurface) -> u32 {
+    let [a, b] = shroud.ends.map(|p| corner(out, p));
+    let seam = out.edge(a.vertex, b.vertex, shroud.curve);
+    let face = band(out, [a, b], seam, shroud.id, true, true);
+    let shell = out.add(&format!("OPEN_SHELL('',(#{face}))"));
+    out.add(&format!("SHELL_BASED_SURFACE_MODEL('shroud',(#{shell}))"))
+}

@@ -1,0 +1,165 @@
+//! Blades that reach into hub or cover, as those of solids that were not united do: cut off where they enter.
+
+use std::collections::HashMap;
+
+use super::TriangleMesh;
+use super::surface::MeshSurface;
+use crate::geometry::{Meridional, MeridionalCurve, Point};
+
+/// Angles of the half planes that a body of revolution is cut with, rad: none is a likely angle of an edge.
+const HALF_PLANES: [f64; 3] = [0.377, 2.531, 4.419];
+/// Steps of regula falsi for the place where an edge meets a curve.
+const STEPS: usize = 4;
+
+/// The outlines of a closed body of revolution in half planes through its axis.
+pub struct BodyOutline {
+    outlines: [Vec<[Meridional; 2]>; HALF_PLANES.len()],
+}
+
+impl BodyOutline {
+    /// The outline of `body` about Z; `None` where it is not closed.
+    pub fn of(body: &MeshSurface) -> Option<Self> {
+        if body.triangles.is_empty() || body.border_edges().next().is_some() {
+            return None;
+        }
+        Some(Self { outlines: HALF_PLANES.map(|angle| outline(body, angle)) })
+    }
+
+    /// Whether a point is within the body: parity of the outline above it, by majority of the half planes.
+    pub fn contains(&self, p: Meridional) -> bool {
+        let odd = |outline: &&Vec<[Meridional; 2]>| {
+            let above = |[a, b]: &&[Meridional; 2]| {
+                (a.r > p.r) != (b.r > p.r) && a.z + (b.z - a.z) * (p.r - a.r) / (b.r - a.r) > p.z
+            };
+            outline.iter().filter(above).count() % 2 == 1
+        };
+        2 * self.outlines.iter().filter(odd).count() > HALF_PLANES.len()
+    }
+}
+
+/// The section of a surface with the half plane at an angle about Z.
+fn outline(body: &MeshSurface, angle: f64) -> Vec<[Meridional; 2]> {
+    let (sin, cos) = angle.sin_cos();
+    let aside = |p: &Point| p.y * cos - p.x * sin;
+    let mut outline = Vec::new();
+    for t in &body.triangles {
+        let corners = t.map(|i| body.points[i as usize]);
+        let mut ends = (0..3).filter_map(|k| {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let (s, e) = (aside(&a), aside(&b));
+            let p = a + (b - a) * (s / (s - e));
+            ((s >= 0.0) != (e >= 0.0)).then(|| Meridional { r: p.x * cos + p.y * sin, z: p.z })
+        });
+        if let (Some(a), Some(b)) = (ends.next(), ends.next())
+            && a.r.max(b.r) > 0.0
+        {
+            outline.push([a, b]);
+        }
+    }
+    outline
+}
+
+/// The greatest depth of corners of `blade` behind a curve with its outer side towards the blade, mm.
+pub fn depth_behind(blade: &MeshSurface, curve: &MeridionalCurve) -> f64 {
+    blade.points.iter().map(|p| -curve.project(Meridional::of(p)).1).fold(0.0, f64::max)
+}
+
+/// The part of `blade` on the outer side of a meridional curve.
+pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve) -> MeshSurface {
+    let height = |p: &Point| curve.project(Meridional::of(p)).1;
+    let heights: Vec<f64> = blade.points.iter().map(height).collect();
+    let mut mesh = TriangleMesh { points: blade.points.clone(), triangles: Vec::new() };
+    let mut faces = Vec::new();
+    let mut met: HashMap<(u32, u32), u32> = HashMap::new();
+    for (t, face) in blade.triangles.iter().zip(&blade.faces) {
+        let mut kept: Vec<u32> = Vec::with_capacity(4);
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            let over = [a, b].map(|i| heights[i as usize] >= 0.0);
+            if over[0] {
+                kept.push(a);
+            }
+            if over[0] != over[1] {
+                let (low, high) = (a.min(b), a.max(b));
+                let number = *met.entry((low, high)).or_insert_with(|| {
+                    let ends = [low, high].map(|i| (blade.points[i as usize], heights[i as usize]));
+                    mesh.points.push(crossing(ends, height));
+                    (mesh.points.len() - 1) as u32
+                });
+                kept.push(number);
+            }
+        }
+        for k in 2..kept.len() {
+            mesh.triangles.push([kept[0], kept[k - 1], kept[k]]);
+            faces.push(*face);
+        }
+    }
+    MeshSurface::of_faces(&mesh.compact(), faces)
+}
+
+/// Where the edge between two points at heights of different signs has the height 0.
+fn crossing(ends: [(Point, f64); 2], height: impl Fn(&Point) -> f64) -> Point {
+    let [(a, ha), (b, hb)] = ends;
+    let (mut low, mut high) = ((0.0, ha), (1.0, hb));
+    let mut share = 0.5;
+    for _ in 0..STEPS {
+        share = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
+        let h = height(&(a + (b - a) * share));
+        if (h < 0.0) == (low.1 < 0.0) {
+            low = (share, h);
+        } else {
+            high = (share, h);
+        }
+        if h == 0.0 || (high.1 - low.1).abs() < 1e-12 {
+            break;
+        }
+    }
+    a + (b - a) * share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::grid_triangles;
+
+    /// A closed ring of revolution: r from 2 to 5 mm, z from 0 to 1 mm.
+    fn ring() -> MeshSurface {
+        let outline = [(2.0, 0.0), (5.0, 0.0), (5.0, 1.0), (2.0, 1.0)];
+        let mut points = Vec::new();
+        for (r, z) in outline.into_iter().chain([outline[0]]) {
+            points.extend((0..=60).map(|k| {
+                let a = f64::from(k % 60) * std::f64::consts::TAU / 60.0;
+                Point::new(r * a.cos(), r * a.sin(), z)
+            }));
+        }
+        MeshSurface::of(&TriangleMesh { points, triangles: grid_triangles(5, 61, |_, _| true) })
+    }
+
+    #[test]
+    fn points_within_a_closed_body_are_found() {
+        let outline = BodyOutline::of(&ring()).expect("closed");
+        for (r, z, within) in
+            [(3.0, 0.5, true), (1.0, 0.5, false), (3.0, 1.5, false), (5.5, 0.5, false), (2.1, 0.1, true)]
+        {
+            assert_eq!(outline.contains(Meridional { r, z }), within, "{r} {z}");
+        }
+        let open = ring().subset(|t| t > 0);
+        assert!(BodyOutline::of(&open).is_none(), "it is open");
+    }
+
+    #[test]
+    fn a_blade_is_cut_at_the_curve() {
+        // A plate from z = -1 to 1 mm above a hub in the plane z = 0.
+        let points =
+            (0..5).flat_map(|i| [3.0, 6.0, 9.0].map(|x| Point::new(x, 0.0, -1.0 + 0.5 * f64::from(i) - 0.1)));
+        let mesh = TriangleMesh { points: points.collect(), triangles: grid_triangles(5, 3, |_, _| true) };
+        let hub = [2.0, 6.0, 10.0].map(|r| Meridional { r, z: 0.0 });
+        let hub = MeridionalCurve::through(&hub).with_outer_side_towards(Meridional { r: 6.0, z: 5.0 });
+        let plate = MeshSurface::of(&mesh);
+        assert!((depth_behind(&plate, &hub) - 1.1).abs() < 1e-9);
+        let cut = trimmed(&plate, &hub);
+        let area: f64 = (0..cut.triangles.len()).map(|t| cut.area(t)).sum();
+        assert!((area - 6.0 * 0.9).abs() < 1e-9, "{area}");
+        assert!(cut.points.iter().all(|p| p.z > -1e-12));
+    }
+}

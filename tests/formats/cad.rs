@@ -1,0 +1,207 @@
+//! Parts from CAD: STEP and STL files, read and written.
+
+use std::path::Path;
+
+use nalgebra::Rotation3;
+use vanecut::geometry::{Meridional, Point, Vector, rotate_z};
+use vanecut::io::step::{read_bytes, read_scene_bytes, write_part};
+use vanecut::io::stl::{read_part_bytes, write_stl};
+use vanecut::io::{InputError, read_part};
+use vanecut::mesh::tessellate::{Fineness, Tessellation};
+use vanecut::mesh::{MeshOptions, TriangleMesh};
+use vanecut::part::{Blade, Impeller, PartDescription, SideProbe};
+
+/// Compressor wheel of the KJ66 jet engine, from a CAD system; its licence is beside it.
+const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
+
+/// Points of its hub (r, z), of Open CASCADE's surface.
+const KJ66_HUB: [(f64, f64); 11] = [
+    (42.6663, 4.1065),
+    (36.4429, 5.7784),
+    (31.2761, 7.1478),
+    (27.019, 8.4211),
+    (23.5248, 9.8048),
+    (20.6467, 11.5054),
+    (18.2379, 13.7294),
+    (16.1514, 16.6832),
+    (14.2405, 20.5732),
+    (12.3584, 25.606),
+    (10.3582, 31.9879),
+];
+
+/// Points of both sides of its blade of median area, of Open CASCADE's surfaces, about Z.
+const KJ66_BLADE: [[(f64, f64, f64); 10]; 2] = [
+    [
+        (42.5137, -24.2767, 14.5024),
+        (16.4532, -30.8023, 36.102),
+        (26.1108, -13.334, 10.5378),
+        (24.6078, -15.0102, 15.3496),
+        (39.1634, -19.8178, 11.1052),
+        (20.1877, -18.196, 24.317),
+        (33.7248, -24.4501, 20.1493),
+        (26.8526, -29.49, 28.4876),
+        (9.6401, -13.6322, 31.5602),
+        (17.0808, -27.6845, 34.2644),
+    ],
+    [
+        (34.8589, -28.1444, 23.3115),
+        (16.6976, -31.9235, 37.1063),
+        (36.1843, -19.225, 13.599),
+        (30.5833, -23.3962, 22.1674),
+        (25.9873, -13.12, 12.2545),
+        (22.5088, -15.2117, 19.3988),
+        (42.3254, -20.2424, 10.87),
+        (27.9803, -27.783, 27.3699),
+        (12.8032, -12.4633, 26.9599),
+        (16.1988, -16.3485, 27.6439),
+    ],
+];
+
+fn built(description: &Result<PartDescription, InputError>) -> Impeller {
+    match description {
+        Ok(description) => Impeller::build(description).expect("an impeller"),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn sample(name: &str) -> Impeller {
+    built(&read_part(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name)))
+}
+
+/// Largest distance of points of both sides of `blade` from the surfaces of `other`.
+fn sides_apart(blade: &Blade, other: &Blade) -> f64 {
+    let sides = [(&blade.suction, &other.suction), (&blade.pressure, &other.pressure)];
+    let apart = |(side, other): (&vanecut::part::BladeSide, &vanecut::part::BladeSide)| {
+        let probe = SideProbe::new(side, 0.0, 1.0);
+        let points = (0..=20).flat_map(|i| (0..=6).map(move |j| (f64::from(i) / 20.0, f64::from(j) / 6.0)));
+        points
+            .map(|(u, v)| probe.nearest_to_point(&other.point(u, v)).distance.abs())
+            .fold(0.0, f64::max)
+    };
+    sides.into_iter().map(apart).fold(0.0, f64::max)
+}
+
+/// The rotation of `blade` by whole pitches that is nearest to `other`.
+fn alike(blade: &Blade, other: &Blade, part: &Impeller) -> Blade {
+    let off = |b: &Blade| (b.suction.point(0.5, 0.5) - other.suction.point(0.5, 0.5)).norm();
+    let all = (0..part.blade_count).map(|k| blade.rotated(part.pitch() * k as f64));
+    all.min_by(|a, b| off(a).total_cmp(&off(b))).expect("it has blades")
+}
+
+/// Largest distances of hub and blade sides of `other` from those of `part`, mm.
+fn apart(part: &Impeller, other: &Impeller) -> (f64, f64) {
+    assert_eq!((part.blade_count, part.splitters.len()), (other.blade_count, other.splitters.len()));
+    let hub = (0..=100).map(|i| part.hub.curve().project(other.hub.point(f64::from(i) / 100.0)).1.abs());
+    let mut sides = sides_apart(&part.main, &alike(&other.main, &part.main, other));
+    for (a, b) in part.splitters.iter().zip(&other.splitters) {
+        sides = sides.max(sides_apart(a, &alike(b, a, other)));
+    }
+    (hub.fold(0.0, f64::max), sides)
+}
+
+#[test]
+fn a_wheel_from_cad_opens_without_a_question_where_its_surfaces_are() {
+    let part = built(&read_bytes("kj66.step", KJ66, &MeshOptions::default()));
+    assert_eq!((part.blade_count, part.splitters.len()), (9, 0));
+    for (r, z) in KJ66_HUB {
+        let off = part.hub.curve().project(Meridional { r, z }).1.abs();
+        assert!(off < 0.02, "the hub is {off} mm off at r = {r}");
+    }
+    let sides = [&part.main.suction, &part.main.pressure].map(|side| SideProbe::new(side, 0.0, 1.0));
+    for points in KJ66_BLADE {
+        let off = |probe: &SideProbe| {
+            let distance = |(x, y, z)| probe.nearest_to_point(&Point::new(x, y, z)).distance.abs();
+            points.into_iter().map(distance).fold(0.0, f64::max)
+        };
+        let nearer = off(&sides[0]).min(off(&sides[1]));
+        assert!(nearer < 0.02, "a side of the blade is {nearer} mm off");
+    }
+}
+
+#[test]
+fn bodies_are_closed_at_any_fineness() {
+    for chord in [0.05, 0.005] {
+        let scene = read_scene_bytes("kj66.step", KJ66, Some(chord)).expect("sound");
+        assert!(scene.notes().is_empty(), "{:?}", scene.notes());
+        assert!(scene.bodies.iter().all(|body| body.solid && body.open_edges == 0), "at {chord} mm");
+    }
+}
+
+#[test]
+fn a_part_written_as_step_is_the_same_part() {
+    let part = sample("impeller9x9.toml");
+    let text = write_part(&part, "a.step");
+    assert!(text.contains("AUTOMOTIVE_DESIGN") && text.is_ascii());
+    let scene = read_scene_bytes("a.step", text.as_bytes(), Some(0.05)).expect("sound");
+    assert!(scene.notes().is_empty(), "{:?}", scene.notes());
+    assert_eq!(scene.bodies.iter().filter(|body| body.solid).count(), 19);
+    for body in scene.bodies.iter().filter(|body| body.solid) {
+        let corner = |i: u32| body.mesh.points[i as usize].coords;
+        let sixfold: f64 = body
+            .mesh
+            .triangles
+            .iter()
+            .map(|t| t.map(corner))
+            .map(|[a, b, c]| a.dot(&b.cross(&c)))
+            .sum();
+        assert!(sixfold > 0.0, "`{}` is inside out", body.name);
+    }
+    let (hub, sides) = apart(&part, &built(&read_bytes("a.step", text.as_bytes(), &MeshOptions::default())));
+    assert!(hub < LIMIT && sides < LIMIT, "hub {hub}, sides {sides} mm");
+}
+
+/// Largest distance of a part from itself after it was written and read, mm.
+const LIMIT: f64 = 1e-3;
+
+#[test]
+fn a_wheel_in_one_stl_opens_in_any_position_and_unit() {
+    let part = sample("impeller9x9.toml");
+    let shape = Tessellation::new(&part, &Fineness::default());
+    let mut whole = shape.hub.mesh();
+    for blade in [&shape.main, &shape.splitters[0]] {
+        let mesh = blade.mesh();
+        for k in 0..part.blade_count {
+            let turn = part.pitch() * k as f64;
+            let points = mesh.points.iter().map(|p| rotate_z(p, turn)).collect();
+            whole.append(&TriangleMesh { points, triangles: mesh.triangles.clone() });
+        }
+    }
+    let options = MeshOptions { rotation: Some(part.rotation()), ..MeshOptions::default() };
+    let read = |mesh: &TriangleMesh, options: &MeshOptions| {
+        built(&read_part_bytes("a.stl", &write_stl(&mesh.points, &mesh.triangles, "a"), options))
+    };
+    let (hub, sides) = apart(&part, &read(&whole, &options));
+    assert!(hub < 0.02 && sides < 0.02, "hub {hub}, sides {sides} mm");
+    // Inches, about an axis off the origin.
+    let turn = Rotation3::from_axis_angle(&Vector::x_axis(), 0.5 * std::f64::consts::PI);
+    let moved = whole.points.iter().map(|p| turn * p * (1.0 / 25.4)).collect();
+    let moved = TriangleMesh { points: moved, triangles: whole.triangles };
+    let inches = MeshOptions { unit: "in".parse().ok(), ..options };
+    let other = read(&moved, &inches);
+    assert!((other.rim_radius() - part.rim_radius()).abs() < 0.01, "{}", other.rim_radius());
+}
+
+#[test]
+fn files_cut_off_or_changed_are_refused_in_one_line_or_read() {
+    let part = sample("pump6.toml");
+    let whole = write_part(&part, "a.step").into_bytes();
+    let mut state = 7_u64;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for _ in 0..6 {
+        let error = read_scene_bytes("a.step", &whole[..next(whole.len() - 40)], Some(1.0));
+        assert_eq!(error.expect_err("cut off").to_string().lines().count(), 1);
+    }
+    for _ in 0..12 {
+        let mut bytes = whole.clone();
+        for _ in 0..=next(3) {
+            let at = next(bytes.len());
+            bytes[at] = b"0123456789#,.()'$*-E;"[next(21)];
+        }
+        if let Err(error) = read_scene_bytes("a.step", &bytes, Some(1.0)) {
+            assert_eq!(error.to_string().lines().count(), 1, "{error}");
+        }
+    }
+}
