@@ -25,6 +25,8 @@ pub struct Monitor {
     shared: Arc<MonitorState>,
     /// Whether [`Self::stop`] is ignored.
     ignores_stop: bool,
+    /// Whether reports are not passed on.
+    is_silent: bool,
 }
 
 #[derive(Debug, Default)]
@@ -59,7 +61,12 @@ impl Monitor {
     /// The same token for the steps that complete a partial result: a stop is ignored, only a cancel is an
     /// error.
     pub fn ignoring_stop(&self) -> Self {
-        Self { shared: Arc::clone(&self.shared), ignores_stop: true }
+        Self { shared: Arc::clone(&self.shared), ignores_stop: true, is_silent: self.is_silent }
+    }
+
+    /// The same token for work beside the main one, whose progress does not count.
+    pub fn silent(&self) -> Self {
+        Self { shared: Arc::clone(&self.shared), ignores_stop: self.ignores_stop, is_silent: true }
     }
 
     /// Returns an error once the computation must end; to be called every few milliseconds.
@@ -72,6 +79,9 @@ impl Monitor {
 
     /// Reports progress, 0…1.
     pub fn report(&self, fraction: f64) {
+        if self.is_silent {
+            return;
+        }
         self.shared.permille.store((fraction.clamp(0.0, 1.0) * 1000.0) as u32, Ordering::Relaxed);
     }
 

@@ -237,7 +237,7 @@ fn plan(
     }
     // Then the conventional plan alone on all cores, as it is ready first.
     let known_conventional = known.entry(AxisPolicy::Conventional).or_default();
-    let before = judged(AxisPolicy::Conventional, known_conventional, closing)?;
+    let before = judged(AxisPolicy::Conventional, known_conventional, &closing.silent())?;
     // The other policies take most of the time.
     monitor.report(0.1);
     let ready = OnceLock::new();
@@ -262,7 +262,10 @@ fn plan(
     // A plan that is ready before the grid is measured at the end.
     let asked = || -> Result<Vec<Result<PolicyResult, PlungePlan>>, PlanError> {
         let asked = policies.par_iter_mut().map(|(policy, known)| {
-            let plan = judged(*policy, known, monitor);
+            let plan = match *policy == request.policy {
+                true => judged(*policy, known, monitor),
+                false => judged(*policy, known, &monitor.silent()),
+            };
             let cancelled = matches!(plan, Err(PlanError::Cancelled(_)));
             if *policy == request.policy {
                 if cancelled {

@@ -303,7 +303,7 @@ impl<'a> Planner<'a> {
         known.invalidate(self.setup)?;
         let sections = &self.setup.plunge.sections;
         for (index, section) in sections.iter().enumerate() {
-            monitor.report(0.8 * index as f64 / sections.len() as f64);
+            self.report_section(index, 0.0, monitor);
             let tool = tool_of(self.setup, section.tool)?;
             let place = SetupPlace::Section { index, tool: tool.number };
             let make = |before: Option<&SectionCut>| {
@@ -325,6 +325,12 @@ impl<'a> Planner<'a> {
         let placed = self.assemble_plan(policy, cuts)?;
         monitor.report(0.85);
         Ok(placed)
+    }
+
+    /// Reports that a share (0…1) of the work on section `index` is done.
+    pub(super) fn report_section(&self, index: usize, share: f64, monitor: &Monitor) {
+        let done = (index as f64 + share) / self.setup.plunge.sections.len() as f64;
+        monitor.report(0.1 + 0.7 * done);
     }
 
     /// Assembles the plan of these sections.

@@ -47,17 +47,26 @@ struct DirectedPlan {
     open: Vec<OpenRow>,
 }
 
-/// What a direction must beat to be of use.
+/// Shares of the work on a section, for its progress: the first and the second direction. The rest is for the
+/// second pass and the added plunges.
+const FIRST_SHARE: f64 = 0.4;
+const SECOND_SHARE: f64 = 0.4;
+
+/// What a direction must beat to be of use, and its part in the progress of the section.
 struct DirectionLimit<'a> {
     /// Cost of the other direction, mm.
     cost: f64,
     /// [`DirectedPlan::least_costs`] of the other direction.
     least_costs: &'a [f64],
+    /// Share of the work on the section that is done before this direction, and that of this direction.
+    done_before: f64,
+    share_of_work: f64,
 }
 
 impl DirectionLimit<'_> {
     /// Without another direction.
-    const NONE: Self = Self { cost: f64::INFINITY, least_costs: &[] };
+    const NONE: Self =
+        Self { cost: f64::INFINITY, least_costs: &[], done_before: 0.0, share_of_work: FIRST_SHARE };
 
     /// Whether a section whose first `rows` rows cost `cost` mm cannot get cheaper than the limit.
     fn is_exceeded(&self, rows: usize, cost: f64) -> bool {
@@ -126,7 +135,12 @@ impl Planner<'_> {
         let first = plan_in(asked.unwrap_or(CutDirection::OutletToInlet), &DirectionLimit::NONE)?;
         let other = match &first {
             Some(first) if asked.is_none() && first.cost > first.acceptable_cost && !monitor.is_stopped() => {
-                let limit = DirectionLimit { cost: first.cost, least_costs: &first.least_costs };
+                let limit = DirectionLimit {
+                    cost: first.cost,
+                    least_costs: &first.least_costs,
+                    done_before: FIRST_SHARE,
+                    share_of_work: SECOND_SHARE,
+                };
                 plan_in(CutDirection::InletToOutlet, &limit)?
             }
             _ => None,
@@ -173,6 +187,7 @@ impl Planner<'_> {
         let DirectedPlan { cut, cost, acceptable_cost, least_costs, open } = directed;
         let feed = cut.feed;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
+        let all_rows: usize = layouts.iter().map(|layout| layout.rows.len()).sum();
         // Found paths are cut even after a stop.
         let closing = &monitor.ignoring_stop();
         for (number, layout) in layouts.iter().enumerate() {
@@ -218,6 +233,9 @@ impl Planner<'_> {
                     Ok::<CutPath, PlanError>(best)
                 })??;
                 *cost += best.cost;
+                let done = (least_costs.len() as f64 / all_rows as f64).min(1.0);
+                let share = limit.done_before + limit.share_of_work * done;
+                self.report_section(index, share, monitor);
                 if limit.is_exceeded(least_costs.len(), *cost) {
                     return Ok(false);
                 }
