@@ -73,7 +73,8 @@ fn sides_apart(blade: &Blade, other: &Blade) -> f64 {
     let sides = [(&blade.suction, &other.suction), (&blade.pressure, &other.pressure)];
     let apart = |(side, other): (&vanecut::part::BladeSide, &vanecut::part::BladeSide)| {
         let probe = SideProbe::new(side, 0.0, 1.0);
-        let points = (0..=20).flat_map(|i| (0..=6).map(move |j| (0.1 + 0.9 * f64::from(i) / 20.0, f64::from(j) / 6.0)));
+        let points = (0..=20)
+            .flat_map(|i| (0..=6).map(move |j| (0.1 + 0.9 * f64::from(i) / 20.0, f64::from(j) / 6.0)));
         points.map(|(u, v)| probe.nearest_to_point(&other.point(u, v)).distance.abs()).fold(0.0, f64::max)
     };
     sides.into_iter().map(apart).fold(0.0, f64::max)
