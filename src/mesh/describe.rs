@@ -6,6 +6,7 @@ use super::bodies::{Body, segment_bodies};
 use super::edges::find_jump;
 use super::fillets::between_fillets;
 use super::holes::{fill_holes, largest_hole};
+use super::normals::ExactNormals;
 use super::options::{LengthUnit, MeshOptions, check_size};
 use super::profile::{Course, FittedProfile, find_flow_side, mean_point};
 use super::roles::{NamedMesh, Role, assign_roles, listed};
@@ -58,6 +59,15 @@ pub struct MeshSource {
     pub axis: Option<(Point, Vector)>,
     /// What the user should know of it.
     pub notes: Vec<String>,
+    /// Normals of its surfaces at corners of its meshes.
+    pub normals: ExactNormals,
+}
+
+impl MeshSource {
+    /// Meshes of which only the unit is known.
+    pub fn of(unit: LengthUnit) -> Self {
+        Self { unit, axis: None, notes: Vec::new(), normals: ExactNormals::default() }
+    }
 }
 
 /// Reconstructs the part, named `name`, from its meshes, which are in the file's frame and in `unit`.
@@ -70,7 +80,7 @@ pub fn describe(
     unit: LengthUnit,
     options: &MeshOptions,
 ) -> Result<PartDescription, PartError> {
-    describe_source(name, meshes, MeshSource { unit, axis: None, notes: Vec::new() }, options)
+    describe_source(name, meshes, MeshSource::of(unit), options)
 }
 
 /// Reconstructs the part, named `name`, from its meshes, with what their file says of them.
@@ -84,7 +94,7 @@ pub fn describe_source(
     source: MeshSource,
     options: &MeshOptions,
 ) -> Result<PartDescription, PartError> {
-    let MeshSource { unit, axis, mut notes } = source;
+    let MeshSource { unit, axis, mut notes, normals } = source;
     let roles = assign_roles(&meshes, &options.roles)?;
     let sorted = sort_by_role(meshes, &roles)?;
     let scale = options.unit.unwrap_or(unit).mm();
@@ -109,6 +119,11 @@ pub fn describe_source(
     let upright = |surface: MeshSurface| match frame {
         PartFromFile::Along(Axis::Z) => surface,
         _ => surface.transformed(|p| frame.apply(p)),
+    };
+    let scaled = |p: &Point| Point::from(p.coords * scale);
+    let normals = match frame {
+        PartFromFile::Along(Axis::Z) => normals,
+        _ => normals.transformed(|p| frame.apply(&scaled(p))),
     };
     let mut hub = upright(hub);
     let mut shroud = shroud.map(|mesh| upright(MeshSurface::of(&mesh)));
@@ -178,10 +193,10 @@ pub fn describe_source(
     };
     let curve = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
     let band = ChannelCoordinates::new(&curve(&hub_curve), &curve(&shroud_curve), &corners);
-    let main = span_sections(&main, &band, "main blade", &mut notes)?;
+    let main = span_sections(&main, &band, "main blade", &normals, &mut notes)?;
     let splitters = splitters
         .iter()
-        .map(|s| span_sections(s, &band, "splitter", &mut notes))
+        .map(|s| span_sections(s, &band, "splitter", &normals, &mut notes))
         .collect::<Result<Vec<_>, PartError>>()?;
     let (rotation, note) = match options.rotation {
         Some(rotation) => (rotation, None),
@@ -320,9 +335,10 @@ fn span_sections(
     surface: &MeshSurface,
     band: &ChannelCoordinates,
     name: &str,
+    normals: &ExactNormals,
     notes: &mut Vec<String>,
 ) -> Result<Vec<SpanSection>, PartError> {
-    let cutter = BladeSlicer::new(surface, band);
+    let cutter = BladeSlicer::new(surface, band, normals);
     if let Some(hole) = largest_hole(surface, cutter.places()).filter(|hole| hole.size > MIN_HOLE) {
         let at = Meridional::of(&hole.middle);
         return Err(PartError::new(

@@ -26,6 +26,7 @@ mod trim;
 pub(crate) mod weld;
 
 pub use describe::describe;
+pub use normals::ExactNormals;
 pub use options::{LengthUnit, MeshOptions};
 pub use roles::{NamedMesh, Role};
 

@@ -2,6 +2,8 @@
 //! corners around each one, within one smooth patch. With them, the surface can be interpolated between
 //! corners.
 
+use std::collections::HashMap;
+
 use nalgebra::{SMatrix, SVector};
 
 use super::surface::MeshSurface;
@@ -10,6 +12,50 @@ use crate::geometry::{Point, Vector, frame_about};
 /// Largest number of corners around a corner, and of triangles around one of these: the centre of a fan has
 /// many.
 const MAX_NEAR: usize = 200;
+
+/// Smallest cosine between an exact normal and the estimated one that it replaces.
+const ALIKE: f64 = 0.9;
+
+/// Exact unit normals of surfaces at points of a mesh, of either sign. A point on an edge has one for each
+/// face.
+#[derive(Clone, Debug, Default)]
+pub struct ExactNormals {
+    at: HashMap<[u64; 3], Vec<Vector>>,
+}
+
+impl ExactNormals {
+    /// From points and normals.
+    pub fn of(normals: impl Iterator<Item = (Point, Vector)>) -> Self {
+        let mut at: HashMap<[u64; 3], Vec<Vector>> = HashMap::new();
+        for (p, n) in normals {
+            at.entry(key(&p)).or_default().push(n);
+        }
+        Self { at }
+    }
+
+    /// In the frame that `to`, a rigid transform, takes the mesh to.
+    #[must_use]
+    pub fn transformed(self, to: impl Fn(&Point) -> Point) -> Self {
+        let origin = to(&Point::origin());
+        let all = self.at.into_iter().flat_map(|(k, normals)| {
+            let p = Point::from(k.map(f64::from_bits));
+            normals.into_iter().map(move |n| (p, n))
+        });
+        Self::of(all.map(|(p, n)| (to(&p), to(&Point::from(n)) - origin)))
+    }
+
+    /// The normal at `p` that is nearest to `estimated`, if any is near it.
+    fn near(&self, p: &Point, estimated: &Vector) -> Option<Vector> {
+        let normals = self.at.get(&key(p))?;
+        let best = normals.iter().max_by(|a, b| a.dot(estimated).abs().total_cmp(&b.dot(estimated).abs()))?;
+        (best.dot(estimated).abs() > ALIKE).then(|| best * best.dot(estimated).signum())
+    }
+}
+
+/// A point by the bits of its coordinates; both zeros are one.
+fn key(p: &Point) -> [u64; 3] {
+    [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())
+}
 
 /// Normals of a surface's corners.
 #[derive(Clone, Debug)]
@@ -61,6 +107,20 @@ impl CornerNormals {
             }
         }
         Self { per_triangle: of }
+    }
+
+    /// Replaces estimated normals by exact ones where there are any.
+    pub fn replace_by(&mut self, surface: &MeshSurface, exact: &ExactNormals) {
+        if exact.at.is_empty() {
+            return;
+        }
+        for (normals, t) in self.per_triangle.iter_mut().zip(&surface.triangles) {
+            for (normal, corner) in normals.iter_mut().zip(t) {
+                if let Some(found) = exact.near(&surface.points[*corner as usize], normal) {
+                    *normal = found;
+                }
+            }
+        }
     }
 }
 

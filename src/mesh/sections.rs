@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::normals::CornerNormals;
+use super::normals::{CornerNormals, ExactNormals};
 use super::surface::{MeshSurface, NONE};
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
@@ -122,15 +122,17 @@ pub struct BladeSlicer<'a> {
 }
 
 impl<'a> BladeSlicer<'a> {
-    /// Computes channel coordinates and normals of all corners, and the smooth patches.
-    pub fn new(surface: &'a MeshSurface, band: &'a ChannelCoordinates) -> Self {
+    /// Computes channel coordinates and normals of all corners, `exact` ones where there are any, and the
+    /// smooth patches.
+    pub fn new(surface: &'a MeshSurface, band: &'a ChannelCoordinates, exact: &ExactNormals) -> Self {
         let places: Vec<(f64, f64)> = surface.points.iter().map(|p| band.coordinates_of(p)).collect();
         let caps = classify_caps(surface, &places);
         let (patch, _) = surface.groups(|a, b| {
             let straight = surface.normals[a].dot(&surface.normals[b]);
             straight > SHARP && (caps[a] == caps[b] || straight > CAP_TURN)
         });
-        let normals = CornerNormals::new(surface, &patch);
+        let mut normals = CornerNormals::new(surface, &patch);
+        normals.replace_by(surface, exact);
         Self { surface, band, places, patch, normals }
     }
 

@@ -201,11 +201,12 @@ impl TipOutline {
         if core.max_deviation_mm > near {
             return None;
         }
-        // Near corners the border does not separate tip and edges, but the curve does.
+        // Near corners the border does not separate tip and edges, but the curve does, extended straight.
         let curve = MeridionalCurve::through(&core.points);
-        let reach = near.min(4.0 * core.max_deviation_mm.max(1e-4 * near)).max(0.1 * near);
-        tips.extend(at_ends.iter().filter(|p| curve.project(**p).1.abs() < reach));
-        course.fit_curve(&tips)
+        let reach = NEAR * self.height;
+        let mut all = tips;
+        all.extend(at_ends.iter().filter(|p| curve.project(**p).1.abs() < reach));
+        course.fit_curve(&all).filter(|fit| fit.max_deviation_mm < near).or(Some(core))
     }
 }
 

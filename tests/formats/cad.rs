@@ -68,15 +68,14 @@ fn sample(name: &str) -> Impeller {
     built(&read_part(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name)))
 }
 
-/// Largest distance of points of both sides of `blade` from the surfaces of `other`.
+/// Largest distance of points of both sides of `other`, behind the nose, from those of `blade`.
 fn sides_apart(blade: &Blade, other: &Blade) -> f64 {
     let sides = [(&blade.suction, &other.suction), (&blade.pressure, &other.pressure)];
     let apart = |(side, other): (&vanecut::part::BladeSide, &vanecut::part::BladeSide)| {
         let probe = SideProbe::new(side, 0.0, 1.0);
-        let points = (0..=20).flat_map(|i| (0..=6).map(move |j| (f64::from(i) / 20.0, f64::from(j) / 6.0)));
-        points
-            .map(|(u, v)| probe.nearest_to_point(&other.point(u, v)).distance.abs())
-            .fold(0.0, f64::max)
+        let points = (0..=20)
+            .flat_map(|i| (0..=6).map(move |j| (0.1 + 0.9 * f64::from(i) / 20.0, f64::from(j) / 6.0)));
+        points.map(|(u, v)| probe.nearest_to_point(&other.point(u, v)).distance.abs()).fold(0.0, f64::max)
     };
     sides.into_iter().map(apart).fold(0.0, f64::max)
 }
@@ -137,13 +136,8 @@ fn a_part_written_as_step_is_the_same_part() {
     assert_eq!(scene.bodies.iter().filter(|body| body.solid).count(), 19);
     for body in scene.bodies.iter().filter(|body| body.solid) {
         let corner = |i: u32| body.mesh.points[i as usize].coords;
-        let sixfold: f64 = body
-            .mesh
-            .triangles
-            .iter()
-            .map(|t| t.map(corner))
-            .map(|[a, b, c]| a.dot(&b.cross(&c)))
-            .sum();
+        let sixfold: f64 =
+            body.mesh.triangles.iter().map(|t| t.map(corner)).map(|[a, b, c]| a.dot(&b.cross(&c))).sum();
         assert!(sixfold > 0.0, "`{}` is inside out", body.name);
     }
     let (hub, sides) = apart(&part, &built(&read_bytes("a.step", text.as_bytes(), &MeshOptions::default())));

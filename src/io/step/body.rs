@@ -63,6 +63,8 @@ pub struct MeshedBody {
     pub face_of: Vec<u32>,
     /// Its faces.
     pub faces: Vec<BodyFace>,
+    /// Points of its triangles on free-form faces with the unit normals of these, of either sign.
+    pub normals: Vec<(Point, Vector)>,
     /// Whether the file says that it is a solid.
     pub solid: bool,
     /// Number of edges that do not have a triangle on both sides.
@@ -212,6 +214,7 @@ fn mesh_once(
         mesh: TriangleMesh::default(),
         face_of: Vec::new(),
         faces: Vec::new(),
+        normals: Vec::new(),
         solid,
         open_edges: 0,
         faults: Vec::new(),
@@ -225,6 +228,10 @@ fn mesh_once(
         meshed.mesh.triangles.extend(face.triangles.into_iter().map(turned));
         let direction = |d: Vector| body.placement.apply(&Point::from(d)) - origin;
         let axis = face.surface.axis().map(|(p, d)| (body.placement.apply(&p), direction(d)));
+        let placed = |(number, normal): (u32, Vector)| {
+            Some((body.placement.apply(edges.points.get(number as usize)?), direction(normal)))
+        };
+        meshed.normals.extend(face.normals.into_iter().filter_map(placed));
         meshed.faces.push(BodyFace { id: *id, kind: kind_of(&face.surface), axis });
         meshed.faults.extend(face.fault.map(|why| (*id, why)));
     }

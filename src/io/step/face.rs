@@ -10,7 +10,7 @@ use super::edges::{EdgePoints, StepFineness, off_line};
 use super::model::{Arguments, EntityFault};
 use super::shape::ShapeReader;
 use super::surface::Surface;
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 
 type Result<T> = std::result::Result<T, EntityFault>;
 type Plane = ConstrainedDelaunayTriangulation<Point2<f64>>;
@@ -33,6 +33,8 @@ pub struct MeshedFace {
     pub surface: Surface,
     /// Why some of it is missing.
     pub fault: Option<&'static str>,
+    /// Unit normals of a curved surface at points of the triangles, of either sign.
+    pub normals: Vec<(u32, Vector)>,
 }
 
 /// The borders of a face as closed lines of points; edges that the face has on both sides are left out.
@@ -150,6 +152,7 @@ pub fn mesh_face(
     }
     let mut fault = None;
     let mut triangles = Vec::new();
+    let mut normals = Vec::new();
     if rings.is_empty() {
         match closed_surface(&surface, edges, fineness) {
             Some(all) => triangles = all,
@@ -165,7 +168,8 @@ pub fn mesh_face(
                 Err(why) => fault = Some(why),
                 Ok(chart) => {
                     let budget = |n: usize| reader.spend(id, n);
-                    let (found, crossing) = triangulate(&surface, &chart, &rings, edges, fineness, budget)?;
+                    let (found, crossing) =
+                        triangulate(&surface, &chart, &rings, edges, fineness, budget, &mut normals)?;
                     triangles = found;
                     if chart.reversed {
                         triangles.iter_mut().for_each(|t| t.swap(1, 2));
@@ -180,17 +184,16 @@ pub fn mesh_face(
     if !same {
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
-    Ok(MeshedFace { triangles, surface, fault })
+    Ok(MeshedFace { triangles, surface, fault, normals })
 }
 
 /// The plane through the first border of a face without a surface.
 fn plane_of(rings: &[Vec<u32>], points: &[Point]) -> Option<Surface> {
     let ring: Vec<Point> = rings.first()?.iter().map(|i| points[*i as usize]).collect();
     let origin = *ring.first()?;
-    let area =
-        ring.windows(2).map(|w| (w[0] - origin).cross(&(w[1] - origin))).sum::<crate::geometry::Vector>();
+    let area = ring.windows(2).map(|w| (w[0] - origin).cross(&(w[1] - origin))).sum::<Vector>();
     let z = area.try_normalize(1e-12)?;
-    Some(Surface::Plane(super::model::Frame::new(origin, z, crate::geometry::Vector::x())))
+    Some(Surface::Plane(super::model::Frame::new(origin, z, Vector::x())))
 }
 
 /// Values of parameter `k` that are close enough for the chord error.
@@ -348,6 +351,7 @@ fn triangulate(
     edges: &mut EdgePoints<'_, '_>,
     fineness: StepFineness,
     spend: impl Fn(usize) -> Result<()>,
+    normals: &mut Vec<(u32, Vector)>,
 ) -> Result<(Vec<[u32; 3]>, bool)> {
     let mut plane = Plane::new();
     let mut crossing = false;
@@ -382,6 +386,11 @@ fn triangulate(
     }
     if plane.num_inner_faces() == 0 {
         return Ok((Vec::new(), crossing));
+    }
+    let free = matches!(surface, Surface::Nurbs(_) | Surface::Offset(..) | Surface::Extruded(..));
+    if free {
+        let on_border = rings.iter().flat_map(|ring| &ring.places);
+        normals.extend(on_border.map(|(q, number)| (*number, surface.normal(*q))));
     }
     let border = inside(&plane);
     let mut places: Vec<([f64; 2], Point2<f64>)> = Vec::new();
@@ -444,6 +453,9 @@ fn triangulate(
         {
             let number = edges.add(surface.at(q));
             owner.push(number);
+            if free {
+                normals.push((number, surface.normal(q)));
+            }
         }
     }
     let inside = inside(&plane);

@@ -15,7 +15,7 @@ use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::source::{MAX_BYTES, name_of, read_bytes_up_to, stem_of};
 use crate::mesh::describe::{MeshSource, describe_source};
-use crate::mesh::{LengthUnit, MeshOptions, NamedMesh};
+use crate::mesh::{ExactNormals, LengthUnit, MeshOptions, NamedMesh};
 use crate::part::{PartDescription, PartError, Rotation};
 
 /// Chord error of the triangles of a part, as a share of its largest extent, and its limits, mm.
@@ -56,7 +56,9 @@ pub fn read(path: &Path, options: &MeshOptions) -> Result<PartDescription, Input
 pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<PartDescription, InputError> {
     let scene = read_scene_bytes(name, bytes, None)?;
     let fault = |e: PartError| InputError::new(name, e.line, e.message, e.help);
-    let source = MeshSource { unit: LengthUnit::Millimetre, axis: scene.axis(), notes: scene.notes() };
+    let normals = ExactNormals::of(scene.bodies.iter().flat_map(|body| body.normals.iter().copied()));
+    let source =
+        MeshSource { unit: LengthUnit::Millimetre, axis: scene.axis(), notes: scene.notes(), normals };
     // The file gives its unit, and one that Vanecut wrote the sense of rotation.
     let rotation = options.rotation.or(scene.rotation);
     let options = MeshOptions { unit: None, rotation, ..options.clone() };
