@@ -153,7 +153,7 @@ impl Engine {
                 let mut coming = lock();
                 (coming.floor_of(&stage), coming.programs())
             };
-            // Without the lock: while this thread waits for others to sort, it may report another stage.
+            // Sorted without the lock, so that other policies can report their stages.
             let plan = stage.plan();
             let program = floor.zip(plan).map(|(floor, plan)| program_of(plan, &floor, &known));
             let mut coming = lock();

@@ -55,7 +55,7 @@ pub struct DisplayPlan {
 
 impl DisplayPlan {
     /// Computes the display data of a plan, drawn over `floor`; see [`Self::floor_of`]. Programs of `known`
-    /// are taken over where their plunges are the same; others are sorted on all threads.
+    /// are taken over where their plunges are the same; others are sorted here.
     pub fn new(
         setup: Setup,
         outcome: PlanOutcome,

@@ -89,8 +89,7 @@ impl PlanPreview {
         self.programs.clone()
     }
 
-    /// Adds a stage; `program` is its plan over [`Self::floor_of`]. Sorts nothing itself: the caller holds a
-    /// lock, and a thread that waits for others to sort may take on another stage.
+    /// Adds a stage; `program` is its plan over [`Self::floor_of`].
     pub(super) fn add_stage(&mut self, stage: PlanStage, program: Option<Arc<FieldProgram>>) {
         if let Some(program) = &program {
             self.programs.push(Arc::clone(program));

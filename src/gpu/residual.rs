@@ -69,7 +69,6 @@ pub struct ResidualKernel {
 pub struct DeviceFloor {
     grid: GridUniform,
     tiles_down: u32,
-    unit: VolumeUnit,
     cells: wgpu::Buffer,
 }
 
@@ -93,18 +92,19 @@ impl DeviceField {
 }
 
 impl DeviceFloor {
-    /// Uploads the cells of `grid`, which must have some.
+    /// Uploads the cells of `grid`, which must have some. `unit` is that of the volumes of traces; without it
+    /// only heights can be computed.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] if they do not fit the device.
-    pub fn new(gpu: &Gpu, grid: &FloorGrid) -> Result<Self, GpuError> {
-        let unit = VolumeUnit::of(grid);
+    pub(crate) fn new(gpu: &Gpu, grid: &FloorGrid, unit: Option<VolumeUnit>) -> Result<Self, GpuError> {
+        let units = |cell: usize| unit.map_or(0.0, |unit| unit.per_height(grid.areas[cell]));
         let cells: Vec<PackedCell> = (0..grid.rows * grid.columns)
             .map(|cell| PackedCell {
                 foot: grid.points[cell],
                 blank: grid.blank_heights[cell],
                 normal: grid.normals[cell],
-                units: if grid.floor[cell] { unit.per_height(grid.areas[cell]) } else { -1.0 },
+                units: if grid.floor[cell] { units(cell) } else { -1.0 },
             })
             .collect();
         let (down, across) = (grid.rows.div_ceil(TILE), grid.columns.div_ceil(TILE));
@@ -118,7 +118,6 @@ impl DeviceFloor {
                 limit: 0,
             },
             tiles_down: down as u32,
-            unit,
             cells: storage_buffer(gpu, "the floor grid", &cells)?,
         })
     }
@@ -314,9 +313,9 @@ impl ResidualKernel {
             let traces = vec![PositionTrace::default(); cutters.len()];
             return Ok(ResidualField { heights: grid.blank_heights.clone(), traces });
         }
-        let bins = TileBins::new(grid, cutters);
-        let (unit, readback, heights_bytes) = gpu.in_error_scope(|| -> Result<_, GpuError> {
-            let floor = DeviceFloor::new(gpu, grid)?;
+        let (bins, unit) = (TileBins::new(grid, cutters), VolumeUnit::of(grid));
+        let (readback, heights_bytes) = gpu.in_error_scope(|| -> Result<_, GpuError> {
+            let floor = DeviceFloor::new(gpu, grid, Some(unit))?;
             let field = self.field(gpu, &floor, cutters, &bins)?;
             let (heights_bytes, traces_bytes) = (field.heights.size(), field.traces.size());
             let readback = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -330,7 +329,7 @@ impl ResidualKernel {
                 encoder.copy_buffer_to_buffer(&field.heights, 0, &readback, 0, heights_bytes);
                 encoder.copy_buffer_to_buffer(&field.traces, 0, &readback, heights_bytes, traces_bytes);
             });
-            Ok((floor.unit, readback, heights_bytes))
+            Ok((readback, heights_bytes))
         })??;
         let bytes = gpu.read_buffer(&readback)?;
         let (heights, traces) = bytes.split_at(heights_bytes as usize);

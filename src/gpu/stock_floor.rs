@@ -69,7 +69,7 @@ impl LevelBuffers {
             indices: index_buffer(gpu, "floor triangles", triangles),
             count: triangles.len() as u32,
         };
-        Ok(Self { mesh, cells: DeviceFloor::new(gpu, grid)?, computed: [None, None] })
+        Ok(Self { mesh, cells: DeviceFloor::new(gpu, grid, None)?, computed: [None, None] })
     }
 
     /// Heights of a state; submits their computation unless a slot has them already.

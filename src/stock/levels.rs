@@ -75,9 +75,11 @@ pub struct FieldProgram {
 }
 
 impl FieldProgram {
-    /// Sorts `cutters` into the tiles of `floor`.
+    /// Sorts `cutters` into the tiles of `floor`, on the calling thread alone, as listeners of planning jobs
+    /// need it.
     pub fn new(floor: &Arc<FloorLevels>, cutters: Vec<FieldCutter>) -> Self {
-        let bins = floor.levels().iter().map(|level| TileBins::new(&level.grid, &cutters)).collect();
+        let bins =
+            floor.levels().iter().map(|level| TileBins::on_one_thread(&level.grid, &cutters)).collect();
         Self { floor: Arc::clone(floor), cutters, bins }
     }
 

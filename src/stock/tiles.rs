@@ -31,35 +31,36 @@ pub struct TileBins {
 impl TileBins {
     /// Assigns `cutters` to the tiles of `grid`. Conservative: a tile may get cutters that do not reach it.
     pub fn new(grid: &FloorGrid, cutters: &[FieldCutter]) -> Self {
+        Self::sorted(grid, cutters, true)
+    }
+
+    /// As [`Self::new`], on the calling thread alone: a thread that waits for others takes on other work of
+    /// theirs meanwhile.
+    pub fn on_one_thread(grid: &FloorGrid, cutters: &[FieldCutter]) -> Self {
+        Self::sorted(grid, cutters, false)
+    }
+
+    fn sorted(grid: &FloorGrid, cutters: &[FieldCutter], on_all_threads: bool) -> Self {
         let down = grid.rows.div_ceil(TILE);
         let across = grid.columns.div_ceil(TILE);
-        let capsules: Vec<Capsule> = (0..down * across)
-            .into_par_iter()
-            .with_min_len(8)
-            .map(|tile| Capsule::around_tile(grid, tile / across, tile % across))
-            .collect();
+        let around = |tile: usize| Capsule::around_tile(grid, tile / across, tile % across);
+        let capsules: Vec<Capsule> = mapped(down * across, 8, on_all_threads, around);
         let blocks_across = across.div_ceil(BLOCK);
-        let reaching: Vec<Vec<u32>> = (0..down.div_ceil(BLOCK) * blocks_across)
-            .into_par_iter()
-            .map(|block| {
-                let (i, j) = (block / blocks_across * BLOCK, block % blocks_across * BLOCK);
-                let members = (i..(i + BLOCK).min(down))
-                    .flat_map(|i| (j..(j + BLOCK).min(across)).map(move |j| i * across + j));
-                let capsule = Capsule::around(members.map(|tile| &capsules[tile]));
-                let reaches = |k: &u32| capsule.within_reach(&cutters[*k as usize]);
-                (0..cutters.len() as u32).filter(reaches).collect()
-            })
-            .collect();
-        let lists: Vec<Vec<u32>> = capsules
-            .par_iter()
-            .enumerate()
-            .with_min_len(8)
-            .map(|(tile, capsule)| {
-                let block = tile / across / BLOCK * blocks_across + tile % across / BLOCK;
-                let reaches = |k: &u32| capsule.within_reach(&cutters[*k as usize]);
-                reaching[block].iter().copied().filter(reaches).collect()
-            })
-            .collect();
+        let of_block = |block: usize| -> Vec<u32> {
+            let (i, j) = (block / blocks_across * BLOCK, block % blocks_across * BLOCK);
+            let members = (i..(i + BLOCK).min(down))
+                .flat_map(|i| (j..(j + BLOCK).min(across)).map(move |j| i * across + j));
+            let capsule = Capsule::around(members.map(|tile| &capsules[tile]));
+            let reaches = |k: &u32| capsule.within_reach(&cutters[*k as usize]);
+            (0..cutters.len() as u32).filter(reaches).collect()
+        };
+        let reaching = mapped(down.div_ceil(BLOCK) * blocks_across, 1, on_all_threads, of_block);
+        let of_tile = |tile: usize| -> Vec<u32> {
+            let block = tile / across / BLOCK * blocks_across + tile % across / BLOCK;
+            let reaches = |k: &u32| capsules[tile].within_reach(&cutters[*k as usize]);
+            reaching[block].iter().copied().filter(reaches).collect()
+        };
+        let lists = mapped(capsules.len(), 8, on_all_threads, of_tile);
         let mut offsets = Vec::with_capacity(lists.len() + 1);
         let mut list = Vec::with_capacity(lists.iter().map(Vec::len).sum());
         offsets.push(0);
@@ -74,6 +75,20 @@ impl TileBins {
     pub fn cutters_of(&self, down: usize, across: usize) -> &[u32] {
         let tile = down * self.across + across;
         &self.list[self.offsets[tile] as usize..self.offsets[tile + 1] as usize]
+    }
+}
+
+/// The values for 0 to `count`, on all threads in pieces of at least `piece`, or on the calling one.
+fn mapped<T: Send>(
+    count: usize,
+    piece: usize,
+    on_all_threads: bool,
+    value: impl Fn(usize) -> T + Sync + Send,
+) -> Vec<T> {
+    if on_all_threads {
+        (0..count).into_par_iter().with_min_len(piece).map(value).collect()
+    } else {
+        (0..count).map(value).collect()
     }
 }
 
