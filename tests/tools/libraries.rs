@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use vanecut::io::shop_tools::{LibraryFormat, ToolLibrary, read_library_bytes, write_fusion, write_toml};
+use vanecut::setup::Tool;
 
 fn library() -> Value {
     json!({"version": 36, "data": [

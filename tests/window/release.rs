@@ -86,11 +86,9 @@ fn a_cutter_stays_possible_as_its_diameter_is_typed() {
     window.get_by_label("Edit tools and sections").click();
     window.run_steps(3);
     settle(&mut window);
-    let header = window.query_all_by_role(Role::Button).find_map(|node| {
-        let label = node.accesskit_node().label()?;
-        label.starts_with('T').then_some(label).filter(|label| label.contains("insert"))
-    });
-    window.get_by_label(&header.expect("a tool")).click();
+    let tool = window.state().state().document.edited.setup.tools[0].clone();
+    let header = format!("T{}  Ø{}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
+    window.get_by_label(&header).click();
     window.run_steps(6);
     window.get_by_role_and_label(Role::SpinButton, "Diameter").set_value_accesskit(6.0);
     window.run_steps(3);
