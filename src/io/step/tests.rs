@@ -80,8 +80,8 @@ fn surfaces_meet_their_closed_forms() {
             assert_eq!((body.open_edges, &*body.faults), (0, &[][..]), "{data}");
             let (v, a) = measure(body);
             let off = ((v - volume) / volume).abs().max(((a - area) / area).abs());
-            // Second order in the length of the chords, first in their distance.
-            assert!(off < 0.6 * chord && off < before, "{off} at {chord}: {v} {volume}, {a} {area}");
+            // A polygon with sagitta s in a circle of radius r lacks 4 s / 3 r of its area; r is 2 at least.
+            assert!(off < 0.75 * chord && off < before, "{off} at {chord}: {v} {volume}, {a} {area}");
             before = off;
         }
     }
