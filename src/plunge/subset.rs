@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 impl Planner<'_> {
     /// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is measured
     /// anew, links are raised where they must be, and a row is split where the axes of the plunges left in it differ
-    /// by more than the setup allows.
+    /// by more than the setup allows. What the sections say of added plunges stays that of the search.
     ///
     /// # Errors
     /// [`PlanError::Cancelled`] when the monitor is cancelled.
@@ -37,11 +37,7 @@ impl Planner<'_> {
             thinned.positions.push(Position { row: rows[position.section] - 1, ..position.clone() });
             last = Some(position);
         }
-        for (index, (section, rows)) in thinned.sections.iter_mut().zip(rows).enumerate() {
-            let count = |plan: &[Position]| plan.iter().filter(|p| p.section == index).count();
-            if count(&plan.positions) > count(&thinned.positions) {
-                section.added = None;
-            }
+        for (section, rows) in thinned.sections.iter_mut().zip(rows) {
             section.rows = rows;
         }
         let contact = |k: usize| core_contact(&columns.as_slice()[k], columns.before(k), &self.blank);

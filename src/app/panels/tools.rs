@@ -272,3 +272,32 @@ fn direction_label(feed: Option<CutDirection>) -> &'static str {
         Some(CutDirection::InletToOutlet) => "Inlet to outlet",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::setup_file::{read_setup_bytes, write_setup};
+
+    #[test]
+    fn what_the_form_allows_can_be_saved_and_opened() {
+        let mut setup = read_setup_bytes(
+            "s.toml",
+            b"[[tool]]\nnumber = 1\ndiameter = 30\ninsert_width = 10\ncorner_radius = 9\noverhang = 90\n\
+              [[plunge.section]]\ntool = 1\nfrom = 0.8\nto = 0.5\n",
+        )
+        .expect("a setup");
+        for (diameter, from, to) in [(11.0, 0.4, 0.5), (0.5, 0.0, 0.0), (200.0, 1.0, 1.0), (4.0, 0.01, 0.9)] {
+            setup.tools[0].diameter = diameter;
+            (setup.plunge.sections[0].from, setup.plunge.sections[0].to) = (from, to);
+            fit_to_radius(&mut setup.tools[0]);
+            fit_ends(&mut setup.plunge.sections[0]);
+            let tool = &setup.tools[0];
+            assert!(tool.insert_width <= tool.radius() && tool.corner_radius <= tool.radius(), "{tool:?}");
+            let read = read_setup_bytes("s.toml", write_setup(&setup).as_bytes()).expect("opens");
+            assert_eq!(
+                (read.tools, read.plunge.sections),
+                (setup.tools.clone(), setup.plunge.sections.clone())
+            );
+        }
+    }
+}
