@@ -16,6 +16,7 @@ use super::sections::{BladeSlicer, ChannelCoordinates};
 use super::segment::segment_wheel;
 use super::sides::{SideCurve, SpanSection};
 use super::surface::MeshSurface;
+use super::tip_border::fit_tip_border;
 use super::tips::fit_tip_curve;
 use super::trim::{BodyOutline, depth_behind, trimmed};
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
@@ -174,7 +175,16 @@ pub fn describe_source(
     let shroud_curve = match fitted_shroud {
         Some(shroud) => shroud,
         None => {
-            let tips = fit_tip_curve(&main, &hub_curve.points, &course);
+            let by_edges = || {
+                let hub = MeridionalCurve::through(&hub_curve.points);
+                fit_tip_curve(std::slice::from_ref(&main), &hub, &course)
+            };
+            let by_border = || fit_tip_border(&main, &hub_curve.points, &course);
+            // Meshes show their tips by sharp edges; models from CAD, which know their normals, often have none.
+            let tips = match normals.is_empty() {
+                true => by_edges().or_else(by_border),
+                false => by_border().or_else(by_edges),
+            };
             let tips = tips.ok_or_else(|| {
                 PartError::new(
                     0,

@@ -21,6 +21,7 @@ mod sides;
 pub mod solid;
 mod surface;
 pub mod tessellate;
+mod tip_border;
 mod tips;
 mod trim;
 pub(crate) mod weld;

@@ -33,6 +33,11 @@ impl ExactNormals {
         Self { at }
     }
 
+    /// Whether no normals are known.
+    pub fn is_empty(&self) -> bool {
+        self.at.is_empty()
+    }
+
     /// In the frame that `to`, a rigid transform, takes the mesh to.
     #[must_use]
     pub fn transformed(self, to: impl Fn(&Point) -> Point) -> Self {

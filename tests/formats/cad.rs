@@ -141,11 +141,13 @@ fn a_part_written_as_step_is_the_same_part() {
         assert!(sixfold > 0.0, "`{}` is inside out", body.name);
     }
     let (hub, sides) = apart(&part, &built(&read_bytes("a.step", text.as_bytes(), &MeshOptions::default())));
-    assert!(hub < LIMIT && sides < LIMIT, "hub {hub}, sides {sides} mm");
+    assert!(hub < LIMIT && sides < NOSE_LIMIT, "hub {hub}, sides {sides} mm");
 }
 
 /// Largest distance of a part from itself after it was written and read, mm.
 const LIMIT: f64 = 1e-3;
+/// The same with the noses of its blades: those are fitted anew through sections of triangles.
+const NOSE_LIMIT: f64 = 0.01;
 
 #[test]
 fn a_wheel_in_one_stl_opens_in_any_position_and_unit() {
