@@ -12,7 +12,6 @@ use vanecut::io::part_file::read_part;
 use vanecut::job::{PlanOutcome, PlanRequest, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Channel, Impeller};
-use vanecut::plunge::channels::plan_channels;
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, PlungeReport, report_plunges, verify};

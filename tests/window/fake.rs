@@ -69,7 +69,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         let plan = plunges(request, &passage, &tool, policy);
         let height = if policy == AxisPolicy::Conventional { 2.6 } else { 1.1 };
         let field = residual_field(&grid, &field_cutters(&plan));
-        let summary = summary(&plan, f64::from(height));
+        let summary = summary(&plan, height);
         PolicyResult { plan, field, summary }
     };
     let mut setup = request.setup.clone();

@@ -168,10 +168,10 @@ fn tools_text(input: &SheetInput) -> String {
         let rest = &tool.assembly;
         let offset =
             |name: &str, number: Option<u32>| number.map_or(String::new(), |n| format!("<br>{name}{n}"));
-        let _ = write!(
+        let _ = writeln!(
             text,
             "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{}, insert width {}<br>overhang {} mm<br>\
-             {} rev/min, plunge {} mm/min{}{}</div>\n",
+             {} rev/min, plunge {} mm/min{}{}</div>",
             drawing::tool_svg(tool),
             tool.number,
             rest.name.as_deref().map_or(String::new(), escaped),

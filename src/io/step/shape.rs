@@ -83,7 +83,7 @@ fn implied_knots(kind: &str, degree: usize, count: usize) -> Vec<f64> {
     match kind {
         "BEZIER" => {
             let (degree, last) = (degree.max(1), count.saturating_sub(1) / degree.max(1));
-            (0..n).map(|k| ((k + degree - 1) / degree).saturating_sub(1).min(last) as f64).collect()
+            (0..n).map(|k| k.div_ceil(degree).saturating_sub(1).min(last) as f64).collect()
         }
         "QUASI" => {
             let last = count.saturating_sub(degree);
@@ -274,7 +274,7 @@ impl ShapeReader<'_, '_> {
             "CYLINDRICAL_SURFACE" => Surface::Cone(frame(1)?, self.radius(&a, 2)?, 0.0),
             "CONICAL_SURFACE" => {
                 let growth = (a.number(3)? * self.units.rad).tan();
-                if !(growth.abs() < 1e6) {
+                if growth.is_nan() || growth.abs() >= 1e6 {
                     return Err(EntityFault::new(id, "has a half angle that is not one of a cone"));
                 }
                 Surface::Cone(frame(1)?, self.length(&a, 2)?, growth)

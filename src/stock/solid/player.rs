@@ -69,7 +69,7 @@ impl StockPlayer {
             }
             let last = self.checkpoints.last().map_or(0, |made| made.count);
             let size = made.stock.bytes();
-            if to % stretch == 0 && to > last && self.bytes + size <= CHECKPOINT_BYTES {
+            if to.is_multiple_of(stretch) && to > last && self.bytes + size <= CHECKPOINT_BYTES {
                 self.bytes += size;
                 self.checkpoints.push(made.clone());
             }
