@@ -5,7 +5,7 @@
 //! | [`state`] | document, results and look, and the rules that connect them; no drawing |
 //! | [`document`], [`results`], [`look`] | edited data with undo; computed data; how both are displayed |
 //! | [`planned`] | a finished plan with the data that the panels show |
-//! | [`coming`] | preview of a running plan, stage by stage |
+//! | [`preview`] | preview of a running plan, stage by stage |
 //! | [`engine`] | opening and planning as functions, which tests replace |
 //! | [`command`] | every command of the window |
 //! | [`theme`] | colours and sizes |

@@ -4,17 +4,17 @@
 //! | file | contents |
 //! |---|---|
 //! | [`choice`] | choice of the tool |
-//! | [`interval`] | stepover from scallop height, tool and curvature |
+//! | [`stepover`] | stepover from scallop height, tool and curvature |
 //! | [`layer`] | layer surfaces and geodesics on them |
-//! | [`border`] | the walls on a layer and the fans of geodesics that leave them |
+//! | [`layer_walls`] | the walls on a layer and the fans of geodesics that leave them |
 //! | [`chart`] | distance fields of the walls over a layer |
-//! | [`schemes`] | strategies: isoparametric, by layers, by regions, balanced |
+//! | [`strategies`] | strategies: isoparametric, by layers, by regions, balanced |
 //! | [`curves`] | passes on all layers of a channel, and figures to compare the strategies |
 //! | [`wall`] | tool axes of the passes along walls, fitted to the wall |
 //! | [`fixed_axis`] | tool axes of inner passes: fewest fixed axes that are free of collision |
 //! | `passes` | tool positions along the passes |
 //! | `engagement` | which passes run through full stock |
-//! | [`checked`] | removal of the moves that a check of the whole program rejects |
+//! | [`fault_removal`] | removal of the moves that a check of the whole program rejects |
 //! | [`path`] | order, links and rapids: from passes to a program |
 //! | [`plan`](mod@plan) | the whole plan, stage by stage |
 //! | `program` | the plan as a cutter-location program |
