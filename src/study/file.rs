@@ -34,7 +34,7 @@ pub const PART: &str = "part";
 /// What varies: a key of the setup, or the part.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    /// Dotted path of the key in the setup, or [`PART`].
+    /// Dotted path of the key in the setup, or `PART`.
     pub key: String,
     /// Its values; of the axis of parts, paths as written in the study file.
     pub values: Vec<Scalar>,
@@ -51,7 +51,7 @@ pub struct StudyFile {
     pub folder: PathBuf,
     /// The base setup.
     pub base: toml::Table,
-    /// What varies, slowest first; one of them is [`PART`].
+    /// What varies, slowest first; one of them is `PART`.
     pub axes: Vec<Axis>,
     /// Combinations that are left out: per entry, the indices of the values that match on each axis it names.
     pub excludes: Vec<Vec<(usize, Vec<usize>)>>,

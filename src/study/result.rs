@@ -75,7 +75,7 @@ impl RunStatus {
 pub struct RunResult {
     /// [`RESULT_VERSION`].
     pub vanecut_study_run: u32,
-    /// [`PROGRAM_VERSION`].
+    /// `PROGRAM_VERSION`.
     pub program: String,
     /// Name of the run.
     pub id: String,
@@ -95,7 +95,7 @@ pub struct RunResult {
     pub policy: Option<String>,
     /// Diameters of the tools in the order of the sections.
     pub tools: Vec<f64>,
-    /// Figures by the names in [`FIGURES`]; null where there is nothing to measure.
+    /// Figures by the names in `FIGURES`; null where there is nothing to measure.
     pub figures: BTreeMap<String, Option<f64>>,
     /// Wall-clock time, s. The only value that is not the same each time.
     pub elapsed: f64,

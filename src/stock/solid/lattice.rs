@@ -55,7 +55,7 @@ impl Lattice {
     ///
     /// # Errors
     /// When the spacing is not a positive number, the box is empty, or the stock would take more than
-    /// [`MAX_BYTES`].
+    /// `MAX_BYTES`.
     pub fn around(low: Point, high: Point, spacing: f64) -> Result<Self, SolidError> {
         if !(spacing.is_finite() && spacing > 0.0) {
             return Err(SolidError::Spacing(spacing));

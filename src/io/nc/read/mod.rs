@@ -39,7 +39,7 @@ pub struct NcReading {
     /// Its moves, in the part frame. Between two blocks that turn the tool far, positions are added, as the
     /// axes run linearly in joint space.
     pub program: ClProgram,
-    /// Positions beyond limits; at most [`MAX_OVERRUNS`].
+    /// Positions beyond limits; at most `MAX_OVERRUNS`.
     pub overruns: Vec<AxisOverrun>,
     /// Rotary positions (rad) at each move, where the program names them.
     pub angles: Vec<Option<[f64; 2]>>,
