@@ -108,8 +108,11 @@ pub fn describe_source(
     bodies.iter_mut().flat_map(|(_, mesh)| &mut mesh.points).for_each(|p| *p *= scale);
     let hub = MeshSurface::of(&hub);
     let body = |(name, mesh): (String, TriangleMesh)| Body { name, surface: MeshSurface::of(&mesh) };
+    // Only models from CAD are taken apart by their bodies: nodes of other files are told apart by names, or asked
+    // about.
+    let is_cad = !normals.is_empty() || axis.is_some();
     let bodies: Vec<Body> =
-        if bodies.len() > 1 { bodies.into_iter().map(body).collect() } else { Vec::new() };
+        if is_cad && bodies.len() > 1 { bodies.into_iter().map(body).collect() } else { Vec::new() };
     let frame = match (options.axis, axis) {
         (Some(axis), _) => PartFromFile::Along(axis),
         (None, Some((through, along))) => PartFromFile::about(&(through * scale), &along),
