@@ -8,11 +8,10 @@
 //! higher one, and the lower side is extended to it later.
 
 use super::profile::{Course, FittedProfile};
-use super::surface::{MeshSurface, NONE};
+use super::surface::MeshSurface;
+use super::tips::edge_corners;
 use crate::geometry::{Meridional, MeridionalCurve};
 
-/// An edge is sharp where the cosine between its triangles is below this.
-const SHARP: f64 = 0.82;
 /// Distance from the border within which a corner is on the tip, mm per mm of the channel's height.
 const NEAR: f64 = 2e-3;
 /// Multiples of [`NEAR`] that are tried until the corners cover the tip: with the smallest, only the higher side
@@ -209,20 +208,4 @@ impl TipOutline {
         all.extend(at_ends.iter().filter(|p| curve.project(**p).1.abs() < reach));
         course.fit_curve(&all).filter(|fit| fit.max_deviation_mm < near).or(Some(core))
     }
-}
-
-/// Corners at sharp edges and borders if `sharp`, else all corners.
-fn edge_corners(blade: &MeshSurface, sharp: bool) -> Vec<Meridional> {
-    let mut at_edge = vec![!sharp; blade.points.len()];
-    if sharp {
-        for (t, neighbours) in blade.neighbours.iter().enumerate() {
-            for (k, n) in neighbours.iter().enumerate() {
-                if *n == NONE || blade.normals[t].dot(&blade.normals[*n as usize]) < SHARP {
-                    at_edge[blade.triangles[t][k] as usize] = true;
-                    at_edge[blade.triangles[t][(k + 1) % 3] as usize] = true;
-                }
-            }
-        }
-    }
-    blade.points.iter().zip(&at_edge).filter(|(_, e)| **e).map(|(p, _)| Meridional::of(p)).collect()
 }

@@ -84,7 +84,7 @@ pub fn mean_corner(blades: &[MeshSurface]) -> Meridional {
 }
 
 /// Corners at sharp edges and borders if `sharp`, else all corners.
-fn edge_corners(blade: &MeshSurface, sharp: bool) -> Vec<Meridional> {
+pub(super) fn edge_corners(blade: &MeshSurface, sharp: bool) -> Vec<Meridional> {
     let mut at_edge = vec![!sharp; blade.points.len()];
     if sharp {
         for (t, neighbours) in blade.neighbours.iter().enumerate() {
