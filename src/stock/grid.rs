@@ -70,21 +70,25 @@ impl FloorGrid {
 impl FloorGrid {
     /// Every `stride`-th cell along both directions, each standing for those left out.
     pub fn every(&self, stride: usize) -> Self {
-        let stride = stride.max(1);
-        let picked: Vec<usize> = (0..self.rows)
-            .step_by(stride)
-            .flat_map(|i| (0..self.columns).step_by(stride).map(move |j| i * self.columns + j))
-            .collect();
-        let weight = (stride * stride) as f32;
+        let lines = |count: usize| -> Vec<usize> { (0..count).step_by(stride.max(1)).collect() };
+        self.picked(&lines(self.rows), &lines(self.columns))
+    }
+
+    /// The cells where the lines `rows` along s and `columns` across meet; areas grow so that these cells stand for
+    /// all.
+    pub(super) fn picked(&self, rows: &[usize], columns: &[usize]) -> Self {
+        let cells: Vec<usize> =
+            rows.iter().flat_map(|i| columns.iter().map(move |j| i * self.columns + j)).collect();
+        let growth = (self.rows * self.columns) as f32 / cells.len().max(1) as f32;
         Self {
-            rows: self.rows.div_ceil(stride),
-            columns: self.columns.div_ceil(stride),
-            points: picked.iter().map(|&cell| self.points[cell]).collect(),
-            normals: picked.iter().map(|&cell| self.normals[cell]).collect(),
-            blank_heights: picked.iter().map(|&cell| self.blank_heights[cell]).collect(),
-            areas: picked.iter().map(|&cell| weight * self.areas[cell]).collect(),
-            floor: picked.iter().map(|&cell| self.floor[cell]).collect(),
-            reachable: picked.iter().map(|&cell| self.reachable[cell]).collect(),
+            rows: rows.len(),
+            columns: columns.len(),
+            points: cells.iter().map(|&cell| self.points[cell]).collect(),
+            normals: cells.iter().map(|&cell| self.normals[cell]).collect(),
+            blank_heights: cells.iter().map(|&cell| self.blank_heights[cell]).collect(),
+            areas: cells.iter().map(|&cell| self.areas[cell] * growth).collect(),
+            floor: cells.iter().map(|&cell| self.floor[cell]).collect(),
+            reachable: cells.iter().map(|&cell| self.reachable[cell]).collect(),
         }
     }
 

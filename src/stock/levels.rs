@@ -99,20 +99,7 @@ impl FloorGrid {
     /// The grid with at most `most` of its lines along s and across, evenly spaced, the outermost kept. Areas
     /// grow accordingly.
     fn thinned(&self, most: (usize, usize)) -> Self {
-        let (rows, columns) = (thinned_lines(self.rows, most.0), thinned_lines(self.columns, most.1));
-        let cells: Vec<usize> =
-            rows.iter().flat_map(|i| columns.iter().map(move |j| i * self.columns + j)).collect();
-        let growth = (self.rows * self.columns) as f32 / cells.len().max(1) as f32;
-        Self {
-            rows: rows.len(),
-            columns: columns.len(),
-            points: cells.iter().map(|&cell| self.points[cell]).collect(),
-            normals: cells.iter().map(|&cell| self.normals[cell]).collect(),
-            blank_heights: cells.iter().map(|&cell| self.blank_heights[cell]).collect(),
-            areas: cells.iter().map(|&cell| self.areas[cell] * growth).collect(),
-            floor: cells.iter().map(|&cell| self.floor[cell]).collect(),
-            reachable: cells.iter().map(|&cell| self.reachable[cell]).collect(),
-        }
+        self.picked(&thinned_lines(self.rows, most.0), &thinned_lines(self.columns, most.1))
     }
 }
 

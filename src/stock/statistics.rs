@@ -3,7 +3,7 @@
 use super::grid::FloorGrid;
 
 /// Share of the blank's height at and above which a cell counts as uncut.
-const UNCUT_SHARE_OF_BLANK: f32 = 0.999;
+pub(crate) const UNCUT_SHARE_OF_BLANK: f32 = 0.999;
 /// Low bits of a height that do not select its bin: a bin is about a hundredth of a height wide.
 const BIN_SHIFT: u32 = 16;
 

@@ -1,10 +1,8 @@
 //! The stock on the floor as plunges are left out of a plan.
 
 use crate::stock::cover::CellCover;
+use crate::stock::statistics::UNCUT_SHARE_OF_BLANK;
 use crate::stock::{FieldCutter, FloorGrid};
-
-/// Share of the blank's height from which on a cell counts as uncut; as in [`crate::stock::statistics`].
-const UNCUT_SHARE: f32 = 0.999;
 
 /// Cost of stock of `height` mm over one mm² beyond `allowance`: its square, so that few thick places weigh more
 /// than many thin ones, as the 95th percentile has it.
@@ -66,7 +64,7 @@ impl<'a> ThinnedFloor<'a> {
             let area = f64::from(grid.areas[cell]);
             reachable_area += area;
             let height = entries.first().map_or(f32::INFINITY, |entry| entry.height);
-            if height >= UNCUT_SHARE * grid.blank_heights[cell] {
+            if height >= UNCUT_SHARE_OF_BLANK * grid.blank_heights[cell] {
                 uncut_area += area;
             } else {
                 volumes[band(grid, cell)] += area * (f64::from(height) - allowance);
@@ -92,16 +90,15 @@ impl<'a> ThinnedFloor<'a> {
             let rise = cost_per_area(next, self.allowance) - cost_per_area(lowest.height, self.allowance);
             change.cost += area * rise;
             change.volumes[self.band_of(cell)] += area * f64::from(next - lowest.height);
-            if next >= UNCUT_SHARE * blank && lowest.height < UNCUT_SHARE * blank {
+            if next >= UNCUT_SHARE_OF_BLANK * blank && lowest.height < UNCUT_SHARE_OF_BLANK * blank {
                 change.uncut_area += area;
             }
         }
         change
     }
 
-    /// Leaves `plunge` out.
-    pub fn leave_out(&mut self, plunge: usize) {
-        let change = self.change_without(plunge);
+    /// Leaves `plunge` out, which makes `change`.
+    pub fn leave_out(&mut self, plunge: usize, change: &FloorChange) {
         self.uncut_area += change.uncut_area;
         for (volume, more) in self.volumes.iter_mut().zip(change.volumes) {
             *volume += more;
