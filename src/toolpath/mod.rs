@@ -3,6 +3,10 @@
 //! Positions are in the part frame, rotation axis Z, in mm; feed rates in mm/min, spindle speeds in
 //! rev/min. Tool axes are unit vectors from tip to holder.
 
+mod travel;
+
+pub use travel::Travel;
+
 use crate::geometry::{Point, Vector};
 use crate::setup::{CutDirection, Setup, Tool};
 

@@ -3,14 +3,14 @@
 use std::collections::BTreeSet;
 
 use super::assembly::unknown_assemblies;
-use super::summary::{Floors, Summary, Travel};
+use super::summary::{Floors, Summary};
 use super::{Fault, PlungeVerdict, verify};
 use crate::geometry::{rotate_vector_z, rotate_z};
 use crate::part::{Blank, Channel, Impeller};
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::Setup;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
-use crate::toolpath::ClProgram;
+use crate::toolpath::{ClProgram, Travel};
 
 /// Tolerance within which plunges of two channels count as equal, mm: a program has six decimals.
 const SAME_TOLERANCE: f64 = 1e-5;
