@@ -1,11 +1,9 @@
 //! Extends the plan of one channel to several: order of the plunges, links between them, and contact over all
 //! plunges in cutting order.
 
-use rayon::prelude::*;
-
 use super::links::raise_links;
 use super::plan::{PlungePlan, Position};
-use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
+use crate::cutting::contact::core_contacts;
 use crate::geometry::{rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
@@ -66,23 +64,11 @@ fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> Pl
 
 /// Measures contact in cutting order and lifts the plunges that interfere only in this order.
 fn free_cores(plan: &mut PlungePlan, blank: &Blank, monitor: &Monitor) -> Result<(), Cancelled> {
-    let top = BlankTop::new(blank);
     let lone: Vec<bool> = plan.positions.iter().map(|p| p.contact.interferes()).collect();
     for round in 0..=MAX_ITERATIONS {
-        monitor.check()?;
-        let column = |p: &Position| {
-            let tool = &plan.sections[p.section].tool;
-            PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
-        };
-        let columns: Columns = plan.positions.iter().map(column).collect();
-        let contact = |k: usize| {
-            let column = &columns.as_slice()[k];
-            (!monitor.is_cancelled()).then(|| core_contact(column, columns.before(k), blank))
-        };
-        let contacts: Vec<_> = (0..columns.len()).into_par_iter().map(contact).collect();
+        let contacts = core_contacts(&plan.columns(blank), blank, monitor)?;
         let mut lifted = false;
         for ((position, contact), lone) in plan.positions.iter_mut().zip(contacts).zip(&lone) {
-            let Some(contact) = contact else { continue };
             position.contact = contact;
             if contact.interferes() && !lone && round < MAX_ITERATIONS {
                 let lift = contact.depth + LIFT_MARGIN;

@@ -1,7 +1,10 @@
 //! The plunge plan: positions in cutting order, each with its measured contact and clearances.
 
-use crate::cutting::contact::CoreContact;
+use rayon::prelude::*;
+
+use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn};
 use crate::geometry::{Point, Vector};
+use crate::part::Blank;
 use crate::setup::{AxisPolicy, CutDirection, Tool};
 
 /// Overall condition of a position, from good to bad.
@@ -268,6 +271,17 @@ pub struct PlungePlan {
 }
 
 impl PlungePlan {
+    /// The columns of its plunges in `blank`, in cutting order.
+    pub fn columns(&self, blank: &Blank) -> Columns {
+        let top = BlankTop::new(blank);
+        let column = |p: &Position| {
+            let tool = &self.sections[p.section].tool;
+            PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
+        };
+        let columns: Vec<PlungeColumn> = self.positions.par_iter().map(column).collect();
+        columns.into_iter().collect()
+    }
+
     /// Whether planning was stopped before the plan was finished: it is valid, but leaves more stock than a
     /// finished one.
     pub fn is_unfinished(&self) -> bool {

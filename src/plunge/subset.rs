@@ -1,11 +1,9 @@
 //! A plan with some of its plunges left out.
 
-use rayon::prelude::*;
-
 use super::cycle::{PlanError, Planner};
 use super::links::raise_links;
 use super::plan::{PlungePlan, Position};
-use crate::cutting::contact::{Columns, CoreContact, core_contact};
+use crate::cutting::contact::{Columns, core_contacts};
 use crate::monitor::Monitor;
 
 impl Planner<'_> {
@@ -40,8 +38,7 @@ impl Planner<'_> {
         for (section, rows) in thinned.sections.iter_mut().zip(rows) {
             section.rows = rows;
         }
-        let contact = |k: usize| core_contact(&columns.as_slice()[k], columns.before(k), &self.blank);
-        let contacts: Vec<CoreContact> = (0..columns.len()).into_par_iter().map(contact).collect();
+        let contacts = core_contacts(columns, &self.blank, monitor)?;
         for (position, contact) in thinned.positions.iter_mut().zip(contacts) {
             position.contact = contact;
         }

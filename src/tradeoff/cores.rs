@@ -2,11 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::cutting::contact::{
-    BlankTop, Columns, PLANNED_CONTACT, PlungeColumn, core_contact_among, core_interferes,
-};
+use crate::cutting::contact::{Columns, PLANNED_CONTACT, PlungeColumn, core_contact_among, core_interferes};
 use crate::part::Blank;
-use crate::plunge::{PlungePlan, Position};
+use crate::plunge::PlungePlan;
 
 /// The plunges of a plan with those before each that may have cut stock out of the way of its core.
 pub(super) struct Cores<'a> {
@@ -23,13 +21,7 @@ pub(super) struct Cores<'a> {
 impl<'a> Cores<'a> {
     /// The cores of the plunges of `plan` in `blank`.
     pub fn new(plan: &PlungePlan, blank: &'a Blank) -> Self {
-        let top = BlankTop::new(blank);
-        let column = |p: &Position| {
-            let tool = &plan.sections[p.section].tool;
-            PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
-        };
-        let columns: Vec<PlungeColumn> = plan.positions.par_iter().map(column).collect();
-        let columns: Columns = columns.into_iter().collect();
+        let columns = plan.columns(blank);
         let near = |k: usize| columns.before(k).numbers_near(&columns.as_slice()[k]);
         let before: Vec<Vec<u32>> = (0..columns.len()).into_par_iter().map(near).collect();
         let mut after = vec![Vec::new(); columns.len()];

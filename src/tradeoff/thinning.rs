@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::cores::Cores;
-use super::floor::ThinnedFloor;
+use super::floor::{FloorChange, ThinnedFloor};
 use crate::cutting::contact::Columns;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
@@ -13,7 +13,7 @@ use crate::plunge::sections::step_limit;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::Setup;
 use crate::stock::{FloorGrid, ResidualStatistics, field_cutters, statistics};
-use crate::toolpath::RAPID_MM_PER_MIN;
+use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 
 /// Share of the floor that thinning may leave uncut beside what the whole plan leaves uncut.
 const MAX_MORE_UNCUT: f64 = 0.001;
@@ -70,12 +70,15 @@ impl<'a> Thinning<'a> {
         let mut rows = Neighbours::new(plunges);
         let max_uncut = self.floor.uncut_share_with(0.0) + MAX_MORE_UNCUT;
         let input = self.input;
-        let price = |floor: &ThinnedFloor, rows: &Neighbours, plunge: usize| {
-            floor.change_without(plunge).cost / input.saved_time(rows, plunge).max(MIN_SAVED)
+        let price = |change: &FloorChange, rows: &Neighbours, plunge: usize| {
+            change.cost / input.saved_time(rows, plunge).max(MIN_SAVED)
         };
-        let mut queue: BinaryHeap<Candidate> = (0..plunges)
-            .map(|plunge| Candidate { price: price(&self.floor, &rows, plunge), plunge })
-            .collect();
+        let candidate = |floor: &ThinnedFloor, rows: &Neighbours, plunge: usize| Candidate {
+            price: price(&floor.change_without(plunge), rows, plunge),
+            plunge,
+        };
+        let mut queue: BinaryHeap<Candidate> =
+            (0..plunges).map(|plunge| candidate(&self.floor, &rows, plunge)).collect();
         let mut order = Vec::new();
         // Plunges that the core of each one needs.
         let mut waiting: Vec<Vec<usize>> = vec![Vec::new(); plunges];
@@ -83,12 +86,12 @@ impl<'a> Thinning<'a> {
             if monitor.is_stopped() {
                 break;
             }
-            let now = price(&self.floor, &rows, plunge);
+            let change = self.floor.change_without(plunge);
+            let now = price(&change, &rows, plunge);
             if now > before && queue.peek().is_some_and(|next| next.price < now) {
                 queue.push(Candidate { price: now, plunge });
                 continue;
             }
-            let change = self.floor.change_without(plunge);
             if self.floor.uncut_share_with(change.uncut_area) > max_uncut
                 || self.floor.rise_with(&change) > input.max_mean_rise
                 || !input.wall_stays_smooth(&rows, plunge)
@@ -99,12 +102,12 @@ impl<'a> Thinning<'a> {
                 waiting[later].push(plunge);
                 continue;
             }
-            self.floor.leave_out(plunge);
+            self.floor.leave_out(plunge, &change);
             kept[plunge] = false;
             rows.leave_out(plunge);
             order.push(plunge);
             for freed in std::mem::take(&mut waiting[plunge]) {
-                queue.push(Candidate { price: price(&self.floor, &rows, freed), plunge: freed });
+                queue.push(candidate(&self.floor, &rows, freed));
             }
             if order.len() % CHECK_EVERY == 0 {
                 monitor.check()?;
@@ -143,23 +146,13 @@ impl<'a> Thinning<'a> {
         kept
     }
 
-    /// Time of the plan without the first `count` plunges, s, as [`crate::verify::Summary`] estimates it, before
-    /// links are raised anew.
+    /// Time of the plan without the first `count` plunges, s, before links are raised anew.
     pub fn time_without(&self, count: usize) -> f64 {
         let plan = self.input.plan;
         let kept = self.kept_without(count);
-        let mut last: Option<&Position> = None;
-        let mut time = 0.0;
-        for position in plan.positions.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(p, _)| p) {
-            let tool = &plan.sections[position.section].tool;
-            let depth = (position.retract - position.tip).norm();
-            let link = last
-                .filter(|last| plan.sections[last.section].tool.number == tool.number)
-                .map_or(0.0, |last| (last.retract - position.retract).norm());
-            time += 60.0 * (depth / tool.plunge_feed + (depth + link) / RAPID_MM_PER_MIN);
-            last = Some(position);
-        }
-        time
+        let positions =
+            plan.positions.iter().zip(kept).filter(|(_, kept)| *kept).map(|(p, _)| p.clone()).collect();
+        Travel::of(&ClProgram::of_plan("", &PlungePlan { positions, ..plan.clone() })).time
     }
 
     /// Stock that stays when the first `count` plunges are left out.

@@ -9,7 +9,10 @@ mod index;
 pub use columns::{BlankTop, Columns, Earlier, PlungeColumn};
 use crossed::{CoreLine, CrossedPlunge, Neighbours};
 
+use rayon::prelude::*;
+
 use crate::geometry::{Meridional, Point, search};
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
 /// Contact of the core with stock during one plunge.
@@ -51,6 +54,22 @@ const AREA_HEIGHT: f64 = 0.02;
 /// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> CoreContact {
     contact_among(column, earlier.near(column), blank)
+}
+
+/// [`core_contact`] of each of `columns` after those before it.
+///
+/// # Errors
+/// When `monitor` is cancelled.
+pub fn core_contacts(
+    columns: &Columns,
+    blank: &Blank,
+    monitor: &Monitor,
+) -> Result<Vec<CoreContact>, Cancelled> {
+    let contact = |k: usize| {
+        monitor.check()?;
+        Ok(core_contact(&columns.as_slice()[k], columns.before(k), blank))
+    };
+    (0..columns.len()).into_par_iter().map(contact).collect()
 }
 
 /// Depth of [`core_contact`], given the `earlier` plunges that may meet the core, mm.
