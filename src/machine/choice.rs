@@ -5,7 +5,6 @@
 //! in which the slower rotary axis turns, and in a link what it takes to leave the part where joint space
 //! strays from the planned turn. At a pole the rotary axis is free; it keeps its value through it.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::fault::MotionFault;
@@ -121,7 +120,7 @@ impl Found {
     }
 
     fn check_pole(&mut self, machine: &MachineTool, stretch: &Stretch, second: f64) {
-        if !turns_within(machine, 1, second).any(|_| true) {
+        if !machine.rotary[1].turns_within_limits(second).any(|_| true) {
             self.note(stretch.line, || limit_text(machine, 1, &[second]));
         }
     }
@@ -141,8 +140,8 @@ impl Found {
                 let joints = machine.joints(tip, &at, stretch.length);
                 machine.linear_axis_beyond(&joints).map(|axis| (axis, joints[axis]))
             });
-            for first in turns_within(machine, 0, first) {
-                for second in turns_within(machine, 1, solution.second) {
+            for first in machine.rotary[0].turns_within_limits(first) {
+                for second in machine.rotary[1].turns_within_limits(solution.second) {
                     match over {
                         None => out.push(Candidate {
                             angles: [first, second],
@@ -172,7 +171,8 @@ impl Found {
                     stretch.axis.angle(&Vector::z()).to_degrees()
                 ),
                 None => {
-                    let axis = usize::from(turns_within(machine, 0, wanted[0][0]).next().is_some());
+                    let axis =
+                        usize::from(machine.rotary[0].turns_within_limits(wanted[0][0]).next().is_some());
                     limit_text(machine, axis, &wanted[axis])
                 }
             });
@@ -191,18 +191,6 @@ fn limit_text(machine: &MachineTool, axis: usize, wanted: &[f64]) -> String {
         low.to_degrees(),
         high.to_degrees()
     )
-}
-
-/// `angle` and its whole turns within the limits of a rotary axis; itself alone for an endless one.
-fn turns_within(machine: &MachineTool, axis: usize, angle: f64) -> impl Iterator<Item = f64> + '_ {
-    let rotary = &machine.rotary[axis];
-    let (low, high) = match rotary.limits {
-        None => (0, 0),
-        Some((low, high)) => {
-            (((low - angle) / TAU - 1e-6).ceil() as i32, ((high - angle) / TAU + 1e-6).floor() as i32)
-        }
-    };
-    (low..=high).map(move |turn| angle + TAU * f64::from(turn)).filter(move |a| rotary.allows(*a))
 }
 
 /// Turn of an axis from one position to another: an endless one goes the shorter way.
@@ -306,7 +294,7 @@ fn assemble(
                 let second = machine.solve(&stretch.axis).0[0].second;
                 let near = before.map_or(second, |b| b[1]);
                 let order = |a: &f64, b: &f64| (a - near).abs().total_cmp(&(b - near).abs());
-                [held, turns_within(machine, 1, second).min_by(order).unwrap_or(second)]
+                [held, machine.rotary[1].turns_within_limits(second).min_by(order).unwrap_or(second)]
             }
         };
         let here = before.map_or(wanted, |b| [0, 1].map(|i| b[i] + turn_of(machine, i, b[i], wanted[i])));

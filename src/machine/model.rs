@@ -1,5 +1,7 @@
 //! What a machine file says: axes, limits, dynamics, how the part lies on the table, links.
 
+use std::f64::consts::TAU;
+
 use crate::geometry::{Point, Vector};
 
 /// One of the three linear axes. Machine coordinates are those of the gauge point with all rotary axes at 0.
@@ -50,6 +52,17 @@ impl RotaryAxis {
     /// Whether the axis may stand at `angle` (rad).
     pub fn allows(&self, angle: f64) -> bool {
         self.limits.is_none_or(|(low, high)| (low - ANGLE_ROUNDING..=high + ANGLE_ROUNDING).contains(&angle))
+    }
+
+    /// `angle` and its whole turns within the limits, rad; itself alone for an endless axis.
+    pub fn turns_within_limits(&self, angle: f64) -> impl Iterator<Item = f64> + '_ {
+        let (low, high) = match self.limits {
+            None => (0, 0),
+            Some((low, high)) => {
+                (((low - angle) / TAU - 1e-6).ceil() as i32, ((high - angle) / TAU + 1e-6).floor() as i32)
+            }
+        };
+        (low..=high).map(move |turn| angle + TAU * f64::from(turn)).filter(|angle| self.allows(*angle))
     }
 }
 

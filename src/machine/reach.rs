@@ -42,16 +42,11 @@ impl MachineTool {
     /// the program.
     fn can_reach(&self, axis: &Vector) -> bool {
         let (solutions, count) = self.solve(axis);
-        let within = |index: usize, angle: f64| {
-            let turns: i32 = if self.rotary[index].limits.is_some() { MAX_TURNS } else { 0 };
-            (-turns..=turns).any(|turn| self.rotary[index].allows(angle + TAU * f64::from(turn)))
-        };
+        let within =
+            |index: usize, angle: f64| self.rotary[index].turns_within_limits(angle).next().is_some();
         solutions
             .iter()
             .take(count)
             .any(|solution| within(1, solution.second) && solution.first.is_none_or(|first| within(0, first)))
     }
 }
-
-/// Turns either way by which a limited axis may be wound.
-const MAX_TURNS: i32 = 10;
