@@ -108,8 +108,8 @@ pub fn describe_source(
     bodies.iter_mut().flat_map(|(_, mesh)| &mut mesh.points).for_each(|p| *p *= scale);
     let hub = MeshSurface::of(&hub);
     let body = |(name, mesh): (String, TriangleMesh)| Body { name, surface: MeshSurface::of(&mesh) };
-    // Only models from CAD are taken apart by their bodies: nodes of other files are told apart by names, or asked
-    // about.
+    // Only the bodies of CAD models decide roles by themselves. Nodes of other files get theirs by name, or the user
+    // is asked.
     let is_cad = !normals.is_empty() || axis.is_some();
     let bodies: Vec<Body> =
         if is_cad && bodies.len() > 1 { bodies.into_iter().map(body).collect() } else { Vec::new() };

@@ -9,7 +9,7 @@ use super::super::planned::Side;
 use super::super::state::AppState;
 use super::super::theme::{self, Condition};
 
-/// Share of the accessible floor up to which what is not machined is no concern.
+/// Largest share of the accessible floor that may stay uncut without a warning.
 pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
 /// Shares below this would show as 0.0 %.
 const MIN_SHOWN_SHARE: f64 = 0.0005;

@@ -136,7 +136,7 @@ pub fn placed_bodies(model: &Model<'_>) -> Result<Vec<PlacedBody>> {
 }
 
 fn is_representation(keyword: &str) -> bool {
-    // That one is no representation, but a relationship between two.
+    // Despite its name it relates two representations and is not one itself.
     keyword != "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"
         && (keyword.ends_with("_SHAPE_REPRESENTATION")
             || ["SHAPE_REPRESENTATION", "REPRESENTATION"].contains(&keyword))

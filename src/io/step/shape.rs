@@ -128,7 +128,7 @@ impl ShapeReader<'_, '_> {
     fn weighted(&self, from: u32, point: &Value<'_>, weight: f64) -> Result<[f64; 4]> {
         let id = point
             .reference()
-            .ok_or_else(|| EntityFault::new(from, "has a control point that is no point"))?;
+            .ok_or_else(|| EntityFault::new(from, "has a control point that is not a CARTESIAN_POINT"))?;
         let p = self.model.point(from, id, self.units.mm)?;
         if !WEIGHTS.contains(&weight) {
             return Err(EntityFault::new(from, format!("has the weight {weight}")));

@@ -1,6 +1,6 @@
 //! The second pass over the rows of a section. The rows that are cut first have only what earlier sections
 //! and they themselves removed to keep their cores free: beside a wall, where the axis cannot lean as contact
-//! asks, they stop short or leave places out. Once all rows are cut there is room beside them. The open places
+//! asks, they stop short or leave places out. Once all rows are cut there is space beside them. The open places
 //! of each row are searched again, from both of their ends.
 
 use super::path::RowStages;
@@ -71,7 +71,7 @@ impl Planner<'_> {
             CutDirection::OutletToInlet => CutDirection::InletToOutlet,
             CutDirection::InletToOutlet => CutDirection::OutletToInlet,
         };
-        // The last row has the most room beside it.
+        // The last row has the most space beside it.
         for open in open.iter().rev() {
             let (number, row) = open.at;
             let layout = &layouts[number];
