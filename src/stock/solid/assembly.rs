@@ -2,7 +2,7 @@
 
 use super::outline::Outline;
 use super::part::ToolPart;
-use crate::setup::Tool;
+use crate::setup::{AssemblyPart, AssemblySegment, Tool};
 
 /// Length of a holder that is not described, mm: beyond any wheel.
 const ENDLESS: f64 = 1e5;
@@ -25,6 +25,17 @@ pub struct Segment {
     pub upper: f64,
 }
 
+impl Segment {
+    fn of(described: &AssemblySegment) -> Self {
+        let part = match described.part {
+            AssemblyPart::Shank => ToolPart::Shank,
+            AssemblyPart::Holder => ToolPart::Holder,
+        };
+        let [lower, upper] = described.radii;
+        Self { part, from: described.from, length: described.length, lower, upper }
+    }
+}
+
 /// A tool: a cutter with flat, rounded, ball-shaped or tapered end, and the stack above it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidTool {
@@ -45,24 +56,26 @@ pub struct SolidTool {
 }
 
 impl SolidTool {
-    /// The assembly of a tool as setups describe it: it cuts over its overhang; above begins a holder of
-    /// [`Tool::holder_diameter`].
+    /// The assembly of a tool as setups describe it. Without a shank it cuts over its overhang; without a holder a
+    /// cylinder of [`Tool::holder_diameter`] begins there.
     pub fn of(tool: &Tool) -> Self {
-        let holder = 0.5 * tool.holder_diameter();
+        let described = tool.assembly.segments(tool.overhang);
+        let shank = described.iter().find(|segment| segment.part == AssemblyPart::Shank);
+        let cutting_length = shank.map_or(tool.overhang, |shank| shank.from).max(tool.corner_radius);
+        let mut segments: Vec<Segment> = described.iter().map(Segment::of).collect();
+        if tool.assembly.holder.is_empty() {
+            let radius = 0.5 * tool.holder_diameter();
+            let (part, from) = (ToolPart::Holder, tool.overhang);
+            segments.push(Segment { part, from, length: ENDLESS, lower: radius, upper: radius });
+        }
         Self {
             number: tool.number,
             radius: tool.radius(),
             corner_radius: tool.corner_radius.clamp(0.0, tool.radius()),
-            taper_rad: 0.0,
-            cutting_length: tool.overhang.max(tool.corner_radius),
+            taper_rad: tool.assembly.taper_rad.unwrap_or(0.0),
+            cutting_length,
             core_radius: tool.core_radius().max(0.0),
-            segments: vec![Segment {
-                part: ToolPart::Holder,
-                from: tool.overhang,
-                length: ENDLESS,
-                lower: holder,
-                upper: holder,
-            }],
+            segments,
         }
     }
 

@@ -10,6 +10,7 @@ mod carve;
 mod lattice;
 pub mod mesh_blank;
 pub mod motion;
+mod near;
 mod outline;
 mod part;
 mod piece;
@@ -17,6 +18,7 @@ pub mod player;
 pub mod program;
 mod rays;
 mod revolved;
+mod runs;
 mod span;
 pub mod surface;
 #[cfg(test)]
@@ -35,13 +37,16 @@ pub use span::{Span, SpanEnd};
 pub use surface::StockSurface;
 
 use motion::PieceMaker;
+use near::NearStock;
 use rays::RayField;
 
 use crate::geometry::Point;
 use crate::monitor::Monitor;
 
-/// Distance of the sweep of a move that turns from the true one, in spacings.
-const TOLERANCE: f64 = 0.1;
+/// Distance of the pieces of a move that turns from its true sweep, in spacings.
+const TURN_TOLERANCE: f64 = 0.06;
+/// Distance of a move that stands for a run of cuts from the cuts, in spacings.
+const RUN_TOLERANCE: f64 = 0.04;
 /// Depth of contact that the model resolves, in spacings: less is not reported.
 const RESOLVED: f64 = 0.5;
 /// Pieces applied between two looks at the monitor.
@@ -87,6 +92,7 @@ impl SolidBlank {
 pub struct SolidStock {
     lattice: Lattice,
     fields: [RayField; 3],
+    near: NearStock,
 }
 
 impl SolidStock {
@@ -101,7 +107,8 @@ impl SolidStock {
             SolidBlank::Turned(outline) => outline.rays(&lattice),
             SolidBlank::Mesh(mesh) => mesh.rays(&lattice)?,
         };
-        Ok(Self { lattice, fields })
+        let near = NearStock::of(&lattice, &fields);
+        Ok(Self { lattice, fields, near })
     }
 
     /// The lattice of its rays.
@@ -145,12 +152,24 @@ impl SolidStock {
     ) -> Result<Vec<Contact>, SolidError> {
         let spacing = self.lattice.spacing;
         let bounds = self.lattice.bounds();
-        let maker = PieceMaker { tools, tolerance: TOLERANCE * spacing, bounds };
+        let maker = PieceMaker { tools, tolerance: TURN_TOLERANCE * spacing, bounds, near: &self.near };
         let mut contacts = Vec::new();
         let mut pieces = Vec::new();
-        for (index, step) in moves.iter().enumerate() {
-            maker.add(step, &mut pieces);
-            if pieces.len() >= CHUNK || index + 1 == moves.len() {
+        let mut bodies = Vec::new();
+        let mut index = 0;
+        while index < moves.len() {
+            let (merged, count) = runs::next_run(&moves[index..], tools, RUN_TOLERANCE * spacing);
+            let run = &moves[index..index + count];
+            run.iter().for_each(|step| maker.add_bodies(step, &mut bodies));
+            // Where shank or holder may meet stock it matters what each move has left.
+            if count > 1 && bodies.is_empty() {
+                maker.add_cutter(&merged, &mut pieces);
+            } else {
+                run.iter().for_each(|step| maker.add(step, &mut pieces));
+            }
+            bodies.clear();
+            index += count;
+            if pieces.len() >= CHUNK || index == moves.len() {
                 monitor.check()?;
                 monitor.report(index as f64 / moves.len() as f64);
                 contacts.extend(carve::carve(&self.lattice, &mut self.fields, &pieces, RESOLVED * spacing));

@@ -1,6 +1,7 @@
 //! Moves of a tool as pieces that each travel on a straight line without turning.
 
 use super::assembly::{OVERLAP, SolidTool};
+use super::near::NearStock;
 use super::outline::Outline;
 use super::part::{Action, ToolPart};
 use super::piece::Piece;
@@ -55,6 +56,11 @@ impl SolidMove {
         self.from.axis.angle(&self.to.axis)
     }
 
+    /// Whether the move is never part of a run: a rapid, or a cut along its own axis.
+    pub(super) fn is_whole(&self) -> bool {
+        self.rapid || self.axial().is_some()
+    }
+
     /// Travel along the axis if the tool moves along it and does not turn, mm; negative downwards.
     fn axial(&self) -> Option<f64> {
         let travel = self.to.tip - self.from.tip;
@@ -72,6 +78,8 @@ pub struct PieceMaker<'a> {
     pub tolerance: f64,
     /// Lower and upper corner of the box that holds the stock, mm.
     pub bounds: (Point, Point),
+    /// Where stock is.
+    pub near: &'a NearStock,
 }
 
 /// A slice of a tool in one move.
@@ -90,41 +98,57 @@ impl PieceMaker<'_> {
     /// Shank and holder follow the cutter where it advances along its axis, and meet what it leaves; where it
     /// draws back they go ahead of it.
     pub fn add(&self, step: &SolidMove, into: &mut Vec<Piece>) {
-        let Some(tool) = self.tools.get(step.tool) else { return };
         let advances = (step.to.tip - step.from.tip).dot(&step.to.axis) <= 1e-9;
-        let axial = step.axial();
-        let mut slices: Vec<Slice> = Vec::new();
-        let bodies = tool.segments.iter().map(|segment| {
+        if advances && !step.rapid {
+            self.add_core(step, into);
+            self.add_cutter(step, into);
+            self.add_bodies(step, into);
+        } else {
+            self.add_bodies(step, into);
+            self.add_core(step, into);
+            self.add_cutter(step, into);
+        }
+    }
+
+    /// Appends the pieces of shank and holder.
+    pub fn add_bodies(&self, step: &SolidMove, into: &mut Vec<Piece>) {
+        let Some(tool) = self.tools.get(step.tool) else { return };
+        for segment in &tool.segments {
             let first = tool.segments.iter().find(|s| s.part == segment.part).map_or(0.0, |s| s.from);
-            Slice {
+            let slice = Slice {
                 outline: Outline::cone(segment.lower, segment.upper, segment.length),
                 from: segment.from,
                 above: segment.from - first,
                 action: Action::Check(segment.part),
-            }
-        });
-        if !advances || step.rapid {
-            slices.extend(bodies.clone());
+            };
+            self.add_slice(step, tool, &slice, into);
         }
-        if axial.is_some_and(|travel| !step.rapid && travel < 0.0) {
+    }
+
+    /// Appends the piece of the core in a plunge.
+    fn add_core(&self, step: &SolidMove, into: &mut Vec<Piece>) {
+        let Some(tool) = self.tools.get(step.tool).filter(|tool| tool.core_radius > 0.0) else { return };
+        if step.axial().is_some_and(|travel| !step.rapid && travel < 0.0) {
             // Pieces of a plunge are prolonged upwards by its travel; this one only checks.
-            if tool.core_radius > 0.0 {
-                let outline = Outline::cone(tool.core_radius, tool.core_radius, 1e-9);
-                let action = Action::Check(ToolPart::Core);
-                slices.push(Slice { outline, from: 0.0, above: 0.0, action });
-            }
+            let outline = Outline::cone(tool.core_radius, tool.core_radius, 1e-9);
+            let action = Action::Check(ToolPart::Core);
+            self.add_slice(step, tool, &Slice { outline, from: 0.0, above: 0.0, action }, into);
         }
+    }
+
+    /// Appends the pieces of the cutter, which cuts, or in rapid must not meet stock.
+    pub fn add_cutter(&self, step: &SolidMove, into: &mut Vec<Piece>) {
+        let Some(tool) = self.tools.get(step.tool) else { return };
         let action = if step.rapid { Action::Check(ToolPart::Cutter) } else { Action::Cut };
-        let cutter = tool.cutter(axial.is_some(), 0.5 * self.tolerance);
-        slices.extend(cutter.into_iter().map(|(from, outline)| Slice { outline, from, above: from, action }));
-        if advances && !step.rapid {
-            slices.extend(bodies);
+        for (from, outline) in tool.cutter(step.axial().is_some(), 0.5 * self.tolerance) {
+            self.add_slice(step, tool, &Slice { outline, from, above: from, action }, into);
         }
-        for slice in &slices {
-            match axial {
-                Some(travel) => self.along_axis(step, slice, travel, into),
-                None => self.across(step, tool, slice, into),
-            }
+    }
+
+    fn add_slice(&self, step: &SolidMove, tool: &SolidTool, slice: &Slice, into: &mut Vec<Piece>) {
+        match step.axial() {
+            Some(travel) => self.along_axis(step, slice, travel, into),
+            None => self.across(step, tool, slice, into),
         }
     }
 
@@ -215,7 +239,7 @@ impl PieceMaker<'_> {
     }
 
     /// The piece of a slice with the tip of its tool at `tip`, `up` mm above the slice's lower end; `None`
-    /// where it does not reach the box of the stock.
+    /// where it does not reach stock.
     #[expect(clippy::too_many_arguments, reason = "a piece has that many independent properties")]
     fn placed(
         &self,
@@ -232,7 +256,7 @@ impl PieceMaker<'_> {
             Piece { outline, base, axis, travel, action: slice.action, number, above: slice.above + up };
         let (low, high) = piece.bounds();
         let apart = (0..3).any(|k| high[k] < self.bounds.0[k] || low[k] > self.bounds.1[k]);
-        (!apart).then_some(piece)
+        (!apart && self.near.may_meet(&piece)).then_some(piece)
     }
 }
 

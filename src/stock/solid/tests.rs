@@ -191,6 +191,46 @@ fn a_move_that_turns_equals_a_hundred_times_finer_one() {
 }
 
 /// Plunges all over the disc, tilted in all directions.
+#[test]
+fn runs_of_short_cuts_equal_the_cuts_one_by_one() {
+    // A pass on an arc with an axis that leans more and more, in moves of 0.5 mm.
+    let spacing = 0.5;
+    let at = |k: u32| {
+        let turn = f64::from(k) / 60.0;
+        let lean = 0.2 * turn;
+        let tip = [30.0 * turn.cos(), 30.0 * turn.sin(), 12.0 - 2.0 * turn];
+        pose(tip, [lean.sin() * turn.cos(), lean.sin() * turn.sin(), lean.cos()])
+    };
+    let moves: Vec<SolidMove> = (0..60).map(|k| feed(k, at(k), at(k + 1))).collect();
+    let bare = [SolidTool { segments: Vec::new(), ..SolidTool::of(&tool(8.0, 2.0)) }];
+    let mut whole = SolidStock::new(&disc(), spacing).expect("a stock");
+    let mut single = whole.clone();
+    whole.make_moves(&bare, &moves, &Monitor::default()).expect("made");
+    for step in &moves {
+        single.make_moves(&bare, std::slice::from_ref(step), &Monitor::default()).expect("made");
+    }
+    let off = deviation(&whole, &single);
+    assert!(off > 0.0, "runs are used");
+    assert!(off < (RUN_TOLERANCE + 2.0 * TURN_TOLERANCE) * spacing, "{off} mm");
+}
+
+#[test]
+fn assemblies_are_those_of_the_setup() {
+    let plain = SolidTool::of(&tool(10.0, 1.0));
+    assert_eq!(plain.segments.len(), 1);
+    assert_eq!(plain.segments[0].part, ToolPart::Holder);
+    let mut described = tool(10.0, 1.0);
+    described.assembly.flute_length = Some(15.0);
+    described.assembly.shank = vec![[8.0, 20.0]];
+    described.assembly.holder = vec![[24.0, 30.0, 12.0], [50.0, 50.0, 20.0]];
+    let solid = SolidTool::of(&described);
+    assert_eq!(solid.cutting_length, 15.0);
+    let parts: Vec<ToolPart> = solid.segments.iter().map(|segment| segment.part).collect();
+    assert_eq!(parts, [ToolPart::Shank, ToolPart::Holder, ToolPart::Holder]);
+    assert_eq!(solid.segments[1].from, described.overhang);
+    assert_eq!((solid.segments[1].lower, solid.segments[1].upper), (12.0, 15.0));
+}
+
 fn many_plunges(count: u32) -> Vec<SolidMove> {
     (0..count)
         .map(|i| {
