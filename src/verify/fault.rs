@@ -21,7 +21,7 @@ pub enum FaultKind {
     BladeAllowance,
     /// A rapid comes nearer to the blank than the safety distance; value: the distance, mm.
     RapidClearance,
-    /// A rapid goes through stock; value: the stock it meets, mm³.
+    /// A rapid goes through stock; value: how deep the stock gets into the cutter, mm; none for a thin layer.
     RapidInStock,
     /// In a rapid the tool above its bottom runs into the blank; value: how far above the bottom, mm.
     ToolInBlank,
@@ -31,7 +31,7 @@ pub enum FaultKind {
     /// The holder comes too near to the finished part, or runs into stock; value: the clearance that is missing,
     /// mm. An assumed holder collides with a blade, its allowance, or the hub; no value.
     HolderCollision,
-    /// The holder collides with remaining stock; value: the stock it meets, mm³.
+    /// The holder collides with remaining stock; value: how deep the stock gets into it, mm; none for a thin layer.
     HolderInStock,
     /// The axis tilts beyond the machine's limit; value: the tilt, degrees.
     AxisTilt,

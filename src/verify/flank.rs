@@ -1,10 +1,11 @@
 //! Checks flank milling programs along all their moves: gouges, collisions of cutter and holder, stock left
 //! on walls and floor.
 //!
-//! Stock is tracked over the floor of a channel by the heightfield: stock beside walls that lean away from
-//! the channel is above no cell of the floor, so the check of rapids does not include it.
+//! Stock is tracked twice: over the floor of a channel by the heightfield, which resolves thin layers, and by the solid,
+//! which holds everything else that stands.
 
 mod gouge;
+mod standing;
 mod steps;
 mod stock;
 mod uncovered;
@@ -27,6 +28,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Channel, Impeller};
 use crate::setup::{Setup, Tool};
 use crate::stock::ResidualStatistics;
+use crate::stock::solid::Contact;
 use crate::toolpath::RAPID_MM_PER_MIN;
 use crate::toolpath::{ClProgram, Motion, Move};
 use gouge::{StepClearance, StepSurroundings};
@@ -138,6 +140,8 @@ pub struct FlankVerifier<'a> {
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
+    /// The steps of the last program that was free of other faults, with the contacts with stock on them.
+    standing: Option<(Vec<(StepKey, i64)>, Vec<Contact>)>,
 }
 
 /// The steps of a program with their results.
@@ -169,10 +173,12 @@ impl<'a> FlankVerifier<'a> {
             finished: FinishedPart::new(part, &channel.sides),
             tools: Vec::new(),
             cache: HashMap::new(),
+            standing: None,
         }
     }
 
-    /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled.
+    /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. Collisions with standing stock are
+    /// looked for where there is no other fault.
     ///
     /// # Errors
     /// As [`verify_flank`].
@@ -181,7 +187,14 @@ impl<'a> FlankVerifier<'a> {
         program: &ClProgram,
         monitor: &Monitor,
     ) -> Result<Result<Vec<Fault>, Cancelled>, Fault> {
-        Ok(self.examine(program, monitor)?.map(|examined| examined.faults))
+        let examined = match self.examine(program, monitor)? {
+            Ok(examined) => examined,
+            Err(cancelled) => return Ok(Err(cancelled)),
+        };
+        if !examined.faults.is_empty() {
+            return Ok(Ok(examined.faults));
+        }
+        Ok(self.faults_in_standing_stock(&examined.steps, monitor))
     }
 
     /// The complete verdict on `program`.
@@ -190,11 +203,17 @@ impl<'a> FlankVerifier<'a> {
     /// As [`verify_flank`].
     pub fn verdict(&mut self, program: &ClProgram) -> Result<FlankVerdict, Fault> {
         // The default monitor never cancels.
-        let Ok(ExaminedProgram { steps, looks, channels, faults }) =
-            self.examine(program, &Monitor::default())?
+        let monitor = Monitor::default();
+        let Ok(ExaminedProgram { steps, looks, channels, mut faults }) = self.examine(program, &monitor)?
         else {
             return Ok(FlankVerdict::empty());
         };
+        for fault in self.faults_in_standing_stock(&steps, &monitor).unwrap_or_default() {
+            if !faults.iter().any(|other| (other.line, other.kind) == (fault.line, fault.kind)) {
+                faults.push(fault);
+            }
+        }
+        faults.sort_by_key(|fault| fault.line);
         let Self { part, channel, setup, blank, finished, tools, .. } = self;
         let mut verdict = FlankVerdict {
             channels: channels.len(),
@@ -232,6 +251,27 @@ impl<'a> FlankVerifier<'a> {
         Ok(verdict)
     }
 
+    /// The faults where cutters in rapid, shanks and holders meet stock that stands.
+    fn faults_in_standing_stock(
+        &mut self,
+        steps: &[CutterStep],
+        monitor: &Monitor,
+    ) -> Result<Vec<Fault>, Cancelled> {
+        let keys: Vec<(StepKey, i64)> = steps.iter().map(|step| (step_key(step), step.channel)).collect();
+        let known = self.standing.take().filter(|(seen, _)| *seen == keys).map(|(_, contacts)| contacts);
+        let contacts = match known {
+            Some(contacts) => contacts,
+            None => standing::collisions(self.part, &self.blank, &self.tools, steps, monitor)?,
+        };
+        let fault = |contact: &Contact| {
+            let step = &steps[contact.number as usize];
+            standing::finding(contact, self.tools[step.tool].number).at(step.line)
+        };
+        let faults = contacts.iter().map(fault).collect();
+        self.standing = Some((keys, contacts));
+        Ok(faults)
+    }
+
     fn examine(
         &mut self,
         program: &ClProgram,
@@ -240,6 +280,7 @@ impl<'a> FlankVerifier<'a> {
         let (steps, tools) = steps_of(self.part, self.channel, program, self.setup)?;
         if tools != self.tools {
             self.cache.clear();
+            self.standing = None;
             self.tools = tools;
         }
         let looks = match self.examine_steps(&steps, monitor) {
@@ -426,7 +467,7 @@ impl StockCollision {
                 ),
             ),
         };
-        Finding::new(kind, volume, what).at(line)
+        Finding::new(kind, None, what).at(line)
     }
 }
 

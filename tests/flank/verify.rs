@@ -6,7 +6,7 @@ use std::path::Path;
 use vanecut::cutting::clearance::FinishedPart;
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::wall::{WallFit, WallMilling, WallStation};
-use vanecut::geometry::{Point, Vector};
+use vanecut::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::read_part;
 use vanecut::part::{Channel, Impeller};
@@ -184,6 +184,28 @@ fn a_holder_that_comes_into_stock_is_found_and_one_above_cut_stock_is_not() {
     program.moves.extend(again.moves.into_iter().map(|m| Move { tool: Some(1), ..m }));
     let after = made.verdict(&program);
     assert_eq!(with_holder(&after, "remaining stock"), 0, "{:#?}", shown(&after));
+}
+
+#[test]
+fn stock_of_a_channel_that_is_not_cut_stands_in_the_way() {
+    let made = made(3);
+    let pitch = made.part.pitch();
+    let dip = |turn: f64| {
+        made.program(&made.inner, |moves| {
+            let (tip, axis) = made.inner[1][100];
+            let (tip, axis) = (rotate_z(&tip, turn), rotate_vector_z(&axis, turn));
+            for up in [150.0, 5.0, 150.0] {
+                let at = Move { motion: Motion::Rapid, tip: tip + axis * up, axis, tool: Some(0), line: 0 };
+                moves.push(at);
+            }
+        })
+    };
+    let cut = made.verdict(&dip(0.0));
+    assert!(cut.faults.is_empty(), "{:#?}", shown(&cut));
+    let uncut = made.verdict(&dip(pitch));
+    let rapids: Vec<_> = uncut.faults.iter().filter(|f| f.kind == FaultKind::RapidInStock).collect();
+    assert_eq!(rapids.len(), 1, "{:#?}", shown(&uncut));
+    assert!(rapids[0].value.is_some_and(|depth| depth > 1.0), "{:?}", rapids[0]);
 }
 
 #[test]
