@@ -16,9 +16,8 @@ use crate::machine::{
     machine_program, section_times,
 };
 use crate::monitor::Monitor;
-use crate::part::{Blank, Impeller};
-use crate::plunge::channels::plan_channels;
-use crate::setup::{Setup, Tool, tool_of};
+use crate::part::Impeller;
+use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
 
 /// A program with what its source says of the part.
@@ -120,20 +119,13 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
     }
     let (mut program, part) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
-        let missing = || Failure::at(&name, 0, "the plan names no tool; plan the part again");
-        let number = stored.setup.flank.tool.ok_or_else(missing)?;
-        let tool = tool_of(&stored.setup, number).map_err(|e| Failure::at(&name, 0, &e.message))?;
-        (ClProgram::of_flank(&stored.part.name, tool, &stored.moves), stored.part)
+        let missing = || Failure::at(&name, 0, "has no tool; plan it again");
+        (stored.program().ok_or_else(missing)?, stored.part)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
-        let channels = stored.channels.clamp(1, stored.part.blade_count);
-        let allowances = &stored.setup.allowances;
-        let blank = Blank::of(&stored.part, allowances.inlet_extension);
-        let safety = allowances.safety_distance;
-        let monitor = Monitor::default();
-        let plan = plan_channels(&stored.plan, &stored.part, &blank, safety, channels, &monitor)
-            .map_err(|cancelled| Failure::Work(cancelled.to_string()))?;
-        (ClProgram::of_plan(&stored.part.name, &plan), stored.part)
+        let program =
+            stored.program(&Monitor::default()).map_err(|cancelled| Failure::Work(cancelled.to_string()))?;
+        (program, stored.part)
     };
     if program.moves.is_empty() {
         return Err(Failure::at(&name, 0, "the plan has no positions; plan the part with tools that fit"));

@@ -16,6 +16,7 @@ use crate::io::plan_file::read_plan_bytes;
 use crate::io::source::{name_of, read_bytes_up_to};
 use crate::io::stl::{MAX_STL_BYTES, read_stl_bytes, write_stl};
 use crate::io::write_atomically;
+use crate::monitor::Monitor;
 use crate::part::{Blank, Impeller};
 use crate::setup::Setup;
 use crate::stock::solid::{
@@ -121,16 +122,16 @@ fn read_program(path: &Path) -> Result<(String, ClProgram, Option<Setup>), Failu
     }
     let (program, setup) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
-        // The setup of a flank plan names the tool that was chosen.
-        let chosen = stored.setup.flank.tool;
-        let tool = stored.setup.tools.iter().find(|tool| chosen.is_none_or(|number| tool.number == number));
-        let Some(tool) = tool else {
+        let Some(program) = stored.program() else {
             return Err(Failure::at(&name, 0, "has no tool; plan it again"));
         };
-        (ClProgram::of_flank(&stored.part.name, tool, &stored.moves), stored.setup.clone())
+        (program, stored.setup)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
-        (ClProgram::of_plan(&stored.part.name, &stored.plan), stored.setup)
+        (
+            stored.program(&Monitor::default()).map_err(|cancelled| Failure::Work(cancelled.to_string()))?,
+            stored.setup,
+        )
     };
     if program.moves.is_empty() {
         return Err(Failure::at(&name, 0, "has no moves; plan it again"));

@@ -14,7 +14,7 @@ use crate::flank::{FlankMove, FlankPlan, MilledWall, MoveKind};
 use crate::geometry::Point;
 use crate::part::{Impeller, PartDescription};
 use crate::setup::{FlankStrategy, Setup};
-use crate::toolpath::RAPID_MM_PER_MIN;
+use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN};
 
 /// Version of the file format; newer files are rejected.
 const VERSION: u32 = 2;
@@ -119,6 +119,16 @@ pub struct StoredFlank {
     pub walls: Vec<ShownWall>,
     /// All moves in cutting order.
     pub moves: Vec<FlankMove>,
+}
+
+impl StoredFlank {
+    /// Its program; `None` where its setup lacks the tool.
+    pub fn program(&self) -> Option<ClProgram> {
+        // The setup of a flank plan names the tool that was chosen.
+        let number = self.setup.flank.tool;
+        let tool = self.setup.tools.iter().find(|tool| number.is_none_or(|number| tool.number == number))?;
+        Some(ClProgram::of_flank(&self.part.name, tool, &self.moves))
+    }
 }
 
 /// The passes of a plan as they are displayed.

@@ -8,9 +8,12 @@ use super::setup_file::write_setup;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
 use crate::cutting::contact::CoreContact;
-use crate::part::{Impeller, PartDescription};
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::{Blank, Impeller, PartDescription};
+use crate::plunge::channels::plan_channels;
 use crate::plunge::{Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
-use crate::setup::{AxisPolicy, Setup, tool_of};
+use crate::setup::{AxisPolicy, CutDirection, Setup, tool_of};
+use crate::toolpath::ClProgram;
 
 /// Version of the file format; newer files are rejected.
 const VERSION: u32 = 2;
@@ -27,6 +30,9 @@ struct PlanFile {
     rounds: usize,
     settled: bool,
     rows: Vec<usize>,
+    /// In which direction each section is cut. Absent in files of earlier versions.
+    #[serde(default)]
+    directions: Vec<CutDirection>,
     /// Plunges added to each section and why adding stopped. Absent in files of earlier versions.
     #[serde(default)]
     added: Vec<Option<(usize, StopReason)>>,
@@ -80,6 +86,21 @@ pub struct StoredPlan {
     pub channels: usize,
 }
 
+impl StoredPlan {
+    /// Its program, for all channels that it is repeated for.
+    ///
+    /// # Errors
+    /// When `monitor` is cancelled.
+    pub fn program(&self, monitor: &Monitor) -> Result<ClProgram, Cancelled> {
+        let channels = self.channels.clamp(1, self.part.blade_count);
+        let allowances = &self.setup.allowances;
+        let blank = Blank::of(&self.part, allowances.inlet_extension);
+        let safety = allowances.safety_distance;
+        let plan = plan_channels(&self.plan, &self.part, &blank, safety, channels, monitor)?;
+        Ok(ClProgram::of_plan(&self.part.name, &plan))
+    }
+}
+
 /// Writes a plan file (JSON); lengths in mm, angles in degrees, part frame. `channels` is the number of
 /// channels that the plan is repeated for.
 pub fn write_plan(
@@ -97,6 +118,7 @@ pub fn write_plan(
         rounds: plan.iterations,
         settled: plan.converged,
         rows: plan.sections.iter().map(|s| s.rows).collect(),
+        directions: plan.sections.iter().map(|s| s.feed).collect(),
         added: plan.sections.iter().map(|s| s.added).collect(),
         positions: plan
             .positions
@@ -154,7 +176,12 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
             tool: tool_of(&setup, section.tool).map_err(|e| damaged(name, e.message))?.clone(),
             from: section.from,
             to: section.to,
-            feed: section.cut_direction.unwrap_or(crate::setup::CutDirection::OutletToInlet),
+            feed: file
+                .directions
+                .get(index)
+                .copied()
+                .or(section.cut_direction)
+                .unwrap_or(CutDirection::OutletToInlet),
             rows: file.rows.get(index).copied().unwrap_or(0),
             rest: section.rest,
             added: file.added.get(index).copied().flatten(),

@@ -15,7 +15,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::{
     BladeDescription, BladeSide, Channel, CurveDescription, Impeller, Meridional, PartDescription,
 };
-use vanecut::setup::{AxisPolicy, Setup};
+use vanecut::setup::{AxisPolicy, CutDirection, Setup};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify;
 
@@ -377,6 +377,23 @@ fn a_plan_file_from_before_plunges_could_stop_short_is_read() {
     for (old, new) in old.positions.iter().zip(&whole.positions) {
         assert_eq!((old.tip, old.axis, old.lift, old.limited_by), (new.tip, new.axis, 0.0, None));
     }
+}
+
+#[test]
+fn a_plan_file_keeps_the_direction_in_which_each_section_is_cut() {
+    let s = &SAMPLES;
+    let mut plan = read_plan_bytes("a", s.plan.as_bytes()).unwrap().plan;
+    let opposite = match plan.sections[0].feed {
+        CutDirection::OutletToInlet => CutDirection::InletToOutlet,
+        CutDirection::InletToOutlet => CutDirection::OutletToInlet,
+    };
+    plan.sections[0].feed = opposite;
+    let stored = read_plan_bytes("a", s.plan.as_bytes()).unwrap();
+    let written = write_plan(&stored.description, &stored.setup, &plan, 1);
+    let read = read_plan_bytes("a", written.as_bytes()).unwrap();
+    assert_eq!(read.plan.sections[0].feed, opposite, "the planner chose it, the setup does not name it");
+    let program = write_apt(&read.program(&Monitor::default()).unwrap());
+    assert_eq!(program.contains("OUTWARD"), opposite == CutDirection::InletToOutlet);
 }
 
 /// Reads the set with file `which` replaced.

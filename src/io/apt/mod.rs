@@ -6,6 +6,7 @@ mod words;
 mod write;
 
 pub use read::{read_apt, read_apt_bytes};
+pub(in crate::io) use write::section_words;
 pub use write::write_apt;
 
 #[cfg(test)]

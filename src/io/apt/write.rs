@@ -21,7 +21,7 @@ pub fn write_apt(program: &ClProgram) -> String {
     statement(&mut out, &["UNITS/MM"]);
     statement(&mut out, &["MULTAX/ON"]);
     for (index, section) in program.sections.iter().enumerate() {
-        statement(&mut out, &[&section_text(index, section)]);
+        statement(&mut out, &["PPRINT/", &section_words(index, section)]);
     }
     let mut tool = None;
     let mut feed = None;
@@ -67,8 +67,8 @@ pub fn write_apt(program: &ClProgram) -> String {
     out
 }
 
-/// The `PPRINT/SECTION` statement of a section, counted from 1.
-fn section_text(index: usize, section: &ClSection) -> String {
+/// The words that name a section in programs, counted from 1.
+pub(in crate::io) fn section_words(index: usize, section: &ClSection) -> String {
     let ClSection { from, to, diameter, feed, rest } = section;
     let feed = match feed {
         CutDirection::OutletToInlet => "INWARD",
@@ -76,7 +76,7 @@ fn section_text(index: usize, section: &ClSection) -> String {
     };
     let [from, to, diameter] = [from, to, diameter].map(|x| short(*x));
     let rest = if *rest { " REST" } else { "" };
-    format!("PPRINT/SECTION {} FROM {from} TO {to} D {diameter} {feed}{rest}", index + 1)
+    format!("SECTION {} FROM {from} TO {to} D {diameter} {feed}{rest}", index + 1)
 }
 
 fn load(out: &mut String, tool: &ClTool) {

@@ -3,10 +3,10 @@
 use super::format::NumberFormat;
 use super::post::{Dialect, Post};
 use crate::geometry::{Point, Vector};
+use crate::io::apt::section_words;
 use crate::machine::{
     LINEAR_NAMES, MachineProgram, MachineStep, MachineTool, OutputKind, StepMotion, gauge_length, turned,
 };
-use crate::setup::CutDirection;
 use crate::toolpath::{ClProgram, ClTool};
 
 /// Longest name of a program in its head.
@@ -285,14 +285,7 @@ impl NcWriter<'_> {
     fn sections(&mut self) {
         let program = self.program;
         for (index, section) in program.sections.iter().enumerate() {
-            let feed = match section.feed {
-                CutDirection::OutletToInlet => "INWARD",
-                CutDirection::InletToOutlet => "OUTWARD",
-            };
-            let rest = if section.rest { " REST" } else { "" };
-            let (from, to, diameter) = (section.from, section.to, section.diameter);
-            let number = index + 1;
-            self.comment(&format!("SECTION {number} FROM {from} TO {to} D {diameter} {feed}{rest}"));
+            self.comment(&section_words(index, section));
         }
     }
 
