@@ -2,9 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rayon::prelude::*;
-
-use crate::gpu::mesh::{Mesh, Paint, Vertex};
+use crate::gpu::mesh::{Mesh, Paint};
+use crate::gpu::solid_mesh::solid_mesh;
 use crate::io::gltf::GltfScene;
 use crate::io::stl::write_stl;
 use crate::job::flank::FlankOutcome;
@@ -12,6 +11,7 @@ use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
 use crate::palette::{self, Rgb};
 use crate::part::{Blank, Impeller};
+use crate::plunge::MOVES_PER_PLUNGE;
 use crate::plunge::plan::{Condition, PlungePlan};
 use crate::setup::AxisPolicy;
 use crate::stock::excess::Excess;
@@ -56,10 +56,6 @@ impl SolidColours {
 /// Rays across the wheel: of the solid that comes first, of the one that stays, and of an exported one.
 const COARSE: f64 = 140.0;
 const FINE: f64 = 360.0;
-/// Depth below the finished surface from which stock is drawn as a gouge, mm and spacings: the vertices of a
-/// surface are as exact as the rays, those on sharp edges less.
-const GOUGE: (f64, f64) = (0.02, 0.1);
-
 /// What is simulated: a plunge plan, and after it a flank plan.
 #[derive(Clone, Debug)]
 pub struct SolidSource {
@@ -156,9 +152,6 @@ impl SolidSource {
         Ok((SolidStock::new(&blank, spacing)?, spacing))
     }
 }
-
-/// Moves of a plunge in a program: to the retract point, to the tip, back.
-const MOVES_PER_PLUNGE: usize = 3;
 
 /// The players of one source, which keep what was simulated.
 struct Bench {
@@ -332,40 +325,10 @@ fn painted(
 ) -> Result<(Mesh, Vec<(Rgb, String)>), String> {
     let painter = Painter::new(request, program, contacts);
     let excess = (request.colours == SolidColours::Distance).then(|| Excess::new(request.source.part()));
-    let gouge = GOUGE.0.max(GOUGE.1 * spacing);
-    let vertex = |k: usize| {
-        let (point, normal, cut_by) = (&surface.points[k], &surface.normals[k], surface.cut_by[k]);
-        let is_sharp = normal.norm_squared() < 0.25;
-        let mut paint = painter.paint(cut_by);
-        let mut value = 0.0;
-        if let Some(excess) = excess.as_ref().filter(|_| cut_by != SpanEnd::BLANK || is_sharp) {
-            value = excess.at(point);
-            if value < -gouge && !is_sharp {
-                paint = Paint::colour(palette::INTERFERING);
-            }
-        }
-        Vertex::painted(
-            [point.x as f32, point.y as f32, point.z as f32],
-            [normal.x as f32, normal.y as f32, normal.z as f32],
-            value as f32,
-            paint,
-        )
-    };
-    // In pieces, between which a newer request ends the work.
-    let mut vertices = Vec::with_capacity(surface.points.len());
-    for first in (0..surface.points.len()).step_by(1 << 14) {
-        monitor.check().map_err(|_| String::new())?;
-        let until = (first + (1 << 14)).min(surface.points.len());
-        vertices.par_extend((first..until).into_par_iter().map(vertex));
-    }
-    // A triangle has the colour of its first corner. Corners on sharp edges belong to two surfaces.
-    let smooth = |i: u32| surface.normals[i as usize].norm_squared() > 0.25;
-    let indices = surface.triangles.iter().flat_map(|&[a, b, c]| match (smooth(a), smooth(b)) {
-        (true, _) => [a, b, c],
-        (false, true) => [b, c, a],
-        (false, false) => [c, a, b],
-    });
-    Ok((Mesh { indices: indices.collect(), vertices }, painter.names))
+    let paint = |cut_by: u32| painter.paint(cut_by);
+    // Cancelled by a newer request.
+    let mesh = solid_mesh(surface, spacing, excess.as_ref(), paint, monitor).map_err(|_| String::new())?;
+    Ok((mesh, painter.names))
 }
 
 /// Colours of moves.

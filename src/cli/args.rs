@@ -256,17 +256,17 @@ pub struct RenderArgs {
     /// View: iso, front, top, channel or section:K
     #[arg(long, default_value = "iso")]
     pub view: String,
-    /// Colours: residual, interference or plain; absent: residual for a plan, plain for a part.
-    /// For a flank plan: layer, region, feed or walls; absent: layer
+    /// Colours: residual, interference or plain, or solid: the stock as a solid; absent: residual for a plan, plain
+    /// for a part. For a flank plan: layer, region, feed, walls or solid; absent: layer
     #[arg(long)]
     pub show: Option<String>,
-    /// State after this many positions; for a flank plan with --show feed, moves
+    /// State after this many positions; for a flank plan with --show feed or solid, moves
     #[arg(long)]
     pub at: Option<usize>,
     /// Cutters: all, faulty or none; absent: chosen by --show
     #[arg(long)]
     pub cutters: Option<String>,
-    /// Range of the colour scale of --show residual, mm, as LOW:HIGH; absent: fitted to the plan
+    /// Range of the colour scale of --show residual and solid, mm, as LOW:HIGH; absent: fitted to the plan
     #[arg(long)]
     pub range: Option<String>,
     /// Also draw the shroud

@@ -25,6 +25,8 @@ mod post;
 mod render;
 #[cfg(feature = "gpu")]
 mod render_flank;
+#[cfg(feature = "gpu")]
+mod render_solid;
 mod report;
 mod sheet;
 mod stock;

@@ -6,7 +6,7 @@ use glam::UVec2;
 
 use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
-use super::{Failure, open, plan, render_flank};
+use super::{Failure, open, plan, render_flank, render_solid};
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View, encode_png,
@@ -16,11 +16,15 @@ use crate::io::plan_file::read_plan_bytes;
 use crate::io::source::{name_of, read_bytes};
 use crate::io::write::write_atomically;
 use crate::job::PlanOutcome;
+use crate::monitor::Monitor;
 use crate::part::{Blank, Channel, Impeller};
-use crate::plunge::PlungePlan;
+use crate::plunge::{MOVES_PER_PLUNGE, PlungePlan};
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_plan};
+use crate::toolpath::ClProgram;
 
+/// Word of `--show` for the stock as a solid.
+pub const SOLID: &str = "solid";
 /// Largest side of a picture, pixels.
 const MAX_SIDE: u32 = 8192;
 
@@ -45,7 +49,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         write_atomically(&args.output, &render_flank::picture(args, &plan, view, size)?)?;
         return Ok(());
     }
+    let as_solid = args.show.as_deref() == Some(SOLID);
     let colours: FloorColours = match &args.show {
+        Some(_) if as_solid => FloorColours::Residual,
         Some(word) => word.parse().map_err(|e| Failure::Input(format!("--show: {e}")))?,
         None if is_plan => FloorColours::Residual,
         None => FloorColours::Plain,
@@ -70,6 +76,13 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let (part, stored) = if let Some(bytes) = &plan_bytes {
         let stored = read_plan_bytes(&name_of(&args.source), bytes)?;
+        if as_solid {
+            let program =
+                stored.program(&Monitor::default()).map_err(|error| Failure::Work(error.to_string()))?;
+            let count = plunges_as_moves(args.at, &program);
+            let png = render_solid::picture(args, &stored.part, &stored.setup, &program, count, view, size)?;
+            return Ok(write_atomically(&args.output, &png)?);
+        }
         (stored.part, Some((stored.setup, stored.plan)))
     } else {
         let (_, part) = open::part(&args.source, &args.mesh)?;
@@ -84,6 +97,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         }
     };
     let png = match &stored {
+        Some((setup, plan)) if as_solid => {
+            let program = ClProgram::of_plan(&part.name, plan);
+            let count = plunges_as_moves(args.at, &program);
+            render_solid::picture(args, &part, setup, &program, count, view, size)?
+        }
         None => picture(&part, None, range, view, options, size, args.legend)?,
         Some((setup, plan)) => {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
@@ -103,6 +121,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     write_atomically(&args.output, &png)?;
     Ok(())
+}
+
+/// Number of moves of the first `plunges`, or of all.
+fn plunges_as_moves(plunges: Option<usize>, program: &ClProgram) -> usize {
+    plunges.map_or(program.moves.len(), |plunges| plunges.saturating_mul(MOVES_PER_PLUNGE))
 }
 
 type Planned<'a> = Option<(&'a PlungePlan, &'a FloorGrid, &'a ResidualField)>;
@@ -158,7 +181,7 @@ fn parse_size(word: &str) -> Result<UVec2, Failure> {
 }
 
 /// Parses LOW:HIGH, mm: pictures can be compared only with the same colour scale.
-fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
+pub fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
     let ends = word.split_once(':').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
     let usable = |(low, high): &(f32, f32)| low.is_finite() && high.is_finite() && low < high;
     ends.filter(usable).ok_or_else(|| {

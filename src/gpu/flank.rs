@@ -27,7 +27,7 @@ pub enum FlankColours {
 
 /// Error: a word that does not name colours of a flank plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown colours \"{0}\"; use layer, region, feed or walls")]
+#[error("unknown colours \"{0}\"; use layer, region, feed, walls or solid")]
 pub struct UnknownFlankColours(pub String);
 
 impl FromStr for FlankColours {

@@ -14,6 +14,7 @@ mod pipelines;
 pub mod renderer;
 pub mod residual;
 pub mod scene;
+pub mod solid_mesh;
 pub mod stock_floor;
 mod target;
 mod uniform;

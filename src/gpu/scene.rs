@@ -152,7 +152,7 @@ impl FromStr for FloorColours {
 
 /// Error: a word that is not a floor colouring.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown colours \"{0}\"; use residual, interference or plain")]
+#[error("unknown colours \"{0}\"; use residual, interference, plain or solid")]
 pub struct UnknownColours(pub String);
 
 impl SceneOptions {

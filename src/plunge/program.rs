@@ -3,6 +3,9 @@
 use super::{PlungePlan, SectionPlan};
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 
+/// Moves of a plunge in a program: to the retract point, to the tip, back.
+pub const MOVES_PER_PLUNGE: usize = 3;
+
 impl ClSection {
     fn of(section: &SectionPlan) -> Self {
         Self {
@@ -37,7 +40,7 @@ impl ClProgram {
                 program.tools.push(cutter);
                 program.tools.len() - 1
             });
-            let plunge = [
+            let plunge: [_; MOVES_PER_PLUNGE] = [
                 (Motion::Rapid, position.retract),
                 (Motion::Feed(Some(tool.plunge_feed)), position.tip),
                 (Motion::Rapid, position.retract),

@@ -1,0 +1,69 @@
+//! Pictures of the stock as a solid.
+
+use std::sync::Arc;
+
+use glam::UVec2;
+
+use super::Failure;
+use super::args::RenderArgs;
+use super::render::{draw, parse_range};
+use super::watch::run_with_progress;
+use crate::gpu::mesh::Paint;
+use crate::gpu::solid_mesh::solid_mesh;
+use crate::gpu::{CutterFilter, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
+use crate::part::{Blank, Impeller};
+use crate::setup::Setup;
+use crate::stock::excess::Excess;
+use crate::stock::solid::{SolidBlank, SolidProgram, SolidStock, SpanEnd, StockSurface, TurnedOutline};
+use crate::toolpath::ClProgram;
+
+/// Upper end of the colour scale unless one is given, in allowances of the hub.
+const RANGE_IN_ALLOWANCES: f64 = 8.0;
+
+/// PNG file of the blank of `part` after the first `count` moves of `program`, coloured by the distance of what is
+/// cut to the finished part.
+///
+/// # Errors
+/// [`Failure::Input`] when the program cannot be simulated or the scale is invalid, [`Failure::Work`] when cancelled
+/// or when drawing fails.
+pub fn picture(
+    args: &RenderArgs,
+    part: &Impeller,
+    setup: &Setup,
+    program: &ClProgram,
+    count: usize,
+    view: View,
+    size: UVec2,
+) -> Result<Vec<u8>, Failure> {
+    let allowances = &setup.allowances;
+    let low = allowances.hub_allowance;
+    let fitted = (low as f32, (RANGE_IN_ALLOWANCES * low).max(1.0) as f32);
+    let range_mm = args.range.as_deref().map(parse_range).transpose()?.unwrap_or(fitted);
+    let moves = SolidProgram::new(program, setup).map_err(|fault| Failure::Input(fault.message))?;
+    let blank = Blank::of(part, allowances.inlet_extension);
+    let blank = SolidBlank::Turned(TurnedOutline::of_blank(part, &blank));
+    let spacing = blank.default_spacing();
+    let failed = |error: &dyn std::fmt::Display| Failure::Work(error.to_string());
+    let mut stock = SolidStock::new(&blank, spacing).map_err(|error| failed(&error))?;
+    run_with_progress(|monitor| stock.make_moves(&moves.tools, moves.first(count), monitor))
+        .map_err(|error| failed(&error))?;
+    let surface = StockSurface::of(&stock);
+    let paint = |cut_by: u32| if cut_by == SpanEnd::BLANK { Paint::UNCUT } else { Paint::BY_VALUE };
+    let excess = Excess::new(part);
+    let mesh = run_with_progress(|monitor| solid_mesh(&surface, spacing, Some(&excess), paint, monitor))
+        .map_err(|error| failed(&error))?;
+    let options = SceneOptions {
+        show_solid: true,
+        show_cutters: CutterFilter::Hidden,
+        range_mm,
+        show_shroud: args.shroud,
+        transparent: args.transparent,
+        theme: if args.dark { Theme::Dark } else { Theme::Light },
+        ..SceneOptions::for_colours(FloorColours::Residual)
+    };
+    let gpu = Gpu::headless()?;
+    let mut renderer = Renderer::new(&gpu);
+    let mut scene = Scene::new(&gpu, part);
+    scene.set_solid(&gpu, Some(Arc::new(mesh)));
+    draw(&gpu, &mut renderer, &scene, view, &options, size, args.legend)
+}
