@@ -203,9 +203,15 @@ fn stock_of_a_channel_that_is_not_cut_stands_in_the_way() {
     let cut = made.verdict(&dip(0.0));
     assert!(cut.faults.is_empty(), "{:#?}", shown(&cut));
     let uncut = made.verdict(&dip(pitch));
-    let rapids: Vec<_> = uncut.faults.iter().filter(|f| f.kind == FaultKind::RapidInStock).collect();
-    assert_eq!(rapids.len(), 1, "{:#?}", shown(&uncut));
-    assert!(rapids[0].value.is_some_and(|depth| depth > 1.0), "{:?}", rapids[0]);
+    // Down and up again.
+    let depths: Vec<f64> = uncut
+        .faults
+        .iter()
+        .filter(|fault| fault.kind == FaultKind::RapidInStock)
+        .filter_map(|fault| fault.value)
+        .collect();
+    assert_eq!(depths.len(), 2, "{:#?}", shown(&uncut));
+    assert!(depths.iter().all(|depth| (3.0..=4.0).contains(depth)), "up to the radius: {depths:?}");
 }
 
 #[test]
