@@ -9,6 +9,10 @@ use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search}
 /// Tolerance of the intersection of a line with the border of the blank, mm.
 const BORDER_TOLERANCE: f64 = 1e-6;
 
+/// Least step along a line that is searched for the blank, mm, and as a share of its length.
+const MIN_STRIDE: f64 = 0.01;
+const MIN_STRIDE_SHARE: f64 = 1.0 / 2000.0;
+
 /// A turned blank. Its outline runs along the hub, up the rim (a straight line between the trailing
 /// edges), back along the shroud, and down the line of leading edges.
 #[derive(Clone, Debug)]
@@ -160,8 +164,9 @@ impl Blank {
     }
 
     /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is solid: steps down by free
-    /// radii (sphere tracing), then refines the border by bracketed root finding. `warm` as in
-    /// [`Self::is_solid`].
+    /// radii (sphere tracing), then refines the border by bracketed root finding. Chords shorter than
+    /// [`MIN_STRIDE`], or than [`MIN_STRIDE_SHARE`] of the line, may be missed where it grazes the blank. `warm` as
+    /// in [`Self::is_solid`].
     pub fn highest_inside(
         &self,
         origin: &Point,
@@ -171,7 +176,7 @@ impl Blank {
         warm: &mut Option<f64>,
     ) -> Option<f64> {
         let (low, high) = self.clip(origin, direction, 0.0, (low, high))?;
-        let stride = ((high - low) / 6.0).min(1.0).max((high - low) / 300.0);
+        let stride = (MIN_STRIDE_SHARE * (high - low)).max(MIN_STRIDE);
         let mut free_radius = |h: f64| self.free_radius(Meridional::of(&(origin + direction * h)), warm);
         let mut above = None;
         let mut h = high;

@@ -38,7 +38,7 @@ fn planned(setup: Setup) -> PlanOutcome {
     run(&request, &Monitor::default()).expect("a plan")
 }
 
-static WHOLE: LazyLock<PlanOutcome> = LazyLock::new(|| planned(setup("")));
+pub static WHOLE: LazyLock<PlanOutcome> = LazyLock::new(|| planned(setup("")));
 
 /// Faults of the program of a plan.
 fn faults(outcome: &PlanOutcome, plan: &PlungePlan) -> Vec<String> {

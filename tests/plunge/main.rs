@@ -8,6 +8,7 @@ mod floor;
 mod free_of_contact;
 mod goals;
 mod inspect;
+mod narrow_contact;
 mod plan;
 mod probe;
 mod program;
