@@ -25,6 +25,10 @@ const LEAD_STEPS: usize = 19;
 /// Middle of the grid, degrees.
 const MIDDLE_LEAD_DEG: f64 = FIRST_LEAD_DEG + 0.5 * LEAD_STEP_DEG * LEAD_STEPS as f64;
 
+/// Step of the grid around the conventional axis that is laid where no axis of the usual one clears the
+/// blades, degrees: a passage hardly wider than the cutter leaves less room than the usual step.
+const NARROW_STEP_DEG: f64 = 0.5;
+
 /// The grid is too coarse when from one lead angle to the next the axis moves on the shroud by more than this
 /// share of the width of the cutting ring: the next core then meets stock that the last plunge left high
 /// above the hub.
@@ -241,8 +245,32 @@ struct AxisFrame {
     conventional: AxisEnds,
     frame: RowFrame,
     upright: ZeroLeadRef,
-    /// The conventional axis.
+    /// The conventional axis, and its lead angle relative to the shift of the grid, rad.
     reference: Vector,
+    conventional_lead: f64,
+    grid: LeadGrid,
+}
+
+/// Lead angles of a stage, relative to its shift.
+#[derive(Clone, Copy, Debug)]
+struct LeadGrid {
+    first_deg: f64,
+    step_deg: f64,
+}
+
+impl LeadGrid {
+    const USUAL: Self = Self { first_deg: FIRST_LEAD_DEG, step_deg: LEAD_STEP_DEG };
+
+    /// The narrow grid around the lead angle `middle`, rad, which is one of its own.
+    fn narrow(middle: f64) -> Self {
+        let half = (LEAD_STEPS / 2) as f64 * NARROW_STEP_DEG;
+        Self { first_deg: middle.to_degrees() - half, step_deg: NARROW_STEP_DEG }
+    }
+
+    /// Lead angle `j` of the grid with its steps divided into `fineness` parts, rad.
+    fn lead(&self, j: usize, fineness: usize) -> f64 {
+        (self.first_deg + self.step_deg * j as f64 / fineness as f64).to_radians()
+    }
 }
 
 /// Step of s for finite differences.
@@ -253,10 +281,31 @@ impl CandidateMaker<'_> {
     pub fn stage_at(&self, s_hub: f64) -> Option<CandidateStage> {
         let frame = self.axis_frame(s_hub)?;
         let floor = self.floor_points(&frame.conventional, &frame.frame)?;
+        let usual = self.stage_on(frame, floor);
+        if self.is_open(&usual) {
+            return Some(usual);
+        }
+        let grid = LeadGrid::narrow(frame.conventional_lead);
+        let narrow = self.stage_on(AxisFrame { grid, ..frame }, floor);
+        Some(if self.is_open(&narrow) { narrow } else { usual })
+    }
+
+    /// Whether some candidate of a stage clears the blades; the cheap ones are asked first, as searches do.
+    fn is_open(&self, stage: &CandidateStage) -> bool {
+        let mut asked: Vec<(f64, CandidateIndex)> = stage
+            .indices(1)
+            .filter_map(|index| Some((stage.candidate(index)?.cost(0.0, self.scale), index)))
+            .collect();
+        asked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        asked.into_iter().any(|(_, index)| self.cleared(stage, index).is_some())
+    }
+
+    /// The stage with the grid of `frame`.
+    fn stage_on(&self, frame: AxisFrame, floor: FloorPoints) -> CandidateStage {
         let by_lead: Vec<_> =
             (0..=LEAD_STEPS * self.fineness).map(|j| self.lead_candidates(j, &frame, &floor)).collect();
         let answers = by_lead.iter().map(|_| Default::default()).collect();
-        Some(CandidateStage { by_lead, answers, frame, floor })
+        CandidateStage { by_lead, answers, frame, floor }
     }
 
     /// Adds lead angles half way between those of `stage`, which has half the fineness of this maker.
@@ -277,8 +326,8 @@ impl CandidateMaker<'_> {
 
     /// The candidates of lead angle `j` of the grid.
     fn lead_candidates(&self, j: usize, at: &AxisFrame, floor: &FloorPoints) -> LeadCandidates {
-        let AxisFrame { conventional, frame, upright, reference } = at;
-        let tilt = (FIRST_LEAD_DEG + LEAD_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
+        let AxisFrame { conventional, frame, upright, reference, grid, .. } = at;
+        let tilt = grid.lead(j, self.fineness);
         let place = (conventional.s_hub, frame, upright);
         let axes = self.axes(upright.s_shroud_at_lead(tilt), place, ZERO_TILT_SHARES);
         let mut candidates = axes.map(|ends| {
@@ -309,7 +358,7 @@ impl CandidateMaker<'_> {
         tilts: impl Iterator<Item = f64>,
         shares: &[f64; N],
     ) -> Vec<Station> {
-        let Some(AxisFrame { conventional, frame, upright, reference }) = self.axis_frame(s_hub) else {
+        let Some(AxisFrame { conventional, frame, upright, reference, .. }) = self.axis_frame(s_hub) else {
             return Vec::new();
         };
         tilts
@@ -330,7 +379,8 @@ impl CandidateMaker<'_> {
         // end above the previous one. Where no others remain, the row ends.
         let moved = (tilt - self.max_tilt_rad - MIDDLE_LEAD_DEG.to_radians()).max(0.0);
         let upright = self.zero_lead_ref(&conventional, &frame, moved)?;
-        Some(AxisFrame { conventional, frame, upright, reference })
+        let (conventional_lead, grid) = (tilt - moved, LeadGrid::USUAL);
+        Some(AxisFrame { conventional, frame, upright, reference, conventional_lead, grid })
     }
 
     /// Ends of the conventional axis at `s_hub`, whether or not it clears the walls.
