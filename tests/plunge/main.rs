@@ -12,4 +12,5 @@ mod plan;
 mod probe;
 mod program;
 mod slotting;
+mod splitters;
 mod tool_choice;
