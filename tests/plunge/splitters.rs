@@ -24,7 +24,7 @@ fn blade(from: f64, turn: f64, half: f64) -> BladeDescription {
             Point::new(x * turn.cos() - y * turn.sin(), x * turn.sin() + y * turn.cos(), z)
         };
         let section = |z: f64| (0..=20).map(|k| point(k, z)).collect();
-        vec![section(-5.0), section(60.0)]
+        vec![section(-5.0), section(40.0)]
     };
     BladeDescription::Sections { suction: side(half), pressure: side(-half), line: 0 }
 }
@@ -38,13 +38,12 @@ fn disc() -> Impeller {
         };
         CurveDescription::Points((0..=20).map(point).collect())
     };
-    let blade_count = 5;
-    let pitch = std::f64::consts::TAU / f64::from(blade_count);
+    let pitch = std::f64::consts::TAU / 5.0;
     let description = PartDescription {
         name: "disc".to_owned(),
         hub: curve([40.0, 0.0], [RIM, 0.0]),
         shroud: curve([62.0, 30.0], [RIM, 20.0]),
-        blade_count: blade_count as usize,
+        blade_count: 5,
         main: blade(BEGIN, 0.0, 1.5),
         splitters: SPLITTERS.iter().map(|&(share, from)| blade(from, share * pitch, HALF)).collect(),
         hub_line: 0,
