@@ -213,8 +213,8 @@ pub fn passage_angle(low: f64, high: f64, pitch: f64) -> f64 {
     wrap_angle((high - low) - 0.5 * pitch) + 0.5 * pitch
 }
 
-/// A passage divided by a splitter. Of several splitters the longest divides the channel, and the next longest
-/// divide the passages beside it.
+/// A passage divided by a splitter. Of several splitters the longest divides the channel, and the next
+/// longest divide the passages beside it.
 #[derive(Clone, Debug)]
 pub struct Division {
     /// Index of the splitter in [`Impeller::splitters`].

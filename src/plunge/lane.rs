@@ -257,9 +257,9 @@ impl<'a> Lane<'a> {
         })
     }
 
-    /// The axis along `wall` with W turned about Z by `turn` (rad) from where the plain offset of the ruling has
-    /// it, as near to the wall as the finished blade allows. `None` where there is no ruling, or no such axis
-    /// clears the blade.
+    /// The axis along `wall` with W turned about Z by `turn` (rad) from where the plain offset of the ruling
+    /// has it, as near to the wall as the finished blade allows. `None` where there is no ruling, or no such
+    /// axis clears the blade.
     pub fn turned_wall_axis(
         &self,
         wall: usize,

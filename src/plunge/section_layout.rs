@@ -157,8 +157,8 @@ impl<'a> Planner<'a> {
         open
     }
 
-    /// λ across the whole channel of the passages beside a splitter, by the angles of their feet at `s`; those
-    /// of the passage that it divides are `(low, high)`.
+    /// λ across the whole channel of the passages beside a splitter, by the angles of their feet at `s`;
+    /// those of the passage that it divides are `(low, high)`.
     fn lambdas_beside(&self, division: &Division, (low, high): (f64, f64), s: f64) -> [(f64, f64); 2] {
         let angles = |p: &Passage| p.wall_angles(self.part, s, 0.0);
         let [near, far] = division.passages.map(|passage| angles(&self.channel.passages[passage]));

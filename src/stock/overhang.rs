@@ -157,8 +157,8 @@ impl<'a> WallTables<'a> {
         }
     }
 
-    /// The walls that face wall `index` across a passage. The far side of a splitter is hidden behind its near
-    /// side.
+    /// The walls that face wall `index` across a passage. The far side of a splitter is hidden behind its
+    /// near side.
     pub(super) fn facing(&self, index: usize) -> impl Iterator<Item = &WallTable<'a>> {
         // Those that close the channel where `index` opens it, on the side to which it opens.
         let opens = self.faces.get(index).is_some_and(|face| face.opening_sign > 0.0);

@@ -265,10 +265,8 @@ impl<'a> WallCorner<'a> {
         let rise = cutter.radius * axis[1] * axis[2] / half;
         let flank = CutterFlank { axis, tan_phi: lean, reach, rise };
         let place = near.nearest_axis(&flank, bottom + rise);
-        let lacking = facing
-            .iter()
-            .map(|wall| place - wall.furthest_axis(&flank, bottom - rise))
-            .fold(0.0, f64::max);
+        let lacking =
+            facing.iter().map(|wall| place - wall.furthest_axis(&flank, bottom - rise)).fold(0.0, f64::max);
         if place == f64::NEG_INFINITY {
             // The whole wall is lower than the bottom's near end.
             return f64::INFINITY;

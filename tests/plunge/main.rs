@@ -14,3 +14,4 @@ mod program;
 mod slotting;
 mod splitters;
 mod tool_choice;
+mod wall_axes;

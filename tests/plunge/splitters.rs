@@ -77,7 +77,10 @@ fn each_splitter_divides_the_passage_that_it_stands_in() {
         .collect();
     let third = 130.0 * part.pitch().abs() / 3.0;
     let expected = [third - 1.5 - HALF, third - 2.0 * HALF, third - 1.5 - HALF];
-    assert!(widths.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.1), "{widths:?}, expected {expected:?}");
+    assert!(
+        widths.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.1),
+        "{widths:?}, expected {expected:?}"
+    );
 }
 
 #[test]
@@ -97,9 +100,8 @@ fn rows_run_beside_every_splitter_and_leave_no_floor_uncut() {
     let mut asked = Setup { tools: vec![cutter], ..Setup::default() };
     asked.plunge.rest = false;
     let setup = resolve(&asked, &part, &channel).expect("a setup").setup;
-    let plan = Planner::new(&part, &channel, &setup)
-        .plan(AxisPolicy::Minimal, &Monitor::default())
-        .expect("a plan");
+    let plan =
+        Planner::new(&part, &channel, &setup).plan(AxisPolicy::Minimal, &Monitor::default()).expect("a plan");
     let blank = Blank::of(&part, setup.allowances.inlet_extension);
     let cutters = stretches_of_setup(&setup);
     let stock = &setup.allowances;

@@ -35,10 +35,7 @@ fn channel(widths: &[f64], joint: Option<usize>) -> Survey {
             }],
         }
     };
-    Survey {
-        stations: widths.iter().enumerate().map(station).collect(),
-        joints: joint.into_iter().collect(),
-    }
+    Survey { stations: widths.iter().enumerate().map(station).collect(), joints: joint.into_iter().collect() }
 }
 
 /// A channel that opens evenly from `inlet` to `outlet`, mm.

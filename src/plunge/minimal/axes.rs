@@ -1,5 +1,5 @@
-//! Axes of a row at one s: a grid of lead angles about the hub normal, and the axes of a lead angle with several
-//! tilt angles.
+//! Axes of a row at one s: a grid of lead angles about the hub normal, and the axes of a lead angle with
+//! several tilt angles.
 
 use super::candidate::CandidateMaker;
 use crate::geometry::{Vector, wrap_angle};
@@ -18,12 +18,13 @@ const MIDDLE_LEAD_DEG: f64 = FIRST_LEAD_DEG + 0.5 * LEAD_STEP_DEG * LEAD_STEPS a
 /// Step of the grid around the conventional axis that is laid where no axis of the usual one clears the
 /// blades, degrees: a passage hardly wider than the cutter leaves less room than the usual step.
 const NARROW_STEP_DEG: f64 = 0.5;
-/// Distance between the fitted axis of a wall row and the plain offset of the ruling from which on axes turned
-/// off the wall are tried too, in cutter radii.
+/// Distance between the fitted axis of a wall row and the plain offset of the ruling from which on axes
+/// turned off the wall are tried too, in cutter radii.
 const OFF_FOOT_RADII: f64 = 0.3;
 /// Largest tilt angle by which they are turned from the ruling, degrees.
 const MAX_TURNED_DEG: f64 = 24.0;
-/// Least share of a turn of W about Z that is across the row: with less, turning does not change the tilt angle.
+/// Least share of a turn of W about Z that is across the row: with less, turning does not change the tilt
+/// angle.
 const MIN_GAIN_SHARE: f64 = 0.2;
 
 /// Local frame at a position of a row.
@@ -205,9 +206,9 @@ impl CandidateMaker<'_> {
         })
     }
 
-    /// Fills the free slots after the own axis `ends` of a wall row with axes of which W is turned off the wall.
-    /// A twisted or bowed wall keeps the cutter that is fitted along it off its foot, where a strip stays uncut;
-    /// a more upright axis gets nearer.
+    /// Fills the free slots after the own axis `ends` of a wall row with axes of which W is turned off the
+    /// wall. A twisted or bowed wall keeps the cutter that is fitted along it off its foot, where a strip
+    /// stays uncut; a more upright axis gets nearer.
     fn add_turned<const N: usize>(
         &self,
         only: &mut [Option<AxisEnds>; N],
