@@ -213,6 +213,21 @@ pub fn passage_angle(low: f64, high: f64, pitch: f64) -> f64 {
     wrap_angle((high - low) - 0.5 * pitch) + 0.5 * pitch
 }
 
+/// A passage divided by a splitter. Of several splitters the longest divides the channel, and the next
+/// longest divide the passages beside it.
+#[derive(Clone, Debug)]
+pub struct Division {
+    /// Index of the splitter in [`Impeller::splitters`].
+    pub splitter: usize,
+    /// s of its leading edge: on the hub, on the shroud.
+    pub s: [f64; 2],
+    /// Indices in [`Channel::passages`] of the passages beside it: on the side of the first wall, and of the
+    /// second.
+    pub passages: [usize; 2],
+    /// How shorter splitters divide these passages.
+    pub inner: [Option<Box<Division>>; 2],
+}
+
 /// Channel 1 of an impeller.
 #[derive(Clone, Debug)]
 pub struct Channel {
@@ -223,13 +238,19 @@ pub struct Channel {
     pub beside_splitter: Vec<Passage>,
     /// s of the splitter's leading edge: on the hub, on the shroud.
     pub splitter_s: Option<[f64; 2]>,
+    /// All passages of the channel: `full`, then those that [`Self::division`] names.
+    pub passages: Vec<Passage>,
+    /// All splitters of a pitch, from the first wall to the second.
+    pub splitters: Vec<SplitterWalls>,
+    /// How they divide the channel; `None` without any.
+    pub division: Option<Box<Division>>,
     /// Both sides of every blade that bounds or divides the channel: the surfaces that a tool in it may
     /// touch.
     pub sides: Vec<BladeSide>,
 }
 
 impl Channel {
-    /// Channel 1 of `part`. Only the first splitter of a pitch is planned around.
+    /// Channel 1 of `part`. Flank plans know only the first splitter of a pitch.
     ///
     /// ```
     /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
@@ -253,11 +274,109 @@ impl Channel {
             beside_splitter =
                 vec![Passage { walls: [low.clone(), near] }, Passage { walls: [far, high.clone()] }];
         }
+        let full = Passage { walls: [low, high] };
+        let mut passages = vec![full.clone()];
+        let splitters = SplitterWalls::across(part, &full);
+        let division = Division::of(&splitters, &full.walls, &mut passages);
         Self {
-            full: Passage { walls: [low, high] },
+            full,
             beside_splitter,
             splitter_s,
+            passages,
+            splitters,
+            division,
             sides: sides_around_channel(part),
+        }
+    }
+
+    /// Indices of the [`Self::passages`] at `s`, from the first wall to the second.
+    pub fn passages_at(&self, s: f64) -> Vec<usize> {
+        let mut found = Vec::new();
+        Division::passages_at(self.division.as_deref(), 0, s, &mut found);
+        found
+    }
+
+    /// s on hub and shroud at which splitters begin, the longest first.
+    pub fn noses(&self) -> Vec<[f64; 2]> {
+        let mut noses = Vec::new();
+        let mut open: Vec<&Division> = self.division.as_deref().into_iter().collect();
+        while let Some(division) = open.pop() {
+            noses.push(division.s);
+            open.extend(division.inner.iter().flatten().map(AsRef::as_ref));
+        }
+        noses.sort_by(|a, b| (a[0].max(a[1])).total_cmp(&b[0].max(b[1])));
+        noses
+    }
+}
+
+/// A splitter as the walls of the passages on either side of it.
+#[derive(Clone, Debug)]
+pub struct SplitterWalls {
+    /// Index of the splitter in [`Impeller::splitters`].
+    pub index: usize,
+    /// s of its leading edge: on the hub, on the shroud.
+    pub s: [f64; 2],
+    /// The side that faces the first wall of the channel, and the one that faces the second.
+    pub near: Wall,
+    /// See `near`.
+    pub far: Wall,
+}
+
+/// s on the hub at which splitters are put in order, from the rim inwards.
+const ORDER_AT: [f64; 3] = [1.0, 0.97, 0.9];
+
+impl SplitterWalls {
+    /// The splitters of a pitch in order from the first wall of the channel `full` to the second.
+    pub fn across(part: &Impeller, full: &Passage) -> Vec<Self> {
+        let leading = |splitter: &super::Blade, path: &super::Flowpath, v: f64| {
+            path.s_at(splitter.leading_edge_on(path.curve(), v))
+        };
+        let turn = |wall: &Wall| {
+            ORDER_AT.iter().find_map(|&s| {
+                let (low, at) = (full.walls[0].at(part, s, 0.0)?, wall.at(part, s, 0.0)?);
+                Some(part.pitch().signum() * passage_angle(low.theta, at.theta, part.pitch()))
+            })
+        };
+        let mut found: Vec<(f64, Self)> = part
+            .splitters
+            .iter()
+            .enumerate()
+            .map(|(index, splitter)| {
+                let s = [leading(splitter, &part.hub, 0.0), leading(splitter, &part.shroud, 1.0)];
+                let (near, far) = (Wall::new(part, &splitter.pressure), Wall::new(part, &splitter.suction));
+                (turn(&near).unwrap_or(0.0), Self { index, s, near, far })
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|(_, walls)| walls).collect()
+    }
+}
+
+impl Division {
+    /// How `splitters`, in order, divide the passage between `walls`; adds the passages to `passages`.
+    fn of(splitters: &[SplitterWalls], walls: &[Wall; 2], passages: &mut Vec<Passage>) -> Option<Box<Self>> {
+        let begins = |at: &usize| splitters[*at].s[0];
+        let longest = (0..splitters.len()).min_by(|a, b| begins(a).total_cmp(&begins(b)))?;
+        let SplitterWalls { index, s, near, far } = &splitters[longest];
+        let [low, high] = walls;
+        let first = passages.len();
+        let beside = [[low.clone(), near.clone()], [far.clone(), high.clone()]];
+        passages.extend(beside.iter().map(|walls| Passage { walls: walls.clone() }));
+        let inner = [
+            Self::of(&splitters[..longest], &beside[0], passages),
+            Self::of(&splitters[longest + 1..], &beside[1], passages),
+        ];
+        Some(Box::new(Self { splitter: *index, s: *s, passages: [first, first + 1], inner }))
+    }
+
+    fn passages_at(division: Option<&Self>, whole: usize, s: f64, found: &mut Vec<usize>) {
+        match division {
+            Some(Self { s: [hub, shroud], passages, inner, .. }) if s >= hub.min(*shroud) => {
+                for (passage, inner) in passages.iter().zip(inner) {
+                    Self::passages_at(inner.as_deref(), *passage, s, found);
+                }
+            }
+            _ => found.push(whole),
         }
     }
 }

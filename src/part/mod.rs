@@ -16,7 +16,7 @@ mod width;
 
 pub use blade::Blade;
 pub use blank::Blank;
-pub use channel::{Channel, ChannelPoint, Passage, Wall, WallAngle, passage_angle};
+pub use channel::{Channel, ChannelPoint, Division, Passage, SplitterWalls, Wall, WallAngle, passage_angle};
 pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
 };

@@ -175,7 +175,7 @@ impl<'a> Lane<'a> {
     }
 
     /// +1 where increasing θ leads into the passage from this wall, else −1.
-    fn inward_sign(&self, wall: usize) -> f64 {
+    pub fn inward_sign(&self, wall: usize) -> f64 {
         self.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 }
     }
 
@@ -254,6 +254,27 @@ impl<'a> Lane<'a> {
         TILT_OFFSETS_DEG.iter().find_map(|lean_deg| {
             let theta_shroud = plain.theta_shroud + lean_deg.to_radians().tan() * unit;
             self.clear_of_blades(wall, AxisEnds { theta_shroud, ..plain })
+        })
+    }
+
+    /// The axis along `wall` with W turned about Z by `turn` (rad) from where the plain offset of the ruling
+    /// has it, as near to the wall as the finished blade allows. `None` where there is no ruling, or no such
+    /// axis clears the blade.
+    pub fn turned_wall_axis(
+        &self,
+        wall: usize,
+        (s_hub, s_shroud): (f64, f64),
+        turn: f64,
+    ) -> Option<AxisEnds> {
+        let plain = self.plain_offset(wall, s_hub, s_shroud)?;
+        let theta_shroud = plain.theta_shroud + turn;
+        self.push_clear(wall, AxisEnds { theta_shroud, ..plain }, 0.0)
+    }
+
+    /// Distance of M of `ends` beside `wall` from where the plain offset of the ruling has it, mm.
+    pub fn distance_from_plain(&self, wall: usize, ends: &AxisEnds) -> f64 {
+        self.plain_offset(wall, ends.s_hub, ends.s_shroud).map_or(0.0, |plain| {
+            wrap_angle(ends.theta_hub - plain.theta_hub).abs() * self.part.hub.point(ends.s_hub).r
         })
     }
 

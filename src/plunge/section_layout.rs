@@ -11,7 +11,7 @@ use super::row::{RowMaker, Runs, Station};
 use super::sections::{max_shroud_spacing, step_limit, stepover};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::monitor::Monitor;
-use crate::part::Passage;
+use crate::part::{Division, Passage};
 use crate::setup::{CutDirection, SectionSetup, Tool, tool_of};
 
 /// Gap between the core and the rim at the start of a row, mm.
@@ -92,34 +92,48 @@ impl PassageStretch<'_> {
 impl<'a> Planner<'a> {
     /// The stretches of a section, outlet end first.
     fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<PassageStretch<'a>> {
-        let whole = |from: f64, to: f64| PassageStretch {
+        let whole = PassageStretch {
             passage: &self.channel.full,
             lambdas: (0.0, 1.0),
-            from,
-            to,
+            from: section.from,
+            to: section.to,
         };
-        let Some([hub, shroud]) = self.channel.splitter_s else {
-            return vec![whole(section.from, section.to)];
-        };
+        self.divided(whole, self.channel.division.as_deref(), tool)
+    }
+
+    /// The stretches into which `division` divides the stretch `whole` of a passage.
+    fn divided(
+        &self,
+        whole: PassageStretch<'a>,
+        division: Option<&'a Division>,
+        tool: &Tool,
+    ) -> Vec<PassageStretch<'a>> {
+        let Some(division) = division else { return vec![whole] };
+        let [hub, shroud] = division.s;
+        let PassageStretch { from, to, .. } = whole;
         // The passages join upstream of the splitter's nose by the radius and allowance of the cutter.
         let reach = (tool.radius() + self.setup.allowances.blade_allowance) / self.part.hub.length();
         let nose = (hub.min(shroud) - reach).max(0.0);
         let mut stretches = Vec::new();
         let mut joined = nose;
-        if section.from > nose {
-            let share = self.splitter_share(0.5 * (section.from.min(1.0) + section.to).max(hub.max(shroud)));
-            for (passage, lambdas) in
-                self.channel.beside_splitter.iter().zip([(0.0, share.0), (share.1, 1.0)])
-            {
+        if from > nose {
+            let s = 0.5 * (from.min(1.0) + to).max(hub.max(shroud));
+            let lambdas = self.lambdas_beside(division, whole.lambdas, s);
+            for ((&passage, lambdas), inner) in division.passages.iter().zip(lambdas).zip(&division.inner) {
+                let passage = &self.channel.passages[passage];
                 // Upstream of the nose the extended flanks may converge; the rows end where the cutter no
                 // longer fits.
-                let to = self.fits_until(passage, tool, section.to.max(nose), hub.min(shroud));
+                let to = self.fits_until(passage, tool, to.max(nose), hub.min(shroud));
                 joined = joined.max(to);
-                stretches.push(PassageStretch { passage, lambdas, from: section.from, to });
+                stretches.extend(self.divided(
+                    PassageStretch { passage, lambdas, from, to },
+                    inner.as_deref(),
+                    tool,
+                ));
             }
         }
-        if section.to < joined {
-            stretches.push(whole(section.from.min(joined), section.to));
+        if to < joined {
+            stretches.push(PassageStretch { from: from.min(joined), ..whole });
         }
         stretches
     }
@@ -143,23 +157,22 @@ impl<'a> Planner<'a> {
         open
     }
 
-    /// λ of both sides of the splitter's foot at `s`.
-    fn splitter_share(&self, s: f64) -> (f64, f64) {
+    /// λ across the whole channel of the passages beside a splitter, by the angles of their feet at `s`;
+    /// those of the passage that it divides are `(low, high)`.
+    fn lambdas_beside(&self, division: &Division, (low, high): (f64, f64), s: f64) -> [(f64, f64); 2] {
         let angles = |p: &Passage| p.wall_angles(self.part, s, 0.0);
-        match (
-            angles(&self.channel.full),
-            angles(&self.channel.beside_splitter[0]),
-            angles(&self.channel.beside_splitter[1]),
-        ) {
+        let [near, far] = division.passages.map(|passage| angles(&self.channel.passages[passage]));
+        let (near, far) = match (angles(&self.channel.full), near, far) {
             (Some(full), Some(near), Some(far)) => {
                 let width = full[1] - full[0];
                 (
-                    ((near[1] - near[0]) / width).clamp(0.0, 1.0),
-                    (1.0 - (far[1] - far[0]) / width).clamp(0.0, 1.0),
+                    (low + (near[1] - near[0]) / width).clamp(low, high),
+                    (high - (far[1] - far[0]) / width).clamp(low, high),
                 )
             }
-            _ => (0.5, 0.5),
-        }
+            _ => (0.5 * (low + high), 0.5 * (low + high)),
+        };
+        [(low, near), (far, high)]
     }
 
     /// Layout of a section.

@@ -19,7 +19,7 @@ const SAME_STATION: f64 = 1e-6;
 /// Measures of one passage at one station.
 #[derive(Clone, Copy, Debug)]
 pub struct PassageExtent {
-    /// 0 for the full channel, 1 and 2 for the passages beside the splitter.
+    /// Index in [`Channel::passages`].
     pub passage: usize,
     /// Distance between the walls on the hub, perpendicular to the flow or to the axis, whichever is smaller,
     /// mm.
@@ -55,8 +55,8 @@ pub struct SurveyStation {
 pub struct Survey {
     /// Stations from leading edge to rim, s = 0 and s = 1 among them.
     pub stations: Vec<SurveyStation>,
-    /// Index of the station at which the passages beside a splitter join, if sections have to meet there.
-    pub joint: Option<usize>,
+    /// Indices of the stations at which the passages beside a splitter join and sections have to meet.
+    pub joints: Vec<usize>,
 }
 
 impl Survey {
@@ -64,19 +64,21 @@ impl Survey {
     /// `shortest` (in s) would remain on one side of it.
     pub fn of(part: &Impeller, channel: &Channel, shortest: f64) -> Self {
         let mut s: Vec<f64> = (0..=STEPS).map(|i| i as f64 / STEPS as f64).collect();
-        let joint = channel
-            .splitter_s
-            .map(|[hub, shroud]| hub.max(shroud))
-            .filter(|joint| (shortest..=1.0 - shortest).contains(joint));
-        let joint = joint.map(|joint| {
+        let mut joints = Vec::new();
+        let mut before = 0.0;
+        for joint in channel.noses().into_iter().map(|[hub, shroud]| hub.max(shroud)) {
+            if !(before + shortest..=1.0 - shortest).contains(&joint) {
+                continue;
+            }
             let at = s.partition_point(|&s| s < joint - SAME_STATION);
             if s[at] > joint + SAME_STATION {
                 s.insert(at, joint);
             }
-            at
-        });
+            joints.push(at);
+            before = joint;
+        }
         let tape = Surveyor::new(part, channel);
-        Self { stations: s.into_par_iter().map(|s| tape.station(s)).collect(), joint }
+        Self { stations: s.into_par_iter().map(|s| tape.station(s)).collect(), joints }
     }
 
     /// Tries cylinders of `diameters` (mm, largest first) between the walls at every station, with the same
@@ -92,10 +94,7 @@ impl Survey {
         let free_width = |station: &SurveyStation| station.narrowest - 2.0 * stock.blade_allowance;
         let clears = |station: &SurveyStation, diameter: f64| {
             station.passages.iter().all(|across| {
-                let passage = match across.passage.checked_sub(1) {
-                    None => &channel.full,
-                    Some(beside) => &channel.beside_splitter[beside],
-                };
+                let passage = &channel.passages[across.passage];
                 let lane = Lane::new(part, passage, Arc::clone(&finished), &cylinder(diameter), stock);
                 lane.wall_pair(station.s, station.s).is_some()
             })
@@ -143,24 +142,17 @@ fn cylinder(diameter: f64) -> Tool {
 struct Surveyor<'a> {
     part: &'a Impeller,
     channel: &'a Channel,
-    full: PassageWidth<'a>,
-    beside: Vec<PassageWidth<'a>>,
+    /// Those of [`Channel::passages`].
+    widths: Vec<PassageWidth<'a>>,
 }
 
 impl<'a> Surveyor<'a> {
     fn new(part: &'a Impeller, channel: &'a Channel) -> Self {
-        let beside = channel.beside_splitter.iter().map(|p| PassageWidth::new(part, p)).collect();
-        Self { part, channel, full: PassageWidth::new(part, &channel.full), beside }
+        let widths = channel.passages.iter().map(|p| PassageWidth::new(part, p)).collect();
+        Self { part, channel, widths }
     }
 
     fn station(&self, s: f64) -> SurveyStation {
-        let divided = self.channel.splitter_s.is_some_and(|[hub, shroud]| s >= hub.min(shroud));
-        let passages: Vec<(usize, &Passage, &PassageWidth)> = if divided {
-            let beside = self.channel.beside_splitter.iter().zip(&self.beside);
-            beside.zip(1..).map(|((passage, width), index)| (index, passage, width)).collect()
-        } else {
-            vec![(0, &self.channel.full, &self.full)]
-        };
         let mut station = SurveyStation {
             s,
             narrowest: f64::INFINITY,
@@ -168,7 +160,8 @@ impl<'a> Surveyor<'a> {
             clear_diameter: f64::INFINITY,
             passages: Vec::new(),
         };
-        for (index, passage, width) in passages {
+        for index in self.channel.passages_at(s) {
+            let (passage, width) = (&self.channel.passages[index], &self.widths[index]);
             let widths: [Option<f64>; 5] = std::array::from_fn(|j| width.at(s, j as f64 / 4.0));
             let narrowest = widths.into_iter().flatten().fold(f64::INFINITY, f64::min);
             station.narrowest = station.narrowest.min(narrowest);

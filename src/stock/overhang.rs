@@ -132,13 +132,13 @@ fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &
     }
 }
 
-/// The tabulated walls of a channel: first and second wall, and with a splitter the side of it that faces the
-/// first wall and the one that faces the second.
+/// The tabulated walls of a channel: first and second wall, and of each splitter from the first wall to the
+/// second the side that faces the first wall and the one that faces the second.
 #[derive(Debug)]
 pub(super) struct WallTables<'a> {
     part: &'a Impeller,
-    /// s from which on the splitter has a foot on the hub.
-    splitter_s: f64,
+    /// s from which on each splitter has a foot on the hub.
+    splitter_s: Vec<f64>,
     /// The walls.
     pub(super) faces: Vec<WallTable<'a>>,
 }
@@ -148,15 +148,30 @@ impl<'a> WallTables<'a> {
     pub(super) fn new(part: &'a Impeller, channel: &'a Channel, blade_allowance: f64) -> Self {
         let [low, high] = &channel.full.walls;
         let mut walls = vec![(low, 1.0), (high, -1.0)];
-        if let [near, far] = &channel.beside_splitter[..] {
-            walls.extend([(&near.walls[1], -1.0), (&far.walls[0], 1.0)]);
-        }
+        walls.extend(channel.splitters.iter().flat_map(|s| [(&s.near, -1.0), (&s.far, 1.0)]));
         let face = |(wall, opens)| WallTable::new(part, wall, opens, blade_allowance);
         Self {
             part,
-            splitter_s: channel.splitter_s.map_or(f64::INFINITY, |[at_hub, _]| at_hub),
+            splitter_s: channel.splitters.iter().map(|splitter| splitter.s[0]).collect(),
             faces: walls.into_iter().map(face).collect(),
         }
+    }
+
+    /// The walls that face wall `index` across a passage. The far side of a splitter is hidden behind its
+    /// near side.
+    pub(super) fn facing(&self, index: usize) -> impl Iterator<Item = &WallTable<'a>> {
+        // Those that close the channel where `index` opens it, on the side to which it opens.
+        let opens = self.faces.get(index).is_some_and(|face| face.opening_sign > 0.0);
+        let is_facing = move |&other: &usize| match (index, other) {
+            (0, 1) | (1, 0) => true,
+            (0, other) => other % 2 == 0,
+            (1, other) => other % 2 == 1,
+            (_, 0) => !opens,
+            (_, 1) => opens,
+            (_, other) if opens => other % 2 == 0 && other > index,
+            (_, other) => other % 2 == 1 && other < index,
+        };
+        (0..self.faces.len()).filter(move |other| *other != index).filter(is_facing).map(|k| &self.faces[k])
     }
 
     /// The blades over the floor at `s`.
@@ -168,39 +183,45 @@ impl<'a> WallTables<'a> {
             return BladesOverFloor {
                 from: 0.0,
                 width: pitch.abs(),
-                feet: [f64::NAN; 4],
-                solids: [None; 3],
+                feet: vec![f64::NAN; self.faces.len()],
+                solids: Vec::new(),
                 level_height,
             };
         };
         let across = |theta: f64| pitch.signum() * passage_angle(from, theta, pitch);
-        let mut feet = [0.0, across(to), f64::NAN, f64::NAN];
+        let mut feet = vec![f64::NAN; self.faces.len()];
+        (feet[0], feet[1]) = (0.0, across(to));
         let bounds = |face: usize, foot: f64, at_foot: bool| self.faces[face].bounds(s, foot, at_foot);
-        let mut solids = [
-            Some(CoveredAngles::new([f64::NEG_INFINITY; LEVELS], bounds(0, 0.0, true))),
-            Some(CoveredAngles::new(bounds(1, feet[1], true), [f64::INFINITY; LEVELS])),
-            None,
+        let mut solids = vec![
+            CoveredAngles::new([f64::NEG_INFINITY; LEVELS], bounds(0, 0.0, true)),
+            CoveredAngles::new(bounds(1, feet[1], true), [f64::INFINITY; LEVELS]),
         ];
-        if let (Some(near), Some(far)) = (foot(2), foot(3)) {
-            let at_foot = s >= self.splitter_s;
-            (feet[2], feet[3]) = (across(near), across(far));
-            solids[2] = Some(CoveredAngles::new(bounds(2, feet[2], at_foot), bounds(3, feet[3], at_foot)));
+        for (near, &begins) in (2..).step_by(2).zip(&self.splitter_s) {
+            let far = near + 1;
+            if let (Some(at_near), Some(at_far)) = (foot(near), foot(far)) {
+                let at_foot = s >= begins;
+                (feet[near], feet[far]) = (across(at_near), across(at_far));
+                solids.push(CoveredAngles::new(
+                    bounds(near, feet[near], at_foot),
+                    bounds(far, feet[far], at_foot),
+                ));
+            }
         }
         BladesOverFloor { from, width: feet[1], feet, solids, level_height }
     }
 }
 
 /// The blades over the floor at one s. Angles count from the foot of the first wall towards the second, rad.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct BladesOverFloor {
     /// θ of the foot of the first wall.
     pub(super) from: f64,
     /// Angle of the foot of the second wall.
     pub(super) width: f64,
     /// Angles of the feet of all walls; NaN where there is none.
-    pub(super) feet: [f64; 4],
+    pub(super) feet: Vec<f64>,
     /// Blades with their allowance.
-    solids: [Option<CoveredAngles>; 3],
+    solids: Vec<CoveredAngles>,
     level_height: f64,
 }
 
@@ -208,7 +229,7 @@ impl BladesOverFloor {
     /// Height at which the ray at `angle` enters a blade or its allowance, mm: 0 where its foot is in it,
     /// infinite where it never does.
     pub(super) fn underside(&self, angle: f64) -> f64 {
-        let levels = self.solids.iter().flatten().filter_map(|solid| solid.first_level(angle));
+        let levels = self.solids.iter().filter_map(|solid| solid.first_level(angle));
         self.level_height * levels.fold(f64::INFINITY, f64::min)
     }
 }

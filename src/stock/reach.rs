@@ -61,7 +61,7 @@ const CLEARANCE_TOLERANCE: f64 = 0.05;
 
 /// Inaccessible floor at one row of the tables, per wall: angle from its foot, rad; 0 where all is
 /// accessible.
-type InaccessibleAngles = [f64; 4];
+type InaccessibleAngles = Vec<f64>;
 
 /// Inaccessible floor along s.
 #[derive(Debug)]
@@ -80,13 +80,13 @@ impl InaccessibleTables {
             let rows = (0..ROWS).into_par_iter().map(|row| {
                 // Rows are interpolated in pairs. Further from the range of the cutter they are not used.
                 if stretch.distance_to(s_of_row(row)) > 1.0 / ROWS as f64 {
-                    return [0.0; 4];
+                    return vec![0.0; walls.faces.len()];
                 }
-                std::array::from_fn(|face| match walls.faces.get(face) {
-                    Some(_) => WallCorner::new(source.part, walls, face, row)
-                        .map_or(0.0, |c| c.inaccessible_angle(&cutter)),
-                    None => 0.0,
-                })
+                let angle = |face| {
+                    WallCorner::new(source.part, walls, face, row)
+                        .map_or(0.0, |c| c.inaccessible_angle(&cutter))
+                };
+                (0..walls.faces.len()).map(angle).collect()
             });
             (stretch, rows.collect())
         };
@@ -103,20 +103,19 @@ impl InaccessibleTables {
             return InaccessibleRanges::default();
         };
         let (first, second, share) = rows_beside(s);
-        let mut covered = InaccessibleRanges::default();
-        for (face, range) in covered.ranges.iter_mut().enumerate() {
+        let range = |(face, &foot): (usize, &f64)| {
             let reach = rows[first][face] + (rows[second][face] - rows[first][face]) * share;
-            let foot = over.feet[face];
-            *range = if face == 0 || face == 3 { (foot, foot + reach) } else { (foot - reach, foot) };
-        }
-        covered
+            // The first wall and the far sides of splitters open towards the second wall.
+            if face == 0 || face > 1 && face % 2 == 1 { (foot, foot + reach) } else { (foot - reach, foot) }
+        };
+        InaccessibleRanges { ranges: over.feet.iter().enumerate().map(range).collect() }
     }
 }
 
 /// Ranges of angles at one s, counted as in [`BladesOverFloor`].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct InaccessibleRanges {
-    ranges: [(f64, f64); 4],
+    ranges: Vec<(f64, f64)>,
 }
 
 impl InaccessibleRanges {
@@ -135,7 +134,7 @@ struct ReachCutter {
 /// The corner between hub and one wall at a row of the tables.
 struct WallCorner<'a> {
     face: &'a WallTable<'a>,
-    facing: [Option<&'a WallTable<'a>>; 2],
+    facing: Vec<&'a WallTable<'a>>,
     row: usize,
     frame: WallFootFrame,
     /// Circumferential direction, into the channel.
@@ -186,16 +185,9 @@ impl<'a> WallCorner<'a> {
             kt * t[1] * t[1] + kc * c[1] * c[1],
         ];
         let ends = [part.hub.arc_at(s), (1.0 - s) * part.hub.length()];
-        // The far side of a splitter is hidden behind its near side.
-        let facing = match index {
-            0 => [Some(1), Some(2)],
-            1 => [Some(0), Some(3)],
-            2 => [Some(0), None],
-            _ => [Some(1), None],
-        };
         Some(Self {
             face,
-            facing: facing.map(|index| walls.faces.get(index?)),
+            facing: walls.facing(index).collect(),
             row,
             frame: WallFootFrame { foot: foot.point, along, across, normal },
             around,
@@ -248,7 +240,7 @@ impl<'a> WallCorner<'a> {
         if near.count < 2 {
             return f64::INFINITY;
         }
-        let facing = self.facing.map(|face| face.map(|face| self.profile(face, slope)));
+        let facing: Vec<WallProfile> = self.facing.iter().map(|face| self.profile(face, slope)).collect();
         let of = |lean: f64| self.bottom_begin(cutter, slope, lean, &near, &facing);
         let (_, distance) = search::minimum(of, 0.0, 1.2 * near.steepest().clamp(0.0, 4.0), TOLERANCE);
         distance
@@ -262,7 +254,7 @@ impl<'a> WallCorner<'a> {
         slope: f64,
         lean: f64,
         near: &WallProfile,
-        facing: &[Option<WallProfile>; 2],
+        facing: &[WallProfile],
     ) -> f64 {
         let length = (1.0 + slope * slope + lean * lean).sqrt();
         let axis = [slope / length, lean / length, 1.0 / length];
@@ -273,11 +265,8 @@ impl<'a> WallCorner<'a> {
         let rise = cutter.radius * axis[1] * axis[2] / half;
         let flank = CutterFlank { axis, tan_phi: lean, reach, rise };
         let place = near.nearest_axis(&flank, bottom + rise);
-        let lacking = facing
-            .iter()
-            .flatten()
-            .map(|wall| place - wall.furthest_axis(&flank, bottom - rise))
-            .fold(0.0, f64::max);
+        let lacking =
+            facing.iter().map(|wall| place - wall.furthest_axis(&flank, bottom - rise)).fold(0.0, f64::max);
         if place == f64::NEG_INFINITY {
             // The whole wall is lower than the bottom's near end.
             return f64::INFINITY;

@@ -13,4 +13,6 @@ mod plan;
 mod probe;
 mod program;
 mod slotting;
+mod splitters;
 mod tool_choice;
+mod wall_axes;

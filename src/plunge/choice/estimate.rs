@@ -7,9 +7,6 @@ use crate::plunge::survey::{PassageExtent, Survey};
 use crate::setup::{PlungeSetup, Tool};
 use crate::toolpath::{RAPID_MM_PER_MIN, TOOL_CHANGE_S};
 
-/// Number of passages: the full channel and those beside the splitter.
-const PASSAGES: usize = 3;
-
 /// Cost of a choice, ordered lexicographically: broken rules first, then time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Cost {
@@ -86,7 +83,9 @@ impl Estimator<'_> {
     /// first. Entry and tool change are not included, see [`Self::beginning`].
     pub fn inwards<'s>(&'s self, tool: &'s Tool, from: usize) -> impl Iterator<Item = Cost> + use<'s> {
         let stations = &self.survey.stations;
-        let mut lanes = [RowEstimate::default(); PASSAGES];
+        let passages = stations.iter().flat_map(|station| &station.passages);
+        let count = passages.map(|across| across.passage + 1).max().unwrap_or(0);
+        let mut lanes = vec![RowEstimate::default(); count];
         let steps = [true, false].map(|wall_row| step_limit(self.plunge, tool, wall_row));
         let mut broken = self.broken_rules(tool, from);
         (0..from).rev().map(move |to| {

@@ -67,7 +67,7 @@ impl Reasons<'_> {
             let narrowest = widths.fold(f64::INFINITY, f64::min);
             return format!("to the leading edge through a passage down to {narrowest:.1} mm wide");
         };
-        if self.estimator.survey.joint == Some(stretch.to) {
+        if self.estimator.survey.joints.contains(&stretch.to) {
             return format!("to s = {s:.2}, where the passages beside the splitter join");
         }
         match stretch.to.checked_sub(1).map(|further| self.fit(self.tool(stretch), further)) {

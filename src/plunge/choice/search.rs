@@ -83,7 +83,7 @@ impl CostTable {
 /// Whether a section may run between these stations.
 pub fn is_section(estimator: &Estimator, from: usize, to: usize) -> bool {
     let survey = estimator.survey;
-    let crosses = survey.joint.is_some_and(|joint| to < joint && joint < from);
+    let crosses = survey.joints.iter().any(|&joint| to < joint && joint < from);
     !crosses && survey.stations[from].s - survey.stations[to].s >= MIN_SECTION_S - 1e-9
 }
 
@@ -164,7 +164,7 @@ fn begin_section(
         }
         return best;
     }
-    if estimator.survey.joint == Some(from)
+    if estimator.survey.joints.contains(&from)
         && let Some(step) = after.at(used, from, t)
     {
         keep_cheaper(&mut best, step.cost.and(estimator.beginning(tool, from, Some(tool))), t);

@@ -35,7 +35,7 @@ fn channel(widths: &[f64], joint: Option<usize>) -> Survey {
             }],
         }
     };
-    Survey { stations: widths.iter().enumerate().map(station).collect(), joint }
+    Survey { stations: widths.iter().enumerate().map(station).collect(), joints: joint.into_iter().collect() }
 }
 
 /// A channel that opens evenly from `inlet` to `outlet`, mm.
@@ -66,7 +66,7 @@ fn every_choice(
     }
     for (t, tool) in tools.iter().enumerate() {
         let follows = before.is_none_or(|before| {
-            let goes_on = estimator.survey.joint == Some(from) && before.tool == t;
+            let goes_on = estimator.survey.joints.contains(&from) && before.tool == t;
             goes_on || (tools[before.tool].diameter > tool.diameter && numbers.len() < MAX_TOOLS)
         });
         if !follows {

@@ -6,24 +6,15 @@
 
 use std::sync::OnceLock;
 
+use super::axes::{AxisFrame, LEAD_STEP_DEG, LEAD_STEPS, LeadGrid, RowFrame};
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, PlungeColumn};
-use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::plunge::assembly::{AssemblyRule, DropCause};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::plan::DropReason;
 use crate::plunge::row::{RowMaker, Station};
 use crate::setup::Machine;
-
-/// First lead angle of the grid, degrees. The grid is shifted where the conventional axis has so large a lead
-/// angle that `max_tilt` would leave less than half of the grid.
-const FIRST_LEAD_DEG: f64 = -12.0;
-/// Step of the grid of lead angles, degrees.
-const LEAD_STEP_DEG: f64 = 2.0;
-/// Number of steps of the grid.
-const LEAD_STEPS: usize = 19;
-/// Middle of the grid, degrees.
-const MIDDLE_LEAD_DEG: f64 = FIRST_LEAD_DEG + 0.5 * LEAD_STEP_DEG * LEAD_STEPS as f64;
 
 /// The grid is too coarse when from one lead angle to the next the axis moves on the shroud by more than this
 /// share of the width of the cutting ring: the next core then meets stock that the last plunge left high
@@ -200,63 +191,39 @@ pub struct CandidateMaker<'a> {
     pub fineness: usize,
 }
 
-/// Local frame at a position of a row.
-#[derive(Clone, Copy, Debug)]
-struct RowFrame {
-    /// Hub normal.
-    normal: Vector,
-    /// Unit direction along the row, towards the uncut side.
-    feed: Vector,
-    /// Unit direction across the row.
-    across: Vector,
-    /// Distance and angle about Z that M moves per unit of s along the row, mm and rad.
-    path_by_s: (f64, f64),
-}
-
 /// Sample points of the finished hub with their normals, by strips.
 type FloorPoints = [[(Point, Vector); ALONG]; STRIPS];
-
-/// Linearisation of the lead angle by s of W, around the axis with zero lead angle or a shifted one.
-#[derive(Clone, Copy, Debug)]
-struct ZeroLeadRef {
-    s_shroud: f64,
-    /// Lead angle there, by which the whole grid is shifted, rad.
-    shift_rad: f64,
-    /// Derivative of the tangent of the lead angle by s of W.
-    tan_lead_by_s: f64,
-    /// Height of W above M along the normal, mm.
-    height: f64,
-}
-
-impl ZeroLeadRef {
-    /// s of W for a lead angle `tilt` (rad) relative to the shift.
-    fn s_shroud_at_lead(&self, tilt: f64) -> f64 {
-        self.s_shroud + ((tilt + self.shift_rad).tan() - self.shift_rad.tan()) / self.tan_lead_by_s
-    }
-}
-
-/// Reference from which all axes at an s are made.
-#[derive(Clone, Copy, Debug)]
-struct AxisFrame {
-    conventional: AxisEnds,
-    frame: RowFrame,
-    upright: ZeroLeadRef,
-    /// The conventional axis.
-    reference: Vector,
-}
-
-/// Step of s for finite differences.
-const SLOPE_STEP: f64 = 2e-3;
 
 impl CandidateMaker<'_> {
     /// The stage at `s_hub`; `None` where the cutter does not fit at all.
     pub fn stage_at(&self, s_hub: f64) -> Option<CandidateStage> {
         let frame = self.axis_frame(s_hub)?;
         let floor = self.floor_points(&frame.conventional, &frame.frame)?;
+        let usual = self.stage_on(frame, floor);
+        if self.is_open(&usual) {
+            return Some(usual);
+        }
+        let grid = LeadGrid::narrow(frame.conventional_lead);
+        let narrow = self.stage_on(AxisFrame { grid, ..frame }, floor);
+        Some(if self.is_open(&narrow) { narrow } else { usual })
+    }
+
+    /// Whether some candidate of a stage clears the blades; the cheap ones are asked first, as searches do.
+    fn is_open(&self, stage: &CandidateStage) -> bool {
+        let mut asked: Vec<(f64, CandidateIndex)> = stage
+            .indices(1)
+            .filter_map(|index| Some((stage.candidate(index)?.cost(0.0, self.scale), index)))
+            .collect();
+        asked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        asked.into_iter().any(|(_, index)| self.cleared(stage, index).is_some())
+    }
+
+    /// The stage with the grid of `frame`.
+    fn stage_on(&self, frame: AxisFrame, floor: FloorPoints) -> CandidateStage {
         let by_lead: Vec<_> =
             (0..=LEAD_STEPS * self.fineness).map(|j| self.lead_candidates(j, &frame, &floor)).collect();
         let answers = by_lead.iter().map(|_| Default::default()).collect();
-        Some(CandidateStage { by_lead, answers, frame, floor })
+        CandidateStage { by_lead, answers, frame, floor }
     }
 
     /// Adds lead angles half way between those of `stage`, which has half the fineness of this maker.
@@ -277,8 +244,8 @@ impl CandidateMaker<'_> {
 
     /// The candidates of lead angle `j` of the grid.
     fn lead_candidates(&self, j: usize, at: &AxisFrame, floor: &FloorPoints) -> LeadCandidates {
-        let AxisFrame { conventional, frame, upright, reference } = at;
-        let tilt = (FIRST_LEAD_DEG + LEAD_STEP_DEG * j as f64 / self.fineness as f64).to_radians();
+        let AxisFrame { conventional, frame, upright, reference, grid, .. } = at;
+        let tilt = grid.lead(j, self.fineness);
         let place = (conventional.s_hub, frame, upright);
         let axes = self.axes(upright.s_shroud_at_lead(tilt), place, ZERO_TILT_SHARES);
         let mut candidates = axes.map(|ends| {
@@ -309,7 +276,7 @@ impl CandidateMaker<'_> {
         tilts: impl Iterator<Item = f64>,
         shares: &[f64; N],
     ) -> Vec<Station> {
-        let Some(AxisFrame { conventional, frame, upright, reference }) = self.axis_frame(s_hub) else {
+        let Some(AxisFrame { conventional, frame, upright, reference, .. }) = self.axis_frame(s_hub) else {
             return Vec::new();
         };
         tilts
@@ -318,110 +285,6 @@ impl CandidateMaker<'_> {
             .filter_map(|ends| self.station_within_limits(ends, &reference))
             .map(|station| Station { s_shroud_conventional: conventional.s_shroud, ..station })
             .collect()
-    }
-
-    /// The reference at `s_hub`.
-    fn axis_frame(&self, s_hub: f64) -> Option<AxisFrame> {
-        let conventional = self.isoparametric(s_hub)?;
-        let frame = self.row_frame(&conventional)?;
-        let (_, reference) = self.maker.lane.line(&conventional);
-        let tilt = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
-        // The grid is shifted towards positive lead angles only: with large negative ones each plunge would
-        // end above the previous one. Where no others remain, the row ends.
-        let moved = (tilt - self.max_tilt_rad - MIDDLE_LEAD_DEG.to_radians()).max(0.0);
-        let upright = self.zero_lead_ref(&conventional, &frame, moved)?;
-        Some(AxisFrame { conventional, frame, upright, reference })
-    }
-
-    /// Ends of the conventional axis at `s_hub`, whether or not it clears the walls.
-    fn isoparametric(&self, s_hub: f64) -> Option<AxisEnds> {
-        self.maker.lane.reference_axis(self.maker.lambda, s_hub)
-    }
-
-    /// Local frame at the foot of a conventional axis.
-    fn row_frame(&self, ends: &AxisEnds) -> Option<RowFrame> {
-        let normal = self.maker.part.hub.normal(ends.s_hub).direction_at_angle(ends.theta_hub);
-        let (before, after) =
-            (self.isoparametric(ends.s_hub + SLOPE_STEP)?, self.isoparametric(ends.s_hub - SLOPE_STEP)?);
-        let ahead = self.maker.lane.hub_point(&after) - self.maker.lane.hub_point(&before);
-        let turn = wrap_angle(before.theta_hub - after.theta_hub);
-        let flat = (ahead - normal * ahead.dot(&normal)) * self.maker.direction_sign;
-        let length = flat.norm();
-        if length < 1e-9 {
-            return None;
-        }
-        let feed = flat / length;
-        let path_by_s = (length / (2.0 * SLOPE_STEP), turn / (2.0 * SLOPE_STEP));
-        Some(RowFrame { normal, feed, across: normal.cross(&feed), path_by_s })
-    }
-
-    /// Newton iteration for the s of W at which the lead angle is `moved` (rad).
-    fn zero_lead_ref(&self, from: &AxisEnds, frame: &RowFrame, moved: f64) -> Option<ZeroLeadRef> {
-        let lane = self.maker.lane;
-        let m = lane.hub_point(from);
-        // The row's shroud curve; where it has no axis, the angles about Z of `from` are kept.
-        let to_shroud = |s_shroud: f64| {
-            let ends = lane
-                .row_axis(self.maker.lambda, from.s_hub, s_shroud)
-                .unwrap_or(AxisEnds { s_shroud, ..*from });
-            lane.shroud_point(&ends) - m
-        };
-        let tilt = |w: &Vector| w.dot(&frame.feed) / w.dot(&frame.normal) - moved.tan();
-        let mut s_shroud = from.s_shroud;
-        let mut slope = 0.0;
-        for _ in 0..4 {
-            let (before, after) = (to_shroud(s_shroud - SLOPE_STEP), to_shroud(s_shroud + SLOPE_STEP));
-            slope = (tilt(&after) - tilt(&before)) / (2.0 * SLOPE_STEP);
-            let step = 0.5 * (tilt(&before) + tilt(&after)) / slope;
-            if !step.is_finite() {
-                return None;
-            }
-            s_shroud -= step.clamp(-0.3, 0.3);
-            if !(-1.0..2.0).contains(&s_shroud) {
-                return None;
-            }
-        }
-        let height = to_shroud(s_shroud).dot(&frame.normal);
-        (slope * self.maker.direction_sign < 0.0 && height > 0.0).then_some(ZeroLeadRef {
-            s_shroud,
-            shift_rad: moved,
-            tan_lead_by_s: slope,
-            height,
-        })
-    }
-
-    /// Axes at `s_hub` with W at `s_shroud`: at a wall only the row's own one; between walls one for each of
-    /// `shares` from the row's own tilt angle (0) to the smallest one that the limit of displacement across
-    /// the row allows (1).
-    fn axes<const N: usize>(
-        &self,
-        s_shroud: f64,
-        (s_hub, frame, upright): (f64, &RowFrame, &ZeroLeadRef),
-        shares: [f64; N],
-    ) -> [Option<AxisEnds>; N] {
-        let maker = self.maker;
-        let mut only = [None; N];
-        let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return only };
-        only[0] = Some(ends);
-        if is_wall(maker.lambda) || self.max_side_shift <= 0.0 {
-            return only;
-        }
-        let w = maker.lane.shroud_point(&ends);
-        let lean = (w - maker.lane.hub_point(&ends)).dot(&frame.across);
-        let most = -lean.clamp(-self.max_side_shift, self.max_side_shift);
-        // Turning W about Z changes the lead angle as well; s of W compensates that.
-        let turn = Vector::new(-w.y, w.x, 0.0);
-        let by_s = upright.tan_lead_by_s * upright.height;
-        let gain = turn.dot(&frame.across);
-        if gain.abs() < 0.2 * turn.norm() {
-            return only;
-        }
-        shares.map(|share| {
-            let angle = share * most / gain;
-            let s_shroud = s_shroud - angle * turn.dot(&frame.feed) / by_s;
-            let ends = maker.lane.row_axis(maker.lambda, s_hub, s_shroud)?;
-            Some(AxisEnds { theta_shroud: ends.theta_shroud + angle, ..ends })
-        })
     }
 
     /// Whether the axis of a station is within the machine's limits and its cutter clears the blades.

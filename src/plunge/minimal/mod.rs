@@ -6,18 +6,22 @@
 //! it, and the layer left by that counts as well, so the search weighs other inclinations against lifts.
 //! Finally single plunges are added where the rows left the most (lazy greedy).
 
+mod axes;
 mod candidate;
 mod crossing;
 mod extras;
 mod floor;
 mod path;
+mod row_path;
 mod second_pass;
 mod section;
+mod stages;
 mod touch_up;
 
 pub use candidate::CandidateMaker;
 pub use crossing::RowCrossing;
 pub use extras::ExtraSearch;
 pub use floor::FloorHeightMap;
-pub use path::{PathSearch, RowPath};
+pub use path::PathSearch;
+pub use row_path::RowPath;
 pub use section::MAX_LIFT_OF_DEPTH;

@@ -4,7 +4,9 @@
 use rayon::prelude::*;
 
 use super::candidate::{CandidateMaker, CandidateStage, RowCandidate};
+use super::row_path::{PathStep, RowPath};
 use super::section::MAX_LIFT_OF_DEPTH;
+use super::stages::{RowStages, StageAt};
 use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
@@ -16,16 +18,12 @@ use crate::plunge::row::Station;
 /// Number of previous positions of the own row that are checked for contact, besides all earlier rows.
 const LOOK_BACK: usize = 4;
 /// Cost of each position, mm: breaks ties in favour of the shorter path.
-const COST_PER_POSITION: f64 = 1e-3;
-/// How often the interval between two stages is halved so that axes turn less.
-const MAX_HALVINGS: usize = 4;
-/// Share of the allowed axis change above which an interval between axes of the same lead angle is halved.
-const TURN_SHARE: f64 = 0.7;
+pub(super) const COST_PER_POSITION: f64 = 1e-3;
 /// Beam: excess of a state's lower bound over the best one of its stage up to which it is expanded, in cutter
 /// radii.
 const BEAM_RADII: f64 = 0.15;
 /// Cost of ending a row and beginning another, mm.
-const COST_OF_NEW_ROW: f64 = 5.0;
+pub(super) const COST_OF_NEW_ROW: f64 = 5.0;
 /// Lift from which on a finer grid of lead angles is tried, in cutter radii.
 const COARSE_LIFT_RADII: f64 = 0.3;
 /// Maximum number of parts into which the steps of the grid are divided.
@@ -40,58 +38,6 @@ const MIN_REPORTED_SAVING: f64 = 0.02;
 /// Margin added to lifts found with the few lines of the search, mm.
 const LIFT_MARGIN: f64 = 0.01;
 
-/// A position of a path.
-#[derive(Clone, Debug)]
-pub struct PathStep {
-    /// Axis and depth.
-    pub station: Station,
-    /// Lift that the search gave it, mm.
-    pub lift: f64,
-    candidate: RowCandidate,
-    /// Whether the layer left there counts: not before the start of the row.
-    counts: bool,
-}
-
-/// A path along a row.
-#[derive(Clone, Debug, Default)]
-pub struct RowPath {
-    /// Its positions in cutting order.
-    pub steps: Vec<PathStep>,
-    /// Cost: the sum over its positions and the stages that it does not reach, mm.
-    pub cost: f64,
-    /// Cost up to which a path is hardly worse than the lower bound on any path (blades and contact are
-    /// ignored), mm.
-    pub acceptable_cost: f64,
-    /// Lower bound on the cost of any path, mm.
-    pub least_cost: f64,
-    /// s of the stages from the start on at which nothing is cut, and why.
-    pub missing: Vec<(f64, DropCause)>,
-    /// Cost of these stages, mm.
-    missing_cost: f64,
-}
-
-impl RowPath {
-    /// Maximum lift of its plunges, mm.
-    fn highest_lift(&self) -> f64 {
-        self.steps.iter().map(|step| step.lift).fold(0.0, f64::max)
-    }
-
-    /// s of its positions from the start on.
-    pub fn places(&self) -> impl Iterator<Item = f64> {
-        self.steps.iter().filter(|step| step.counts).map(|step| step.station.ends.s_hub)
-    }
-
-    /// Cost of the path as it was cut: `lift_at` gives the lift (mm) at an s of the hub, `None` where the
-    /// plunge was left out.
-    pub fn cost_as_cut(&self, scale: f64, lift_at: impl Fn(f64) -> Option<f64>) -> f64 {
-        let cost = |step: &PathStep| match lift_at(step.station.ends.s_hub) {
-            Some(lift) => step.candidate.cost(lift, scale),
-            None => step.candidate.uncut_cost(scale),
-        };
-        self.missing_cost + self.steps.iter().filter(|step| step.counts).map(cost).sum::<f64>()
-    }
-}
-
 /// A state: a candidate with the cheapest path to it.
 #[derive(Clone, Copy, Debug)]
 struct PathState {
@@ -105,25 +51,6 @@ struct PathState {
     is_left_out: bool,
     /// Back-pointer: stage and lead angle of the previous position.
     before: Option<(usize, usize)>,
-}
-
-/// A stage with its s. Boxed, as stages are large and are moved.
-type StageAt = (f64, Option<Box<CandidateStage>>);
-
-/// The stages of a row on the finest grid of lead angles so far. They do not depend on what was cut, so all
-/// searches of a row share them.
-#[derive(Default)]
-pub struct RowStages {
-    places: Vec<StageAt>,
-    /// See [`CandidateMaker::fineness`]; 0 before the first search.
-    fineness: usize,
-}
-
-impl RowStages {
-    /// What a path along the stages may cost besides the layers that it leaves, mm.
-    pub fn cost_beside_layers(&self) -> f64 {
-        COST_PER_POSITION * self.places.len() as f64 + COST_OF_NEW_ROW
-    }
 }
 
 /// States of one stage, by lead angle.
@@ -216,6 +143,7 @@ impl PathSearch<'_> {
         while finer.candidates.fineness < MAX_FINENESS
             && best.highest_lift() > COARSE_LIFT_RADII * radius
             && finer.candidates.is_coarse(s)
+            && (finer.candidates.fineness > self.candidates.fineness || stages.tries_finer())
         {
             finer.candidates.fineness *= 2;
             let path = match finer.path_on_grid(s, start, earlier, stages, best.cost) {
@@ -223,12 +151,14 @@ impl PathSearch<'_> {
                 Err(_) if self.candidates.maker.monitor.is_stopped() => break,
                 path => path?,
             };
-            let Some(path) = path.filter(|path| path.cost < best.cost) else { break };
-            let gained = best.cost - path.cost;
-            best = path;
+            let path = path.filter(|path| path.cost < best.cost);
+            let gained = path.as_ref().map_or(0.0, |path| best.cost - path.cost);
+            best = path.unwrap_or(best);
             if gained < MIN_SAVED_SHARE * best.cost {
+                stages.vain += 1;
                 break;
             }
+            stages.vain = 0;
         }
         Ok(Some(best))
     }
@@ -346,50 +276,6 @@ impl PathSearch<'_> {
             return DropReason::Blades.into();
         }
         self.candidates.why_too_short(cleared.iter().map(|c| &c.station))
-    }
-
-    /// Makes the stages at every s, and between two of them where the axes turn too much, or those that the
-    /// current grid needs and that earlier searches did not.
-    fn make_stages(&self, s: &[f64], stages: &mut RowStages) {
-        let monitor = self.candidates.maker.monitor;
-        if stages.fineness == 0 {
-            *stages = RowStages { places: self.stages(s), fineness: self.candidates.fineness };
-        }
-        while stages.fineness < self.candidates.fineness && !monitor.is_cancelled() {
-            stages.fineness *= 2;
-            let maker = CandidateMaker { fineness: stages.fineness, ..self.candidates.clone() };
-            let places = stages.places.par_iter_mut().filter_map(|(_, place)| place.as_mut());
-            places.filter(|_| !monitor.is_cancelled()).for_each(|place| maker.refine(place));
-        }
-    }
-
-    /// The stages at every s, and between two of them where the axes turn too much.
-    fn stages(&self, s: &[f64]) -> Vec<StageAt> {
-        let monitor = self.candidates.maker.monitor;
-        let at = |s: f64| {
-            (s, if monitor.is_cancelled() { None } else { self.candidates.stage_at(s).map(Box::new) })
-        };
-        let mut places: Vec<StageAt> = s.par_iter().map(|&s| at(s)).collect();
-        for _ in 0..MAX_HALVINGS {
-            let between: Vec<Option<StageAt>> = places
-                .par_windows(2)
-                .map(|pair| {
-                    let [Some(a), Some(b)] = [&pair[0].1, &pair[1].1] else { return None };
-                    let too_much = a.min_turn(b) > TURN_SHARE * self.max_axis_change_rad;
-                    too_much.then(|| at(0.5 * (pair[0].0 + pair[1].0)))
-                })
-                .collect();
-            if between.iter().all(Option::is_none) {
-                break;
-            }
-            let mut refined = Vec::with_capacity(2 * places.len());
-            for (place, between) in places.into_iter().zip(between.into_iter().chain([None])) {
-                refined.push(place);
-                refined.extend(between);
-            }
-            places = refined;
-        }
-        places
     }
 
     /// States of a stage. Lead angles whose lower bound is outside the beam are expanded only if the best

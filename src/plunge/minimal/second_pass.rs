@@ -3,8 +3,8 @@
 //! asks, they stop short or leave places out. Once all rows are cut there is space beside them. The open places
 //! of each row are searched again, from both of their ends.
 
-use super::path::RowStages;
 use super::section::{RowOf, RowPlaces, SHORT_RADII};
+use super::stages::RowStages;
 use crate::monitor::Monitor;
 use crate::plunge::cycle::{PlanError, Planner, SectionCut};
 use crate::plunge::section_layout::StretchLayout;

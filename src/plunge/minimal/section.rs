@@ -1,8 +1,8 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
-use super::path::RowStages;
 use super::second_pass::OpenRow;
+use super::stages::RowStages;
 use super::{CandidateMaker, PathSearch, RowCrossing, RowPath};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::geometry::wrap_angle;
@@ -188,6 +188,7 @@ impl Planner<'_> {
         let feed = cut.feed;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let all_rows: usize = layouts.iter().map(|layout| layout.rows.len()).sum();
+        let mut stages = RowStages::default();
         // Found paths are cut even after a stop.
         let closing = &monitor.ignoring_stop();
         for (number, layout) in layouts.iter().enumerate() {
@@ -198,7 +199,7 @@ impl Planner<'_> {
                 let lambda = stretch.lambda_in_channel(lambda);
                 let best = self.with_row_search(index, row_of, feed, monitor, |search, places| {
                     let RowPlaces { s: places, start } = places;
-                    let mut stages = RowStages::default();
+                    stages.next_row();
                     let mut path = search.path(places, *start, &cut.columns, &mut stages)?;
                     if let Some(first) = path.steps.first()
                         && row > 0

@@ -1,0 +1,234 @@
+//! Axes of a row at one s: a grid of lead angles about the hub normal, and the axes of a lead angle with
+//! several tilt angles.
+
+use super::candidate::CandidateMaker;
+use crate::geometry::{Vector, wrap_angle};
+use crate::plunge::lane::{AxisEnds, is_wall};
+
+/// First lead angle of the grid, degrees. The grid is shifted where the conventional axis has so large a lead
+/// angle that `max_tilt` would leave less than half of the grid.
+const FIRST_LEAD_DEG: f64 = -12.0;
+/// Step of the grid of lead angles, degrees.
+pub(super) const LEAD_STEP_DEG: f64 = 2.0;
+/// Number of steps of the grid.
+pub(super) const LEAD_STEPS: usize = 19;
+/// Middle of the grid, degrees.
+const MIDDLE_LEAD_DEG: f64 = FIRST_LEAD_DEG + 0.5 * LEAD_STEP_DEG * LEAD_STEPS as f64;
+
+/// Step of the grid around the conventional axis that is laid where no axis of the usual one clears the
+/// blades, degrees: a passage hardly wider than the cutter leaves less room than the usual step.
+const NARROW_STEP_DEG: f64 = 0.5;
+/// Distance between the fitted axis of a wall row and the plain offset of the ruling from which on axes
+/// turned off the wall are tried too, in cutter radii.
+const OFF_FOOT_RADII: f64 = 0.3;
+/// Largest tilt angle by which they are turned from the ruling, degrees.
+const MAX_TURNED_DEG: f64 = 24.0;
+/// Least share of a turn of W about Z that is across the row: with less, turning does not change the tilt
+/// angle.
+const MIN_GAIN_SHARE: f64 = 0.2;
+
+/// Local frame at a position of a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowFrame {
+    /// Hub normal.
+    pub(super) normal: Vector,
+    /// Unit direction along the row, towards the uncut side.
+    pub(super) feed: Vector,
+    /// Unit direction across the row.
+    pub(super) across: Vector,
+    /// Distance and angle about Z that M moves per unit of s along the row, mm and rad.
+    pub(super) path_by_s: (f64, f64),
+}
+
+/// Linearisation of the lead angle by s of W, around the axis with zero lead angle or a shifted one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ZeroLeadRef {
+    s_shroud: f64,
+    /// Lead angle there, by which the whole grid is shifted, rad.
+    shift_rad: f64,
+    /// Derivative of the tangent of the lead angle by s of W.
+    tan_lead_by_s: f64,
+    /// Height of W above M along the normal, mm.
+    height: f64,
+}
+
+impl ZeroLeadRef {
+    /// s of W for a lead angle `tilt` (rad) relative to the shift.
+    pub(super) fn s_shroud_at_lead(&self, tilt: f64) -> f64 {
+        self.s_shroud + ((tilt + self.shift_rad).tan() - self.shift_rad.tan()) / self.tan_lead_by_s
+    }
+}
+
+/// Reference from which all axes at an s are made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisFrame {
+    pub(super) conventional: AxisEnds,
+    pub(super) frame: RowFrame,
+    pub(super) upright: ZeroLeadRef,
+    /// The conventional axis, and its lead angle relative to the shift of the grid, rad.
+    pub(super) reference: Vector,
+    pub(super) conventional_lead: f64,
+    pub(super) grid: LeadGrid,
+}
+
+/// Lead angles of a stage, relative to its shift.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LeadGrid {
+    first_deg: f64,
+    step_deg: f64,
+}
+
+impl LeadGrid {
+    pub(super) const USUAL: Self = Self { first_deg: FIRST_LEAD_DEG, step_deg: LEAD_STEP_DEG };
+
+    /// The narrow grid around the lead angle `middle`, rad, which is one of its own.
+    pub(super) fn narrow(middle: f64) -> Self {
+        let half = (LEAD_STEPS / 2) as f64 * NARROW_STEP_DEG;
+        Self { first_deg: middle.to_degrees() - half, step_deg: NARROW_STEP_DEG }
+    }
+
+    /// Lead angle `j` of the grid with its steps divided into `fineness` parts, rad.
+    pub(super) fn lead(&self, j: usize, fineness: usize) -> f64 {
+        (self.first_deg + self.step_deg * j as f64 / fineness as f64).to_radians()
+    }
+}
+
+/// Step of s for finite differences.
+const SLOPE_STEP: f64 = 2e-3;
+
+impl CandidateMaker<'_> {
+    /// The reference at `s_hub`.
+    pub(super) fn axis_frame(&self, s_hub: f64) -> Option<AxisFrame> {
+        let conventional = self.isoparametric(s_hub)?;
+        let frame = self.row_frame(&conventional)?;
+        let (_, reference) = self.maker.lane.line(&conventional);
+        let tilt = reference.dot(&frame.feed).atan2(reference.dot(&frame.normal));
+        // The grid is shifted towards positive lead angles only: with large negative ones each plunge would
+        // end above the previous one. Where no others remain, the row ends.
+        let moved = (tilt - self.max_tilt_rad - MIDDLE_LEAD_DEG.to_radians()).max(0.0);
+        let upright = self.zero_lead_ref(&conventional, &frame, moved)?;
+        let (conventional_lead, grid) = (tilt - moved, LeadGrid::USUAL);
+        Some(AxisFrame { conventional, frame, upright, reference, conventional_lead, grid })
+    }
+
+    /// Ends of the conventional axis at `s_hub`, whether or not it clears the walls.
+    pub(super) fn isoparametric(&self, s_hub: f64) -> Option<AxisEnds> {
+        self.maker.lane.reference_axis(self.maker.lambda, s_hub)
+    }
+
+    /// Local frame at the foot of a conventional axis.
+    fn row_frame(&self, ends: &AxisEnds) -> Option<RowFrame> {
+        let normal = self.maker.part.hub.normal(ends.s_hub).direction_at_angle(ends.theta_hub);
+        let (before, after) =
+            (self.isoparametric(ends.s_hub + SLOPE_STEP)?, self.isoparametric(ends.s_hub - SLOPE_STEP)?);
+        let ahead = self.maker.lane.hub_point(&after) - self.maker.lane.hub_point(&before);
+        let turn = wrap_angle(before.theta_hub - after.theta_hub);
+        let flat = (ahead - normal * ahead.dot(&normal)) * self.maker.direction_sign;
+        let length = flat.norm();
+        if length < 1e-9 {
+            return None;
+        }
+        let feed = flat / length;
+        let path_by_s = (length / (2.0 * SLOPE_STEP), turn / (2.0 * SLOPE_STEP));
+        Some(RowFrame { normal, feed, across: normal.cross(&feed), path_by_s })
+    }
+
+    /// Newton iteration for the s of W at which the lead angle is `moved` (rad).
+    fn zero_lead_ref(&self, from: &AxisEnds, frame: &RowFrame, moved: f64) -> Option<ZeroLeadRef> {
+        let lane = self.maker.lane;
+        let m = lane.hub_point(from);
+        // The row's shroud curve; where it has no axis, the angles about Z of `from` are kept.
+        let to_shroud = |s_shroud: f64| {
+            let ends = lane
+                .row_axis(self.maker.lambda, from.s_hub, s_shroud)
+                .unwrap_or(AxisEnds { s_shroud, ..*from });
+            lane.shroud_point(&ends) - m
+        };
+        let tilt = |w: &Vector| w.dot(&frame.feed) / w.dot(&frame.normal) - moved.tan();
+        let mut s_shroud = from.s_shroud;
+        let mut slope = 0.0;
+        for _ in 0..4 {
+            let (before, after) = (to_shroud(s_shroud - SLOPE_STEP), to_shroud(s_shroud + SLOPE_STEP));
+            slope = (tilt(&after) - tilt(&before)) / (2.0 * SLOPE_STEP);
+            let step = 0.5 * (tilt(&before) + tilt(&after)) / slope;
+            if !step.is_finite() {
+                return None;
+            }
+            s_shroud -= step.clamp(-0.3, 0.3);
+            if !(-1.0..2.0).contains(&s_shroud) {
+                return None;
+            }
+        }
+        let height = to_shroud(s_shroud).dot(&frame.normal);
+        (slope * self.maker.direction_sign < 0.0 && height > 0.0).then_some(ZeroLeadRef {
+            s_shroud,
+            shift_rad: moved,
+            tan_lead_by_s: slope,
+            height,
+        })
+    }
+
+    /// Axes at `s_hub` with W at `s_shroud`: at a wall only the row's own one; between walls one for each of
+    /// `shares` from the row's own tilt angle (0) to the smallest one that the limit of displacement across
+    /// the row allows (1).
+    pub(super) fn axes<const N: usize>(
+        &self,
+        s_shroud: f64,
+        (s_hub, frame, upright): (f64, &RowFrame, &ZeroLeadRef),
+        shares: [f64; N],
+    ) -> [Option<AxisEnds>; N] {
+        let maker = self.maker;
+        let mut only = [None; N];
+        let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return only };
+        only[0] = Some(ends);
+        if is_wall(maker.lambda) {
+            self.add_turned(&mut only, &ends, (frame, upright));
+            return only;
+        }
+        if self.max_side_shift <= 0.0 {
+            return only;
+        }
+        let w = maker.lane.shroud_point(&ends);
+        let lean = (w - maker.lane.hub_point(&ends)).dot(&frame.across);
+        let most = -lean.clamp(-self.max_side_shift, self.max_side_shift);
+        // Turning W about Z changes the lead angle as well; s of W compensates that.
+        let turn = Vector::new(-w.y, w.x, 0.0);
+        let by_s = upright.tan_lead_by_s * upright.height;
+        let gain = turn.dot(&frame.across);
+        if gain.abs() < MIN_GAIN_SHARE * turn.norm() {
+            return only;
+        }
+        shares.map(|share| {
+            let angle = share * most / gain;
+            let s_shroud = s_shroud - angle * turn.dot(&frame.feed) / by_s;
+            let ends = maker.lane.row_axis(maker.lambda, s_hub, s_shroud)?;
+            Some(AxisEnds { theta_shroud: ends.theta_shroud + angle, ..ends })
+        })
+    }
+
+    /// Fills the free slots after the own axis `ends` of a wall row with axes of which W is turned off the
+    /// wall. A twisted or bowed wall keeps the cutter that is fitted along it off its foot, where a strip
+    /// stays uncut; a more upright axis gets nearer.
+    fn add_turned<const N: usize>(
+        &self,
+        only: &mut [Option<AxisEnds>; N],
+        ends: &AxisEnds,
+        (frame, upright): (&RowFrame, &ZeroLeadRef),
+    ) {
+        let (lane, wall) = (self.maker.lane, self.maker.lambda as usize);
+        if lane.distance_from_plain(wall, ends) <= OFF_FOOT_RADII * self.maker.tool.radius() {
+            return;
+        }
+        let w = lane.shroud_point(ends);
+        let turn = Vector::new(-w.y, w.x, 0.0);
+        let gain = turn.dot(&frame.across).abs().max(MIN_GAIN_SHARE * turn.norm());
+        // Turning W about Z changes the lead angle as well; s of W compensates that.
+        let by_s = upright.tan_lead_by_s * upright.height;
+        for (k, slot) in only.iter_mut().enumerate().skip(1) {
+            let tilt = (MAX_TURNED_DEG * k as f64 / (N - 1) as f64).to_radians();
+            let angle = tilt.tan() * upright.height / gain * lane.inward_sign(wall);
+            let s_shroud = ends.s_shroud - angle * turn.dot(&frame.feed) / by_s;
+            *slot = lane.turned_wall_axis(wall, (ends.s_hub, s_shroud), angle);
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Several splitters in a pitch: passages, floor and rows beside each of them.
+
+use vanecut::geometry::{Meridional, Point};
+use vanecut::job::resolve;
+use vanecut::monitor::Monitor;
+use vanecut::part::{BladeDescription, Blank, Channel, CurveDescription, Impeller, PartDescription};
+use vanecut::plunge::Planner;
+use vanecut::setup::{AxisPolicy, Setup, Tool};
+use vanecut::stock::{FloorGrid, FloorSource, field_cutters, residual_field, statistics, stretches_of_setup};
+
+/// Radius at which the main blades begin, and the rim, mm.
+const BEGIN: f64 = 60.0;
+const RIM: f64 = 150.0;
+/// Half the thickness of splitters, mm.
+const HALF: f64 = 3.0;
+/// Splitters: share of the pitch from the main blade, radius at which they begin, mm.
+const SPLITTERS: [(f64, f64); 2] = [(1.0 / 3.0, 110.0), (2.0 / 3.0, 90.0)];
+
+/// A straight radial blade from radius `from` at the angle `turn`, rad.
+fn blade(from: f64, turn: f64, half: f64) -> BladeDescription {
+    let side = |y: f64| {
+        let point = |k: i32, z: f64| {
+            let x = from + (RIM - from) * f64::from(k) / 20.0;
+            Point::new(x * turn.cos() - y * turn.sin(), x * turn.sin() + y * turn.cos(), z)
+        };
+        let section = |z: f64| (0..=20).map(|k| point(k, z)).collect();
+        vec![section(-5.0), section(40.0)]
+    };
+    BladeDescription::Sections { suction: side(half), pressure: side(-half), line: 0 }
+}
+
+/// A flat disc with straight radial blades and two splitters in each pitch.
+fn disc() -> Impeller {
+    let curve = |from: [f64; 2], to: [f64; 2]| {
+        let point = |k: i32| {
+            let x = f64::from(k) / 20.0;
+            Meridional { r: from[0] + x * (to[0] - from[0]), z: from[1] + x * (to[1] - from[1]) }
+        };
+        CurveDescription::Points((0..=20).map(point).collect())
+    };
+    let pitch = std::f64::consts::TAU / 5.0;
+    let description = PartDescription {
+        name: "disc".to_owned(),
+        hub: curve([40.0, 0.0], [RIM, 0.0]),
+        shroud: curve([62.0, 30.0], [RIM, 20.0]),
+        blade_count: 5,
+        main: blade(BEGIN, 0.0, 1.5),
+        splitters: SPLITTERS.iter().map(|&(share, from)| blade(from, share * pitch, HALF)).collect(),
+        hub_line: 0,
+        shroud_line: 0,
+        count_line: 0,
+        notes: Vec::new(),
+    };
+    Impeller::build(&description).expect("an impeller")
+}
+
+/// s at radius `r`.
+fn s_at(r: f64) -> f64 {
+    (r - BEGIN) / (RIM - BEGIN)
+}
+
+#[test]
+fn each_splitter_divides_the_passage_that_it_stands_in() {
+    let part = disc();
+    let channel = Channel::of(&part);
+    let counts = [80.0, 100.0, 130.0].map(|r| channel.passages_at(s_at(r)).len());
+    assert_eq!(counts, [1, 2, 3]);
+    let noses = channel.noses();
+    assert!((noses[0][0] - s_at(90.0)).abs() < 0.01 && (noses[1][0] - s_at(110.0)).abs() < 0.01, "{noses:?}");
+    // Neighbouring passages leave out the splitter between them.
+    let s = s_at(130.0);
+    let widths: Vec<f64> = channel
+        .passages_at(s)
+        .into_iter()
+        .map(|k| channel.passages[k].wall_angles(&part, s, 0.0).expect("walls"))
+        .map(|[from, to]| (to - from).abs() * 130.0)
+        .collect();
+    let third = 130.0 * part.pitch().abs() / 3.0;
+    let expected = [third - 1.5 - HALF, third - 2.0 * HALF, third - 1.5 - HALF];
+    assert!(
+        widths.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.1),
+        "{widths:?}, expected {expected:?}"
+    );
+}
+
+#[test]
+fn rows_run_beside_every_splitter_and_leave_no_floor_uncut() {
+    let part = disc();
+    let channel = Channel::of(&part);
+    let cutter = Tool {
+        number: 1,
+        diameter: 16.0,
+        corner_radius: 0.0,
+        insert_width: 5.0,
+        overhang: 80.0,
+        plunge_feed: 400.0,
+        spindle: 2000.0,
+        assembly: Default::default(),
+    };
+    let mut asked = Setup { tools: vec![cutter], ..Setup::default() };
+    asked.plunge.rest = false;
+    let setup = resolve(&asked, &part, &channel).expect("a setup").setup;
+    let plan =
+        Planner::new(&part, &channel, &setup).plan(AxisPolicy::Minimal, &Monitor::default()).expect("a plan");
+    let blank = Blank::of(&part, setup.allowances.inlet_extension);
+    let cutters = stretches_of_setup(&setup);
+    let stock = &setup.allowances;
+    let source = FloorSource { part: &part, channel: &channel, blank: &blank, stock, cutters: &cutters };
+    let grid = FloorGrid::new(&source, 200);
+    let pitch = part.pitch();
+    let in_splitter = |p: &[f32; 3]| {
+        let [x, y] = [p[0], p[1]].map(f64::from);
+        SPLITTERS.iter().any(|&(share, from)| {
+            let off = x.hypot(y) * (y.atan2(x) - share * pitch).rem_euclid(pitch).min(1.0);
+            x.hypot(y) > from + 5.0 && off < HALF - 0.5
+        })
+    };
+    let under = grid.points.iter().zip(&grid.floor).filter(|(p, floor)| **floor && in_splitter(p));
+    assert_eq!(under.count(), 0, "feet of splitters are no floor");
+    let heights = residual_field(&grid, &field_cutters(&plan)).heights;
+    let figures = statistics(&grid, &heights, |_| true);
+    assert!(figures.uncut_share < 0.02, "{}", figures.uncut_share);
+    assert!(plan.dropped.len() * 20 < plan.positions.len(), "{} left out", plan.dropped.len());
+}

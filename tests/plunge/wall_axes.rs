@@ -1,0 +1,78 @@
+//! Axes beside a wall that bulges over the channel.
+
+use std::sync::Arc;
+
+use vanecut::cutting::clearance::FinishedPart;
+use vanecut::geometry::{Meridional, Point, wrap_angle};
+use vanecut::part::{BladeDescription, Channel, CurveDescription, Impeller, PartDescription};
+use vanecut::plunge::lane::Lane;
+use vanecut::setup::{Setup, Tool};
+
+/// Half the height of the blades, and how far they bulge there, mm.
+const MIDDLE: f64 = 17.5;
+const BULGE: f64 = 6.0;
+
+/// A flat disc with radial blades that bulge over the channel half way up.
+fn disc() -> Impeller {
+    let curve = |from: [f64; 2], to: [f64; 2]| {
+        let point = |k: i32| {
+            let x = f64::from(k) / 20.0;
+            Meridional { r: from[0] + x * (to[0] - from[0]), z: from[1] + x * (to[1] - from[1]) }
+        };
+        CurveDescription::Points((0..=20).map(point).collect())
+    };
+    let side = |y: f64| {
+        let section = |k: i32| {
+            let z = -5.0 + 5.0 * f64::from(k);
+            let bulge = BULGE * (1.0 - ((z - MIDDLE) / MIDDLE).powi(2)).max(-1.0);
+            (0..=20).map(|k| Point::new(60.0 + 4.5 * f64::from(k), y + bulge, z)).collect()
+        };
+        (0..=9).map(section).collect()
+    };
+    let description = PartDescription {
+        name: "disc".to_owned(),
+        hub: curve([40.0, 0.0], [150.0, 0.0]),
+        shroud: curve([62.0, 35.0], [150.0, 30.0]),
+        blade_count: 8,
+        main: BladeDescription::Sections { suction: side(1.5), pressure: side(-1.5), line: 0 },
+        splitters: Vec::new(),
+        hub_line: 0,
+        shroud_line: 0,
+        count_line: 0,
+        notes: Vec::new(),
+    };
+    Impeller::build(&description).expect("an impeller")
+}
+
+#[test]
+fn an_axis_turned_off_a_bulging_wall_gets_nearer_to_its_foot() {
+    let part = disc();
+    let channel = Channel::of(&part);
+    let stock = Setup::default().allowances;
+    let finished = Arc::new(FinishedPart::new(&part, &channel.sides));
+    let tool = Tool {
+        number: 1,
+        diameter: 10.0,
+        corner_radius: 0.0,
+        insert_width: 3.0,
+        overhang: 80.0,
+        plunge_feed: 400.0,
+        spindle: 2000.0,
+        assembly: Default::default(),
+    };
+    let lane = Lane::new(&part, &channel.full, Arc::clone(&finished), &tool, &stock);
+    for s in [0.4, 0.6, 0.8] {
+        let own = lane.wall_axis(0, s, s, None).expect("an axis along the wall");
+        let off = lane.distance_from_plain(0, &own);
+        assert!(off > 0.3 * tool.radius(), "the bulge keeps the cutter off: {off} mm at s = {s}");
+        let [foot, _] = channel.full.wall_angles(&part, s, 0.0).expect("walls");
+        let radius = part.hub.point(s).r;
+        let turn = lane.inward_sign(0) * 8.0 / part.shroud.point(s).r;
+        let turned = lane.turned_wall_axis(0, (s, s), turn).expect("an axis turned off the wall");
+        let from_foot = |theta: f64| wrap_angle(theta - foot).abs() * radius;
+        let (before, after) = (from_foot(own.theta_hub), from_foot(turned.theta_hub));
+        assert!(after < before - 1.0, "{after} mm from the foot, {before} mm along the wall, s = {s}");
+        let (tip, axis) = lane.line(&turned);
+        assert!(finished.clears(&tool.placed(tip, axis), stock.blade_allowance - 1e-6), "s = {s}");
+    }
+}
