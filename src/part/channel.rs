@@ -225,7 +225,7 @@ pub struct Division {
     /// second.
     pub passages: [usize; 2],
     /// How shorter splitters divide these passages.
-    pub inner: [Option<Box<Division>>; 2],
+    pub inner: [Option<Box<Self>>; 2],
 }
 
 /// Channel 1 of an impeller.

@@ -140,8 +140,14 @@ pub struct FlankVerifier<'a> {
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
-    /// The steps of the last program that was free of other faults, with the contacts with stock on them.
-    standing: Option<(Vec<(StepKey, i64)>, Vec<Contact>)>,
+    standing: Option<StandingContacts>,
+}
+
+/// The contacts of a program with stock that stands.
+struct StandingContacts {
+    /// Its steps, with their channels.
+    steps: Vec<(StepKey, i64)>,
+    contacts: Vec<Contact>,
 }
 
 /// The steps of a program with their results.
@@ -258,9 +264,8 @@ impl<'a> FlankVerifier<'a> {
         monitor: &Monitor,
     ) -> Result<Vec<Fault>, Cancelled> {
         let keys: Vec<(StepKey, i64)> = steps.iter().map(|step| (step_key(step), step.channel)).collect();
-        let known = self.standing.take().filter(|(seen, _)| *seen == keys).map(|(_, contacts)| contacts);
-        let contacts = match known {
-            Some(contacts) => contacts,
+        let contacts = match self.standing.take().filter(|known| known.steps == keys) {
+            Some(known) => known.contacts,
             None => standing::collisions(self.part, &self.blank, &self.tools, steps, monitor)?,
         };
         let fault = |contact: &Contact| {
@@ -268,7 +273,7 @@ impl<'a> FlankVerifier<'a> {
             standing::finding(contact, self.tools[step.tool].number).at(step.line)
         };
         let faults = contacts.iter().map(fault).collect();
-        self.standing = Some((keys, contacts));
+        self.standing = Some(StandingContacts { steps: keys, contacts });
         Ok(faults)
     }
 

@@ -91,7 +91,7 @@ fn transform(squares: &mut [f32], counts: [usize; 3], axis: usize) {
     let count = counts[axis];
     let mut line = vec![0.0f32; count];
     let mut parabolas: Vec<(usize, f32)> = Vec::with_capacity(count);
-    for first in (0..squares.len()).filter(|index| index / stride % count == 0) {
+    for first in (0..squares.len()).filter(|index| (index / stride).is_multiple_of(count)) {
         for (k, value) in line.iter_mut().enumerate() {
             *value = squares[first + k * stride];
         }
