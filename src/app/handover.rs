@@ -12,7 +12,8 @@ use super::engine::Engine;
 use super::export::ExportSettings;
 use super::picture::PartMeshes;
 use super::project::Session;
-use super::state::{AppState, Problem};
+use super::problem::Problem;
+use super::state::AppState;
 use super::view3d::View3d;
 
 /// State of a window without its device.

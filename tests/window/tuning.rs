@@ -140,3 +140,24 @@ fn the_tilt_of_the_machine_is_a_field_that_can_be_undone() {
     window.run_steps(2);
     assert!((tilt(&window) - 180.0).abs() < 1e-9, "the dot resets");
 }
+
+#[test]
+fn the_empty_palette_proposes_nothing_that_closes_the_project() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(3);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(window.state().state().document.part.is_some(), "the project is still open");
+    for (typed, found) in [("simulate", "Simulate to here"), ("gcode", "Export CL (APT)…")] {
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+        window.run_steps(3);
+        window.event(egui::Event::Text(typed.to_owned()));
+        window.run_steps(3);
+        window.get_by_label(found);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+    }
+}

@@ -83,7 +83,7 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     settle(&mut window);
     window.get_by_label(&format!("Sectional view through position {}", worst + 1));
     let count = window.state().state().position_count();
-    let word = Condition::Interfering.word();
+    let word = Condition::Interfering.label();
     window.get_by_label(&format!("Position {} of {count}: {word}", worst + 1));
     let why = words(&window, "Core hits stock ").expect("the reason");
     let depth = why.split_whitespace().nth(3).and_then(|depth| depth.parse::<f64>().ok());

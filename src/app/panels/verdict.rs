@@ -79,8 +79,8 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     figure(
         ui,
         "Time",
-        format_duration(after.time_estimate),
-        "One channel, from plunge feed rates and rapids; without tool changes",
+        format_times(after.time_estimate, planned.outcome.part.blade_count),
+        "From plunge feed rates and rapids; without tool changes",
     );
 }
 
@@ -118,7 +118,8 @@ fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summ
     }
 }
 
-fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
+/// Draws a figure with its name.
+pub fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
     ui.label(RichText::new(name).weak()).on_hover_text(tip);
     ui.label(value).on_hover_text(tip);
 }
@@ -160,6 +161,12 @@ pub fn format_duration(seconds: f64) -> String {
         m if m < 90.0 => format!("{m:.0} min"),
         m => format!("{:.1} h", m / 60.0),
     }
+}
+
+/// Time of one channel, and of the whole wheel of `channels` channels; from seconds.
+pub fn format_times(seconds: f64, channels: usize) -> String {
+    let wheel = format_duration(seconds * channels as f64);
+    format!("{} per channel, {wheel} wheel", format_duration(seconds))
 }
 
 /// Height of the line, points.
