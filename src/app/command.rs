@@ -152,7 +152,8 @@ commands! {
 impl Command {
     /// Whether a focused widget takes precedence: without Ctrl the keys also type, move or press there.
     fn yields_to_focus(shortcut: &KeyboardShortcut) -> bool {
-        !shortcut.modifiers.command && !matches!(shortcut.logical_key, Key::F1 | Key::F5 | Key::F6 | Key::Escape)
+        !shortcut.modifiers.command
+            && !matches!(shortcut.logical_key, Key::F1 | Key::F5 | Key::F6 | Key::Escape)
     }
 
     /// Commands whose keys were pressed in this frame. Keys that also type or move count only while no field

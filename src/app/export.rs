@@ -119,7 +119,8 @@ impl App {
         let options = SceneOptions { transparent: settings.transparent, ..self.options(side) };
         let size = settings.size.unwrap_or(self.screen_size());
         let content = self.content(side);
-        let flank = self.state.shown_flank().map(|(outcome, colours)| (std::sync::Arc::clone(outcome), colours));
+        let flank =
+            self.state.shown_flank().map(|(outcome, colours)| (std::sync::Arc::clone(outcome), colours));
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
         // A file cannot show the badge of a preview, so leave the preview out.

@@ -11,8 +11,8 @@ use super::App;
 use super::engine::Engine;
 use super::export::ExportSettings;
 use super::picture::PartMeshes;
-use super::project::Session;
 use super::problem::Problem;
+use super::project::Session;
 use super::state::AppState;
 use super::view3d::View3d;
 

@@ -105,7 +105,8 @@ fn shortcuts(ui: &mut Ui) {
                 ui.label(command.label()).on_hover_text(command.tip());
                 ui.end_row();
             }
-            for (keys, what) in [("Ctrl + +/−/0", "Larger, smaller, and usual text"), ("Tab", "Next field")] {
+            for (keys, what) in [("Ctrl + +/−/0", "Larger, smaller, and usual text"), ("Tab", "Next field")]
+            {
                 ui.label(RichText::new(keys).strong());
                 ui.label(what);
                 ui.end_row();

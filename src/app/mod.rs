@@ -348,7 +348,11 @@ impl eframe::App for App {
             let wanted = self.state.wanted_solid(side);
             if let Some(fault) = self.solids[side as usize].follow(wanted) {
                 let help = "recalculate, or hide the layer";
-                self.state.report_problem(Problem::of(Topic::Stock, &format!("Stock as a solid: {fault}"), help));
+                self.state.report_problem(Problem::of(
+                    Topic::Stock,
+                    &format!("Stock as a solid: {fault}"),
+                    help,
+                ));
             }
         }
         if self.work.running().is_some() {
@@ -364,7 +368,8 @@ impl eframe::App for App {
         Panel::top("menu").show(ui, |ui| self.menu(ui));
         let open = self.state.document.part.is_some();
         if open {
-            Panel::top("verdict").show(ui, |ui| {
+            let height = panels::verdict::height(ui.available_width());
+            Panel::top("verdict").exact_size(height).show(ui, |ui| {
                 ui.horizontal_wrapped(|ui| match self.state.look.operation {
                     Operation::Roughing => panels::verdict::show(ui, &self.state),
                     Operation::Flank => panels::flank_results::verdict(ui, &self.state),

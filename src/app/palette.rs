@@ -118,7 +118,9 @@ fn synonyms(command: Command) -> &'static str {
         C::Play => "simulate simulation animate run verify",
         C::ScrubHere => "simulation",
         C::Stock => "simulate simulation solid material removal ipw blank",
-        C::ExportCl | C::ExportClAll | C::ExportFlank => "gcode g-code nc cnc post program output apt cl write",
+        C::ExportCl | C::ExportClAll | C::ExportFlank => {
+            "gcode g-code nc cnc post program output apt cl write"
+        }
         C::ExportStock => "stl ipw rest",
         C::ExportScene => "gltf glb 3d model",
         C::SavePicture => "screenshot image png export",

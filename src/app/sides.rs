@@ -60,7 +60,8 @@ impl App {
         let setup = &mut self.state.document.edited.setup;
         heading(ui, "Plunge", fresh, |ui| panels::setup::plunge(ui, setup, &defaults, chosen));
         heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
-        if let Some(command) = heading(ui, "Variants", fresh, |ui| panels::whatif::show(ui, &mut self.state)).flatten()
+        if let Some(command) =
+            heading(ui, "Variants", fresh, |ui| panels::whatif::show(ui, &mut self.state)).flatten()
         {
             self.run_command(ui.ctx(), command);
         }

@@ -444,8 +444,9 @@ impl AppState {
     /// of the calculation before: while a value is dragged, each step would add another.
     pub fn report_problem(&mut self, problem: Problem) {
         self.notice = Some(Notice { tone: Tone::Fault, text: problem.text() });
-        self.problems
-            .retain(|known| *known != problem && (problem.topic == Topic::Other || known.topic != problem.topic));
+        self.problems.retain(|known| {
+            *known != problem && (problem.topic == Topic::Other || known.topic != problem.topic)
+        });
         if self.problems.len() >= MAX_PROBLEMS {
             self.problems.remove(0);
         }

@@ -23,9 +23,9 @@ use super::look::Operation;
 use super::picture::PartMeshes;
 use super::planned::DisplayPlan;
 use super::preview::PreviewSlot;
+use super::problem::{Problem, Topic};
 use super::project::{Pending, edited_of, source_of};
 use super::roles::{UnassignedRoles, hint_for_dialog};
-use super::problem::{Problem, Topic};
 use super::state::ShownPlan;
 
 /// A task of the opening thread.
@@ -341,7 +341,9 @@ impl App {
                 Outcome::Done(opened) => self.take_opened(opened),
                 Outcome::Cancelled => self.state.report_done("Opening cancelled"),
                 Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
-                Outcome::Panicked(what) => self.state.report_problem(panic_problem(Topic::Other, "Opening", &what)),
+                Outcome::Panicked(what) => {
+                    self.state.report_problem(panic_problem(Topic::Other, "Opening", &what))
+                }
             }
         }
         if let Some((_, end)) = self.work.planner.take_outcome() {
@@ -376,7 +378,9 @@ impl App {
                 }
                 Outcome::Cancelled => {}
                 Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
-                Outcome::Panicked(what) => self.state.report_problem(panic_problem(Topic::Other, "Writing", &what)),
+                Outcome::Panicked(what) => {
+                    self.state.report_problem(panic_problem(Topic::Other, "Writing", &what))
+                }
             }
         }
         self.collect_device_faults(ctx);

@@ -173,7 +173,8 @@ fn text_has_a_contrast_of_at_least_4_5_and_is_not_too_small() {
                 let ratio = contrast(colour, back);
                 assert!(ratio >= 4.5, "{of:?}: {ink} on {ground} has {ratio:.2}");
             }
-            let disabled = back.lerp_to_gamma(visuals.widgets.inactive.text_color(), visuals.disabled_alpha());
+            let disabled =
+                back.lerp_to_gamma(visuals.widgets.inactive.text_color(), visuals.disabled_alpha());
             let ratio = contrast(disabled, back);
             assert!(ratio >= 4.5, "{of:?}: disabled on {ground} has {ratio:.2}");
         }

@@ -165,8 +165,9 @@ impl Prompt {
         // A complete name, as proposed when saving, hides nothing.
         let typed = if typed.contains(['.', '/']) { "" } else { typed.as_str() };
         let begins = |name: &str| name.to_lowercase().starts_with(typed);
-        ScrollArea::vertical().max_height(160.0).min_scrolled_height(160.0).auto_shrink(false).show(ui, |ui| {
-            match reader.content(&self.folder) {
+        ScrollArea::vertical().max_height(160.0).min_scrolled_height(160.0).auto_shrink(false).show(
+            ui,
+            |ui| match reader.content(&self.folder) {
                 None => {
                     ui.label(RichText::new("Reading…").weak());
                 }
@@ -185,8 +186,8 @@ impl Prompt {
                         }
                     }
                 }
-            }
-        });
+            },
+        );
         match chosen {
             Some(Entry::Folder(name)) => self.enter(self.folder.join(name)),
             Some(Entry::File(name)) => self.name = name,

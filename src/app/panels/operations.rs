@@ -40,10 +40,12 @@ fn unplanned(running: bool) -> (String, Option<Condition>) {
 /// Draws the list; returns the operation that was clicked. `running`: the operation that is being calculated.
 pub fn show(ui: &mut Ui, state: &AppState, running: Option<Operation>) -> Option<Operation> {
     let mut clicked = None;
-    for (operation, command) in [(Operation::Roughing, Command::Plan), (Operation::Flank, Command::PlanFlank)] {
+    for (operation, command) in [(Operation::Roughing, Command::Plan), (Operation::Flank, Command::PlanFlank)]
+    {
         let selected = state.look.operation == operation;
         let (words, condition) = status(state, operation, running == Some(operation));
-        let colour = condition.map_or(ui.visuals().weak_text_color(), |condition| condition.text(ui.visuals()));
+        let colour =
+            condition.map_or(ui.visuals().weak_text_color(), |condition| condition.text(ui.visuals()));
         let button = Button::selectable(selected, operation.label())
             .right_text(egui::RichText::new(&words).color(colour))
             .min_size(egui::vec2(ui.available_width(), 22.0));
