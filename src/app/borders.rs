@@ -129,8 +129,8 @@ impl App {
     }
 }
 
-/// The borders between sections, as the indices of both. Rest milling has no handles: its sections lie over the
-/// others, and their handles would lie on those of the others.
+/// The borders between sections, as the indices of both. Rest milling has no handles: its sections lie over
+/// the others, and their handles would lie on those of the others.
 fn borders_of(sections: &[SectionSetup]) -> impl Iterator<Item = (usize, usize)> + '_ {
     let cut = (0..sections.len()).filter(|&k| !sections[k].rest);
     cut.filter_map(|k| Some((k, tools::adjoining(sections, k)?)))

@@ -123,6 +123,7 @@ impl App {
             self.state.shown_flank().map(|(outcome, colours)| (std::sync::Arc::clone(outcome), colours));
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
+        picture.load_cutter_colours(self.state.look.layers.cutter_colours);
         // A file cannot show the badge of a preview, so leave the preview out.
         picture.load_preview(None);
         picture.load_flank(flank);

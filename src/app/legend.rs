@@ -6,6 +6,7 @@ use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 use crate::gpu::scene::FloorColours;
 use crate::palette::{ColourMap, TABLE_LEN};
 
+use super::cutter_colours::CutterLegend;
 use super::look::Operation;
 use super::overlay::floating;
 use super::panels::flank;
@@ -101,6 +102,14 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
         ui.horizontal_centered(|ui| {
             ui.spacing_mut().item_spacing.x = 5.0;
+            if let Some(legend) = cutter_legend(state) {
+                show_cutter_legend(ui, &legend);
+                // In a narrow view the colours that were asked for have priority over those of the floor.
+                if ui.available_width() < MIN_SCALE_WIDTH {
+                    return;
+                }
+                ui.separator();
+            }
             match scale(state) {
                 Some(scale) => show_scale(ui, state, &scale, values),
                 None => {
@@ -113,6 +122,36 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
     });
 }
 
+/// What the cutters are coloured by; `None` while they are hidden or coloured by their state.
+fn cutter_legend(state: &AppState) -> Option<CutterLegend> {
+    let layers = state.look.layers;
+    let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
+    let shown = state.shown().filter(|_| in_view)?;
+    layers.cutter_colours.legend(shown.planned, shown.policy)
+}
+
+/// Width below which the scale of the floor is left out beside that of the cutters, points.
+const MIN_SCALE_WIDTH: f32 = 270.0;
+
+fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend) {
+    match legend {
+        CutterLegend::Classes(classes) => {
+            for (colour, name, share) in classes {
+                let (at, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
+                let [r, g, b] = colour.map(|x| (255.0 * x).round() as u8);
+                ui.painter().rect_filled(at, 2.0, Color32::from_rgb(r, g, b));
+                let text = format!("{name}, {:.0} %", 100.0 * share);
+                ui.label(text).on_hover_text("Share of the time of the program");
+            }
+        }
+        CutterLegend::Scale(low, high) => {
+            ui.label(low);
+            colour_bar(ui, ColourMap::Viridis, 80.0);
+            ui.label(high);
+        }
+    }
+}
+
 fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) {
     let room = ui.available_width();
     let value = match (scale.walls, values.other) {
@@ -122,8 +161,8 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
         }
         (None, None) => values.here.map(|stock| format!("{stock:.2} mm here")),
     };
-    let value = value.filter(|_| room > 330.0);
-    if room > 260.0 {
+    // In a narrow view the value under the cursor takes the place of the heading.
+    if room > 350.0 || room > 260.0 && value.is_none() {
         ui.label(scale.head);
     }
     let bar = (room - 330.0).clamp(40.0, 180.0);

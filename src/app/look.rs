@@ -5,6 +5,7 @@ use crate::gpu::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::setup::AxisPolicy;
 
+use super::cutter_colours::CutterColours;
 use super::mouse::MousePreset;
 use super::planned::Side;
 use super::solid::SolidColours;
@@ -30,6 +31,8 @@ pub struct Layers {
     pub stock: bool,
     /// Quantity that colours the floor of the current channel.
     pub floor: FloorColours,
+    /// Quantity that colours the cutters.
+    pub cutter_colours: CutterColours,
 }
 
 impl Default for Layers {
@@ -44,6 +47,7 @@ impl Default for Layers {
             links: false,
             stock: false,
             floor: FloorColours::Residual,
+            cutter_colours: CutterColours::State,
         }
     }
 }
@@ -259,19 +263,26 @@ pub struct Look {
 }
 
 /// Scrolling of the table of positions.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableScroll {
     /// Distance from the top of the first row to the top of the table, points.
     pub offset: f32,
-    /// Height of the rows in view, points; 0 before the table was drawn.
-    pub height: f32,
+    /// Whether the table was not drawn yet: it then starts at the top.
+    pub is_new: bool,
+}
+
+impl Default for TableScroll {
+    fn default() -> Self {
+        Self { offset: 0.0, is_new: true }
+    }
 }
 
 impl TableScroll {
-    /// The least scrolled offset at which row `index` of `pitch` points is in view.
-    pub fn showing(&self, index: usize, pitch: f32) -> f32 {
+    /// The offset nearest to the present one at which row `index` of `pitch` points is in view, in a table with
+    /// `height` points of rows.
+    pub fn showing(&self, index: usize, pitch: f32, height: f32) -> f32 {
         let top = index as f32 * pitch;
-        self.offset.min(top).max(top + pitch - self.height.max(pitch))
+        self.offset.min(top).max(top + pitch - height.max(pitch))
     }
 }
 

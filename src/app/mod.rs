@@ -14,6 +14,7 @@
 //! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: arrangement; mouse and camera; textures |
 //! | [`mouse`], `point_menu` | mouse presets; the context menu of a 3D view |
 //! | [`overlay`], [`cube`], `borders` | controls over the 3D views; the view cube; section borders to drag |
+//! | [`cutter_colours`] | what the cutters are coloured by |
 //! | [`legend`], `sides` | the legend below the 3D view; the panels at the left and right |
 //! | `scrub` | stock at a timeline position; sectional view of the selected position |
 //! | [`solid`] | the stock as a solid at a timeline position |
@@ -30,6 +31,7 @@
 mod borders;
 pub mod command;
 pub mod cube;
+pub mod cutter_colours;
 pub mod dialogs;
 pub mod document;
 pub mod engine;

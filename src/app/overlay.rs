@@ -7,6 +7,7 @@ use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
 
 use super::command::Command;
+use super::cutter_colours::CutterColours;
 use super::look::{Arrangement, Layers, Look, PlaneOrientation};
 use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
@@ -159,6 +160,11 @@ pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look) {
             ui.label("Floor");
             for (floor, name) in FLOORS {
                 ui.radio_value(&mut look.layers.floor, floor, name);
+            }
+            ui.separator();
+            ui.label("Cutters by");
+            for colours in CutterColours::ALL {
+                ui.radio_value(&mut look.layers.cutter_colours, colours, colours.label());
             }
         });
     });

@@ -62,7 +62,7 @@ pub const MIN_TEXT_SIZE: f32 = 11.0;
 /// Initial width of the left panel, points.
 pub const LEFT_WIDTH: f32 = 260.0;
 /// Initial width of the right panel, points.
-pub const RIGHT_WIDTH: f32 = 296.0;
+pub const RIGHT_WIDTH: f32 = 300.0;
 /// Width of the labels of a form, points.
 pub const LABEL_WIDTH: f32 = 102.0;
 /// Width of the boxes of a form, points.

@@ -193,6 +193,7 @@ impl App {
         };
         picture.load_flank(flank);
         picture.load(content);
+        picture.load_cutter_colours(look.layers.cutter_colours);
         picture.load_preview(coming);
         picture.load_borders(borders);
         picture.load_solid(solid);

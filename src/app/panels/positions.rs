@@ -74,6 +74,8 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     let shown = state.shown()?;
     let plan = shown.plan();
     let pitch = theme::ROW_HEIGHT + ui.spacing().item_spacing.y;
+    // Of this frame: the panel below may just have taken some of it.
+    let height = ui.available_height() - pitch;
     let mut builder = TableBuilder::new(ui)
         .striped(true)
         .sense(Sense::click())
@@ -92,8 +94,8 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     let mut scroll = state.look.table;
     let row = selected.filter(|_| reveal).and_then(|k| rows.iter().position(|&r| r == k));
     if let Some(row) = row {
-        builder = builder.vertical_scroll_offset(scroll.showing(row, pitch));
-    } else if scroll.height <= 0.0 {
+        builder = builder.vertical_scroll_offset(scroll.showing(row, pitch, height));
+    } else if scroll.is_new {
         builder = builder.vertical_scroll_offset(0.0);
     }
     let (mut clicked, mut sorted, mut chosen) = (None, None, None);
@@ -154,7 +156,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
             });
         });
     scroll.offset = output.state.unclamped_offset().y;
-    scroll.height = output.inner_rect.height();
+    scroll.is_new = false;
     state.look.table = scroll;
     if let Some(k) = clicked {
         // A second click on the row deselects it.

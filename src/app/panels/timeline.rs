@@ -50,6 +50,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         ui.add_space(4.0);
         ui.label(text);
         if let Some((now, whole)) = clock {
+            ui.add_space(6.0);
             let text = format!("{} of {}", format_clock(now), format_clock(whole));
             ui.label(RichText::new(text).weak()).on_hover_text(
                 "Time of the program of one channel up to here, from feed rates and rapids; without tool changes",
@@ -60,7 +61,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
 }
 
 /// Width of the clock, points.
-const CLOCK: f32 = 126.0;
+const CLOCK: f32 = 136.0;
 
 /// Speeds of playing.
 const SPEEDS: [(f64, &str); 5] = [(0.25, "¼×"), (1.0, "1×"), (4.0, "4×"), (16.0, "16×"), (64.0, "64×")];
