@@ -1,5 +1,5 @@
-//! The legend below the 3D view: what the colours mean, the ends of the scale, and the value under the cursor.
-//! It lies beside the picture, so that it hides nothing of it.
+//! The legend below the 3D view: what the colours mean, the ends of the scale, and the value under the
+//! cursor. It lies beside the picture, so that it hides nothing of it.
 
 use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 

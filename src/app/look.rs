@@ -278,8 +278,8 @@ impl Default for TableScroll {
 }
 
 impl TableScroll {
-    /// The offset nearest to the present one at which row `index` of `pitch` points is in view, in a table with
-    /// `height` points of rows.
+    /// The offset nearest to the present one at which row `index` of `pitch` points is in view, in a table
+    /// with `height` points of rows.
     pub fn showing(&self, index: usize, pitch: f32, height: f32) -> f32 {
         let top = index as f32 * pitch;
         self.offset.min(top).max(top + pitch - height.max(pitch))

@@ -324,8 +324,8 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the side
-    /// "before" is shown, and whether the program is for all channels.
+    /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the
+    /// side "before" is shown, and whether the program is for all channels.
     fn ask_for_cl_file(&mut self, ctx: &Context, all_channels: bool) {
         let side = self.state.look.side;
         let policy = match self.state.last_whole_plan(side) {

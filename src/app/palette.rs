@@ -155,8 +155,8 @@ fn is_destructive(command: Command) -> bool {
     matches!(command, Command::NewProject | Command::Quit)
 }
 
-/// Place of the best match of a typed word in a command: a word of its label, a synonym, a word of its tip. Only
-/// beginnings of words match: "tool" is not to find "stool".
+/// Place of the best match of a typed word in a command: a word of its label, a synonym, a word of its tip.
+/// Only beginnings of words match: "tool" is not to find "stool".
 fn place_of(word: &str, command: Command) -> Option<usize> {
     let places = [command.label(), synonyms(command), command.tip()];
     places.iter().position(|text| {

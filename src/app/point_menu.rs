@@ -23,8 +23,8 @@ const VIEWS: [Command; 7] = [
 ];
 
 impl App {
-    /// Opens the context menu at a right click, and runs the chosen command on the position under it, which is
-    /// selected only then. A drag with the right button is not a click.
+    /// Opens the context menu at a right click, and runs the chosen command on the position under it, which
+    /// is selected only then. A drag with the right button is not a click.
     pub(super) fn point_menu(&mut self, panes: &[Pane], camera: &Camera) {
         let clicked = panes.iter().find_map(|pane| {
             let at = pane.response.interact_pointer_pos().filter(|_| pane.response.secondary_clicked())?;

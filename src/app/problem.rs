@@ -76,8 +76,8 @@ const LABELS: [(&str, &str); 22] = [
     ("rest", "Rest milling with smaller tools"),
 ];
 
-/// `text` with the label of its field for each key of a setup file in backticks, and for each word that is a key
-/// of more than one word.
+/// `text` with the label of its field for each key of a setup file in backticks, and for each word that is a
+/// key of more than one word.
 fn with_labels(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut rest = text;

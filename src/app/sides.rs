@@ -1,5 +1,5 @@
-//! The panels at both sides of the 3D view: part, operations and the form of the selected operation at the left,
-//! its results at the right.
+//! The panels at both sides of the 3D view: part, operations and the form of the selected operation at the
+//! left, its results at the right.
 
 use egui::{CentralPanel, Panel, RichText, ScrollArea, Ui};
 
@@ -136,7 +136,8 @@ impl App {
     }
 }
 
-/// A heading with its content, open for a new part; the content is not indented, so that it has the whole width.
+/// A heading with its content, open for a new part; the content is not indented, so that it has the whole
+/// width.
 fn heading<R>(ui: &mut Ui, title: &str, fresh: bool, content: impl FnOnce(&mut Ui) -> R) -> Option<R> {
     let heading = egui::CollapsingHeader::new(title).open(fresh.then_some(true)).default_open(true);
     heading.show_unindented(ui, content).body_returned

@@ -440,8 +440,8 @@ impl AppState {
         self.notice = Some(Notice { tone: Tone::Done, text: text.into() });
     }
 
-    /// Reports a problem; it stays until it is dismissed or solved. A problem of a calculation replaces the one
-    /// of the calculation before: while a value is dragged, each step would add another.
+    /// Reports a problem; it stays until it is dismissed or solved. A problem of a calculation replaces the
+    /// one of the calculation before: while a value is dragged, each step would add another.
     pub fn report_problem(&mut self, problem: Problem) {
         self.notice = Some(Notice { tone: Tone::Fault, text: problem.text() });
         self.problems.retain(|known| {

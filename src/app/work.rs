@@ -302,8 +302,8 @@ impl App {
         self.work.flanker.submit(FlankRequest { part: Arc::clone(&part.impeller), setup });
     }
 
-    /// Plans a flank plan again that is older than the setup, if auto-update is on. Unlike plunges it is planned
-    /// only once the mouse is released, as it has no drafts.
+    /// Plans a flank plan again that is older than the setup, if auto-update is on. Unlike plunges it is
+    /// planned only once the mouse is released, as it has no drafts.
     fn plan_flank_edits(&mut self, held: bool) {
         let setup = &self.state.document.edited.setup;
         let follows = self.state.auto_update && !held && self.state.look.operation == Operation::Flank;

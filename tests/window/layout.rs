@@ -8,7 +8,7 @@ use vanecut::app::look::Operation;
 use vanecut::app::theme::{self, Condition};
 
 use crate::fake;
-use crate::harness::{Window, settle, window, with_sample};
+use crate::harness::{Window, sample_in, scaled, settle, window, with_sample};
 
 fn view(window: &Window) -> egui::Rect {
     window.get_by_label("3D view").rect()
@@ -70,7 +70,9 @@ fn a_new_part_starts_with_its_own_scroll_places_and_open_headings() {
     window.state_mut().look_mut().select(Some(count - 1));
     window.run_steps(6);
     window.state_mut().look_mut().select(None);
-    window.get_by_label("Allowances").click();
+    let top = |window: &Window| window.get_by_label("Calculate roughing").rect().top();
+    let at_start = top(&window);
+    window.get_by_label("Plunge").click();
     window.run_steps(3);
     let scroll = |window: &mut Window, delta: f32| {
         window.hover_at(egui::pos2(60.0, 300.0));
@@ -85,15 +87,40 @@ fn a_new_part_starts_with_its_own_scroll_places_and_open_headings() {
     };
     scroll(&mut window, -400.0);
     assert!(window.query_by_role_and_label(Role::Row, "Position 1").is_none(), "scrolled down");
-    assert!(window.query_by_role_and_label(Role::SpinButton, "Hub allowance").is_none(), "closed");
-    assert!(window.get_by_label("Calculate roughing").rect().top() < 60.0, "scrolled down");
+    assert!(window.query_by_role_and_label(Role::SpinButton, "Step").is_none(), "closed");
+    assert!(top(&window) < at_start - 40.0, "scrolled down");
 
     window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
     window.run_steps(2);
     settle(&mut window);
     window.get_by_role_and_label(Role::Row, "Position 1");
-    window.get_by_role_and_label(Role::SpinButton, "Hub allowance");
-    assert!(window.get_by_label("Calculate roughing").rect().top() > 60.0, "at the top");
+    window.get_by_role_and_label(Role::SpinButton, "Step");
+    assert_eq!(top(&window), at_start, "at the top");
+}
+
+#[test]
+fn controls_over_the_picture_do_not_cover_each_other_in_a_small_window_or_at_150_percent() {
+    for (scale, size) in [(1.0, [800.0, 500.0]), (1.5, [853.0, 533.0]), (1.5, [1280.0, 720.0])] {
+        let (engine, _) = fake::engine();
+        let mut window = sample_in(scaled(engine, scale));
+        window.set_size(size.into());
+        window.run_steps(4);
+        let names = ["Before", "After", "Both", "Wipe", "Layers", "Wheel", "Channel"];
+        let rects = names.map(|name| window.get_by_role_and_label(Role::Button, name).rect());
+        for (k, a) in rects.iter().enumerate() {
+            assert!(view(&window).contains_rect(*a), "{} is inside at {size:?}", names[k]);
+            assert!(a.height() < 28.0, "{} is on one line at {size:?}", names[k]);
+            for (other, b) in rects.iter().enumerate().skip(k + 1) {
+                assert!(!a.intersects(*b), "{} covers {} at {size:?}", names[k], names[other]);
+            }
+        }
+        let fits = |name: &str| {
+            let rect = window.get_by_role_and_label(Role::SpinButton, name).rect();
+            assert!(rect.top() >= view(&window).bottom() && rect.right() <= view(&window).right(), "{name}");
+        };
+        fits("Scale minimum");
+        fits("Scale maximum");
+    }
 }
 
 #[test]
@@ -106,13 +133,11 @@ fn one_operation_is_shown_at_a_time() {
     assert!(window.query_by_label("Timeline").is_none(), "the plunge plan is hidden");
     assert!(window.query_by_label("Sort by contact").is_none());
     assert!(window.query_by_label("Scale maximum").is_none(), "and so are its colours");
-    window.get_by_label("Calculate flank").click();
-    window.run_steps(2);
-    settle(&mut window);
-    window.get_by_label_contains("Wall error");
+    window.get_by_label("Calculate flank");
+    window.get_by_role_and_label(Role::Slider, "Layer depth");
+    assert!(window.query_by_role_and_label(Role::SpinButton, "Step").is_none(), "so are its fields");
     window.get_by_role_and_label(Role::RadioButton, "Roughing: 18 min").click();
     window.run_steps(3);
-    assert!(window.state().state().shown_flank().is_none(), "the passes are hidden");
     window.get_by_label("Sort by contact");
     window.get_by_label("Scale maximum");
 }
@@ -178,6 +203,9 @@ fn text_has_a_contrast_of_at_least_4_5_and_is_not_too_small() {
             let ratio = contrast(disabled, back);
             assert!(ratio >= 4.5, "{of:?}: disabled on {ground} has {ratio:.2}");
         }
+        let selection = visuals.panel_fill.blend(visuals.selection.bg_fill);
+        let ratio = contrast(visuals.selection.stroke.color, selection);
+        assert!(ratio >= 4.5, "{of:?}: selected text has {ratio:.2}");
         let button = visuals.widgets.inactive.weak_bg_fill;
         let ratio = contrast(visuals.widgets.inactive.text_color(), button);
         assert!(ratio >= 4.5, "{of:?}: buttons have {ratio:.2}");

@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
 use crate::fake;
-use crate::harness::{Window, settle, with_sample};
+use crate::harness::{Window, settle, snapshot_view, with_sample};
 
 /// A window with many plunges in small steps.
 fn with_many() -> Window {
@@ -67,4 +67,34 @@ fn playing_can_loop_and_has_a_clock() {
     window.get_by_role_and_label(Role::Button, "Go to start").click();
     window.run_steps(2);
     assert_eq!(window.state().state().clock().map(|(now, _)| now), Some(0.0));
+}
+
+#[test]
+fn cutters_are_coloured_by_tool_lead_angle_or_time_with_a_legend() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1200.0, 700.0));
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    let choose = |window: &mut Window, entry: &str| {
+        window.get_by_role_and_label(Role::Button, "Layers").click();
+        window.run_steps(2);
+        window.get_by_role_and_label(Role::RadioButton, entry).click();
+        window.run_steps(2);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(4);
+        settle(window);
+    };
+    choose(&mut window, "Tool");
+    window.get_by_label("T1 Ø30, 100 %");
+    choose(&mut window, "Lead angle");
+    let plan = window.state().state().shown().expect("planned").plan();
+    let last = plan.positions[plan.positions.len() - 1].alpha_rad.to_degrees();
+    window.get_by_label("2.0°");
+    window.get_by_label(&format!("{last:.1}°"));
+    snapshot_view(&mut window, "cutters_by_lead_angle");
+    choose(&mut window, "Time");
+    window.get_by_label("0 min");
+    choose(&mut window, "State");
+    assert!(window.query_by_label("0 min").is_none(), "states have no scale");
 }

@@ -1,5 +1,5 @@
-//! Results of the flank plan: the verdict line, the comparison of the strategies, faults and stretches that are
-//! left out.
+//! Results of the flank plan: the verdict line, the comparison of the strategies, faults and stretches that
+//! are left out.
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 

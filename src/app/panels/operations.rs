@@ -44,8 +44,13 @@ pub fn show(ui: &mut Ui, state: &AppState, running: Option<Operation>) -> Option
     {
         let selected = state.look.operation == operation;
         let (words, condition) = status(state, operation, running == Some(operation));
-        let colour =
-            condition.map_or(ui.visuals().weak_text_color(), |condition| condition.text(ui.visuals()));
+        let visuals = ui.visuals();
+        let colour = match condition {
+            // The colours of conditions are too pale on that of the selection.
+            _ if selected => visuals.selection.stroke.color,
+            Some(condition) => condition.text(visuals),
+            None => visuals.weak_text_color(),
+        };
         let button = Button::selectable(selected, operation.label())
             .right_text(egui::RichText::new(&words).color(colour))
             .min_size(egui::vec2(ui.available_width(), 22.0));

@@ -29,8 +29,8 @@ struct PlotCurve {
     values: Vec<f64>,
 }
 
-/// Draws the plots; a click on one selects the position there. Returns a command from the context menu of a plot,
-/// with the position it is for.
+/// Draws the plots; a click on one selects the position there. Returns a command from the context menu of a
+/// plot, with the position it is for.
 pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let shown = state.shown()?;
     let plan = shown.plan();

@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
             ui.add_space(6.0);
             let text = format!("{} of {}", format_clock(now), format_clock(whole));
             ui.label(RichText::new(text).weak()).on_hover_text(
-                "Time of the program of one channel up to here, from feed rates and rapids; without tool changes",
+                "Time of one channel up to here, from feed rates and rapids; without tool changes",
             );
         }
     });

@@ -244,8 +244,8 @@ pub fn copy_sections(setup: &mut Setup, chosen: &Setup) {
     setup.plunge.sections.clone_from(&chosen.plunge.sections);
 }
 
-/// Index of the section that begins where section `k` ends. Sections of rest milling lie over the others: their
-/// borders are their own.
+/// Index of the section that begins where section `k` ends. Sections of rest milling lie over the others:
+/// their borders are their own.
 pub fn adjoining(sections: &[SectionSetup], k: usize) -> Option<usize> {
     let section = sections.get(k)?;
     let next = sections.iter().skip(k + 1).position(|next| next.rest == section.rest)? + k + 1;
