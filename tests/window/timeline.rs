@@ -64,6 +64,8 @@ fn playing_can_loop_and_has_a_clock() {
     assert!(window.state().state().look.playing.is_some(), "it goes on");
     assert!(cuts.windows(2).any(|pair| pair[1] < pair[0]), "from the start again: {cuts:?}");
     window.get_by_label_contains(" of 0:");
+    window.key_press(egui::Key::Space);
+    window.run_steps(2);
     window.get_by_role_and_label(Role::Button, "Go to start").click();
     window.run_steps(2);
     assert_eq!(window.state().state().clock().map(|(now, _)| now), Some(0.0));

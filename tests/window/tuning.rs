@@ -81,7 +81,7 @@ fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
     settle(&mut window);
     assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "the first set is in work");
     window.run_steps(8);
-    window.get_by_label("Remove Variant 2").click();
+    window.get_by_label("Remove Variant 2").click_accesskit();
     window.run_steps(8);
     assert_eq!(window.state().state().document.edited.sets.len(), 1);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
