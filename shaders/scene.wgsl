@@ -398,11 +398,19 @@ fn cutter_vertex(in: CutterIn) -> CutterOut {
     return out;
 }
 
+// Colour of a cutter: its own (bit 3; R, G and B above the low byte), else that of its state.
+fn cutter_colour(state: u32) -> vec3f {
+    if (state & 8u) != 0u {
+        return unpack4x8unorm(state >> 8u).rgb;
+    }
+    return frame.states[state & 7u].rgb;
+}
+
 @fragment
 fn cutter_fragment(in: CutterOut) -> @location(0) vec4f {
     let v = to_viewer(in.world);
     let shade = min(0.25 + 0.80 * light(facing(in.normal, v), v, 1.0), 1.0);
-    return vec4f(frame.states[in.state].rgb * shade, 1.0);
+    return vec4f(cutter_colour(in.state) * shade, 1.0);
 }
 
 @fragment
@@ -415,7 +423,7 @@ fn cutter_glass_fragment(in: CutterOut) -> @location(0) vec4f {
         alpha = 0.38;
     }
     let shade = 0.45 + 0.60 * light(facing(n, v), v, 1.0);
-    return vec4f(frame.states[in.state].rgb * shade, alpha);
+    return vec4f(cutter_colour(in.state) * shade, alpha);
 }
 
 // ---- ids for picking ------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ impl App {
         self.is_dragging_border = false;
         let chosen = self.state.results.planned.as_ref().map(|planned| planned.outcome.setup.clone());
         let sections = self.sections_with_borders();
-        for k in (0..sections.len()).filter(|&k| tools::is_joined(&sections, k)) {
+        for (k, next) in borders_of(&sections) {
             for pane in panes {
                 let Some((grip, line)) = self.border_line(pane, camera, sections[k].to) else { continue };
                 if !pane.visible.shrink(HANDLE_SIZE).contains(grip) {
@@ -34,7 +34,7 @@ impl App {
                 let at = Rect::from_center_size(grip, Vec2::splat(HANDLE_SIZE));
                 let id = pane.response.id.with(("border", k, pane.side as usize));
                 let response = ui.interact(at, id, Sense::drag());
-                let name = format!("Border {} | {} in the view", k + 1, k + 2);
+                let name = format!("Border {} | {} in the view", k + 1, next + 1);
                 let s = sections[k].to;
                 response.widget_info(|| egui::WidgetInfo::slider(true, s, &name));
                 let held = response.dragged() || response.hovered();
@@ -66,7 +66,7 @@ impl App {
                 response.on_hover_and_drag_cursor(CursorIcon::Grab).on_hover_text(format!(
                     "Border of sections {} and {} at s {s:.3}; drag to move it",
                     k + 1,
-                    k + 2
+                    next + 1
                 ));
             }
         }
@@ -90,8 +90,7 @@ impl App {
         let sections = self.sections_with_borders();
         let colour = theme::accent(visuals).to_normalized_gamma_f32();
         let colour = [colour[0], colour[1], colour[2]];
-        let borders = (0..sections.len()).filter(|&k| tools::is_joined(&sections, k));
-        let lines = borders.filter_map(|k| pictures.floor_line(sections[k].to));
+        let lines = borders_of(&sections).filter_map(|(k, _)| pictures.floor_line(sections[k].to));
         let segment = |pair: &[(Vec3, Vec3)]| {
             Segment::coloured(pair[0].0.to_array(), pair[1].0.to_array(), 2.0, colour).on_part()
         };
@@ -128,6 +127,13 @@ impl App {
         let near = (0..=STEPS).map(at).filter_map(|s| Some((far(s)?, s)));
         near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, s)| (s * 1e3).round() / 1e3)
     }
+}
+
+/// The borders between sections, as the indices of both. Rest milling has no handles: its sections lie over
+/// the others, and their handles would lie on those of the others.
+fn borders_of(sections: &[SectionSetup]) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let cut = (0..sections.len()).filter(|&k| !sections[k].rest);
+    cut.filter_map(|k| Some((k, tools::adjoining(sections, k)?)))
 }
 
 fn own_is_empty(state: &super::state::AppState) -> bool {

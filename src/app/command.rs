@@ -144,12 +144,16 @@ commands! {
     MouseBlender "Mouse: Blender"
         "Middle button orbits, shift-middle pans, ctrl-middle zooms; left with alt does the same" [];
     SwitchTheme "Switch light and dark" "Switches between the light and dark theme" [];
+    ShowShortcuts "Keyboard shortcuts" "Lists all keys" [NONE, F1];
+    ShowGlossary "Glossary" "Explains the words of the window" [];
+    ShowAbout "About Vanecut" "Shows version, licence and graphics device" [];
 }
 
 impl Command {
     /// Whether a focused widget takes precedence: without Ctrl the keys also type, move or press there.
     fn yields_to_focus(shortcut: &KeyboardShortcut) -> bool {
-        !shortcut.modifiers.command && !matches!(shortcut.logical_key, Key::F5 | Key::F6 | Key::Escape)
+        !shortcut.modifiers.command
+            && !matches!(shortcut.logical_key, Key::F1 | Key::F5 | Key::F6 | Key::Escape)
     }
 
     /// Commands whose keys were pressed in this frame. Keys that also type or move count only while no field

@@ -10,7 +10,7 @@ use crate::gpu::{GpuError, SceneOptions};
 use super::App;
 use super::dialogs::Purpose;
 use super::files::{SceneTask, WriteTask};
-use super::state::Problem;
+use super::problem::Problem;
 
 /// Settings of a saved picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -119,9 +119,11 @@ impl App {
         let options = SceneOptions { transparent: settings.transparent, ..self.options(side) };
         let size = settings.size.unwrap_or(self.screen_size());
         let content = self.content(side);
-        let flank = self.shown_flank();
+        let flank =
+            self.state.shown_flank().map(|(outcome, colours)| (std::sync::Arc::clone(outcome), colours));
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
+        picture.load_cutter_colours(self.state.look.layers.cutter_colours);
         // A file cannot show the badge of a preview, so leave the preview out.
         picture.load_preview(None);
         picture.load_flank(flank);

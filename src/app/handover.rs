@@ -11,8 +11,9 @@ use super::App;
 use super::engine::Engine;
 use super::export::ExportSettings;
 use super::picture::PartMeshes;
+use super::problem::Problem;
 use super::project::Session;
-use super::state::{AppState, Problem};
+use super::state::AppState;
 use super::view3d::View3d;
 
 /// State of a window without its device.

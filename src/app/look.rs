@@ -5,6 +5,7 @@ use crate::gpu::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::setup::AxisPolicy;
 
+use super::cutter_colours::CutterColours;
 use super::mouse::MousePreset;
 use super::planned::Side;
 use super::solid::SolidColours;
@@ -30,6 +31,8 @@ pub struct Layers {
     pub stock: bool,
     /// Quantity that colours the floor of the current channel.
     pub floor: FloorColours,
+    /// Quantity that colours the cutters.
+    pub cutter_colours: CutterColours,
 }
 
 impl Default for Layers {
@@ -44,6 +47,27 @@ impl Default for Layers {
             links: false,
             stock: false,
             floor: FloorColours::Residual,
+            cutter_colours: CutterColours::State,
+        }
+    }
+}
+
+/// Operations on the part. The selected one is shown and edited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Operation {
+    /// Plunge roughing.
+    #[default]
+    Roughing,
+    /// Flank milling.
+    Flank,
+}
+
+impl Operation {
+    /// Label in the list of operations.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Roughing => "Roughing",
+            Self::Flank => "Flank",
         }
     }
 }
@@ -182,6 +206,8 @@ pub const REVEAL: u8 = 3;
 /// Display state of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
+    /// The selected operation.
+    pub operation: Operation,
     /// Active side: shown alone, and described by table and sectional view.
     pub side: Side,
     /// Policy of each side, indexed by [`Side`]; `None`: conventional before, the setup's after.
@@ -209,7 +235,16 @@ pub struct Look {
     pub cut_count: Option<usize>,
     /// While the timeline plays: time of its last step, in seconds on the window's clock.
     pub playing: Option<f64>,
-    /// Ends of the colour scale, mm; `None`: fitted to the plan.
+    /// Speed of playing; 1 is [`super::state::PLAY_RATE`].
+    pub play_speed: f64,
+    /// Whether playing starts again at the end.
+    pub play_loop: bool,
+    /// Scrolling of the table of positions.
+    pub table: TableScroll,
+    /// Whether the panels have not been drawn for this part yet: their scroll places and open headings are
+    /// then those of a new part.
+    pub is_fresh: bool,
+    /// Ends of the colour scale, mm; `None`: fitted to the plan. The first finished plan sets them.
     pub range: Option<(f32, f32)>,
     /// Whether the floor of the after side shows residual stock after minus before.
     pub difference: bool,
@@ -225,6 +260,30 @@ pub struct Look {
     pub tab: Tab,
     /// Mouse preset of the camera.
     pub mouse: MousePreset,
+}
+
+/// Scrolling of the table of positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TableScroll {
+    /// Distance from the top of the first row to the top of the table, points.
+    pub offset: f32,
+    /// Whether the table was not drawn yet: it then starts at the top.
+    pub is_new: bool,
+}
+
+impl Default for TableScroll {
+    fn default() -> Self {
+        Self { offset: 0.0, is_new: true }
+    }
+}
+
+impl TableScroll {
+    /// The offset nearest to the present one at which row `index` of `pitch` points is in view, in a table
+    /// with `height` points of rows.
+    pub fn showing(&self, index: usize, pitch: f32, height: f32) -> f32 {
+        let top = index as f32 * pitch;
+        self.offset.min(top).max(top + pitch - height.max(pitch))
+    }
 }
 
 /// Tabs of the selected position.
@@ -280,6 +339,7 @@ pub struct SectionPlaneLook {
 impl Default for Look {
     fn default() -> Self {
         Self {
+            operation: Operation::Roughing,
             side: Side::After,
             policies: [None; 2],
             arrangement: Arrangement::One,
@@ -293,6 +353,10 @@ impl Default for Look {
             flank: FlankLook::default(),
             cut_count: None,
             playing: None,
+            play_speed: 1.0,
+            play_loop: false,
+            table: TableScroll::default(),
+            is_fresh: true,
             range: None,
             difference: false,
             fly: false,
@@ -308,8 +372,8 @@ impl Default for Look {
 impl Look {
     /// Resets the display for another part; layers, plots, tab and mouse preset are kept.
     pub fn begin(&mut self) {
-        let Self { layers, plots, tab, mouse, .. } = *self;
-        *self = Self { layers, plots, tab, mouse, ..Self::default() };
+        let Self { layers, plots, tab, mouse, play_speed, .. } = *self;
+        *self = Self { layers, plots, tab, mouse, play_speed, ..Self::default() };
     }
 
     /// Selects a position and zooms to it.

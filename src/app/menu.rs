@@ -7,7 +7,8 @@ use crate::gpu::view::View;
 use super::App;
 use super::command::Command;
 use super::dialogs::Purpose;
-use super::look::{Arrangement, Tab};
+use super::help::HelpPage;
+use super::look::{Arrangement, Operation, Tab};
 use super::mouse::MousePreset;
 use super::overlay;
 use super::planned::Side;
@@ -73,6 +74,9 @@ const VIEWS: &[&[Command]] = &[
     &[Command::SwitchTheme],
 ];
 
+/// Groups of the Help menu.
+const HELP: &[&[Command]] = &[&[Command::ShowShortcuts, Command::ShowGlossary], &[Command::ShowAbout]];
+
 impl App {
     /// Draws the menu bar.
     pub(super) fn menu(&mut self, ui: &mut Ui) {
@@ -108,6 +112,11 @@ impl App {
                 ui.separator();
                 for (shown, command) in overlay::switches(&mut self.state.look.layers) {
                     ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+                }
+            });
+            ui.menu_button("Help", |ui| {
+                if let Some(command) = self.menu_groups(ui, HELP) {
+                    chosen = Some(command);
                 }
             });
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -210,7 +219,7 @@ impl App {
             C::Palette => self.palette.toggle(),
             C::KeepSet => self.state.document.keep_set(),
             C::FollowEdits => self.state.auto_update ^= true,
-            C::DismissProblems => self.state.problems.clear(),
+            C::DismissProblems => self.state.dismiss_problems(),
             C::OpenPart => self.dialogs.open_dialog(ctx, Purpose::OpenPart, String::new()),
             C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
@@ -229,12 +238,21 @@ impl App {
             C::Quit => self.run_guarded(ctx, Pending::Quit),
             C::Undo => self.state.document.undo(),
             C::Redo => self.state.document.redo(),
-            C::Plan => self.plan(),
-            C::PlanFlank => self.plan_flank(),
+            C::Plan => {
+                look.operation = Operation::Roughing;
+                self.plan();
+            }
+            C::PlanFlank => {
+                look.operation = Operation::Flank;
+                self.plan_flank();
+            }
             C::ExportFlank => {
                 self.dialogs.open_dialog(ctx, Purpose::ExportFlank, self.suggest_file_name("flank.apt"));
             }
-            C::FlankCurves => look.flank.shown ^= true,
+            C::FlankCurves => {
+                look.flank.shown = !(look.flank.shown && look.operation == Operation::Flank);
+                look.operation = Operation::Flank;
+            }
             C::Cancel if self.work.running().is_none() => look.measure = None,
             C::Cancel => self.cancel(),
             C::NextFault => self.state.select_next_fault(true),
@@ -295,6 +313,9 @@ impl App {
                 look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
                 self.store_preferences();
             }
+            C::ShowShortcuts => self.help.open(HelpPage::Shortcuts),
+            C::ShowGlossary => self.help.open(HelpPage::Glossary),
+            C::ShowAbout => self.help.open(HelpPage::About),
             C::SwitchTheme => {
                 let dark = ctx.theme() == egui::Theme::Dark;
                 ctx.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
@@ -303,8 +324,8 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the side
-    /// "before" is shown, and whether the program is for all channels.
+    /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the
+    /// side "before" is shown, and whether the program is for all channels.
     fn ask_for_cl_file(&mut self, ctx: &Context, all_channels: bool) {
         let side = self.state.look.side;
         let policy = match self.state.last_whole_plan(side) {

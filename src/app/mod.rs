@@ -5,6 +5,7 @@
 //! | [`state`] | document, results and look, and the rules that connect them; no drawing |
 //! | [`document`], [`results`], [`look`] | edited data with undo; computed data; how both are displayed |
 //! | [`planned`] | a finished plan with the data that the panels show |
+//! | [`problem`] | problems shown until they are dismissed or solved |
 //! | [`preview`] | preview of a running plan, stage by stage |
 //! | [`engine`] | opening and planning as functions, which tests replace |
 //! | [`command`] | every command of the window |
@@ -13,12 +14,15 @@
 //! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: arrangement; mouse and camera; textures |
 //! | [`mouse`], `point_menu` | mouse presets; the context menu of a 3D view |
 //! | [`overlay`], [`cube`], `borders` | controls over the 3D views; the view cube; section borders to drag |
+//! | [`cutter_colours`] | what the cutters are coloured by |
+//! | [`legend`], `sides` | the legend below the 3D view; the panels at the left and right |
 //! | `scrub` | stock at a timeline position; sectional view of the selected position |
 //! | [`solid`] | the stock as a solid at a timeline position |
 //! | `roles` | the dialog that assigns roles to the nodes of a mesh file |
 //! | [`dialogs`], [`files`] | file dialogs; reading and writing files in the background |
 //! | `project`, [`home`] | the project file, the question before closing; recent projects, recovery copies |
-//! | [`menu`], [`palette`], [`work`] | the menu; the command search; background tasks and their results |
+//! | [`menu`], [`palette`], [`help`] | the menu; the command search; shortcuts, glossary and version |
+//! | [`work`] | background tasks and their results |
 //! | [`mod@run`], [`handover`] | opening the window; carrying its state over when the device is lost |
 //!
 //! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which request a repaint when
@@ -27,14 +31,17 @@
 mod borders;
 pub mod command;
 pub mod cube;
+pub mod cutter_colours;
 pub mod dialogs;
 pub mod document;
 pub mod engine;
 pub mod export;
 pub mod files;
 pub mod handover;
+pub mod help;
 pub mod home;
 mod latest;
+pub mod legend;
 pub mod look;
 pub mod menu;
 pub mod mouse;
@@ -46,12 +53,14 @@ pub mod picture;
 pub mod planned;
 mod point_menu;
 pub mod preview;
+pub mod problem;
 mod project;
 mod release;
 pub mod results;
 mod roles;
 pub mod run;
 mod scrub;
+mod sides;
 pub mod solid;
 pub mod state;
 pub mod theme;
@@ -63,17 +72,18 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use eframe::CreationContext;
-use egui::{CentralPanel, Panel, ScrollArea, Ui};
+use egui::{CentralPanel, Panel, Ui};
 
 pub use run::{AppError, run};
 
 use command::Command;
 use engine::{Engine, PartSource};
-use look::Tab;
+use look::Operation;
 use panels::part::PartAction;
 use picture::Pictures;
 use planned::Side;
-use state::{AppState, Problem};
+use problem::{Problem, Topic};
+use state::AppState;
 use view3d::View3d;
 use work::Work;
 
@@ -92,11 +102,12 @@ pub struct App {
     solids: [solid::SolidWork; 2],
     hover: Option<viewport::Hover>,
     /// Target of the right click, while its context menu is open.
-    context_hit: Option<view3d::ViewHit>,
+    context_hit: Option<(Side, view3d::ViewHit)>,
     /// Whether a section border is being dragged.
     is_dragging_border: bool,
     screen: viewport::ScreenInfo,
     palette: palette::Palette,
+    help: help::Help,
     session: project::Session,
     export: export::ExportSettings,
     export_dialog: export::ExportDialog,
@@ -128,7 +139,7 @@ impl App {
             state: AppState::default(),
             work: Work::new(&engine, &cc.egui_ctx),
             engine,
-            dialogs: dialogs::Dialogs::default(),
+            dialogs: dialogs::Dialogs::new(&cc.egui_ctx),
             view: View3d::default(),
             pictures,
             scrubbed: scrub::TimelineStock::new(&cc.egui_ctx),
@@ -139,6 +150,7 @@ impl App {
             is_dragging_border: false,
             screen: viewport::ScreenInfo::default(),
             palette: palette::Palette::default(),
+            help: help::Help::default(),
             session: project::Session::default(),
             export: export::ExportSettings::default(),
             export_dialog: export::ExportDialog::default(),
@@ -178,6 +190,11 @@ impl App {
         &mut self.state.look
     }
 
+    /// Asks for files in the window itself, without trying the dialogs of the system.
+    pub fn use_own_file_dialogs(&mut self) {
+        self.dialogs.use_own_dialogs();
+    }
+
     /// Sets what computes the stock that the views draw.
     pub fn set_preview_source(&mut self, source: picture::PreviewSource) {
         if let Some(pictures) = &mut self.pictures {
@@ -198,6 +215,7 @@ impl App {
     /// Whether a background task runs.
     pub fn is_busy(&self) -> bool {
         self.work.running().is_some()
+            || self.dialogs.is_busy()
             || self.scrubbed.is_busy()
             || self.inspected.is_busy()
             || self.solids.iter().any(solid::SolidWork::is_busy)
@@ -235,66 +253,9 @@ impl App {
         }
     }
 
-    fn left_panel(&mut self, ui: &mut Ui) {
-        ui.add_space(4.0);
-        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-            // The scroll bar floats over the content; leave its width free.
-            ui.set_max_width(ui.available_width() - 8.0);
-            let name = self
-                .state
-                .document
-                .part
-                .as_ref()
-                .map_or("Part", |part| part.impeller.name.as_str())
-                .to_owned();
-            ui.label(egui::RichText::new(name).strong());
-            if let Some(wish) = panels::part::show(ui, &self.state, &self.engine.samples) {
-                self.apply_action(ui.ctx(), wish);
-            }
-            ui.separator();
-            let text = egui::RichText::new(Command::Plan.label()).color(egui::Color32::WHITE).strong();
-            let button = egui::Button::new(text).fill(theme::PRIMARY);
-            if ui
-                .add_sized([ui.available_width(), 26.0], button)
-                .on_hover_text(Command::Plan.tip_with_keys(ui.ctx()))
-                .clicked()
-            {
-                self.run_command(ui.ctx(), Command::Plan);
-            }
-            ui.checkbox(&mut self.state.auto_update, Command::FollowEdits.label())
-                .on_hover_text(Command::FollowEdits.tip());
-            let planned = self.state.results.planned.clone();
-            let chosen = planned.as_ref().map(|planned| &planned.outcome.setup);
-            let open = self.state.document.part.as_ref();
-            let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
-            let setup = &mut self.state.document.edited.setup;
-            let open = |title: &str| egui::CollapsingHeader::new(title.to_owned()).default_open(true);
-            open("Plunge").show(ui, |ui| panels::setup::plunge(ui, setup, &defaults, chosen));
-            open("Allowances").show(ui, |ui| panels::setup::stock(ui, setup, &defaults));
-            let what_if = open("Variants").show(ui, |ui| panels::whatif::show(ui, &mut self.state));
-            if let Some(command) = what_if.body_returned.flatten() {
-                self.run_command(ui.ctx(), command);
-            }
-            let compare = &mut self.state.compare;
-            let coming = self.state.results.preview.as_ref().and_then(|coming| coming.planned.clone());
-            open("Axis strategies")
-                .show(ui, |ui| panels::policies::show(ui, compare, planned.as_deref(), coming.as_deref()));
-            let setup = &mut self.state.document.edited.setup;
-            open("Tools").show(ui, |ui| panels::tools::show(ui, setup, chosen));
-            let flank = self.state.results.flank.clone();
-            let stale = self.state.flank_is_stale();
-            let (setup, look) = (&mut self.state.document.edited.setup, &mut self.state.look.flank);
-            let asked = egui::CollapsingHeader::new("Flank")
-                .show(ui, |ui| panels::flank::show(ui, setup, &defaults, flank.as_deref(), stale, look));
-            if let Some(command) = asked.body_returned.flatten() {
-                self.run_command(ui.ctx(), command);
-            }
-        });
-    }
-
     /// 3D views, plots and timeline.
     fn middle(&mut self, ui: &mut Ui) {
-        if self.state.results.planned.is_some() {
+        if self.state.results.planned.is_some() && self.state.look.operation == Operation::Roughing {
             let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(6, 4));
             Panel::bottom("timeline").frame(frame).exact_size(panels::timeline::HEIGHT).show(ui, |ui| {
                 if let Some(command) = panels::timeline::show(ui, &mut self.state) {
@@ -303,35 +264,19 @@ impl App {
             });
             if self.state.look.plots && ui.available_height() > MIN_HEIGHT_FOR_PLOTS {
                 Panel::bottom("plots").frame(frame).exact_size(panels::plots::HEIGHT + 8.0).show(ui, |ui| {
-                    panels::plots::show(ui, &mut self.state);
+                    let menu = panels::plots::show(ui, &mut self.state);
+                    self.run_for_position(ui.ctx(), menu);
                 });
             }
         }
-        CentralPanel::no_frame().show(ui, |ui| self.viewport(ui));
-    }
-
-    /// Sectional view and figures of the selected position.
-    fn selected(&mut self, ui: &mut Ui, k: usize) {
-        let height = panels::section::height(ui.ctx().content_rect().height());
-        panels::positions::headline(ui, &self.state, k);
-        ui.horizontal(|ui| {
-            for (tab, name) in [(Tab::Section, "Sectional view"), (Tab::Facts, "Figures")] {
-                ui.selectable_value(&mut self.state.look.tab, tab, name);
+        CentralPanel::no_frame().show(ui, |ui| {
+            let whole = ui.available_rect_before_wrap();
+            self.viewport(ui);
+            // Over the picture: a message that took space would move what is under the pointer.
+            if let Some(command) = panels::problems::show(ui, whole, &mut self.state) {
+                self.run_command(ui.ctx(), command);
             }
         });
-        match self.state.look.tab {
-            Tab::Facts => panels::positions::details(ui, &self.state, k),
-            Tab::Section => {
-                let Some(position) = self.state.selected() else { return };
-                match self.inspected.section() {
-                    Some((of, view)) => panels::section::show(ui, k, &view, position, of != k, height),
-                    // Reserve the height, so that nothing jumps when the view arrives.
-                    None => {
-                        ui.allocate_space(egui::vec2(ui.available_width(), height));
-                    }
-                }
-            }
-        }
     }
 
     fn note_first_picture(&mut self) {
@@ -383,9 +328,14 @@ impl eframe::App for App {
         let asks = self.session.is_asking()
             || self.export_dialog.is_open()
             || self.release.is_some()
-            || self.roles.is_open();
+            || self.roles.is_open()
+            || self.dialogs.is_asking()
+            || self.help.is_open();
         if !self.palette.is_open() && !asks {
-            for command in Command::pressed(ctx, |command| self.is_available(command)) {
+            // An open menu takes Escape first.
+            let has_menu = egui::Popup::is_any_open(ctx);
+            let can = |command| self.is_available(command) && !(has_menu && command == Command::Cancel);
+            for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);
             }
         }
@@ -400,7 +350,11 @@ impl eframe::App for App {
             let wanted = self.state.wanted_solid(side);
             if let Some(fault) = self.solids[side as usize].follow(wanted) {
                 let help = "recalculate, or hide the layer";
-                self.state.report_problem(Problem::from_planning(format!("Stock as a solid: {fault}"), help));
+                self.state.report_problem(Problem::of(
+                    Topic::Stock,
+                    &format!("Stock as a solid: {fault}"),
+                    help,
+                ));
             }
         }
         if self.work.running().is_some() {
@@ -416,15 +370,12 @@ impl eframe::App for App {
         Panel::top("menu").show(ui, |ui| self.menu(ui));
         let open = self.state.document.part.is_some();
         if open {
-            Panel::top("verdict").show(ui, |ui| {
-                ui.horizontal_wrapped(|ui| panels::verdict::show(ui, &self.state));
-            });
-        }
-        if !self.state.problems.is_empty() {
-            Panel::top("problems").frame(panels::problems::frame(ui)).show(ui, |ui| {
-                if let Some(command) = panels::problems::show(ui, &mut self.state) {
-                    self.run_command(ui.ctx(), command);
-                }
+            let height = panels::verdict::height(ui.available_width());
+            Panel::top("verdict").exact_size(height).show(ui, |ui| {
+                ui.horizontal_wrapped(|ui| match self.state.look.operation {
+                    Operation::Roughing => panels::verdict::show(ui, &self.state),
+                    Operation::Flank => panels::flank_results::verdict(ui, &self.state),
+                });
             });
         }
         Panel::bottom("status").exact_size(28.0).show(ui, |ui| {
@@ -443,18 +394,13 @@ impl eframe::App for App {
                 .default_size(theme::LEFT_WIDTH)
                 .min_size(200.0)
                 .show(ui, |ui| self.left_panel(ui));
-            Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0).show(ui, |ui| {
-                ui.add_space(4.0);
-                if let Some(k) = self.state.look.selected {
-                    let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(0, 2));
-                    Panel::bottom("selected position").resizable(false).frame(frame).show(ui, |ui| {
-                        self.selected(ui, k);
-                    });
-                }
-                CentralPanel::no_frame().show(ui, |ui| panels::positions::show(ui, &mut self.state));
-            });
+            Panel::right("right")
+                .default_size(theme::RIGHT_WIDTH)
+                .min_size(240.0)
+                .show(ui, |ui| self.right_panel(ui));
         }
         CentralPanel::no_frame().show(ui, |ui| self.middle(ui));
+        self.state.look.is_fresh &= !open;
         if let Some((purpose, path)) = self.dialogs.show(ui) {
             self.file_chosen(ui.ctx(), purpose, path);
         }
@@ -464,6 +410,7 @@ impl eframe::App for App {
         if let Some(command) = command {
             self.run_command(ui.ctx(), command);
         }
+        self.help.show(ui, &self.device);
         self.ask_unsaved(ui);
         self.ask_release(ui);
         self.ask_export(ui);

@@ -1,23 +1,24 @@
-//! Controls and texts over the 3D view: plan switch, layers, legend, section plane, measurement.
+//! Controls and texts over the 3D view: plan switch, layers, section plane, measurement.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Align2, Color32, ComboBox, DragValue, FontId, Pos2, Rect, RichText, Stroke, Ui};
+use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Stroke, Ui};
 
 use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
 
 use super::command::Command;
+use super::cutter_colours::CutterColours;
 use super::look::{Arrangement, Layers, Look, PlaneOrientation};
 use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
 use super::planned::Side;
 use super::preview::PreviewCutters;
-use super::solid::{SolidColours, SolidPicture};
+use super::solid::SolidColours;
 use super::state::AppState;
 use super::theme::{self, Condition};
 
 /// Draws `content` on a translucent backing at `at`.
-fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
+pub(super) fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
     let fill = theme::overlay(ui.visuals());
     ui.scope_builder(egui::UiBuilder::new().max_rect(at), |ui| {
         egui::Frame::new().fill(fill).inner_margin(4).corner_radius(4).show(ui, content).inner
@@ -130,11 +131,17 @@ const FLOORS: [(FloorColours, &str); 3] = [
     (FloorColours::Plain, "Plain"),
 ];
 
+/// Distance of the menu of layers from the upper edge of the view: below the switch in a narrow view, points.
+pub fn layers_top(rect: Rect) -> f32 {
+    if rect.width() < 300.0 { 44.0 } else { 10.0 }
+}
+
 /// The menu of layers, in the upper right corner of the view.
 pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look) {
+    let top = layers_top(rect);
     let at = Rect::from_min_max(
-        rect.right_top() + egui::vec2(-68.0, 10.0),
-        rect.right_top() + egui::vec2(-10.0, 40.0),
+        rect.right_top() + egui::vec2(-68.0, top),
+        rect.right_top() + egui::vec2(-10.0, top + 30.0),
     );
     floating(ui, at, |ui| {
         let stay = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
@@ -153,6 +160,11 @@ pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look) {
             ui.label("Floor");
             for (floor, name) in FLOORS {
                 ui.radio_value(&mut look.layers.floor, floor, name);
+            }
+            ui.separator();
+            ui.label("Cutters by");
+            for colours in CutterColours::ALL {
+                ui.radio_value(&mut look.layers.cutter_colours, colours, colours.label());
             }
         });
     });
@@ -227,176 +239,11 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     chosen
 }
 
-/// Values under the cursor, mm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Values {
-    /// Stock on the hub, on the side under the cursor.
-    pub here: Option<f32>,
-    /// Stock on a wall above the blade allowance, where the walls are shown; negative where it is overcut.
-    pub deviation: Option<f32>,
-    /// Stock on the hub at the same point of the other side, where both are shown.
-    pub other: Option<(Side, f32)>,
-}
-
-/// What the solid stock shows, at the lower left: volume, collisions, and the names of its colours.
-pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above: f32) {
-    let rows = solid.map_or(0, |solid| solid.names.len());
-    let height = 26.0 + 16.0 * (rows + usize::from(solid.is_some_and(|s| s.collisions > 0))) as f32;
-    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - above - height);
-    let at = Rect::from_min_size(corner, egui::vec2(236.0, height)).intersect(rect);
-    floating(ui, at, |ui| {
-        ui.spacing_mut().item_spacing = egui::vec2(4.0, 2.0);
-        let Some(solid) = solid else {
-            ui.label(RichText::new("Stock: calculating…").size(12.0));
-            return;
-        };
-        let refined = if solid.is_coarse { ", refining…" } else { "" };
-        let text = format!("Stock {:.1} cm³{refined}", 1e-3 * solid.volume);
-        ui.label(RichText::new(text).size(12.0)).on_hover_text(format!(
-            "Volume of the whole blank after the moves up to here; rays every {:.2} mm",
-            solid.spacing
-        ));
-        if solid.collisions > 0 {
-            let (word, colour) = (if solid.collisions == 1 { "move meets" } else { "moves meet" }, {
-                Condition::Interfering.text(ui.visuals())
-            });
-            let text = format!("{} {word} stock with core, shank, holder or in rapid", solid.collisions);
-            ui.label(RichText::new(text).size(12.0).color(colour));
-        }
-        for (colour, name) in &solid.names {
-            ui.horizontal(|ui| {
-                let (swatch, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
-                let [r, g, b] = colour.map(|x| (255.0 * x).round() as u8);
-                ui.painter().rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
-                ui.label(RichText::new(name).size(12.0));
-            });
-        }
-    });
-}
-
-/// Legend at the lower left: colour bar, editable ends in mm, and the value under the cursor.
-pub fn legend(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
-    let walls = state.shown_deviation();
-    let difference = state.look.difference || walls.is_some();
-    let solid = state.look.layers.stock;
-    if solid && state.look.solid_colours != SolidColours::Distance {
-        return;
-    }
-    let difference = difference && !solid;
-    let of_floor =
-        solid || state.look.layers.hub && (difference || state.look.layers.floor == FloorColours::Residual);
-    if walls.is_none() && (state.results.planned.is_none() || !of_floor) {
-        return;
-    }
-    // The view buttons are to the right.
-    let width = (rect.width() - 120.0).clamp(60.0, 220.0);
-    let at =
-        Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 72.0), egui::vec2(width + 16.0, 62.0));
-    floating(ui, at, |ui| {
-        ui.spacing_mut().item_spacing = egui::vec2(4.0, 2.0);
-        ui.set_width(width);
-        let head = match walls {
-            Some(_) => "Residual on walls",
-            None if solid => "Distance to part",
-            None if difference => "Stock after − before",
-            None => "Residual on hub",
-        };
-        let value = match (walls, values.other) {
-            (Some(most), _) => values.deviation.map(|d| format!("{} here", format_signed(d, most))),
-            (None, Some((side, other))) => {
-                values.here.map(|stock| format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()))
-            }
-            (None, None) => values.here.map(|stock| format!("{stock:.2} mm here")),
-        };
-        let value = value.filter(|_| width > 170.0);
-        ui.horizontal(|ui| {
-            ui.label(RichText::new(head).size(12.0));
-            if let Some(value) = value {
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.label(RichText::new(value).size(12.0));
-                });
-            }
-        });
-        let (bar, _) = ui.allocate_exact_size(egui::vec2(width, 8.0), egui::Sense::hover());
-        let steps = 48;
-        for k in 0..steps {
-            let at = |k: i32| egui::lerp(bar.left()..=bar.right(), k as f32 / steps as f32);
-            let part =
-                Rect::from_min_max(egui::pos2(at(k), bar.top()), egui::pos2(at(k + 1) + 0.5, bar.bottom()));
-            let share = (f64::from(k) + 0.5) / f64::from(steps);
-            let colour = if difference { theme::difference(share) } else { theme::stock(share) };
-            ui.painter().rect_filled(part, 0.0, colour);
-        }
-        match walls {
-            Some(most) => draw_fixed_ends(ui, most),
-            None => draw_ends(ui, state, difference),
-        }
-    });
-}
-
-fn end_field(value: &mut f32, from: f32, to: f32) -> DragValue<'_> {
-    let field = DragValue::new(value).speed(0.02).range(from..=to).max_decimals(2).suffix(" mm");
-    field.clamp_existing_to_range(false)
-}
-
-/// Fixed ends of a symmetric scale: below and above the blade allowance.
-fn draw_fixed_ends(ui: &mut Ui, most: f32) {
-    ui.horizontal(|ui| {
-        ui.label(RichText::new(format_signed(-most, most)).size(12.0));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(format_signed(most, most)).size(12.0))
-                .on_hover_text("Stock above the blade allowance; negative: overcut");
-        });
-    });
-}
-
-/// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
-pub fn format_signed(value: f32, most: f32) -> String {
-    let digits = if most < 0.1 { 4 } else { 3 };
-    let sign = if value < 0.0 { '−' } else { '+' };
-    format!("{sign}{:.digits$} mm", value.abs())
-}
-
-/// The editable ends of the scale.
-fn draw_ends(ui: &mut Ui, state: &mut AppState, difference: bool) {
-    let (mut low, mut high) = state.range();
-    let before = (low, high);
-    let least = 0.05;
-    ui.horizontal(|ui| {
-        ui.spacing_mut().interact_size.x = 40.0;
-        if difference {
-            ui.label(RichText::new(format!("−{high:.2} mm")).size(12.0));
-        } else {
-            let field = ui.add(end_field(&mut low, -10.0, high - least));
-            named(&field, "Scale minimum", low);
-            field.on_hover_text("Drag or type: stock at the lower end of the colour scale");
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let field = ui.add(end_field(&mut high, low + least, 100.0));
-            named(&field, "Scale maximum", high);
-            field.on_hover_text("Drag or type: stock at the upper end of the colour scale, and above");
-            if state.look.range.is_some() && ui.small_button("Fit scale").clicked() {
-                state.look.range = None;
-            } else if (low, high) != before {
-                state.look.range = Some((low, high));
-            }
-        });
-    });
-}
-
-fn named(response: &egui::Response, name: &str, value: f32) {
-    response.widget_info(|| {
-        let mut info = egui::WidgetInfo::drag_value(true, f64::from(value));
-        info.label = Some(name.to_owned());
-        info
-    });
-}
-
 /// Controls of the section plane: orientation, offset, side.
 pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
     let Some(section) = &mut look.section else { return };
     let width = (rect.width() - 20.0).min(300.0);
-    let at = Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 138.0), egui::vec2(width, 58.0));
+    let at = Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 68.0), egui::vec2(width, 58.0));
     let mut close = false;
     floating(ui, at, |ui| {
         ui.set_width(width - 8.0);

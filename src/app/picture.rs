@@ -24,6 +24,7 @@ use crate::job::flank::FlankOutcome;
 use crate::part::Impeller;
 use crate::setup::AxisPolicy;
 
+use super::cutter_colours::CutterColours;
 use super::planned::{DisplayPlan, Side};
 use super::preview::PreviewCutters;
 use super::solid::{SolidColours, SolidPicture};
@@ -246,6 +247,8 @@ pub struct SidePicture {
     coming: Option<PreviewCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
     borders: Vec<Segment>,
+    /// What the cutters are coloured by, and the plan.
+    coloured: Option<(CutterColours, Arc<DisplayPlan>, AxisPolicy)>,
     /// The stock as a solid.
     solid: Option<Arc<SolidPicture>>,
     /// Computes and draws the stock on the device; `None` where the core's heights are drawn.
@@ -267,12 +270,31 @@ impl SidePicture {
             coming: None,
             flank: None,
             borders: Vec::new(),
+            coloured: None,
             solid: None,
             stock_floor: kernel.map(StockFloor::new),
             texture: None,
             drawn: None,
             generation: 0,
         }
+    }
+
+    /// Colours the cutters of the loaded content; does nothing if they are coloured so already.
+    pub fn load_cutter_colours(&mut self, colours: CutterColours) {
+        let wanted = self.content.as_ref().map(|c| (colours, Arc::clone(&c.planned), c.policy));
+        let same = match (&self.coloured, &wanted) {
+            (Some(old), Some(new)) => old.0 == new.0 && old.2 == new.2 && Arc::ptr_eq(&old.1, &new.1),
+            (None, None) => true,
+            _ => false,
+        };
+        if same {
+            return;
+        }
+        let of_plan =
+            wanted.as_ref().and_then(|(colours, planned, policy)| colours.of_plan(planned, *policy));
+        self.scene.set_cutter_colours(of_plan.as_deref());
+        self.coloured = wanted;
+        self.generation += 1;
     }
 
     /// Loads the content; does nothing if it is loaded already.

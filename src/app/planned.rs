@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use crate::job::{PlanOutcome, PolicyResult};
 use crate::plunge::{PlungePlan, Position};
-use crate::setup::{AllowanceSetup, AxisPolicy, Setup};
+use crate::setup::{AllowanceSetup, AxisPolicy, SectionSetup, Setup};
 use crate::stock::{FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters};
+use crate::toolpath::{ClProgram, Travel};
 
 /// One of the two plans that are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,6 +52,8 @@ pub struct DisplayPlan {
     pub floor: Arc<FloorLevels>,
     /// The plunges of each policy over that floor.
     programs: Vec<(AxisPolicy, Arc<FieldProgram>)>,
+    /// Time from the start to the end of each plunge, s, by policy.
+    clocks: Vec<(AxisPolicy, Vec<f64>)>,
 }
 
 impl DisplayPlan {
@@ -71,7 +74,9 @@ impl DisplayPlan {
         };
         let stock = outcome.policies().into_iter().map(under).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);
-        Self { setup, outcome: Arc::new(outcome), stock, range, floor, programs }
+        let clock = |result: &PolicyResult| (result.plan.policy, clock_of(&result.plan));
+        let clocks = outcome.policies().into_iter().map(clock).collect();
+        Self { setup, outcome: Arc::new(outcome), stock, range, floor, programs, clocks }
     }
 
     /// The floor over which a plan with `grid` and `allowances` of the same part is drawn: that of this plan,
@@ -122,11 +127,42 @@ impl DisplayPlan {
         &self.result(policy).plan
     }
 
+    /// Time of the program from its start to the end of its first `count` plunges, s; `None` where it is not
+    /// known.
+    pub fn time_after(&self, policy: AxisPolicy, count: usize) -> Option<f64> {
+        let (_, clock) = self.clocks.iter().find(|(known, _)| *known == policy)?;
+        if count == 0 { Some(0.0) } else { clock.get(count - 1).copied() }
+    }
+
+    /// What differs between the tools and sections of two plans, for a reader; `None` if nothing does. Only
+    /// for plans of one part.
+    pub fn tool_change_since(&self, last: &Self) -> Option<String> {
+        let (then, now) = (tools_in_words(&last.outcome.setup), tools_in_words(&self.outcome.setup));
+        (then != now).then(|| format!("{then} became {now}"))
+    }
+
     /// Mean residual stock on the hub under the cutter of position `index`, mm; NaN without floor under it.
     pub fn stock(&self, policy: AxisPolicy, index: usize) -> f32 {
         let of = self.stock.iter().find(|(known, _)| *known == policy);
         of.and_then(|(_, stock)| stock.get(index)).copied().unwrap_or(f32::NAN)
     }
+}
+
+/// Tools of the sections of a complete setup, with their stretches.
+fn tools_in_words(setup: &Setup) -> String {
+    let section = |section: &SectionSetup| {
+        let tool = setup.tools.iter().find(|tool| tool.number == section.tool)?;
+        let rest = if section.rest { ", rest" } else { "" };
+        Some(format!("Ø{} ({:.2} to {:.2}{rest})", tool.diameter, section.from, section.to))
+    };
+    setup.plunge.sections.iter().filter_map(section).collect::<Vec<_>>().join(", ")
+}
+
+/// Time from the start to the end of each plunge of a plan, s.
+fn clock_of(plan: &PlungePlan) -> Vec<f64> {
+    let moves = Travel::clock(&ClProgram::of_plan("", plan));
+    // Rapid, plunge and rapid back.
+    moves.chunks_exact(3).map(|plunge| plunge[2]).collect()
 }
 
 /// The plunges of a plan over a floor: one of `known`, if it has the same.

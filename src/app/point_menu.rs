@@ -7,12 +7,10 @@ use crate::gpu::camera::Camera;
 use super::App;
 use super::command::Command;
 use super::overlay;
+use super::panels::positions::{POSITION_COMMANDS, position_menu};
 use super::view3d::view_point;
 use super::viewport::Pane;
 
-/// Commands for the position under the pointer.
-const WITH_POSITION: [Command; 4] =
-    [Command::ShowInTable, Command::OpenSection, Command::ScrubHere, Command::FlyToSelection];
 /// Commands that do not need a position.
 const VIEWS: [Command; 7] = [
     Command::Fit,
@@ -25,8 +23,8 @@ const VIEWS: [Command; 7] = [
 ];
 
 impl App {
-    /// Opens the context menu at a right click, selects the position under it, and runs the chosen command. A
-    /// drag with the right button is not a click.
+    /// Opens the context menu at a right click, and runs the chosen command on the position under it, which
+    /// is selected only then. A drag with the right button is not a click.
     pub(super) fn point_menu(&mut self, panes: &[Pane], camera: &Camera) {
         let clicked = panes.iter().find_map(|pane| {
             let at = pane.response.interact_pointer_pos().filter(|_| pane.response.secondary_clicked())?;
@@ -38,14 +36,7 @@ impl App {
             let hit = picture
                 .map(|picture| picture.hit(camera, &options, view_point(pane.rect, at), pane.rect.size()));
             let hit = hit.unwrap_or_default();
-            if self.state.look.side != pane.side {
-                self.state.show(pane.side);
-            }
-            // The menu's commands act on the selected position.
-            if hit.position.is_some() {
-                self.state.look.select(hit.position);
-            }
-            self.context_hit = Some(hit);
+            self.context_hit = Some((pane.side, hit));
         }
         let (mut chosen, mut open) = (None, false);
         let mut last = None;
@@ -61,26 +52,40 @@ impl App {
         if let Some(command) = chosen
             && let Some(pane) = panes.first()
         {
-            self.run_command(&pane.response.ctx, command);
+            let ctx = pane.response.ctx.clone();
+            let hit = self.context_hit;
+            match hit.and_then(|(side, hit)| Some((side, hit.position?))) {
+                Some((side, k)) if POSITION_COMMANDS.contains(&command) => {
+                    if self.state.look.side != side {
+                        self.state.show(side);
+                    }
+                    self.run_for_position(&ctx, Some((command, k)));
+                }
+                _ => self.run_command(&ctx, command),
+            }
         }
         if !open {
             self.context_hit = None;
         }
     }
 
+    /// Runs a command from the context menu of a position on that position.
+    pub(super) fn run_for_position(&mut self, ctx: &egui::Context, chosen: Option<(Command, usize)>) {
+        if let Some((command, k)) = chosen {
+            self.state.look.select(Some(k));
+            self.run_command(ctx, command);
+        }
+    }
+
     fn menu_here(&mut self, ui: &mut Ui) -> Option<Command> {
+        let position = self.context_hit.and_then(|(_, hit)| hit.position);
+        let of_position = position.and_then(|k| position_menu(ui, k));
         let mut chosen = None;
         let mut item = |ui: &mut Ui, command: Command, can: bool| {
             if command.menu_item(ui, can) {
                 chosen = Some(command);
             }
         };
-        if let Some(k) = self.context_hit.and_then(|hit| hit.position) {
-            ui.label(egui::RichText::new(format!("Position {}", k + 1)).strong());
-            for command in WITH_POSITION {
-                item(ui, command, self.is_available(command));
-            }
-        }
         item(ui, Command::MeasureHere, self.is_available(Command::MeasureHere));
         ui.separator();
         for command in VIEWS {
@@ -92,13 +97,13 @@ impl App {
                 ui.checkbox(shown, command.label()).on_hover_text(command.tip());
             }
         });
-        chosen
+        of_position.or(chosen)
     }
 
     /// Start of a measurement: the right-clicked point, else the tip of the selected position, mm.
     pub(super) fn measure_start(&self) -> Option<glam::Vec3> {
         let tip =
             || self.state.selected().map(|p| glam::vec3(p.tip.x as f32, p.tip.y as f32, p.tip.z as f32));
-        self.context_hit.and_then(|hit| hit.point).or_else(tip)
+        self.context_hit.and_then(|(_, hit)| hit.point).or_else(tip)
     }
 }

@@ -19,7 +19,8 @@ use super::files::WriteTask;
 use super::home::{self, Home, Preferences};
 use super::look::REVEAL;
 use super::planned::Side;
-use super::state::{AppState, Problem};
+use super::problem::Problem;
+use super::state::AppState;
 
 /// Delay of the recovery copy after the last change.
 const COPY_AFTER: Duration = Duration::from_secs(2);

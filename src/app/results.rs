@@ -25,11 +25,18 @@ fn figures_of(summary: &Summary) -> SetFigures {
 /// Maximum number of setups with stored figures; the oldest are dropped first.
 const MAX_FIGURES: usize = 64;
 
+/// Whether the program chooses the tools.
+fn chooses_tools(setup: &Setup) -> bool {
+    setup.tools.is_empty()
+}
+
 /// Everything computed for the open part.
 #[derive(Debug, Default)]
 pub struct Results {
     /// Latest successful plan.
     pub planned: Option<Arc<DisplayPlan>>,
+    /// What the last plan changed in tools and sections that the program chooses; `None` if nothing.
+    pub tool_change: Option<String>,
     /// Preview of the running plan, if there is one.
     pub preview: Option<Arc<PlanPreview>>,
     /// Latest successful flank plan.
@@ -40,6 +47,12 @@ pub struct Results {
 impl Results {
     /// Stores a plan, and its figures if it is finished.
     pub fn take(&mut self, planned: DisplayPlan) {
+        // A full plan of the setup of a draft says what the draft said.
+        if self.planned.as_ref().is_none_or(|last| last.setup != planned.setup) {
+            let last = self.planned.as_ref().filter(|last| chooses_tools(&last.setup));
+            let last = last.filter(|_| chooses_tools(&planned.setup));
+            self.tool_change = last.and_then(|last| planned.tool_change_since(last));
+        }
         // Figures of a cancelled plan would be misleading.
         if !planned.is_unfinished() {
             self.store_figures(planned.setup.clone(), figures_of(&planned.outcome.after.summary));

@@ -405,17 +405,17 @@ impl AppState {
             return None;
         }
         let source = self.solid_source(side)?;
-        Some(SolidRequest { source, cut: self.look.cut_count, colours: self.look.solid_colours })
+        // The flank passes follow the whole plunge plan.
+        let cut = self.look.cut_count.filter(|_| source.flank.is_none());
+        Some(SolidRequest { source, cut, colours: self.look.solid_colours })
     }
 
     /// The plans whose stock a side shows: its plunge plan, and after it the flank plan while its passes are
     /// shown.
     pub(super) fn solid_source(&self, side: Side) -> Option<SolidSource> {
         let shown = self.last_whole_plan(side)?;
-        let flank =
-            self.results.flank.clone().filter(|flank| {
-                self.look.flank.shown && Arc::ptr_eq(&flank.part, &shown.planned.outcome.part)
-            });
+        let same_part = |flank: &&Arc<FlankOutcome>| Arc::ptr_eq(&flank.part, &shown.planned.outcome.part);
+        let flank = self.shown_flank().map(|(outcome, _)| outcome).filter(same_part).cloned();
         Some(SolidSource { planned: Arc::clone(shown.planned), policy: shown.policy, flank })
     }
 }

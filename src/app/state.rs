@@ -4,20 +4,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::gpu::flank::FlankColours;
-use crate::io::InputError;
 use crate::job::flank::FlankOutcome;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::AxisPolicy;
 
 use super::document::{Document, Edited, OpenPart};
 use super::engine::PartSource;
-use super::look::{Arrangement, Filter, Look, REVEAL, TableColumn};
+use super::look::{Arrangement, Filter, Look, Operation, REVEAL, TableColumn};
 use super::planned::{DisplayPlan, Side};
 use super::preview::PreviewCutters;
+use super::problem::{Problem, Topic};
 use super::results::Results;
 use super::theme::Condition;
 
-/// Positions that a playing timeline cuts per second.
+/// Positions that a playing timeline cuts per second at speed 1.
 pub const PLAY_RATE: f64 = 15.0;
 
 /// Kind of a status bar message.
@@ -62,35 +62,8 @@ pub struct AppState {
     pub opening: Option<PartSource>,
 }
 
-/// A problem shown until it is dismissed or solved.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Problem {
-    /// What is wrong, and where.
-    pub message: String,
-    /// What to do about it; may be empty.
-    pub help: String,
-    /// Whether planning caused it; the next successful plan removes it.
-    pub of_plan: bool,
-}
-
-impl Problem {
-    /// A problem that stays until it is dismissed.
-    pub fn new(what: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { message: what.into(), help: help.into(), of_plan: false }
-    }
-
-    /// A problem of planning, which the next successful plan removes.
-    pub fn from_planning(what: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { of_plan: true, ..Self::new(what, help) }
-    }
-}
-
-impl From<&InputError> for Problem {
-    fn from(error: &InputError) -> Self {
-        let bare = InputError { help: String::new(), ..error.clone() }.to_string();
-        Self::new(bare.trim_end_matches("; "), error.help.clone())
-    }
-}
+/// Least range of the scale of the walls, mm: smaller deviations do not matter, and look so.
+const MIN_DEVIATION: f32 = 0.02;
 
 /// Maximum number of problems kept.
 const MAX_PROBLEMS: usize = 5;
@@ -173,8 +146,17 @@ impl AppState {
         }
         self.results.take(planned);
         self.keep_within_plan();
-        self.problems.retain(|problem| !problem.of_plan);
+        self.solve(Topic::Plan);
+        self.solve(Topic::Stock);
         self.notice = None;
+        let fitted = self.results.planned.as_ref().map(|planned| planned.range);
+        // Scales that follow every plan would give one colour another meaning in each.
+        if !unfinished && self.look.range.is_none() {
+            self.look.range = fitted;
+        }
+        if let Some(change) = &self.results.tool_change {
+            self.report_done(format!("Tools chosen anew: {change}"));
+        }
         if unfinished {
             self.report_done("Calculation cancelled: the best so far, not finished; recalculate (F5)");
         }
@@ -190,17 +172,32 @@ impl AppState {
     pub fn take_flank(&mut self, outcome: FlankOutcome) {
         self.results.flank = Some(Arc::new(outcome));
         self.look.flank.shown = true;
-        self.problems.retain(|problem| !problem.of_plan);
+        self.look.operation = Operation::Flank;
+        self.solve(Topic::Flank);
         self.notice = None;
     }
 
     /// Largest over- or undercut of the walls, mm, while the view shows the walls instead of the stock on the
     /// hub.
     pub fn shown_deviation(&self) -> Option<f32> {
+        let (outcome, _) = self.shown_flank().filter(|(_, colours)| *colours == FlankColours::Walls)?;
+        let plan = &outcome.plan;
+        Some((plan.max_overcut().max(plan.max_undercut()) as f32).max(MIN_DEVIATION))
+    }
+
+    /// Flank plan and colouring that the views show; `None` while it is hidden.
+    pub fn shown_flank(&self) -> Option<(&Arc<FlankOutcome>, FlankColours)> {
         let look = self.look.flank;
-        let plan =
-            &self.results.flank.as_ref().filter(|_| look.shown && look.colours == FlankColours::Walls)?.plan;
-        Some((plan.max_overcut().max(plan.max_undercut()) as f32).max(1e-3))
+        let shown = self.look.operation == Operation::Flank && look.shown;
+        self.results.flank.as_ref().filter(|_| shown).map(|outcome| (outcome, look.colours))
+    }
+
+    /// Whether the selected operation is older than the setup.
+    pub fn operation_is_stale(&self) -> bool {
+        match self.look.operation {
+            Operation::Roughing => self.out_of_date(),
+            Operation::Flank => self.flank_is_stale(),
+        }
     }
 
     /// Whether allowances, tool or flank fields were edited after the flank plan was requested.
@@ -289,12 +286,22 @@ impl AppState {
 
     /// Ends of the colour scale, mm.
     pub fn range(&self) -> (f32, f32) {
+        self.look.range.unwrap_or_else(|| self.fitting_range())
+    }
+
+    /// Ends of the colour scale that fit the last plan, mm.
+    pub fn fitting_range(&self) -> (f32, f32) {
         // A running task does not change the scale of the last plan.
-        let fitting = || {
-            let first = || self.shown_on(self.look.side).map(|shown| shown.planned.range);
-            self.results.planned.as_ref().map(|planned| planned.range).or_else(first).unwrap_or((0.0, 1.0))
-        };
-        self.look.range.unwrap_or_else(fitting)
+        let first = || self.shown_on(self.look.side).map(|shown| shown.planned.range);
+        self.results.planned.as_ref().map(|planned| planned.range).or_else(first).unwrap_or((0.0, 1.0))
+    }
+
+    /// Time of the program at the position of the timeline and at its end, s.
+    pub fn clock(&self) -> Option<(f64, f64)> {
+        let shown = self.shown()?;
+        let count = shown.plan().positions.len();
+        let at = |cut| shown.planned.time_after(shown.policy, cut);
+        at(self.look.cut_count.unwrap_or(count)).zip(at(count))
     }
 
     fn keep_within_plan(&mut self) {
@@ -411,15 +418,21 @@ impl AppState {
     /// Advances a playing timeline; returns the seconds until its next step.
     pub fn advance(&mut self, time: f64) -> Option<f64> {
         let since = self.look.playing?;
-        let steps = ((time - since) * PLAY_RATE).floor().clamp(0.0, 1e6);
+        let rate = PLAY_RATE * self.look.play_speed;
+        let steps = ((time - since) * rate).floor().clamp(0.0, 1e6);
         if steps >= 1.0 {
-            self.look.playing = Some(since + steps / PLAY_RATE);
-            self.step_timeline(steps as isize);
-            if self.look.cut_count.is_none_or(|cut| cut >= self.position_count()) {
+            self.look.playing = Some(since + steps / rate);
+            let at_end = |state: &Self| state.look.cut_count.is_none_or(|cut| cut >= state.position_count());
+            if at_end(self) && self.look.play_loop {
+                self.set_timeline(Some(0));
+            } else {
+                self.step_timeline(steps as isize);
+            }
+            if at_end(self) && !self.look.play_loop {
                 self.look.playing = None;
             }
         }
-        self.look.playing.map(|since| (since + 1.0 / PLAY_RATE - time).max(0.0))
+        self.look.playing.map(|since| (since + 1.0 / rate - time).max(0.0))
     }
 
     /// Reports success in the status bar.
@@ -427,18 +440,34 @@ impl AppState {
         self.notice = Some(Notice { tone: Tone::Done, text: text.into() });
     }
 
-    /// Reports a problem; it stays until it is dismissed or solved.
+    /// Reports a problem; it stays until it is dismissed or solved. A problem of a calculation replaces the
+    /// one of the calculation before: while a value is dragged, each step would add another.
     pub fn report_problem(&mut self, problem: Problem) {
-        let text = if problem.help.is_empty() {
-            problem.message.clone()
-        } else {
-            format!("{}; {}", problem.message, problem.help)
-        };
-        self.notice = Some(Notice { tone: Tone::Fault, text });
-        self.problems.retain(|known| *known != problem);
+        self.notice = Some(Notice { tone: Tone::Fault, text: problem.text() });
+        self.problems.retain(|known| {
+            *known != problem && (problem.topic == Topic::Other || known.topic != problem.topic)
+        });
         if self.problems.len() >= MAX_PROBLEMS {
             self.problems.remove(0);
         }
         self.problems.push(problem);
+    }
+
+    /// Removes a problem; its message leaves the status bar, too.
+    pub fn dismiss_problem(&mut self, index: usize) {
+        if index < self.problems.len() {
+            self.problems.remove(index);
+        }
+        self.notice = self.notice.take().filter(|notice| notice.tone != Tone::Fault);
+    }
+
+    /// Removes all problems.
+    pub fn dismiss_problems(&mut self) {
+        self.problems.clear();
+        self.notice = self.notice.take().filter(|notice| notice.tone != Tone::Fault);
+    }
+
+    fn solve(&mut self, topic: Topic) {
+        self.problems.retain(|problem| problem.topic != topic);
     }
 }

@@ -3,11 +3,20 @@
 //! States use the Okabe-Ito palette, which is safe for colour-blind users; each also has a word or a mark
 //! shape.
 
-use egui::{Color32, Context, CornerRadius, Stroke, Theme, Visuals};
+use egui::{Color32, Context, CornerRadius, FontId, Stroke, TextStyle, Theme, Visuals};
 
 pub use crate::plunge::plan::Condition;
 
 impl Condition {
+    /// Name on screen.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Sound => "OK",
+            Self::Blocked => "blocked",
+            Self::Interfering => "interfering",
+        }
+    }
+
     /// Colour of the mark: bluish green, orange or vermilion.
     pub fn mark(self) -> Color32 {
         match self {
@@ -48,23 +57,16 @@ pub fn overlay(visuals: &Visuals) -> Color32 {
     visuals.panel_fill.gamma_multiply(0.88)
 }
 
-/// Colour of stock at `fraction` of the range, 0…1 (cividis colour map, as in the 3D view).
-pub fn stock(fraction: f64) -> Color32 {
-    let c = colorous::CIVIDIS.eval_continuous(fraction.clamp(0.0, 1.0));
-    Color32::from_rgb(c.r, c.g, c.b)
-}
-
-/// Colour of a difference at `fraction` of its range, 0…1 (diverging map, neutral in the middle, as in the 3D
-/// view).
-pub fn difference(fraction: f64) -> Color32 {
-    let c = colorous::PURPLE_ORANGE.eval_continuous(1.0 - fraction.clamp(0.0, 1.0));
-    Color32::from_rgb(c.r, c.g, c.b)
-}
-
+/// Size of the smallest text, points.
+pub const MIN_TEXT_SIZE: f32 = 11.0;
 /// Initial width of the left panel, points.
-pub const LEFT_WIDTH: f32 = 252.0;
+pub const LEFT_WIDTH: f32 = 260.0;
 /// Initial width of the right panel, points.
-pub const RIGHT_WIDTH: f32 = 296.0;
+pub const RIGHT_WIDTH: f32 = 300.0;
+/// Width of the labels of a form, points.
+pub const LABEL_WIDTH: f32 = 102.0;
+/// Width of the boxes of a form, points.
+pub const FIELD_WIDTH: f32 = 104.0;
 /// Height of a table row, points.
 pub const ROW_HEIGHT: f32 = 19.0;
 
@@ -79,6 +81,10 @@ pub fn apply(ctx: &Context) {
             visuals.extreme_bg_color =
                 if visuals.dark_mode { Color32::from_gray(26) } else { Color32::from_gray(255) };
             visuals.override_text_color = None;
+            // At least 4.5:1 on every background, also disabled (WCAG 2 level AA).
+            let weak = if visuals.dark_mode { 172 } else { 92 };
+            visuals.weak_text_color = Some(Color32::from_gray(weak));
+            visuals.disabled_alpha = 0.74;
             let accent = accent(visuals);
             visuals.selection.bg_fill = accent.gamma_multiply(if visuals.dark_mode { 0.45 } else { 0.28 });
             visuals.selection.stroke =
@@ -97,6 +103,7 @@ pub fn apply(ctx: &Context) {
                 if visuals.dark_mode { Color32::from_gray(205) } else { Color32::from_gray(45) };
             visuals.widgets.inactive.fg_stroke.color =
                 if visuals.dark_mode { Color32::from_gray(220) } else { Color32::from_gray(30) };
+            style.text_styles.insert(TextStyle::Small, FontId::proportional(MIN_TEXT_SIZE));
             style.spacing.item_spacing = egui::vec2(6.0, 4.0);
             style.spacing.button_padding = egui::vec2(6.0, 2.0);
             style.spacing.combo_width = 120.0;

@@ -8,17 +8,16 @@ use glam::Vec3;
 
 use crate::gpu::camera::Camera;
 use crate::gpu::cutters::CutterFilter;
-use crate::gpu::flank::FlankColours;
 use crate::gpu::scene::{FloorColours, SceneOptions, SectionPlane};
-use crate::job::flank::FlankOutcome;
 use crate::palette::ColourMap;
 use crate::plunge::inspect::feed_direction;
 
 use super::App;
 use super::cube;
 use super::export::device_problem;
-use super::look::{Arrangement, PlaneOrientation, SectionPlaneLook};
-use super::overlay::{self, SwitchChoice, Values};
+use super::legend::{self, Values};
+use super::look::{Arrangement, Operation, PlaneOrientation, SectionPlaneLook};
+use super::overlay::{self, SwitchChoice};
 use super::panels::part;
 use super::picture::Content;
 use super::planned::Side;
@@ -63,6 +62,7 @@ impl App {
         }
         let whole = ui.available_rect_before_wrap();
         ui.allocate_rect(whole, Sense::hover());
+        let (whole, strip) = whole.split_top_bottom_at_y(whole.bottom() - legend::HEIGHT);
         let dark = ui.visuals().dark_mode;
         self.screen = ScreenInfo {
             scale: ui.pixels_per_point(),
@@ -92,7 +92,9 @@ impl App {
             self.draw(ui, pane, camera, moving);
         }
         self.note_first_picture();
+        let values = self.values_under_cursor(&panes, &camera);
         self.draw_overlays(ui, whole, &panes, camera);
+        legend::show(ui, strip, &mut self.state, values);
     }
 
     /// The views of the arrangement, with their accessible names.
@@ -175,10 +177,11 @@ impl App {
     fn draw(&mut self, ui: &Ui, pane: &Pane, camera: Camera, moving: bool) {
         let content = self.content(pane.side);
         let options = SceneOptions { show_borders: true, ..self.options(pane.side) };
-        let flank = self.shown_flank();
-        let borders = self.border_segments(ui.visuals());
+        let flank = self.state.shown_flank().map(|(outcome, colours)| (Arc::clone(outcome), colours));
+        let is_roughing = self.state.look.operation == Operation::Roughing;
+        let borders = if is_roughing { self.border_segments(ui.visuals()) } else { Vec::new() };
         let solid = self.solids[pane.side as usize].shown().cloned();
-        let coming = self.state.preview_on(pane.side);
+        let coming = self.state.preview_on(pane.side).filter(|_| is_roughing);
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || coming.is_some();
         // So does the next position of a timeline that plays or is dragged.
@@ -190,6 +193,7 @@ impl App {
         };
         picture.load_flank(flank);
         picture.load(content);
+        picture.load_cutter_colours(look.layers.cutter_colours);
         picture.load_preview(coming);
         picture.load_borders(borders);
         picture.load_solid(solid);
@@ -220,21 +224,18 @@ impl App {
         Some(Content { planned, policy, cut, heights, more_than })
     }
 
-    /// Flank plan and colouring that the views show; `None` while it is hidden.
-    pub(super) fn shown_flank(&self) -> Option<(Arc<FlankOutcome>, FlankColours)> {
-        let look = self.state.look.flank;
-        self.state.results.flank.clone().filter(|_| look.shown).map(|outcome| (outcome, look.colours))
-    }
-
     /// Draws the controls over the views.
     fn draw_overlays(&mut self, ui: &mut Ui, whole: Rect, panes: &[Pane], camera: Camera) {
-        let values = self.values_under_cursor(panes, &camera);
         if panes.len() > 1 {
             let x = panes[1].visible.left();
             let line = Stroke::new(2.0, theme::accent(ui.visuals()));
             ui.painter().line_segment([egui::pos2(x, whole.top()), egui::pos2(x, whole.bottom())], line);
         }
-        for pane in panes {
+        let roughing = self.state.look.operation == Operation::Roughing;
+        if !roughing && self.state.flank_is_stale() {
+            overlay::preview_badge(ui, whole, true, None);
+        }
+        for pane in panes.iter().filter(|_| roughing) {
             let coming = self.state.preview_on(pane.side);
             if self.state.is_stale(pane.side) || coming.is_some() {
                 overlay::preview_badge(ui, pane.visible, self.state.is_stale(pane.side), coming);
@@ -246,15 +247,14 @@ impl App {
                 overlay::measurement(ui, pane.rect, &camera, &points, under);
             }
         }
-        self.section_borders(ui, panes, &camera);
-        overlay::legend(ui, whole, &mut self.state, values);
-        if self.state.look.layers.stock && self.state.results.planned.is_some() {
-            let scale = self.state.look.solid_colours == SolidColours::Distance;
-            let above = if scale { 78.0 } else { 10.0 };
-            let solid = self.solids[self.state.look.side as usize].shown();
-            overlay::solid_legend(ui, whole, solid.map(|solid| &**solid), above);
+        if roughing {
+            self.section_borders(ui, panes, &camera);
         }
-        match overlay::side_switch(ui, whole, &self.state.look) {
+        if self.state.look.layers.stock && self.state.results.planned.is_some() {
+            let solid = self.solids[self.state.look.side as usize].shown();
+            legend::solid_legend(ui, whole, solid.map(|solid| &**solid), 10.0);
+        }
+        match roughing.then(|| overlay::side_switch(ui, whole, &self.state.look)).flatten() {
             Some(SwitchChoice::Side(side)) => {
                 self.state.look.arrangement = Arrangement::One;
                 self.state.show(side);
@@ -262,7 +262,7 @@ impl App {
             Some(SwitchChoice::Arrange(arrangement)) => self.arrange(arrangement),
             None => {}
         }
-        for pane in panes {
+        for pane in panes.iter().filter(|_| roughing) {
             let corner = pane.visible.left_top() + egui::vec2(10.0, 44.0);
             overlay::policy(ui, corner, &mut self.state, pane.side);
         }
@@ -276,7 +276,7 @@ impl App {
         if let Some(command) = overlay::view_buttons(ui, whole) {
             self.run_command(ui.ctx(), command);
         }
-        let corner = whole.right_top() + egui::vec2(-42.0, 84.0);
+        let corner = whole.right_top() + egui::vec2(-42.0, 74.0 + overlay::layers_top(whole));
         if whole.height() > 300.0
             && let Some(direction) = cube::show(ui, corner, &camera)
         {
@@ -342,7 +342,8 @@ impl App {
         let (state, look) = (&self.state, &self.state.look);
         let layers = look.layers;
         let walls = state.shown_deviation();
-        let difference = look.difference && side == Side::After;
+        let roughing = look.operation == Operation::Roughing;
+        let difference = look.difference && side == Side::After && roughing;
         let (low, high) = state.range();
         let count = state.shown_on(side).map_or(0, |shown| shown.plan().positions.len());
         SceneOptions {
@@ -350,21 +351,23 @@ impl App {
             // The blades would hide the wall values.
             show_blades: layers.blades && walls.is_none(),
             show_shroud: layers.shroud,
-            show_cutters: match layers.cutters {
+            // The flank plan has no plunges.
+            show_cutters: match layers.cutters && roughing {
                 // Cutters that stay where they plunged would fill what they cut.
                 true if layers.stock => CutterFilter::Last,
                 true => CutterFilter::All,
                 false => CutterFilter::Hidden,
             },
             show_solid: layers.stock,
-            show_axes: layers.axes,
-            show_holders: layers.holders,
-            show_links: layers.links,
+            show_axes: layers.axes && roughing,
+            show_holders: layers.holders && roughing,
+            show_links: layers.links && roughing,
             show_floor_colours: match walls {
                 // The scale is that of the floor.
                 _ if layers.stock && look.solid_colours == SolidColours::Distance => FloorColours::Residual,
                 _ if layers.stock => FloorColours::Plain,
                 Some(_) => FloorColours::Walls,
+                None if !roughing => FloorColours::Plain,
                 None if difference => FloorColours::Values,
                 None => layers.floor,
             },

@@ -19,12 +19,14 @@ use super::dialogs::Purpose;
 use super::document::{Edited, OpenPart};
 use super::engine::{Engine, PartSource, PlanTask};
 use super::files::{self, ClTask, WriteTask, Written};
+use super::look::Operation;
 use super::picture::PartMeshes;
 use super::planned::DisplayPlan;
 use super::preview::PreviewSlot;
+use super::problem::{Problem, Topic};
 use super::project::{Pending, edited_of, source_of};
 use super::roles::{UnassignedRoles, hint_for_dialog};
-use super::state::{Problem, ShownPlan};
+use super::state::ShownPlan;
 
 /// A task of the opening thread.
 #[derive(Clone)]
@@ -121,6 +123,8 @@ pub(super) struct Work {
     coming: PreviewSlot,
     /// The last request to the planner.
     asked: Option<PlanKey>,
+    /// Setup of the last request to the flank planner.
+    asked_flank: Option<Setup>,
     /// Number of the planner's last task.
     tasks: u64,
 }
@@ -152,6 +156,7 @@ impl Work {
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
             coming,
             asked: None,
+            asked_flank: None,
             tasks: 0,
         }
     }
@@ -163,11 +168,18 @@ impl Work {
         self.flanker.cancel();
         let _ = self.flanker.take_outcome();
         self.asked = None;
+        self.asked_flank = None;
     }
 
     /// Whether the planner is running.
     pub(super) fn is_planning(&self) -> bool {
         self.planner.is_busy()
+    }
+
+    /// The operation that is being calculated.
+    pub(super) fn running_operation(&self) -> Option<Operation> {
+        let planning = self.planner.is_busy().then_some(Operation::Roughing);
+        planning.or(self.flanker.is_busy().then_some(Operation::Flank))
     }
 
     /// Name and progress (0…1) of the running task.
@@ -200,6 +212,7 @@ impl App {
 
     /// Opens a project, setup or part, depending on the file.
     pub(super) fn open_file(&mut self, path: PathBuf) {
+        self.dialogs.note_folder(&path);
         if files::is_project(&path) {
             self.submit_open(OpenTask::Project(path, None));
         } else if files::is_setup(&path) {
@@ -239,6 +252,7 @@ impl App {
     /// Plans edits automatically if auto-update is on. `held`: a mouse button is down, so that more edits
     /// will follow.
     pub(super) fn plan_edits(&mut self, held: bool) {
+        self.plan_flank_edits(held);
         let (true, Some(asked)) = (self.state.auto_update, &self.work.asked) else { return };
         let same = asked.setup.equals_except_flank(&self.state.document.edited.setup);
         let enough = held || (!asked.draft && asked.compare == self.state.compare);
@@ -284,7 +298,18 @@ impl App {
         let Some(part) = &self.state.document.part else { return };
         self.state.notice = None;
         let setup = self.state.document.edited.setup.clone();
+        self.work.asked_flank = Some(setup.clone());
         self.work.flanker.submit(FlankRequest { part: Arc::clone(&part.impeller), setup });
+    }
+
+    /// Plans a flank plan again that is older than the setup, if auto-update is on. Unlike plunges it is
+    /// planned only once the mouse is released, as it has no drafts.
+    fn plan_flank_edits(&mut self, held: bool) {
+        let setup = &self.state.document.edited.setup;
+        let follows = self.state.auto_update && !held && self.state.look.operation == Operation::Flank;
+        if follows && self.state.flank_is_stale() && self.work.asked_flank.as_ref() != Some(setup) {
+            self.plan_flank();
+        }
     }
 
     fn take_flank(&mut self, end: Outcome<FlankOutcome, JobError>) {
@@ -299,9 +324,11 @@ impl App {
                 self.state.report_done("Calculation cancelled");
             }
             Outcome::Failed(JobError::Setup(fault)) => {
-                self.state.report_problem(Problem::from_planning(fault.message, fault.help));
+                self.state.report_problem(Problem::of(Topic::Flank, &fault.message, &fault.help));
             }
-            Outcome::Panicked(what) => self.state.report_problem(panic_problem("Flank calculation", &what)),
+            Outcome::Panicked(what) => {
+                self.state.report_problem(panic_problem(Topic::Flank, "Flank calculation", &what));
+            }
         }
     }
 
@@ -314,7 +341,9 @@ impl App {
                 Outcome::Done(opened) => self.take_opened(opened),
                 Outcome::Cancelled => self.state.report_done("Opening cancelled"),
                 Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
-                Outcome::Panicked(what) => self.state.report_problem(panic_problem("Opening", &what)),
+                Outcome::Panicked(what) => {
+                    self.state.report_problem(panic_problem(Topic::Other, "Opening", &what))
+                }
             }
         }
         if let Some((_, end)) = self.work.planner.take_outcome() {
@@ -328,9 +357,11 @@ impl App {
                 }
                 Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 Outcome::Failed(JobError::Setup(fault)) => {
-                    self.state.report_problem(Problem::from_planning(fault.message, fault.help));
+                    self.state.report_problem(Problem::of(Topic::Plan, &fault.message, &fault.help));
                 }
-                Outcome::Panicked(what) => self.state.report_problem(panic_problem("Calculation", &what)),
+                Outcome::Panicked(what) => {
+                    self.state.report_problem(panic_problem(Topic::Plan, "Calculation", &what));
+                }
             }
         }
         self.collect_coming();
@@ -347,7 +378,9 @@ impl App {
                 }
                 Outcome::Cancelled => {}
                 Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
-                Outcome::Panicked(what) => self.state.report_problem(panic_problem("Writing", &what)),
+                Outcome::Panicked(what) => {
+                    self.state.report_problem(panic_problem(Topic::Other, "Writing", &what))
+                }
             }
         }
         self.collect_device_faults(ctx);
@@ -473,9 +506,10 @@ struct PlanKey {
 }
 
 /// Problem message for a panic of a background task.
-fn panic_problem(what: &str, message: &str) -> Problem {
-    Problem::from_planning(
-        format!("{what} failed unexpectedly ({message})"),
+fn panic_problem(topic: Topic, what: &str, message: &str) -> Problem {
+    Problem::of(
+        topic,
+        &format!("{what} failed unexpectedly ({message})"),
         "change the setup, or report this with the part file",
     )
 }

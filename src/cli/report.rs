@@ -304,15 +304,8 @@ pub fn reasons_text(plan: &PlungePlan, reasons: &[Option<String>]) -> String {
 pub fn added_text(plan: &PlungePlan) -> String {
     let mut text = String::new();
     for section in &plan.sections {
-        if let Some((count, stopped)) = section.added {
+        if let Some(what) = section.added_words() {
             let (from, to) = (section.from, section.to);
-            let why = stopped.words();
-            let what = match (section.rest, count) {
-                _ if stopped == StopReason::Cancelled => format!("{count} plunges added; {why}"),
-                (false, _) => format!("{count} plunges added to the rows; {why}"),
-                (true, 0) => "nothing left that is thick enough for another cutter".to_owned(),
-                (true, _) => format!("{count} plunges for the rest; {why}"),
-            };
             text += &format!("{from:.2} to {to:.2}, D {}: {what}\n", section.tool.diameter);
         }
     }

@@ -5,6 +5,7 @@ use glam::Vec3;
 
 use super::camera::ViewRay;
 use super::mesh::{LineColour, Segment, polyline};
+use crate::palette::Rgb;
 use crate::plunge::plan::{Condition, PlungePlan};
 
 /// State of a position, shown by its colour.
@@ -54,10 +55,35 @@ pub struct CutterInstance {
     pub core_radius: f32,
     /// Corner radius, mm.
     pub corner_radius: f32,
-    /// [`CutterState`].
+    /// [`CutterState`] in the lowest three bits; see [`Self::set_colour`] for the others.
     pub state: u32,
     /// Index of the position in the plan.
     pub id: u32,
+}
+
+impl CutterInstance {
+    /// Flag of [`Self::state`]: the upper three bytes are a colour.
+    const COLOURED: u32 = 8;
+
+    /// The [`CutterState`] as a number.
+    fn state_number(&self) -> u32 {
+        self.state & 7
+    }
+
+    /// Sets a colour that replaces that of the state, or removes it.
+    pub fn set_colour(&mut self, colour: Option<Rgb>) {
+        self.state = self.state_number();
+        if let Some(colour) = colour {
+            let [r, g, b] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
+            self.state |= Self::COLOURED | r << 8 | g << 16 | b << 24;
+        }
+    }
+
+    /// The colour that replaces that of the state, if there is one.
+    fn colour(&self) -> Option<Rgb> {
+        let byte = |shift: u32| (self.state >> shift & 255) as f32 / 255.0;
+        (self.state & Self::COLOURED != 0).then(|| [byte(8), byte(16), byte(24)])
+    }
 }
 
 /// A position of a plan, ready to be drawn.
@@ -139,7 +165,7 @@ impl CutterChoice {
         let shown = match self.filter {
             CutterFilter::Hidden => false,
             CutterFilter::Last => is_last,
-            CutterFilter::Faulty => instance.state != CutterState::Sound as u32,
+            CutterFilter::Faulty => instance.state_number() != CutterState::Sound as u32,
             CutterFilter::All => true,
         };
         if !shown {
@@ -147,7 +173,7 @@ impl CutterChoice {
         }
         if !is_last {
             // Faulty cutters also differ in length, for users who cannot tell the colours apart.
-            let stretch = match instance.state {
+            let stretch = match instance.state_number() {
                 0 | 4 => 1.0,
                 1 => 1.5,
                 _ => 2.0,
@@ -180,7 +206,8 @@ pub fn append_rims(instance: &CutterInstance, steps: usize, whole: bool, into: &
     let tip = Vec3::from_array(instance.tip);
     let axis = Vec3::from_array(instance.axis);
     let (x, y) = perpendiculars(axis);
-    let colour = rim_colour(instance.state);
+    let named = rim_colour(instance.state_number());
+    let own = instance.colour();
     let mut circle = |radius: f32, height: f32, width: f32| {
         let points: Vec<Vec3> = (0..=steps)
             .map(|i| {
@@ -188,9 +215,12 @@ pub fn append_rims(instance: &CutterInstance, steps: usize, whole: bool, into: &
                 tip + axis * height + (x * cos + y * sin) * radius
             })
             .collect();
-        into.extend(polyline(&points, width, colour));
+        into.extend(polyline(&points, width, named).map(|line| match own {
+            Some(colour) => Segment::coloured(line.a, line.b, line.width, colour.map(|x| 0.7 * x)),
+            None => line,
+        }));
     };
-    let width = match instance.state {
+    let width = match instance.state_number() {
         0 | 4 => 1.1,
         3 => 2.6,
         _ => 1.6,

@@ -14,7 +14,7 @@ use super::mesh::{Mesh, MeshHit, Segment, rotate_about_z};
 use super::part_mesh::{BladeMesh, PartMesh};
 use super::stock_floor::DrawnStock;
 use super::view::{ViewTarget, ViewTargets};
-use crate::palette::{ColourMap, Theme};
+use crate::palette::{ColourMap, Rgb, Theme};
 use crate::part::Impeller;
 use crate::plunge::plan::PlungePlan;
 use crate::stock::FloorGrid;
@@ -384,6 +384,14 @@ impl Scene {
         self.framing.sections = plan.map_or(0, |p| p.sections.len()).checked_sub(1).map_or(vec![], |last| {
             (0..=last).map(|k| section_frame(&self.cutters, k, &self.framing)).collect()
         });
+    }
+
+    /// Colours the cutters of the plan, by position, instead of by their state; `None`: by their state.
+    pub fn set_cutter_colours(&mut self, colours: Option<&[Rgb]>) {
+        for cutter in &mut self.cutters {
+            let index = cutter.instance.id as usize;
+            cutter.instance.set_colour(colours.and_then(|colours| colours.get(index)).copied());
+        }
     }
 
     /// Shows the cutters of a plan preview instead of the plan's, or removes it; `judged` says whether their

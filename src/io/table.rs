@@ -85,9 +85,25 @@ impl<'a> TomlDocument<'a> {
     pub fn parse(&self) -> Result<Spanned<DeTable<'a>>, InputError> {
         DeTable::parse(self.text).map_err(|error| {
             let at = error.span().map_or(self.text.len(), |span| span.start);
+            if let Some(word) = self.bare_word(at) {
+                let help = "give a number, true or false, or a text in quotes";
+                return self.fault(at, format!("{word} is not a value"), help);
+            }
             let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
-            self.fault(at, format!("not valid TOML: {what}"), "correct the line")
+            self.fault(at, format!("invalid TOML: {what}"), "correct the line")
         })
+    }
+
+    /// The word without quotes that stands for a value, on the line of the byte offset `at`. The parser takes
+    /// such a word for the beginning of `nan`, `inf`, `true` or `false`.
+    fn bare_word(&self, at: usize) -> Option<&'a str> {
+        let before = self.text.get(..at)?;
+        let start = before.rfind('\n').map_or(0, |end| end + 1);
+        let line = self.text.get(start..)?.lines().next()?;
+        let value = line.split_once('=')?.1.split('#').next()?.trim();
+        let is_word = value.starts_with(|c: char| c.is_alphabetic())
+            && value.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | ' '));
+        (is_word && value != "true" && value != "false").then_some(value)
     }
 
     /// The root table.

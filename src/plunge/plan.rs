@@ -251,6 +251,18 @@ impl SectionPlan {
     pub fn is_cut(&self) -> bool {
         !self.rest || self.rows > 0
     }
+
+    /// What was added to the rows, and why no more; `None` for policies that add none.
+    pub fn added_words(&self) -> Option<String> {
+        let (count, stopped) = self.added?;
+        let why = stopped.words();
+        Some(match (self.rest, count) {
+            _ if stopped == StopReason::Cancelled => format!("{count} plunges added; {why}"),
+            (false, _) => format!("{count} plunges added to the rows; {why}"),
+            (true, 0) => "nothing left that is thick enough for another cutter".to_owned(),
+            (true, _) => format!("{count} plunges for the rest; {why}"),
+        })
+    }
 }
 
 /// A plunge plan of one channel.
@@ -271,6 +283,25 @@ pub struct PlungePlan {
 }
 
 impl PlungePlan {
+    /// Number of plunges of section `index`.
+    pub fn plunges_of(&self, index: usize) -> usize {
+        self.positions.iter().filter(|position| position.section == index).count()
+    }
+
+    /// Why section `index` has no plunges; `None` if it has some.
+    pub fn idle_words(&self, index: usize) -> Option<String> {
+        let section = self.sections.get(index).filter(|_| self.plunges_of(index) == 0)?;
+        let dropped = self.dropped.iter().filter(|dropped| dropped.section == index);
+        let count = |why: DropReason| dropped.clone().filter(|dropped| dropped.why == why).count();
+        let most = DropReason::ALL.into_iter().map(|why| (count(why), why)).max_by_key(|(count, _)| *count);
+        Some(match (most, section.added_words()) {
+            (Some((count, why)), _) if count > 0 => format!("{count} positions {}", why.words()),
+            (_, Some(words)) => words,
+            _ if section.rest => "rest milling is for the strategy of minimum stock only".to_owned(),
+            _ => "no row fits into the section".to_owned(),
+        })
+    }
+
     /// The columns of its plunges in `blank`, in cutting order.
     pub fn columns(&self, blank: &Blank) -> Columns {
         let top = BlankTop::new(blank);

@@ -85,7 +85,7 @@ pub fn setup_tree(name: &str, bytes: &[u8]) -> Result<toml::Table, InputError> {
     }
     text(Source { file: name }, bytes)?.parse().map_err(|error: toml::de::Error| {
         let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
-        InputError::new(name, 0, format!("not valid TOML: {what}"), "correct the line")
+        InputError::new(name, 0, format!("invalid TOML: {what}"), "correct the line")
     })
 }
 

@@ -87,3 +87,37 @@ fn a_border_is_dragged_along_the_hub_and_a_drag_is_one_step_to_undo() {
     let [from, to, _, last] = borders(&window);
     assert!(to < from && to > last, "{:?}", borders(&window));
 }
+
+#[test]
+fn a_handle_moves_its_own_border_and_rest_milling_has_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("setup.toml");
+    // Rest milling of both halves, with a border at the same place.
+    let rest = "[[plunge.section]]\ntool = 2\nfrom = 1.0\nto = 0.5\nrest = true\n\
+                [[plunge.section]]\ntool = 2\nfrom = 0.5\nto = 0.1\nrest = true\n";
+    std::fs::write(&path, format!("{SETUP}{rest}")).expect("writes");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1200.0, 760.0));
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::OpenSetup, path);
+    settle(&mut window);
+    window.state_mut().look_mut().layers.cutters = false;
+    window.key_press(egui::Key::Num4);
+    window.run_steps(10);
+    settle(&mut window);
+    assert!(window.query_by_label("Border 3 | 4 in the view").is_none(), "it would lie on the other");
+    let start = window.get_by_role_and_label(Role::Slider, "Border 1 | 2 in the view").rect().center();
+    let end = start + egui::vec2(-30.0, 60.0);
+    window.drag_at(start);
+    window.run_steps(1);
+    window.hover_at(end);
+    window.run_steps(3);
+    window.drop_at(end);
+    window.run_steps(3);
+    settle(&mut window);
+    let moved = borders(&window);
+    assert!((moved[1] - 0.5).abs() > 0.03 && moved[1] == moved[2], "{moved:?}");
+    let sections = &window.state().state().document.edited.setup.plunge.sections;
+    assert_eq!((sections[2].to, sections[3].from), (0.5, 0.5), "rest milling stays");
+}

@@ -45,7 +45,8 @@ fn both_sides_share_one_camera_and_one_scale() {
     assert_eq!(window.state().state().range(), (0.0, 2.0), "one scale for both");
     window.get_by_label("Fit scale").click();
     window.run_steps(3);
-    assert_eq!(window.state().state().look.range, None, "and back");
+    let state = window.state().state();
+    assert_eq!(state.range(), state.fitting_range(), "and back");
 }
 
 #[test]

@@ -48,6 +48,10 @@ fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
 }
 
 fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
+    if request.setup.allowances.hub_allowance > 15.0 {
+        let what = format!("`hub_allowance` is {}, too much", request.setup.allowances.hub_allowance);
+        return Err(SetupFault::new(what, "make hub_allowance smaller").into());
+    }
     if request.setup.allowances.hub_allowance > 10.0 {
         let what = "the hub allowance of 12 mm leaves no channel at s 0.31".to_owned();
         return Err(SetupFault::new(what, "make it smaller").into());
@@ -56,7 +60,8 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     let passage = Channel::of(part).full;
     let tool = Tool {
         number: 1,
-        diameter: 30.0,
+        // The larger the step, the smaller the tool: the program chooses anew.
+        diameter: if request.setup.plunge.step.is_some_and(|step| step > 20.0) { 20.0 } else { 30.0 },
         corner_radius: 0.0,
         insert_width: 10.0,
         overhang: 120.0,
@@ -73,16 +78,19 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         PolicyResult { plan, field, summary }
     };
     let mut setup = request.setup.clone();
-    setup.tools = vec![tool.clone()];
-    setup.plunge.sections = vec![SectionSetup {
-        tool: 1,
+    let section = |tool: u32, rest: bool| SectionSetup {
+        tool,
         from: 1.0,
         to: 0.5,
         cut_direction: Some(CutDirection::OutletToInlet),
-        rest: false,
-    }];
+        rest,
+    };
+    if setup.tools.is_empty() {
+        setup.tools = vec![tool.clone(), rest_tool(&tool)];
+        setup.plunge.sections = vec![section(1, false), section(2, true)];
+    }
     Ok(PlanOutcome {
-        reasons: vec![None],
+        reasons: vec![None, None],
         part: Arc::clone(part),
         setup,
         grid: Arc::clone(&grid),
@@ -143,14 +151,26 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
         rest: false,
         added: None,
     };
+    // A smaller tool for the rest that finds nothing to do.
+    let rest = SectionPlan {
+        tool: rest_tool(tool),
+        rows: 0,
+        rest: true,
+        added: Some((0, StopReason::NothingWorthwhile)),
+        ..section.clone()
+    };
     PlungePlan {
         policy,
-        sections: vec![section],
+        sections: vec![section, rest],
         positions,
         dropped: Vec::new(),
         iterations: 2,
         converged: true,
     }
+}
+
+fn rest_tool(tool: &Tool) -> Tool {
+    Tool { number: 2, diameter: 16.0, insert_width: 5.0, ..tool.clone() }
 }
 
 fn summary(plan: &PlungePlan, mean: f64) -> Summary {

@@ -26,13 +26,11 @@ fn flank_curves_are_planned_shown_and_written() {
 
     // Shows the walls instead of the stock on the hub, then the hub again.
     window.state_mut().look_mut().layers.cutters = false;
-    window.get_by_label("Flank").click_accesskit();
-    window.run_steps(4);
     window.get_by_label("walls").click_accesskit();
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Residual on walls");
-    window.get_by_label(&vanecut::app::overlay::format_signed(most, most));
+    window.get_by_label(&vanecut::app::legend::format_signed(most, most));
     snapshot_view(&mut window, "flank_walls");
     // The value under the cursor has a sign: above or below the allowance.
     let view = window.get_by_label("3D view").rect();
@@ -56,7 +54,7 @@ fn flank_curves_are_planned_shown_and_written() {
     assert!(above > 0 && below > 0, "both signs are found: {above} above, {below} below");
     window.get_by_label("layer").click_accesskit();
     window.run_steps(4);
-    window.get_by_label("Residual on hub");
+    window.get_by_label_contains("layer 1, at the hub");
     snapshot_view(&mut window, "flank_layers");
 
     let folder = tempfile::tempdir().expect("a folder");
@@ -69,19 +67,33 @@ fn flank_curves_are_planned_shown_and_written() {
 }
 
 #[test]
-fn the_flank_panel_marks_what_is_out_of_date_and_leaves_the_plunge_plan_alone() {
+fn an_edit_of_flank_milling_is_followed_and_until_then_marked_and_the_plunge_plan_stays() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
-    window.get_by_label("Flank").click_accesskit();
+    window.get_by_label("Flank: not calculated").click();
     window.run_steps(4);
     window.get_by_label("Calculate flank").click_accesskit();
     window.run_steps(2);
     settle(&mut window);
-    assert!(window.query_by_label("out of date").is_none());
-    let field = window.get_by_role_and_label(egui::accesskit::Role::Slider, "Layer depth");
-    field.set_value_accesskit(6.0);
-    window.run_steps(4);
-    settle(&mut window);
-    window.get_by_label("out of date");
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    assert!(window.query_by_label("Out of date:").is_none());
+    let set_depth = |window: &mut crate::harness::Window, depth: f64| {
+        let field = window.get_by_role_and_label(egui::accesskit::Role::Slider, "Layer depth");
+        field.set_value_accesskit(depth);
+        window.run_steps(4);
+        settle(window);
+    };
+    set_depth(&mut window, 6.0);
+    window.get_by_label("Out of date:");
+    window.get_by_label("Flank: out of date");
+    window.get_by_label("Setup edited: recalculate flank (F6)");
     assert!(!window.state().state().out_of_date(), "the plunge plan does not depend on it");
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(window.query_by_label("Out of date:").is_none(), "followed");
+    let planned = window.state().state().results.flank.clone().expect("planned");
+    assert_eq!(planned.setup.flank.layer_depth, 6.0);
+    window.get_by_label_contains("Flank calculated in");
 }

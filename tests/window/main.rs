@@ -5,10 +5,13 @@
 mod borders;
 mod compare;
 mod device;
+mod dialogs;
 mod drop;
 mod fake;
 mod flank;
 mod harness;
+mod help;
+mod layout;
 mod look;
 mod mouse;
 mod preview;
@@ -20,6 +23,8 @@ mod roles;
 mod section;
 mod solid;
 mod stages;
+mod timeline;
+mod tools;
 mod tuning;
 mod walk;
 

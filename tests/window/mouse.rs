@@ -8,7 +8,7 @@ use vanecut::app::mouse::MousePreset;
 use vanecut::gpu::camera::Camera;
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, window, with_sample};
+use crate::harness::{Window, settle, snapshot_view, window, with_sample, words};
 
 fn button(window: &mut Window, pos: Pos2, button: PointerButton, modifiers: Modifiers, pressed: bool) {
     window.event(Event::PointerButton { pos, button, pressed, modifiers });
@@ -122,7 +122,9 @@ fn a_right_click_offers_what_can_be_done_with_the_position_there() {
     window.run_steps(4);
     let at = at_cutter(&window);
     right_click(&mut window, at);
-    let k = window.state().state().look.selected.expect("the position there is selected");
+    assert_eq!(window.state().state().look.selected, None, "a right click selects nothing");
+    let title = words(&window, "At position ").expect("the menu names its position");
+    let k = title.trim_start_matches("At position ").parse::<usize>().expect("a number") - 1;
     assert!((6..=11).contains(&k), "the cutter under the cursor or one in front of it: {k}");
     // The sectional view is computed on another thread.
     settle(&mut window);
@@ -130,13 +132,13 @@ fn a_right_click_offers_what_can_be_done_with_the_position_there() {
     window.get_by_role_and_label(Role::Button, "Simulate to here").click();
     window.run_steps(4);
     assert_eq!(window.state().state().look.cut_count, Some(k + 1), "cut until there");
+    assert_eq!(window.state().state().look.selected, Some(k), "selected by the command");
     assert!(window.query_by_label("Simulate to here").is_none(), "the menu is gone");
 
     window.state_mut().look_mut().filter = Filter::Interfering;
     window.state_mut().look_mut().tab = Tab::Facts;
     window.run_steps(2);
     right_click(&mut window, at);
-    let k = window.state().state().look.selected.expect("selected");
     window.get_by_role_and_label(Role::Button, "Show in table").click();
     window.run_steps(6);
     assert_eq!(window.state().state().look.filter, Filter::All, "a filter does not hide it");
@@ -179,4 +181,43 @@ fn without_a_part_a_right_click_does_nothing() {
     let mut window = window(engine);
     right_click(&mut window, egui::pos2(450.0, 300.0));
     assert!(window.query_by_label("Fit").is_none());
+}
+
+#[test]
+fn rows_and_plots_have_the_menu_of_their_position() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 760.0));
+    window.run_steps(3);
+    let row = window.get_by_role_and_label(Role::Row, "Position 4").rect().center();
+    right_click(&mut window, row);
+    assert_eq!(window.state().state().look.selected, None, "a right click selects nothing");
+    window.get_by_label("At position 4");
+    window.get_by_role_and_label(Role::Button, "Simulate to here").click();
+    window.run_steps(4);
+    assert_eq!(window.state().state().look.cut_count, Some(4));
+    let plot = window.get_by_label("Contact along the row").rect();
+    right_click(&mut window, plot.left_center() + egui::vec2(5.0, 0.0));
+    window.get_by_label("At position 1");
+    window.get_by_role_and_label(Role::Button, "Simulate to here").click();
+    window.run_steps(4);
+    assert_eq!(window.state().state().look.cut_count, Some(1));
+}
+
+#[test]
+fn escape_closes_an_open_menu_before_it_ends_measuring() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::M);
+    window.run_steps(2);
+    let corner = window.get_by_label("3D view").rect().right_center() - egui::vec2(6.0, 0.0);
+    right_click(&mut window, corner);
+    window.get_by_label_contains("Top view");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    assert!(window.query_by_label_contains("Top view").is_none(), "the menu is closed");
+    assert!(window.state().state().look.measure.is_some(), "measuring goes on");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    assert!(window.state().state().look.measure.is_none(), "and ends at the next key");
 }

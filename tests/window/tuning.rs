@@ -81,7 +81,7 @@ fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
     settle(&mut window);
     assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "the first set is in work");
     window.run_steps(8);
-    window.get_by_label("Remove Variant 2").click();
+    window.get_by_label("Remove Variant 2").click_accesskit();
     window.run_steps(8);
     assert_eq!(window.state().state().document.edited.sets.len(), 1);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
@@ -139,4 +139,25 @@ fn the_tilt_of_the_machine_is_a_field_that_can_be_undone() {
     window.get_by_label("Reset max machine tilt").click();
     window.run_steps(2);
     assert!((tilt(&window) - 180.0).abs() < 1e-9, "the dot resets");
+}
+
+#[test]
+fn the_empty_palette_proposes_nothing_that_closes_the_project() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(3);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(window.state().state().document.part.is_some(), "the project is still open");
+    for (typed, found) in [("simulate", "Simulate to here"), ("gcode", "Export CL (APT)…")] {
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+        window.run_steps(3);
+        window.event(egui::Event::Text(typed.to_owned()));
+        window.run_steps(3);
+        window.get_by_label_contains(found);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+    }
 }

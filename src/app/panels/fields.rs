@@ -2,7 +2,7 @@
 //! Both have an accessible name, and a dot where the value differs from the default; a click on the dot
 //! resets it.
 
-use egui::{Color32, ComboBox, DragValue, Response, Sense, Slider, Ui, Vec2};
+use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2};
 
 use super::super::number::{self, Quantity};
 use super::super::theme;
@@ -96,7 +96,7 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
     if spec.decimals == 0 {
         field = field.speed(1.0);
     }
-    let response = ui.add_sized(Vec2::new(84.0, 20.0), field);
+    let response = ui.add_sized(Vec2::new(theme::FIELD_WIDTH, 20.0), field);
     if spec.tip.is_empty() {
         return response;
     }
@@ -154,7 +154,8 @@ pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, c
     let label = ui.label(choice.label).on_hover_text(choice.tip);
     ui.horizontal(|ui| {
         ComboBox::from_id_salt(choice.label)
-            .width(104.0)
+            .width(theme::FIELD_WIDTH)
+            .truncate()
             .selected_text((choice.name)(*value))
             .show_ui(ui, |ui| {
                 for &one in choice.all {
@@ -163,7 +164,9 @@ pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, c
             })
             .response
             .labelled_by(label.id);
-        if *value != default && reset_dot(ui, choice.label) {
+        if *value == default {
+            reserve_dot(ui);
+        } else if reset_dot(ui, choice.label) {
             *value = default;
         }
     });
@@ -189,15 +192,15 @@ fn labelled(
         ui.spacing_mut().item_spacing.y = 1.0;
         ui.horizontal(|ui| {
             number_box(ui, value, spec, automatic.map(|(word, _)| word)).labelled_by(label.id);
-            if let Some(default) = default.filter(|default| default != value)
-                && reset_dot(ui, spec.label)
-            {
-                *value = default;
+            match default.filter(|default| default != value) {
+                Some(default) if reset_dot(ui, spec.label) => *value = default,
+                Some(_) => {}
+                None => reserve_dot(ui),
             }
         });
         if let Some((low, high)) = spec.slide {
             let stand_in = automatic.and_then(|(_, now)| now).filter(|_| *value <= 0.0);
-            ui.spacing_mut().slider_width = 104.0;
+            ui.spacing_mut().slider_width = theme::FIELD_WIDTH;
             let start = stand_in.unwrap_or(*value);
             let (response, moved) = slider(ui, start, low..=high, step_of(spec));
             response.labelled_by(label.id);
@@ -234,9 +237,23 @@ fn step_of(spec: &FieldSpec) -> f64 {
     }
 }
 
+/// Side of the dot beside a value, points.
+const DOT: f32 = 14.0;
+
+/// Keeps the space of the dot, so that the form does not become wider with it.
+fn reserve_dot(ui: &mut Ui) {
+    ui.allocate_space(Vec2::splat(DOT));
+}
+
+/// A form: labels at the left, fields at the right, in columns of the same widths in every form.
+pub fn form(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    let columns = Grid::new(name).num_columns(2).spacing([8.0, 4.0]);
+    columns.min_col_width(theme::LABEL_WIDTH).max_col_width(theme::LABEL_WIDTH + 30.0).show(ui, content);
+}
+
 /// The dot beside a value that differs from its default; `true` when it was clicked to reset.
 pub fn reset_dot(ui: &mut Ui, label: &str) -> bool {
-    let (rect, response) = ui.allocate_exact_size(Vec2::splat(14.0), Sense::click());
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(DOT), Sense::click());
     let fill: Color32 = theme::accent(ui.visuals());
     let radius = if response.hovered() { 4.5 } else { 3.0 };
     ui.painter().circle_filled(rect.center(), radius, fill);

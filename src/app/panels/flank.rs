@@ -1,7 +1,7 @@
-//! Panel "Flank": strategy, layer depth and scallop height of the flank plan, comparison of the strategies,
-//! and display of the passes.
+//! Form of flank milling: strategy, layer depth, scallop height and feed rates; display and colour key of the
+//! passes.
 
-use egui::{Grid, RichText, ScrollArea, Ui};
+use egui::Ui;
 
 use crate::flank::FlankPlan;
 use crate::flank::chart::Region;
@@ -13,7 +13,6 @@ use crate::setup::{FlankStrategy, Setup};
 use super::super::command::Command;
 use super::super::look::FlankLook;
 use super::fields::{self, ChoiceSpec, FieldSpec};
-use super::verdict::format_duration;
 
 const DEPTH: FieldSpec =
     FieldSpec::mm("Layer depth", "Axial depth (ap) of a layer, from the hub up", 0.1, 100.0)
@@ -68,17 +67,10 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
     (FlankColours::Walls, "walls", "Residual stock on the walls, and overcut below the blade allowance"),
 ];
 
-/// Draws the panel; returns the command of a pressed button. `planned` is the latest flank plan.
-pub fn show(
-    ui: &mut Ui,
-    setup: &mut Setup,
-    defaults: &Setup,
-    planned: Option<&FlankOutcome>,
-    stale: bool,
-    look: &mut FlankLook,
-) -> Option<Command> {
+/// Draws the fields of the setup. `planned` is the latest flank plan.
+pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&FlankOutcome>) {
     let default = &defaults.flank;
-    Grid::new("flank fields").num_columns(2).min_col_width(92.0).spacing([8.0, 4.0]).show(ui, |ui| {
+    fields::form(ui, "flank fields", |ui| {
         fields::choice_row(ui, &mut setup.flank.strategy, default.strategy, &SCHEME);
         fields::number_row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
         fields::number_row(ui, &mut setup.flank.scallop_height, default.scallop_height, &ERROR);
@@ -105,43 +97,26 @@ pub fn show(
             feeds.map(|f| f.ramp_mm_per_min),
         );
     });
-    let mut asked = None;
-    ui.horizontal(|ui| {
-        let plan =
-            ui.button(Command::PlanFlank.label()).on_hover_text(Command::PlanFlank.tip_with_keys(ui.ctx()));
-        if plan.clicked() {
-            asked = Some(Command::PlanFlank);
-        }
-        let export = egui::Button::new(Command::ExportFlank.label());
-        if ui.add_enabled(planned.is_some(), export).on_hover_text(Command::ExportFlank.tip()).clicked() {
-            asked = Some(Command::ExportFlank);
-        }
-    });
-    let Some(outcome) = planned else { return asked };
-    if stale {
-        ui.label(RichText::new("out of date").italics());
-    }
+}
+
+/// Draws the fields of the display.
+pub fn display(ui: &mut Ui, look: &mut FlankLook) {
+    ui.checkbox(&mut look.shown, Command::FlankCurves.label()).on_hover_text(Command::FlankCurves.tip());
     ui.horizontal_wrapped(|ui| {
-        ui.checkbox(&mut look.shown, Command::FlankCurves.label()).on_hover_text(Command::FlankCurves.tip());
         for (colours, name, tip) in COLOURS {
             ui.selectable_value(&mut look.colours, colours, name).on_hover_text(tip);
         }
     });
-    if look.shown {
-        ui.horizontal_wrapped(|ui| key(ui, look.colours, &outcome.plan));
-    }
-    ScrollArea::horizontal().id_salt("flank table").show(ui, |ui| table(ui, outcome));
-    asked
 }
 
 /// Colour key of the passes.
-fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
+pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
     let layers = plan.layout.layers.len();
     let patch = |ui: &mut Ui, rgb: Rgb, words: &str| {
         let (at, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
         let [r, g, b] = rgb.map(|x| (x * 255.0).round() as u8);
         ui.painter().rect_filled(at, 2.0, egui::Color32::from_rgb(r, g, b));
-        ui.label(RichText::new(words).small());
+        ui.label(words);
     };
     let table = ColourMap::Viridis.table();
     let end = |k: usize| table[k].map(|x| f32::from(x) / 255.0);
@@ -173,49 +148,7 @@ fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
             patch(ui, RAPID_COLOUR, "rapid");
         }
         FlankColours::Walls => {
-            ui.label(RichText::new("orange: below the blade allowance; violet: above it").small());
+            ui.label("orange: below the blade allowance; violet: above it");
         }
-    }
-}
-
-fn table(ui: &mut Ui, outcome: &FlankOutcome) {
-    let (plan, curves) = (&outcome.plan, &outcome.plan.layout);
-    Grid::new("schemes").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
-        for (name, tip) in [
-            ("Strategy", "Layout of the passes in a layer"),
-            ("Length m", "Length of all passes of one channel"),
-            ("Ratio", "Ratio to the length of the isoparametric passes"),
-            ("Over-wide gaps", "Share of the area in gaps wider than 1.02 times the stepover"),
-        ] {
-            ui.label(RichText::new(name).weak()).on_hover_text(tip);
-        }
-        ui.end_row();
-        for scheme in FlankStrategy::ALL {
-            let figures = &curves.totals[scheme as usize];
-            let name = RichText::new(scheme_label(scheme));
-            ui.label(if scheme == curves.strategy { name.strong() } else { name });
-            ui.label(format!("{:.2}", 1e-3 * figures.length));
-            ui.label(format!("{:.3}", figures.length / curves.totals[0].length));
-            let measured = scheme != FlankStrategy::Isoparametric || scheme == curves.strategy;
-            ui.label(if measured {
-                format!("{:.2} %", 100.0 * curves.wide_share(scheme))
-            } else {
-                "-".to_owned()
-            });
-            ui.end_row();
-        }
-    });
-    ui.label(format!(
-        "{} layers, cutter Ø{}, floor {:.2} m; wall error: −{:.4} mm gouge, +{:.4} mm left; {}",
-        curves.layers.len(),
-        plan.tool.diameter,
-        1e-3 * curves.floor_length,
-        outcome.max_overcut(),
-        plan.max_undercut(),
-        format_duration(plan.times.total()),
-    ));
-    let lost: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
-    if lost > 0.0 {
-        ui.label(format!("{lost:.0} mm of passes are skipped: no axis reaches them"));
     }
 }

@@ -3,6 +3,8 @@
 
 pub mod fields;
 pub mod flank;
+pub mod flank_results;
+pub mod operations;
 pub mod part;
 pub mod plots;
 pub mod policies;

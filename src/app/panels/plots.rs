@@ -1,11 +1,13 @@
 //! Plots along the row of the selected position: lead angle, contact, residual stock, step. A click selects.
 
-use egui::{Align2, FontId, Pos2, Rect, Sense, Stroke, Ui, Vec2};
+use egui::{Align2, FontId, PointerButton, Popup, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 
 use crate::plunge::inspect::{row_of, step_before};
 
+use super::super::command::Command;
 use super::super::state::AppState;
 use super::super::theme::{self, Condition};
+use super::positions::position_menu;
 
 /// Height of the plots, points.
 pub const HEIGHT: f32 = 92.0;
@@ -22,17 +24,20 @@ struct PlotCurve {
     from_zero: bool,
     /// Minimum length of the scale, so that noise is not magnified.
     min_range: f64,
+    /// Index of the row's first position.
+    first: usize,
     values: Vec<f64>,
 }
 
-/// Draws the plots; a click on one selects the position there.
-pub fn show(ui: &mut Ui, state: &mut AppState) {
-    let Some(shown) = state.shown() else { return };
+/// Draws the plots; a click on one selects the position there. Returns a command from the context menu of a
+/// plot, with the position it is for.
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
+    let shown = state.shown()?;
     let plan = shown.plan();
     let index = state.look.selected.unwrap_or(0);
     let row = row_of(plan, index);
     if row.is_empty() {
-        return;
+        return None;
     }
     let curve = |name, short, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| PlotCurve {
         name,
@@ -40,6 +45,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         unit,
         from_zero,
         min_range: least,
+        first: row.start,
         values: row.clone().map(value).collect(),
     };
     let at = |k: usize| &plan.positions[k];
@@ -50,7 +56,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         curve("Step", "Sp", " mm", (true, 0.1), &|k| step_before(plan, k)),
     ];
     let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
-    let mut clicked = None;
+    let (mut clicked, mut menu) = (None, None);
     let gap = 6.0;
     let width = ((ui.available_width() - 3.0 * gap) / 4.0).max(20.0);
     let height = ui.available_height().min(HEIGHT);
@@ -59,17 +65,25 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         for curve in &curves {
             let chosen =
                 row.contains(&index).then(|| index - row.start).filter(|_| state.look.selected.is_some());
-            if let Some(k) = plot(ui, Vec2::new(width, height), curve, &faulty, chosen) {
-                clicked = Some(row.start + k);
-            }
+            let picked = plot(ui, Vec2::new(width, height), curve, &faulty, chosen);
+            clicked = picked.clicked.map(|k| row.start + k).or(clicked);
+            menu = picked.menu.map(|(command, k)| (command, row.start + k)).or(menu);
         }
     });
     if clicked.is_some() {
         state.look.select(clicked);
     }
+    menu
 }
 
-fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Option<usize>) -> Option<usize> {
+/// What was done in a plot: indices within the row.
+#[derive(Default)]
+struct Picked {
+    clicked: Option<usize>,
+    menu: Option<(Command, usize)>,
+}
+
+fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Option<usize>) -> Picked {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let title = format!("{} along the row", curve.name);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &title));
@@ -83,7 +97,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         low = low.min(0.0);
     }
     if !(high - low).is_finite() {
-        return None;
+        return Picked::default();
     }
     high = high.max(low + curve.min_range);
     let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, 18.0), rect.max - egui::vec2(5.0, 6.0));
@@ -136,6 +150,15 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     if let Some((k, v)) = tip {
         response.clone().on_hover_text_at_pointer(format!("{} of the row: {v:.3}{}", k + 1, curve.unit));
     }
-    let picks = response.clicked() || response.dragged();
-    response.interact_pointer_pos().filter(|_| picks).map(near)
+    let pointer = response.interact_pointer_pos();
+    let picks = response.clicked() || response.dragged_by(PointerButton::Primary);
+    // The menu stays with the position that was right-clicked.
+    let id = response.id.with("menu position");
+    if let Some(at) = pointer.filter(|_| response.secondary_clicked()) {
+        ui.data_mut(|data| data.insert_temp(id, near(at)));
+    }
+    let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    let menu = Popup::context_menu(&response).show(|ui| position_menu(ui, curve.first + of_menu));
+    let menu = menu.and_then(|menu| menu.inner).map(|command| (command, of_menu));
+    Picked { clicked: pointer.filter(|_| picks).map(near), menu }
 }

@@ -1,10 +1,11 @@
 //! Table of positions, and the figures of the selected one.
 
-use egui::{ComboBox, Grid, RichText, Sense, Ui};
+use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use crate::plunge::{Blocked, Position};
 
+use super::super::command::Command;
 use super::super::look::{Filter, REVEAL, TableColumn as Key};
 use super::super::state::AppState;
 use super::super::theme::{self, Condition};
@@ -18,8 +19,9 @@ pub fn blocked_reason(blocked: Blocked) -> &'static str {
     }
 }
 
-/// Draws the table; a click on a row selects.
-pub fn show(ui: &mut Ui, state: &mut AppState) {
+/// Draws the table; a click on a row selects. Returns a command from the context menu of a row, with the
+/// position it is for.
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     ui.horizontal(|ui| {
         let title = ui.label(RichText::new("Positions").strong());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -38,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
     if state.results.planned.is_none() {
         ui.add_space(6.0);
         ui.label(RichText::new("Not calculated yet").weak());
-        return;
+        return None;
     }
     let rows = state.rows();
     if rows.is_empty() {
@@ -49,25 +51,35 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
             Filter::Blocked => "No blocked position",
         };
         ui.label(RichText::new(words).weak());
-        return;
+        return None;
     }
-    table(ui, state, &rows);
+    table(ui, state, &rows)
 }
 
-fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) {
+/// Commands for a position, in the context menus of tables, plots and views.
+pub const POSITION_COMMANDS: [Command; 4] =
+    [Command::ShowInTable, Command::OpenSection, Command::ScrubHere, Command::FlyToSelection];
+
+/// Draws the context menu of position `k`; returns the chosen command.
+pub fn position_menu(ui: &mut Ui, k: usize) -> Option<Command> {
+    ui.label(RichText::new(format!("At position {}", k + 1)).strong());
+    POSITION_COMMANDS.into_iter().find(|command| command.menu_item(ui, true))
+}
+
+fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, usize)> {
     let reveal = state.look.reveal_selection > 0;
     state.look.reveal_selection = state.look.reveal_selection.saturating_sub(1);
     let selected = state.look.selected;
     let sort = state.look.sort;
-    let Some(shown) = state.shown() else { return };
+    let shown = state.shown()?;
     let plan = shown.plan();
+    let pitch = theme::ROW_HEIGHT + ui.spacing().item_spacing.y;
+    // Of this frame: the panel below may just have taken some of it.
+    let height = ui.available_height() - pitch;
     let mut builder = TableBuilder::new(ui)
         .striped(true)
         .sense(Sense::click())
         .auto_shrink([false, false])
-        // `scroll_to_row` is called in several frames; an unfinished animation would add up with the next
-        // call.
-        .animate_scrolling(false)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
         .column(Column::exact(12.0))
         .column(Column::exact(30.0))
@@ -77,11 +89,17 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) {
         .column(Column::exact(50.0))
         .column(Column::exact(44.0))
         .column(Column::remainder());
-    if reveal && let Some(row) = selected.and_then(|k| rows.iter().position(|&r| r == k)) {
-        builder = builder.scroll_to_row(row, None);
+    // The offset acts in this frame; scrolling to a row would act in the next one, many positions later while
+    // the timeline plays.
+    let mut scroll = state.look.table;
+    let row = selected.filter(|_| reveal).and_then(|k| rows.iter().position(|&r| r == k));
+    if let Some(row) = row {
+        builder = builder.vertical_scroll_offset(scroll.showing(row, pitch, height));
+    } else if scroll.is_new {
+        builder = builder.vertical_scroll_offset(0.0);
     }
-    let (mut clicked, mut sorted) = (None, None);
-    builder
+    let (mut clicked, mut sorted, mut chosen) = (None, None, None);
+    let output = builder
         .header(theme::ROW_HEIGHT, |mut header| {
             header.col(|_| ());
             for key in Key::ALL {
@@ -129,11 +147,17 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) {
                 response.widget_info(|| {
                     egui::WidgetInfo::selected(egui::Role::Row, true, selected == Some(k), &name)
                 });
+                if let Some(menu) = Popup::context_menu(&response).show(|ui| position_menu(ui, k)) {
+                    chosen = chosen.or(menu.inner.map(|command| (command, k)));
+                }
                 if response.on_hover_ui(|ui| row_tooltip(ui, k, position)).clicked() {
                     clicked = Some(k);
                 }
             });
         });
+    scroll.offset = output.state.unclamped_offset().y;
+    scroll.is_new = false;
+    state.look.table = scroll;
     if let Some(k) = clicked {
         // A second click on the row deselects it.
         state.look.select_and_zoom((selected != Some(k)).then_some(k));
@@ -144,6 +168,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) {
         state.look.sort = sort;
         state.look.reveal_selection = REVEAL;
     }
+    chosen
 }
 
 /// Head of a column; `true` when it was clicked. `sorted`: whether the table is sorted by it, largest first.
@@ -203,7 +228,7 @@ pub fn headline(ui: &mut Ui, state: &AppState, k: usize) {
     let of = position.condition();
     ui.horizontal(|ui| {
         mark(ui, of);
-        let text = format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.word());
+        let text = format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.label());
         ui.label(RichText::new(text).strong());
     });
 }
@@ -258,7 +283,7 @@ fn remarks(ui: &mut Ui, position: &Position) {
 
 /// Tooltip of a row.
 fn row_tooltip(ui: &mut Ui, k: usize, position: &Position) {
-    ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().word())).strong());
+    ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().label())).strong());
     if position.contact.interferes() {
         let share = 100.0 * position.contact.area_share;
         ui.label(format!(

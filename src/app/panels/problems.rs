@@ -1,53 +1,56 @@
-//! Problem messages with location and remedy, shown until they are dismissed or solved.
+//! Problem messages with location and remedy, shown over the 3D view until they are dismissed or solved.
 
-use egui::{Frame, RichText, Ui};
+use egui::{Frame, Label, Rect, RichText, ScrollArea, Ui, UiBuilder};
 
 use super::super::command::Command;
 use super::super::state::AppState;
-use super::super::theme::{self, Condition};
+use super::super::theme::Condition;
 
-/// Draws the problems; returns the command that was pressed.
-pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
-    let mut chosen = None;
-    let mut dismissed = None;
-    for (k, problem) in state.problems.iter().enumerate().rev() {
-        ui.horizontal(|ui| {
-            let mark = Condition::Interfering;
-            let (rect, _) = ui.allocate_exact_size(egui::vec2(4.0, 18.0), egui::Sense::hover());
-            ui.painter().rect_filled(rect, 0.0, mark.mark());
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let dismiss = ui
-                    .small_button("Dismiss")
-                    .on_hover_text(Command::DismissProblems.tip_with_keys(ui.ctx()));
-                if dismiss.clicked() {
-                    dismissed = Some(k);
-                }
-                if state.document.can_undo() && ui.small_button("Undo the edit").clicked() {
-                    chosen = Some(Command::Undo);
-                }
-                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    ui.add(
-                        egui::Label::new(RichText::new(&problem.message).color(mark.text(ui.visuals())))
-                            .truncate(),
-                    )
-                    .on_hover_text(&problem.message);
-                    if !problem.help.is_empty() {
-                        ui.add(
-                            egui::Label::new(RichText::new(format!("Fix: {}", problem.help)).strong())
-                                .truncate(),
-                        );
-                    }
-                });
-            });
-        });
+/// Distance of the messages from the upper edge of the view, below its controls, points.
+const TOP: f32 = 42.0;
+/// Maximum width of the messages, points.
+const MAX_WIDTH: f32 = 560.0;
+
+/// Draws the problems over the view `whole`; returns the command that was pressed.
+pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> Option<Command> {
+    if state.problems.is_empty() {
+        return None;
     }
+    let (mut chosen, mut dismissed) = (None, None);
+    let width = (whole.width() - 20.0).clamp(80.0, MAX_WIDTH);
+    let corner = egui::pos2(whole.center().x - 0.5 * width, whole.top() + TOP);
+    let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
+    let fill = ui.visuals().panel_fill;
+    let mark = Condition::Interfering;
+    ui.scope_builder(UiBuilder::new().max_rect(at), |ui| {
+        ScrollArea::vertical().id_salt("problems").max_height(at.height()).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 3.0;
+            for (k, problem) in state.problems.iter().enumerate().rev() {
+                let stroke = egui::Stroke::new(1.5, mark.mark());
+                Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
+                    ui.set_width(width - 16.0);
+                    let text = RichText::new(&problem.message).color(mark.text(ui.visuals()));
+                    ui.add(Label::new(text).wrap());
+                    if !problem.help.is_empty() {
+                        let text = RichText::new(format!("Fix: {}", problem.help)).strong();
+                        ui.add(Label::new(text).wrap());
+                    }
+                    ui.horizontal(|ui| {
+                        let dismiss = ui.small_button("Dismiss");
+                        let tip = Command::DismissProblems.tip_with_keys(ui.ctx());
+                        if dismiss.on_hover_text(tip).clicked() {
+                            dismissed = Some(k);
+                        }
+                        if state.document.can_undo() && ui.small_button("Undo the edit").clicked() {
+                            chosen = Some(Command::Undo);
+                        }
+                    });
+                });
+            }
+        });
+    });
     if let Some(k) = dismissed {
-        state.problems.remove(k);
+        state.dismiss_problem(k);
     }
     chosen
-}
-
-/// Frame of the panel.
-pub fn frame(ui: &Ui) -> Frame {
-    Frame::new().fill(theme::overlay(ui.visuals())).inner_margin(egui::Margin::symmetric(8, 3))
 }

@@ -189,7 +189,7 @@ fn span(
     } else {
         (a + (b - a) * 0.5 - egui::vec2(4.0, 0.0), Align2::RIGHT_CENTER)
     };
-    painter.text(at, align, text, FontId::proportional(10.5), ink);
+    painter.text(at, align, text, FontId::proportional(theme::MIN_TEXT_SIZE), ink);
 }
 
 /// The core's disc from above, with the stock it hits.
@@ -214,7 +214,13 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
     painter.add(mesh);
     painter.circle_stroke(middle, radius, Stroke::new(1.0, visuals.strong_text_color()));
     let below = middle + egui::vec2(0.0, radius + 2.0);
-    painter.text(below, Align2::CENTER_TOP, "core", FontId::proportional(10.0), visuals.weak_text_color());
+    painter.text(
+        below,
+        Align2::CENTER_TOP,
+        "core",
+        FontId::proportional(theme::MIN_TEXT_SIZE),
+        visuals.weak_text_color(),
+    );
 }
 
 /// The figures below the drawing.

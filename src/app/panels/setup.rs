@@ -1,6 +1,6 @@
 //! Panels "Plunge" and "Allowances": policy, limits, allowances and clearances of the setup.
 
-use egui::{Grid, Ui};
+use egui::Ui;
 
 use crate::setup::{AxisPolicy, Setup};
 
@@ -87,7 +87,7 @@ const INLET: FieldSpec = FieldSpec::mm(
 pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&Setup>) {
     let first = chosen.and_then(|chosen| chosen.tools.first());
     let Setup { plunge: default, machine, .. } = defaults;
-    form(ui, "plunge fields", |ui| {
+    fields::form(ui, "plunge fields", |ui| {
         fields::choice_row(ui, &mut setup.plunge.axis, default.axis, &POLICY);
         let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
         fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
@@ -102,14 +102,10 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&
 /// Draws the fields of allowances and clearances; `defaults` are those of the part.
 pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) {
     let default = &defaults.allowances;
-    form(ui, "stock fields", |ui| {
+    fields::form(ui, "stock fields", |ui| {
         fields::number_row(ui, &mut setup.allowances.hub_allowance, default.hub_allowance, &HUB);
         fields::number_row(ui, &mut setup.allowances.blade_allowance, default.blade_allowance, &BLADE);
         fields::number_row(ui, &mut setup.allowances.safety_distance, default.safety_distance, &SAFETY);
         fields::number_row(ui, &mut setup.allowances.inlet_extension, default.inlet_extension, &INLET);
     });
-}
-
-fn form(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
-    Grid::new(name).num_columns(2).min_col_width(92.0).spacing([8.0, 4.0]).show(ui, content);
 }

@@ -3,6 +3,7 @@
 use egui::{Button, Label, ProgressBar, RichText, Ui};
 
 use super::super::command::Command;
+use super::super::look::Operation;
 use super::super::state::{AppState, Tone};
 use super::super::theme::Condition;
 
@@ -49,16 +50,28 @@ pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
     cancel
 }
 
+fn flank_message(state: &AppState) -> RichText {
+    match &state.results.flank {
+        None => RichText::new("Flank milling is not calculated yet (F6)").weak(),
+        Some(_) if state.flank_is_stale() => RichText::new("Setup edited: recalculate flank (F6)"),
+        Some(outcome) => RichText::new(format!("Flank calculated in {:.1} s", outcome.elapsed)).weak(),
+    }
+}
+
 fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
     let text = match (&state.notice, &state.results.planned) {
         (Some(notice), _) => {
-            let text = RichText::new(&notice.text);
-            match notice.tone {
-                Tone::Done => text,
-                Tone::Fault => text.color(Condition::Interfering.text(ui.visuals())),
+            let colour = Condition::Interfering.text(ui.visuals());
+            match (notice.tone, state.problems.len()) {
+                (Tone::Done, _) => RichText::new(&notice.text),
+                (Tone::Fault, 0) => RichText::new(&notice.text).color(colour),
+                // The message itself is over the 3D view.
+                (Tone::Fault, 1) => RichText::new("1 problem: see the message").color(colour),
+                (Tone::Fault, n) => RichText::new(format!("{n} problems: see the messages")).color(colour),
             }
         }
         (None, _) if activity.running.is_some() => RichText::new("Calculating…").weak(),
+        (None, _) if state.look.operation == Operation::Flank => flank_message(state),
         (None, Some(_)) if state.out_of_date() => RichText::new("Setup edited: recalculate (F5)"),
         (None, Some(planned)) if planned.is_unfinished() => {
             RichText::new("Cancelled: the best so far; recalculate (F5)")

@@ -1,9 +1,11 @@
 //! The timeline: number of positions cut, to scrub and play.
 
-use egui::{Button, Rect, Sense, Slider, Stroke, Ui};
+use egui::containers::menu::MenuButton;
+use egui::{Button, Rect, RichText, Sense, Slider, Stroke, Ui};
 
 use super::super::command::Command;
-use super::super::state::AppState;
+use super::super::look::Look;
+use super::super::state::{AppState, PLAY_RATE};
 use super::super::theme::Condition;
 
 /// Height of the panel, points.
@@ -29,7 +31,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
             (_, None) => format!("all {count}"),
             (_, Some(cut)) => format!("{cut} of {count}"),
         };
-        let words = 74.0;
+        play_menu(ui, &mut state.look);
+        // In a narrow view the slider has priority.
+        let clock = state.clock().filter(|_| ui.available_width() > 300.0);
+        let words = if clock.is_some() { 74.0 + CLOCK } else { 74.0 };
         ui.spacing_mut().slider_width = (ui.available_width() - words - 8.0).max(20.0);
         let mut now = cut;
         let slider = Slider::new(&mut now, 0..=count.max(1))
@@ -44,8 +49,46 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         }
         ui.add_space(4.0);
         ui.label(text);
+        if let Some((now, whole)) = clock {
+            ui.add_space(6.0);
+            let text = format!("{} of {}", format_clock(now), format_clock(whole));
+            ui.label(RichText::new(text).weak()).on_hover_text(
+                "Time of one channel up to here, from feed rates and rapids; without tool changes",
+            );
+        }
     });
     chosen
+}
+
+/// Width of the clock, points.
+const CLOCK: f32 = 136.0;
+
+/// Speeds of playing.
+const SPEEDS: [(f64, &str); 5] = [(0.25, "¼×"), (1.0, "1×"), (4.0, "4×"), (16.0, "16×"), (64.0, "64×")];
+
+/// Menu of speed and loop of playing.
+fn play_menu(ui: &mut Ui, look: &mut Look) {
+    let now = SPEEDS.iter().find(|(speed, _)| *speed == look.play_speed).map_or("1×", |(_, name)| name);
+    let (menu, _) = MenuButton::new(now).ui(ui, |ui| {
+        for (speed, name) in SPEEDS {
+            let rate = PLAY_RATE * speed;
+            let tip = format!("{rate} plunges per second");
+            if ui.radio(look.play_speed == speed, name).on_hover_text(tip).clicked() {
+                look.play_speed = speed;
+                ui.close();
+            }
+        }
+        ui.separator();
+        ui.checkbox(&mut look.play_loop, "Loop").on_hover_text("Starts again at the end");
+    });
+    menu.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Play speed"));
+    menu.on_hover_text("Speed and loop of playing");
+}
+
+/// Time as h:mm:ss, from seconds.
+fn format_clock(seconds: f64) -> String {
+    let whole = seconds.round().clamp(0.0, 1e9) as u64;
+    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
 }
 
 /// Marks above the slider at positions that are not sound.

@@ -4,6 +4,8 @@ use egui::{ComboBox, Grid, RichText, Ui};
 
 use crate::setup::{CutDirection, SectionSetup, Setup, Tool};
 
+use super::super::planned::DisplayPlan;
+use super::super::theme::Condition;
 use super::fields::{self, FieldSpec};
 
 const DIAMETER: FieldSpec = FieldSpec::mm("Diameter", "", 0.5, 200.0).sliding(4.0, 50.0);
@@ -29,13 +31,20 @@ const S: FieldSpec = FieldSpec {
     slide: None,
 };
 
-/// Draws the panel; `chosen` is the complete setup of the latest plan.
-pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
+/// Draws the panel; `planned` is the latest plan, and `change` what it changed in the tools.
+pub fn show(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change: Option<&str>) {
+    let chosen = planned.map(|planned| &planned.outcome.setup);
     if setup.tools.is_empty() {
         ui.label(RichText::new("Chosen from the tool library for the part").weak());
         rest_checkbox(ui, setup);
-        let Some(chosen) = chosen else { return };
+        let Some((chosen, planned)) = chosen.zip(planned) else { return };
+        if let Some(change) = change {
+            let text = RichText::new(format!("Chosen anew: {change}"));
+            ui.add(egui::Label::new(text.color(Condition::Blocked.text(ui.visuals()))).wrap())
+                .on_hover_text("The last edit led to other tools; edit tools and sections to keep them");
+        }
         summary(ui, chosen);
+        uses(ui, planned);
         let edit = ui.button("Edit tools and sections").on_hover_text("Copies these into the setup");
         if edit.clicked() {
             copy_sections(setup, chosen);
@@ -44,6 +53,9 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     }
     tools(ui, setup);
     sections(ui, setup);
+    if let Some(planned) = planned.filter(|planned| planned.setup.tools == setup.tools) {
+        uses(ui, planned);
+    }
     if ui.button("Reset to automatic").on_hover_text("Removes these tools and sections").clicked() {
         setup.tools.clear();
         setup.plunge.sections.clear();
@@ -68,13 +80,30 @@ fn summary(ui: &mut Ui, setup: &Setup) {
     });
 }
 
+/// Number of plunges of each section, with the reason where a tool gets none.
+fn uses(ui: &mut Ui, planned: &DisplayPlan) {
+    let (plan, reasons) = (&planned.outcome.after.plan, &planned.outcome.reasons);
+    for (k, section) in plan.sections.iter().enumerate() {
+        let tool = format!("T{} Ø{}", section.tool.number, section.tool.diameter);
+        let text = match plan.idle_words(k) {
+            Some(why) => RichText::new(format!("{tool}: no plunges, {why}"))
+                .color(Condition::Blocked.text(ui.visuals())),
+            None => RichText::new(format!("{tool}: {} plunges", plan.plunges_of(k))),
+        };
+        let label = ui.add(egui::Label::new(text).wrap());
+        if let Some(reason) = reasons.get(k).and_then(Option::as_deref) {
+            label.on_hover_text(reason);
+        }
+    }
+}
+
 fn tools(ui: &mut Ui, setup: &mut Setup) {
     let mut remove = None;
     let last_one = setup.tools.len() == 1;
     for (k, tool) in setup.tools.iter_mut().enumerate() {
         let name = format!("T{}  Ø{}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
-        egui::CollapsingHeader::new(name).id_salt(("tool", k)).show(ui, |ui| {
-            Grid::new("tool fields").num_columns(2).min_col_width(84.0).spacing([8.0, 4.0]).show(ui, |ui| {
+        egui::CollapsingHeader::new(name).id_salt(("tool", k)).show_unindented(ui, |ui| {
+            fields::form(ui, "tool fields", |ui| {
                 fields::plain_row(ui, &mut tool.diameter, &DIAMETER);
                 fields::plain_row(ui, &mut tool.insert_width, &INSERT);
                 fields::plain_row(ui, &mut tool.corner_radius, &CORNER);
@@ -215,34 +244,35 @@ pub fn copy_sections(setup: &mut Setup, chosen: &Setup) {
     setup.plunge.sections.clone_from(&chosen.plunge.sections);
 }
 
-/// Whether section `k + 1` begins where section `k` ends.
-pub fn is_joined(sections: &[SectionSetup], k: usize) -> bool {
-    sections.get(k + 1).is_some_and(|next| next.from == sections[k].to)
+/// Index of the section that begins where section `k` ends. Sections of rest milling lie over the others:
+/// their borders are their own.
+pub fn adjoining(sections: &[SectionSetup], k: usize) -> Option<usize> {
+    let section = sections.get(k)?;
+    let next = sections.iter().skip(k + 1).position(|next| next.rest == section.rest)? + k + 1;
+    (sections[next].from == section.to).then_some(next)
 }
 
 /// Allowed range of the end of section `k`, in s.
 pub fn border_range(sections: &[SectionSetup], k: usize) -> std::ops::RangeInclusive<f64> {
-    let next = sections.get(k + 1).filter(|_| is_joined(sections, k));
-    let low = next.map_or(0.0, |next| next.to + MIN_SECTION_LENGTH);
+    let low = adjoining(sections, k).map_or(0.0, |next| sections[next].to + MIN_SECTION_LENGTH);
     low..=(sections[k].from - MIN_SECTION_LENGTH).max(low)
 }
 
 /// Moves the end of section `k` to `to`, with the start of an adjoining next section.
 pub fn move_border(sections: &mut [SectionSetup], k: usize, to: f64) {
-    let joined = is_joined(sections, k);
+    let next = adjoining(sections, k);
     sections[k].to = to;
-    if joined {
-        sections[k + 1].from = to;
+    if let Some(next) = next {
+        sections[next].from = to;
     }
 }
 
 /// Sliders for the borders; adjoining sections move together.
 fn borders(ui: &mut Ui, sections: &mut [SectionSetup]) {
     for k in 0..sections.len() {
-        let name = if is_joined(sections, k) {
-            format!("Border {} | {}", k + 1, k + 2)
-        } else {
-            format!("End of section {}", k + 1)
+        let name = match adjoining(sections, k) {
+            Some(next) => format!("Border {} | {}", k + 1, next + 1),
+            None => format!("End of section {}", k + 1),
         };
         ui.horizontal(|ui| {
             let label = ui.label(name);

@@ -79,8 +79,8 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     figure(
         ui,
         "Time",
-        format_duration(after.time_estimate),
-        "One channel, from plunge feed rates and rapids; without tool changes",
+        format_times(after.time_estimate, planned.outcome.part.blade_count),
+        "From plunge feed rates and rapids; without tool changes",
     );
 }
 
@@ -118,7 +118,8 @@ fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summ
     }
 }
 
-fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
+/// Draws a figure with its name.
+pub fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
     ui.label(RichText::new(name).weak()).on_hover_text(tip);
     ui.label(value).on_hover_text(tip);
 }
@@ -162,5 +163,15 @@ pub fn format_duration(seconds: f64) -> String {
     }
 }
 
-/// Height of the line, points.
-pub const HEIGHT: f32 = theme::ROW_HEIGHT + 9.0;
+/// Time of one channel, and of the whole wheel of `channels` channels; from seconds.
+pub fn format_times(seconds: f64, channels: usize) -> String {
+    let wheel = format_duration(seconds * channels as f64);
+    format!("{} per channel, {wheel} wheel", format_duration(seconds))
+}
+
+/// Height of the verdict in a window `width` points wide: one line, or two where one is too narrow for all
+/// that may have to be said. It depends on nothing else, so that no verdict moves the picture.
+pub fn height(width: f32) -> f32 {
+    let lines = if width < 1300.0 { 2.0 } else { 1.0 };
+    lines * (theme::ROW_HEIGHT + 3.0) + 6.0
+}

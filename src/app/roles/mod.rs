@@ -17,7 +17,7 @@ use crate::mesh::{MeshOptions, Role};
 use super::App;
 use super::engine::PartSource;
 use super::picture::Pictures;
-use super::state::Problem;
+use super::problem::Problem;
 use super::theme::{self, Condition};
 use super::work::OpenTask;
 use choices::RoleChoices;

@@ -1,0 +1,218 @@
+//! File dialogs that never block the window: the system dialog runs on its own thread. Where it does not open
+//! (no portal, no D-Bus, no zenity), the window asks itself.
+
+mod prompt;
+mod system;
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use egui::{Context, Ui};
+
+use crate::io::project_file::EXTENSION;
+
+use prompt::{Prompt, PromptAnswer};
+use system::SystemAnswer;
+
+/// Purpose of a file dialog.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A part to open.
+    OpenPart,
+    /// A project to open.
+    OpenProject,
+    /// Target of a project.
+    SaveProject,
+    /// A setup to open.
+    OpenSetup,
+    /// Target of a setup.
+    SaveSetup,
+    /// Target of the CL file of the shown plunge plan.
+    ExportCl {
+        /// Whether the program is for all channels, or for the first only.
+        all_channels: bool,
+    },
+    /// Target of the flank plan's CL file.
+    ExportFlank,
+    /// Target of the glTF scene.
+    ExportScene,
+    /// Target of the stock as a solid.
+    ExportStock,
+    /// Target of the picture.
+    SavePicture,
+}
+
+impl Purpose {
+    fn title(self) -> &'static str {
+        match self {
+            Self::OpenPart => "Open part",
+            Self::OpenProject => "Open project",
+            Self::SaveProject => "Save project",
+            Self::OpenSetup => "Open setup",
+            Self::SaveSetup => "Save setup",
+            Self::ExportCl { all_channels: false } => "Export CL (APT)",
+            Self::ExportCl { all_channels: true } => "Export CL of all channels (APT)",
+            Self::ExportFlank => "Export flank CL (APT)",
+            Self::ExportScene => "Export scene",
+            Self::ExportStock => "Export stock",
+            Self::SavePicture => "Save picture",
+        }
+    }
+
+    fn saves(self) -> bool {
+        matches!(
+            self,
+            Self::SaveProject
+                | Self::SaveSetup
+                | Self::ExportCl { .. }
+                | Self::ExportFlank
+                | Self::ExportScene
+                | Self::ExportStock
+                | Self::SavePicture
+        )
+    }
+
+    /// Whether the ending of a name is one of this purpose.
+    fn fits(self, name: &Path) -> bool {
+        let ending = name.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        self.filter().1.iter().any(|known| ending.as_deref() == Some(known.to_lowercase().as_str()))
+    }
+
+    /// What the files are, and their endings.
+    fn filter(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf", "glb", "gltf"]),
+            Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
+            Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
+            Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
+            Self::ExportScene => ("glTF scenes", &["glb"]),
+            Self::ExportStock => ("Solids", &["stl", "glb"]),
+            Self::SavePicture => ("Pictures", &["png"]),
+        }
+    }
+}
+
+/// Answer of the dialog thread, with the number of its request.
+type AnswerSlot = Arc<Mutex<Option<(u64, Purpose, SystemAnswer)>>>;
+
+/// The file dialogs; at most one is open.
+pub struct Dialogs {
+    slot: AnswerSlot,
+    /// Number of the last request to a dialog thread.
+    requests: u64,
+    /// Whether the system dialog of the last request is open.
+    open: bool,
+    /// Whether the window asks itself, without trying the system dialog.
+    own_only: bool,
+    prompt: Option<Prompt>,
+    suggestion: String,
+    /// Folder in which the next dialog starts.
+    folder: Option<PathBuf>,
+    listing: prompt::FolderReader,
+}
+
+impl Dialogs {
+    /// Dialogs of the window of `ctx`.
+    pub fn new(ctx: &Context) -> Self {
+        Self {
+            slot: AnswerSlot::default(),
+            requests: 0,
+            open: false,
+            own_only: false,
+            prompt: None,
+            suggestion: String::new(),
+            folder: None,
+            listing: prompt::FolderReader::new(ctx),
+        }
+    }
+
+    /// Whether the window asks itself, without trying the system dialog.
+    pub fn use_own_dialogs(&mut self) {
+        self.own_only = true;
+    }
+
+    /// Whether the window's own dialog is open; shortcuts are disabled then.
+    pub fn is_asking(&self) -> bool {
+        self.prompt.is_some()
+    }
+
+    /// Whether an answer or a folder is awaited that comes without input.
+    pub fn is_busy(&self) -> bool {
+        self.listing.is_busy()
+    }
+
+    /// Opens a file dialog; `suggestion` is the proposed name when saving. A request while a system dialog is
+    /// open means that the user does not see that one: the window asks itself then.
+    pub fn open_dialog(&mut self, ctx: &Context, purpose: Purpose, suggestion: String) {
+        if self.prompt.is_some() {
+            return;
+        }
+        self.suggestion.clone_from(&suggestion);
+        if self.own_only || self.open {
+            self.open = false;
+            self.requests += 1;
+            self.start_prompt(purpose, "");
+            return;
+        }
+        self.requests += 1;
+        let number = self.requests;
+        let (slot, ctx, folder) = (Arc::clone(&self.slot), ctx.clone(), self.folder.clone());
+        let ask = move || {
+            let answer = system::ask(|| system::show_dialog(purpose, &suggestion, folder.as_deref()));
+            *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some((number, purpose, answer));
+            ctx.request_repaint();
+        };
+        match std::thread::Builder::new().name("file dialog".to_owned()).spawn(ask) {
+            Ok(_) => self.open = true,
+            Err(_) => self.start_prompt(purpose, NO_DIALOG),
+        }
+    }
+
+    fn start_prompt(&mut self, purpose: Purpose, reason: &'static str) {
+        let name = if purpose.saves() { self.suggestion.clone() } else { String::new() };
+        self.prompt = Some(Prompt::new(purpose, name, self.folder.as_deref(), reason));
+    }
+
+    /// Draws the window's own dialog if it is open; returns the chosen file once.
+    pub fn show(&mut self, ui: &Ui) -> Option<(Purpose, PathBuf)> {
+        let answer = self.slot.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some((number, purpose, answer)) = answer
+            && number == self.requests
+        {
+            self.open = false;
+            match answer {
+                SystemAnswer::Chosen(path) => {
+                    self.note_folder(&path);
+                    return Some((purpose, path));
+                }
+                SystemAnswer::Closed => {}
+                SystemAnswer::NotOpened => self.start_prompt(purpose, NO_DIALOG),
+            }
+        }
+        let Some(prompt) = &mut self.prompt else {
+            self.listing.read(None);
+            return None;
+        };
+        let purpose = prompt.purpose();
+        match prompt.show(ui, &mut self.listing)? {
+            PromptAnswer::Cancelled => {
+                self.prompt = None;
+                None
+            }
+            PromptAnswer::Chosen(path) => {
+                self.prompt = None;
+                self.note_folder(&path);
+                Some((purpose, path))
+            }
+        }
+    }
+
+    /// Starts the next dialog in the folder of a file that was opened or written.
+    pub fn note_folder(&mut self, file: &Path) {
+        let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+        self.folder = file.parent().map(Path::to_owned).or(self.folder.take());
+    }
+}
+
+/// Why the window asks itself.
+const NO_DIALOG: &str = "The system's file dialog did not open";

@@ -1,0 +1,130 @@
+//! Problems that are shown until they are dismissed or solved.
+
+use crate::io::InputError;
+
+/// What a problem is about; decides what solves and replaces it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topic {
+    /// The plunge plan: solved by the next plan.
+    Plan,
+    /// The flank plan: solved by the next flank plan.
+    Flank,
+    /// The stock as a solid: solved by the next plan.
+    Stock,
+    /// Anything else: stays until it is dismissed.
+    Other,
+}
+
+/// A problem shown until it is dismissed or solved.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// What is wrong, and where.
+    pub message: String,
+    /// What to do about it; may be empty.
+    pub help: String,
+    /// What it is about.
+    pub topic: Topic,
+}
+
+impl Problem {
+    /// A problem that stays until it is dismissed.
+    pub fn new(what: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { message: what.into(), help: help.into(), topic: Topic::Other }
+    }
+
+    /// A problem of a calculation. Keys of setup files are replaced by the labels of their fields.
+    pub fn of(topic: Topic, what: &str, help: &str) -> Self {
+        Self { message: with_labels(what), help: with_labels(help), topic }
+    }
+
+    /// Message and help in one line.
+    pub fn text(&self) -> String {
+        if self.help.is_empty() { self.message.clone() } else { format!("{}; {}", self.message, self.help) }
+    }
+}
+
+impl From<&InputError> for Problem {
+    fn from(error: &InputError) -> Self {
+        let bare = InputError { help: String::new(), ..error.clone() }.to_string();
+        Self::new(bare.trim_end_matches("; "), error.help.clone())
+    }
+}
+
+/// Keys of setup files, with the labels of their fields.
+const LABELS: [(&str, &str); 22] = [
+    ("hub_allowance", "Hub allowance"),
+    ("blade_allowance", "Blade allowance"),
+    ("safety_distance", "Rapid clearance"),
+    ("inlet_extension", "Inlet overhang"),
+    ("max_tilt", "Max tilt"),
+    ("max_axis_tilt", "Max machine tilt"),
+    ("max_axis_change", "Max axis change"),
+    ("wall_scallop", "Wall scallop"),
+    ("stepover", "Stepover"),
+    ("layer_depth", "Layer depth"),
+    ("scallop_height", "Scallop height"),
+    ("lead_in_out", "Lead-in/out"),
+    ("insert_width", "Insert width"),
+    ("corner_radius", "Corner radius"),
+    ("plunge_feed", "Feed rate"),
+    ("diameter", "Diameter"),
+    ("overhang", "Stick-out"),
+    ("spindle", "Spindle speed"),
+    ("cutting_direction", "Direction"),
+    ("axis", "Axis strategy"),
+    ("step", "Step"),
+    ("rest", "Rest milling with smaller tools"),
+];
+
+/// `text` with the label of its field for each key of a setup file in backticks, and for each word that is a
+/// key of more than one word.
+fn with_labels(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text;
+    while !rest.is_empty() {
+        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
+        if end == 0 {
+            let after = rest.chars().next().map_or(0, char::len_utf8);
+            shown.push_str(&rest[..after]);
+            rest = &rest[after..];
+            continue;
+        }
+        let (word, after) = rest.split_at(end);
+        let quoted = shown.ends_with('`') && after.starts_with('`');
+        match LABELS.iter().find(|(key, _)| *key == word && (quoted || key.contains('_'))) {
+            Some((_, label)) if quoted => {
+                shown.pop();
+                shown.push_str(&format!("\"{label}\""));
+                rest = &after[1..];
+            }
+            Some((_, label)) => {
+                shown.push_str(&format!("\"{label}\""));
+                rest = after;
+            }
+            None => {
+                shown.push_str(word);
+                rest = after;
+            }
+        }
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_labels;
+
+    #[test]
+    fn keys_become_labels_and_words_stay() {
+        for (text, shown) in [
+            ("`blade_allowance` is 9, but", "\"Blade allowance\" is 9, but"),
+            ("make hub_allowance smaller", "make \"Hub allowance\" smaller"),
+            ("a step of `step`, α", "a step of \"Step\", α"),
+            ("give more overhang", "give more overhang"),
+            ("`unknown_key` stays", "`unknown_key` stays"),
+        ] {
+            assert_eq!(with_labels(text), shown);
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! What stays where it is, what a new part starts with, and what can be read.
+
+use egui::accesskit::Role;
+use egui::{Color32, Theme};
+use egui_kittest::kittest::Queryable;
+use vanecut::app::engine::PartSource;
+use vanecut::app::look::Operation;
+use vanecut::app::theme::{self, Condition};
+
+use crate::fake;
+use crate::harness::{Window, sample_in, scaled, settle, window, with_sample};
+
+fn view(window: &Window) -> egui::Rect {
+    window.get_by_label("3D view").rect()
+}
+
+fn set_hub_allowance(window: &mut Window, value: f64) {
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(value);
+    window.run_steps(3);
+    settle(window);
+}
+
+#[test]
+fn a_problem_moves_neither_picture_nor_fields_and_replaces_the_one_before() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let (picture, step) = (view(&window), window.get_by_role_and_label(Role::SpinButton, "Step").rect());
+    for allowance in [12.0, 16.0, 17.0, 18.0] {
+        set_hub_allowance(&mut window, allowance);
+        assert_eq!(view(&window), picture, "the picture stays");
+        assert_eq!(window.get_by_role_and_label(Role::SpinButton, "Step").rect(), step, "so do the fields");
+    }
+    assert_eq!(window.state().state().problems.len(), 1, "{:?}", window.state().state().problems);
+    window.get_by_label("\"Hub allowance\" is 18, too much");
+    window.get_by_label("Fix: make \"Hub allowance\" smaller");
+    window.get_by_label("1 problem: see the message");
+    window.get_by_label("Dismiss").click();
+    window.run_steps(3);
+    assert!(window.state().state().problems.is_empty() && window.state().state().notice.is_none());
+}
+
+#[test]
+fn the_first_plan_does_not_move_the_picture() {
+    let (engine, slow) = fake::engine();
+    let mut window = window(engine);
+    slow.store(true, std::sync::atomic::Ordering::SeqCst);
+    window.state_mut().open_part(PartSource::Sample("impeller532".to_owned()));
+    while window.state().state().document.part.is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        window.step();
+    }
+    window.run_steps(6);
+    assert!(window.state().is_busy(), "planning");
+    let planning = view(&window);
+    slow.store(false, std::sync::atomic::Ordering::SeqCst);
+    settle(&mut window);
+    let planned = view(&window);
+    assert_eq!((planned.left(), planned.right()), (planning.left(), planning.right()));
+    let box_of = |label: &str| window.get_by_role_and_label(Role::SpinButton, label).rect().x_range();
+    for label in ["Stepover", "Max tilt", "Hub allowance", "Inlet overhang"] {
+        assert_eq!(box_of(label), box_of("Step"), "{label} is in the column of the others");
+    }
+}
+
+#[test]
+fn a_new_part_starts_with_its_own_scroll_places_and_open_headings() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let count = window.state().state().position_count();
+    window.state_mut().look_mut().select(Some(count - 1));
+    window.run_steps(6);
+    window.state_mut().look_mut().select(None);
+    let top = |window: &Window| window.get_by_label("Calculate roughing").rect().top();
+    let at_start = top(&window);
+    window.get_by_label("Plunge").click();
+    window.run_steps(3);
+    let scroll = |window: &mut Window, delta: f32| {
+        window.hover_at(egui::pos2(60.0, 300.0));
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, delta),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: egui::Modifiers::NONE,
+        });
+        window.run_steps(6);
+    };
+    scroll(&mut window, -400.0);
+    assert!(window.query_by_role_and_label(Role::Row, "Position 1").is_none(), "scrolled down");
+    assert!(window.query_by_role_and_label(Role::SpinButton, "Step").is_none(), "closed");
+    assert!(top(&window) < at_start - 40.0, "scrolled down");
+
+    window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
+    window.run_steps(2);
+    settle(&mut window);
+    window.get_by_role_and_label(Role::Row, "Position 1");
+    window.get_by_role_and_label(Role::SpinButton, "Step");
+    assert_eq!(top(&window), at_start, "at the top");
+}
+
+#[test]
+fn controls_over_the_picture_do_not_cover_each_other_in_a_small_window_or_at_150_percent() {
+    for (scale, size) in [(1.0, [800.0, 500.0]), (1.5, [853.0, 533.0]), (1.5, [1280.0, 720.0])] {
+        let (engine, _) = fake::engine();
+        let mut window = sample_in(scaled(engine, scale));
+        window.set_size(size.into());
+        window.run_steps(4);
+        let names = ["Before", "After", "Both", "Wipe", "Layers", "Wheel", "Channel"];
+        let rects = names.map(|name| window.get_by_role_and_label(Role::Button, name).rect());
+        for (k, a) in rects.iter().enumerate() {
+            assert!(view(&window).contains_rect(*a), "{} is inside at {size:?}", names[k]);
+            assert!(a.height() < 28.0, "{} is on one line at {size:?}", names[k]);
+            for (other, b) in rects.iter().enumerate().skip(k + 1) {
+                assert!(!a.intersects(*b), "{} covers {} at {size:?}", names[k], names[other]);
+            }
+        }
+        let fits = |name: &str| {
+            let rect = window.get_by_role_and_label(Role::SpinButton, name).rect();
+            assert!(rect.top() >= view(&window).bottom() && rect.right() <= view(&window).right(), "{name}");
+        };
+        fits("Scale minimum");
+        fits("Scale maximum");
+    }
+}
+
+#[test]
+fn one_operation_is_shown_at_a_time() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Flank: not calculated").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.operation, Operation::Flank);
+    assert!(window.query_by_label("Timeline").is_none(), "the plunge plan is hidden");
+    assert!(window.query_by_label("Sort by contact").is_none());
+    assert!(window.query_by_label("Scale maximum").is_none(), "and so are its colours");
+    window.get_by_label("Calculate flank");
+    window.get_by_role_and_label(Role::Slider, "Layer depth");
+    assert!(window.query_by_role_and_label(Role::SpinButton, "Step").is_none(), "so are its fields");
+    window.get_by_role_and_label(Role::RadioButton, "Roughing: 18 min").click();
+    window.run_steps(3);
+    window.get_by_label("Sort by contact");
+    window.get_by_label("Scale maximum");
+}
+
+#[test]
+fn the_floor_by_core_contact_has_its_legend() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let picture = view(&window);
+    assert!(window.get_by_label("Scale maximum").rect().top() >= picture.bottom(), "beside the picture");
+    window.state_mut().look_mut().layers.floor = vanecut::gpu::scene::FloorColours::Interference;
+    window.run_steps(2);
+    window.get_by_label("Core contact");
+    window.get_by_label("Scale maximum");
+}
+
+/// Relative luminance of a colour (WCAG 2).
+fn luminance(colour: Color32) -> f64 {
+    let linear = |x: u8| {
+        let x = f64::from(x) / 255.0;
+        if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    };
+    0.2126 * linear(colour.r()) + 0.7152 * linear(colour.g()) + 0.0722 * linear(colour.b())
+}
+
+fn contrast(a: Color32, b: Color32) -> f64 {
+    let (a, b) = (luminance(a) + 0.05, luminance(b) + 0.05);
+    a.max(b) / a.min(b)
+}
+
+#[test]
+fn text_has_a_contrast_of_at_least_4_5_and_is_not_too_small() {
+    let (engine, _) = fake::engine();
+    let window = window(engine);
+    for of in [Theme::Dark, Theme::Light] {
+        let style = window.ctx.style_of(of);
+        let visuals = &style.visuals;
+        let over_view = visuals.panel_fill.lerp_to_gamma(theme::view_background(visuals), 0.12);
+        let grounds = [
+            ("panel", visuals.panel_fill),
+            ("field", visuals.extreme_bg_color),
+            ("stripe", visuals.panel_fill.blend(visuals.faint_bg_color)),
+            ("overlay", over_view),
+        ];
+        let text = visuals.text_color();
+        let mut inks = vec![
+            ("text", text),
+            ("weak", visuals.weak_text_color()),
+            ("button", visuals.widgets.inactive.text_color()),
+            ("link", visuals.hyperlink_color),
+            ("accent", theme::accent(visuals)),
+        ];
+        for condition in [Condition::Sound, Condition::Blocked, Condition::Interfering] {
+            inks.push((condition.label(), condition.text(visuals)));
+        }
+        for (ground, back) in grounds {
+            for &(ink, colour) in &inks {
+                let ratio = contrast(colour, back);
+                assert!(ratio >= 4.5, "{of:?}: {ink} on {ground} has {ratio:.2}");
+            }
+            let disabled =
+                back.lerp_to_gamma(visuals.widgets.inactive.text_color(), visuals.disabled_alpha());
+            let ratio = contrast(disabled, back);
+            assert!(ratio >= 4.5, "{of:?}: disabled on {ground} has {ratio:.2}");
+        }
+        let selection = visuals.panel_fill.blend(visuals.selection.bg_fill);
+        let ratio = contrast(visuals.selection.stroke.color, selection);
+        assert!(ratio >= 4.5, "{of:?}: selected text has {ratio:.2}");
+        let button = visuals.widgets.inactive.weak_bg_fill;
+        let ratio = contrast(visuals.widgets.inactive.text_color(), button);
+        assert!(ratio >= 4.5, "{of:?}: buttons have {ratio:.2}");
+        let ratio = contrast(visuals.weak_text_color(), button);
+        assert!(ratio >= 4.5, "{of:?}: weak on a button has {ratio:.2}");
+        for (name, font) in &style.text_styles {
+            assert!(font.size >= 11.0, "{name:?} is {} points", font.size);
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! The timeline while it plays.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+use crate::fake;
+use crate::harness::{Window, settle, snapshot_view, with_sample};
+
+/// A window with many plunges in small steps.
+fn with_many() -> Window {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1400.0, 700.0));
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(1.0);
+    window.run_steps(3);
+    settle(&mut window);
+    window
+}
+
+fn choose_speed(window: &mut Window, entry: &str) {
+    window.get_by_role_and_label(Role::Button, "Play speed").click();
+    window.run_steps(2);
+    window.get_by_label(entry).click();
+    window.run_steps(2);
+}
+
+#[test]
+fn the_table_shows_the_position_that_is_being_cut() {
+    let mut window = with_many();
+    choose_speed(&mut window, "4×");
+    window.key_press(egui::Key::Space);
+    window.step();
+    let mut seen = 0;
+    for _ in 0..14 {
+        window.step();
+        let Some(cut) = window.state().state().look.cut_count.filter(|&cut| cut > 0) else { continue };
+        window.get_by_role_and_label(Role::Row, &format!("Position {cut}"));
+        seen += 1;
+    }
+    let cut = window.state().state().look.cut_count.expect("playing");
+    assert!(seen > 8 && cut > 100, "fast: {cut} positions in {seen} pictures");
+}
+
+#[test]
+fn playing_can_loop_and_has_a_clock() {
+    let mut window = with_many();
+    let count = window.state().state().position_count();
+    let (now, whole) = window.state().state().clock().expect("a clock");
+    assert!(now == whole && whole > 60.0, "at the end: {now} of {whole} s");
+    window.get_by_role_and_label(Role::Button, "Play speed").click();
+    window.run_steps(2);
+    window.get_by_label("Loop").click();
+    window.run_steps(2);
+    window.key_press(egui::Key::Escape);
+    choose_speed(&mut window, "64×");
+    window.key_press(egui::Key::Space);
+    window.run_steps(2);
+    let cuts: Vec<usize> = (0..12)
+        .map(|_| {
+            window.step();
+            window.state().state().look.cut_count.unwrap_or(count)
+        })
+        .collect();
+    assert!(window.state().state().look.playing.is_some(), "it goes on");
+    assert!(cuts.windows(2).any(|pair| pair[1] < pair[0]), "from the start again: {cuts:?}");
+    window.get_by_label_contains(" of 0:");
+    window.key_press(egui::Key::Space);
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, "Go to start").click();
+    window.run_steps(2);
+    assert_eq!(window.state().state().clock().map(|(now, _)| now), Some(0.0));
+}
+
+#[test]
+fn cutters_are_coloured_by_tool_lead_angle_or_time_with_a_legend() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1200.0, 700.0));
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    let choose = |window: &mut Window, entry: &str| {
+        window.get_by_role_and_label(Role::Button, "Layers").click();
+        window.run_steps(2);
+        window.get_by_role_and_label(Role::RadioButton, entry).click();
+        window.run_steps(2);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(4);
+        settle(window);
+    };
+    choose(&mut window, "Tool");
+    window.get_by_label("T1 Ø30, 100 %");
+    choose(&mut window, "Lead angle");
+    let plan = window.state().state().shown().expect("planned").plan();
+    let last = plan.positions[plan.positions.len() - 1].alpha_rad.to_degrees();
+    window.get_by_label("2.0°");
+    window.get_by_label(&format!("{last:.1}°"));
+    snapshot_view(&mut window, "cutters_by_lead_angle");
+    choose(&mut window, "Time");
+    window.get_by_label("0 min");
+    choose(&mut window, "State");
+    assert!(window.query_by_label("0 min").is_none(), "states have no scale");
+}
