@@ -342,7 +342,7 @@ impl App {
                 Outcome::Cancelled => self.state.report_done("Opening cancelled"),
                 Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
                 Outcome::Panicked(what) => {
-                    self.state.report_problem(panic_problem(Topic::Other, "Opening", &what))
+                    self.state.report_problem(panic_problem(Topic::Other, "Opening", &what));
                 }
             }
         }
@@ -379,7 +379,7 @@ impl App {
                 Outcome::Cancelled => {}
                 Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
                 Outcome::Panicked(what) => {
-                    self.state.report_problem(panic_problem(Topic::Other, "Writing", &what))
+                    self.state.report_problem(panic_problem(Topic::Other, "Writing", &what));
                 }
             }
         }

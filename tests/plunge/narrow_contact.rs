@@ -54,7 +54,7 @@ fn the_solid_finds_no_core_in_stock_where_a_plan_is_free() {
     let blank = Blank::of(&WHOLE.part, WHOLE.setup.allowances.inlet_extension);
     let outline = SolidBlank::Turned(TurnedOutline::of_blank(&WHOLE.part, &blank));
     let spacing = outline.default_spacing();
-    for plan in [&WHOLE.after.plan, WHOLE.whole.as_ref().map_or(&WHOLE.after.plan, |whole| &whole.plan)] {
+    for plan in [&WHOLE.after.plan, WHOLE.whole.as_ref().unwrap_or(&WHOLE.after.plan)] {
         let program = SolidProgram::new(&ClProgram::of_plan("a", plan), &WHOLE.setup).expect("it has tools");
         let mut stock = SolidStock::new(&outline, spacing).expect("it fits");
         let contacts =
