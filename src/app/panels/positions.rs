@@ -92,7 +92,9 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     // The offset acts in this frame; scrolling to a row would act in the next one, many positions later while
     // the timeline plays.
     let mut scroll = state.look.table;
-    let row = selected.filter(|_| reveal).and_then(|k| rows.iter().position(|&r| r == k));
+    let row = selected.and_then(|k| rows.iter().position(|&r| r == k));
+    let row = row.filter(|&row| reveal || scroll.loses(row, pitch, height));
+    scroll.height = height;
     if let Some(row) = row {
         builder = builder.vertical_scroll_offset(scroll.showing(row, pitch, height));
     } else if scroll.is_new {
