@@ -190,21 +190,16 @@ impl Blank {
         let Some(outside) = above else { return Some(h) };
         // Signed distance from the bounds of the blank, smooth except where two of them meet; its root is the
         // border.
-        let mut solid = h;
         let mut out = |h: f64| {
             let point = Meridional::of(&(origin + direction * h));
-            let out = self.above_shroud(point, warm).max(-self.ends_depth(point));
-            if out < 0.0 {
-                solid = solid.max(h);
-            }
-            out
+            self.above_shroud(point, warm).max(-self.ends_depth(point))
         };
         let (inside, outside) = ((h, out(h)), (outside, out(outside)));
         if inside.1 < 0.0 && outside.1 > 0.0 {
             let guess = inside.0 + (outside.0 - inside.0) * inside.1 / (inside.1 - outside.1);
-            search::root_from(out, inside, outside, guess, BORDER_TOLERANCE);
+            return Some(search::root_from(out, inside, outside, guess, BORDER_TOLERANCE));
         }
-        Some(solid)
+        Some(h)
     }
 
     /// Height above which a cylinder of `radius` mm about the line `origin + h · direction` (unit) has
