@@ -64,6 +64,8 @@ fn the_timeline_shows_the_stock_as_it_is_then() {
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::ArrowRight);
     window.run_steps(2);
     assert_eq!(window.state().state().look.cut_count, Some(count), "and at the end");
+    // The text of the sectional view takes height from the table when it arrives.
+    settle(&mut window);
     window.run_steps(4);
     window.get_by_label(&format!("Position {}", count - 2)).click();
     window.run_steps(3);
