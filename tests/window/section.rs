@@ -67,7 +67,7 @@ fn the_timeline_shows_the_stock_as_it_is_then() {
     // The text of the sectional view takes height from the table when it arrives.
     settle(&mut window);
     window.run_steps(4);
-    window.get_by_label(&format!("Position {}", count - 2)).click();
+    window.get_by_label(&format!("Position {}", count - 2)).click_accesskit();
     window.run_steps(3);
     assert_eq!(window.state().state().look.cut_count, Some(count - 2), "the table moves it too");
     window.get_by_role_and_label(Role::Button, "Go to end").click();
