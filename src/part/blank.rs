@@ -165,8 +165,8 @@ impl Blank {
 
     /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is solid: steps down by free
     /// radii (sphere tracing), then refines the border by bracketed root finding. Chords shorter than
-    /// [`MIN_STRIDE`], or than [`MIN_STRIDE_SHARE`] of the line, may be missed where it grazes the blank. `warm` as
-    /// in [`Self::is_solid`].
+    /// 0.01 mm, or than 1/2000 of the line, may be missed where it grazes the blank. `warm` as in
+    /// [`Self::is_solid`].
     pub fn highest_inside(
         &self,
         origin: &Point,

@@ -37,8 +37,8 @@ pub struct Summary {
     pub cut_length: f64,
     /// Rapid length, mm.
     pub rapid_length: f64,
-    /// Estimated time, s: cuts at their feed rates and rapids at [`RAPID_MM_PER_MIN`], without tool changes
-    /// and accelerations.
+    /// Estimated time, s: cuts at their feed rates and rapids at [`crate::toolpath::RAPID_MM_PER_MIN`], without
+    /// tool changes and accelerations.
     pub time_estimate: f64,
     /// Positions blocked by the blades, including those that were left out.
     pub blocked: usize,
