@@ -22,6 +22,9 @@ pub const SELECTED: Rgb = rgb(0x0072B2);
 pub const CATEGORIES: [Rgb; 6] =
     [rgb(0x56B4E9), rgb(0xE69F00), rgb(0x009E73), rgb(0xCC79A7), rgb(0xF0E442), rgb(0x0072B2)];
 
+/// Those of [`CATEGORIES`] that are not the colours of states, for cutters.
+pub const CUTTER_CATEGORIES: [Rgb; 4] = [CATEGORIES[0], CATEGORIES[4], CATEGORIES[3], CATEGORIES[5]];
+
 /// Light or dark theme; the colours of values and states are the same in both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Theme {

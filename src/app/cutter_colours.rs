@@ -1,6 +1,6 @@
 //! What the cutters in the 3D view are coloured by: state, tool, lead angle or time.
 
-use crate::palette::{ColourMap, Rgb, TABLE_LEN};
+use crate::palette::{CUTTER_CATEGORIES, ColourMap, Rgb, TABLE_LEN};
 use crate::setup::AxisPolicy;
 
 use super::planned::DisplayPlan;
@@ -18,10 +18,6 @@ pub enum CutterColours {
     /// Time in the program.
     Time,
 }
-
-/// Colours of tools, safe for colour-blind users (Okabe-Ito) and apart from those of the states.
-const TOOL_COLOURS: [Rgb; 4] =
-    [[0.34, 0.71, 0.91], [0.94, 0.89, 0.26], [0.80, 0.47, 0.65], [0.0, 0.45, 0.70]];
 
 /// What the colours mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +49,7 @@ impl CutterColours {
             let tools = tool_numbers(planned, policy);
             let place = |number: u32| tools.iter().position(|&known| known == number).unwrap_or(0);
             let of_section = |section: usize| plan.sections.get(section).map_or(0, |s| place(s.tool.number));
-            let colour = |section: usize| TOOL_COLOURS[of_section(section) % TOOL_COLOURS.len()];
+            let colour = |section: usize| tool_colour(of_section(section));
             return Some(plan.positions.iter().map(|position| colour(position.section)).collect());
         }
         let values = self.values(planned, policy)?;
@@ -87,6 +83,11 @@ impl CutterColours {
             Self::Time => (0..positions.len()).map(|k| planned.time_after(policy, k + 1)).collect(),
         }
     }
+}
+
+/// Colour of tool `index` of a program.
+fn tool_colour(index: usize) -> Rgb {
+    CUTTER_CATEGORIES[index % CUTTER_CATEGORIES.len()]
 }
 
 fn ends(values: &[f64]) -> (f64, f64) {
@@ -127,7 +128,7 @@ fn tool_classes(planned: &DisplayPlan, policy: AxisPolicy) -> Vec<(Rgb, String, 
     };
     let class = |(k, &number): (usize, &u32)| {
         let name = format!("T{number} Ø{}", diameter(number));
-        (TOOL_COLOURS[k % TOOL_COLOURS.len()], name, times[k] / whole.max(1e-9))
+        (tool_colour(k), name, times[k] / whole.max(1e-9))
     };
     tools.iter().enumerate().map(class).collect()
 }

@@ -54,6 +54,8 @@ fn read_glossary(text: &str) -> Vec<GlossaryLine> {
 #[derive(Debug, Default)]
 pub struct Help {
     page: Option<HelpPage>,
+    /// The glossary, while its page is open.
+    glossary: Vec<GlossaryLine>,
     /// Words searched in the glossary.
     words: String,
 }
@@ -61,7 +63,8 @@ pub struct Help {
 impl Help {
     /// Opens a page.
     pub fn open(&mut self, page: HelpPage) {
-        *self = Self { page: Some(page), words: String::new() };
+        let glossary = if page == HelpPage::Glossary { read_glossary(GLOSSARY) } else { Vec::new() };
+        *self = Self { page: Some(page), glossary, words: String::new() };
     }
 
     /// Whether a page is open.
@@ -79,14 +82,14 @@ impl Help {
             ui.add_space(4.0);
             match page {
                 HelpPage::Shortcuts => shortcuts(ui),
-                HelpPage::Glossary => glossary(ui, &mut self.words),
+                HelpPage::Glossary => glossary(ui, &self.glossary, &mut self.words),
                 HelpPage::About => about(ui, device),
             }
             ui.add_space(6.0);
             close = ui.button("Close").clicked();
         });
         if close || modal.should_close() {
-            self.page = None;
+            *self = Self::default();
         }
     }
 }
@@ -115,14 +118,14 @@ fn shortcuts(ui: &mut Ui) {
     });
 }
 
-fn glossary(ui: &mut Ui, words: &mut String) {
+fn glossary(ui: &mut Ui, lines: &[GlossaryLine], words: &mut String) {
     let hint = "Search the glossary";
     let field = ui.add(egui::TextEdit::singleline(words).hint_text(hint).desired_width(f32::INFINITY));
     field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, hint));
     ui.add_space(4.0);
     let sought = words.to_lowercase();
     ScrollArea::vertical().max_height(page_height(ui)).auto_shrink(false).show(ui, |ui| {
-        for line in read_glossary(GLOSSARY) {
+        for line in lines {
             match line {
                 GlossaryLine::Heading(heading) if sought.is_empty() => {
                     ui.add_space(6.0);
@@ -133,7 +136,7 @@ fn glossary(ui: &mut Ui, words: &mut String) {
                 {
                     let mut text = egui::text::LayoutJob::default();
                     let format = |colour| egui::TextFormat { color: colour, ..Default::default() };
-                    text.append(&term, 0.0, format(ui.visuals().strong_text_color()));
+                    text.append(term, 0.0, format(ui.visuals().strong_text_color()));
                     text.append(&format!(": {meaning}"), 0.0, format(ui.visuals().text_color()));
                     ui.add(Label::new(text).wrap());
                 }

@@ -4,7 +4,7 @@
 use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 
 use crate::gpu::scene::FloorColours;
-use crate::palette::{ColourMap, TABLE_LEN};
+use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 
 use super::cutter_colours::CutterLegend;
 use super::look::Operation;
@@ -48,21 +48,25 @@ pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above
             solid.spacing
         ));
         if solid.collisions > 0 {
-            let (word, colour) = (if solid.collisions == 1 { "move meets" } else { "moves meet" }, {
-                Condition::Interfering.text(ui.visuals())
-            });
+            let word = if solid.collisions == 1 { "move meets" } else { "moves meet" };
+            let colour = Condition::Interfering.text(ui.visuals());
             let text = format!("{} {word} stock with core, shank, holder or in rapid", solid.collisions);
             ui.label(RichText::new(text).size(12.0).color(colour));
         }
         for (colour, name) in &solid.names {
             ui.horizontal(|ui| {
-                let (swatch, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), Sense::hover());
-                let [r, g, b] = colour.map(|x| (255.0 * x).round() as u8);
-                ui.painter().rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
+                swatch(ui, *colour, 12.0);
                 ui.label(RichText::new(name).size(12.0));
             });
         }
     });
+}
+
+/// A patch of a colour, `side` points wide.
+pub fn swatch(ui: &mut Ui, colour: Rgb, side: f32) {
+    let (at, _) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+    let [r, g, b] = colour.map(|x| (255.0 * x).round() as u8);
+    ui.painter().rect_filled(at, 2.0, Color32::from_rgb(r, g, b));
 }
 
 /// A scale: its heading, colours, and whether it is symmetric about zero with ends that are not edited.
@@ -137,9 +141,7 @@ fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend) {
     match legend {
         CutterLegend::Classes(classes) => {
             for (colour, name, share) in classes {
-                let (at, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
-                let [r, g, b] = colour.map(|x| (255.0 * x).round() as u8);
-                ui.painter().rect_filled(at, 2.0, Color32::from_rgb(r, g, b));
+                swatch(ui, *colour, 10.0);
                 let text = format!("{name}, {:.0} %", 100.0 * share);
                 ui.label(text).on_hover_text("Share of the time of the program");
             }
@@ -153,7 +155,7 @@ fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend) {
 }
 
 fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) {
-    let room = ui.available_width();
+    let width = ui.available_width();
     let value = match (scale.walls, values.other) {
         (Some(most), _) => values.deviation.map(|d| format!("{} here", format_signed(d, most))),
         (None, Some((side, other))) => {
@@ -162,10 +164,10 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
         (None, None) => values.here.map(|stock| format!("{stock:.2} mm here")),
     };
     // In a narrow view the value under the cursor takes the place of the heading.
-    if room > 350.0 || room > 260.0 && value.is_none() {
+    if width > 350.0 || width > 260.0 && value.is_none() {
         ui.label(scale.head);
     }
-    let bar = (room - 330.0).clamp(40.0, 180.0);
+    let bar = (width - 330.0).clamp(40.0, 180.0);
     match scale.walls {
         Some(most) => {
             ui.label(format_signed(-most, most));

@@ -217,9 +217,7 @@ pub fn passage_angle(low: f64, high: f64, pitch: f64) -> f64 {
 /// longest divide the passages beside it.
 #[derive(Clone, Debug)]
 pub struct Division {
-    /// Index of the splitter in [`Impeller::splitters`].
-    pub splitter: usize,
-    /// s of its leading edge: on the hub, on the shroud.
+    /// s of the leading edge of the splitter: on the hub, on the shroud.
     pub s: [f64; 2],
     /// Indices in [`Channel::passages`] of the passages beside it: on the side of the first wall, and of the
     /// second.
@@ -263,21 +261,13 @@ impl Channel {
         let other = part.main.rotated(part.pitch());
         let low = Wall::new(part, &part.main.suction);
         let high = Wall::new(part, &other.pressure);
-        let mut beside_splitter = Vec::new();
-        let mut splitter_s = None;
-        if let Some(splitter) = part.splitters.first() {
-            let near = Wall::new(part, &splitter.pressure);
-            let far = Wall::new(part, &splitter.suction);
-            let leading =
-                |path: &super::Flowpath, v: f64| path.s_at(splitter.leading_edge_on(path.curve(), v));
-            splitter_s = Some([leading(&part.hub, 0.0), leading(&part.shroud, 1.0)]);
-            beside_splitter =
-                vec![Passage { walls: [low.clone(), near] }, Passage { walls: [far, high.clone()] }];
-        }
         let full = Passage { walls: [low, high] };
         let mut passages = vec![full.clone()];
         let splitters = SplitterWalls::across(part, &full);
         let division = Division::of(&splitters, &full.walls, &mut passages);
+        let first = splitters.iter().find(|splitter| splitter.index == 0);
+        let beside_splitter = first.map_or_else(Vec::new, |first| first.passages_beside(&full.walls).into());
+        let splitter_s = first.map(|first| first.s);
         Self {
             full,
             beside_splitter,
@@ -350,6 +340,14 @@ impl SplitterWalls {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found.into_iter().map(|(_, walls)| walls).collect()
     }
+
+    /// The passages on either side of it, in the passage between the walls `low` and `high`.
+    fn passages_beside(&self, [low, high]: &[Wall; 2]) -> [Passage; 2] {
+        [
+            Passage { walls: [low.clone(), self.near.clone()] },
+            Passage { walls: [self.far.clone(), high.clone()] },
+        ]
+    }
 }
 
 impl Division {
@@ -357,16 +355,14 @@ impl Division {
     fn of(splitters: &[SplitterWalls], walls: &[Wall; 2], passages: &mut Vec<Passage>) -> Option<Box<Self>> {
         let begins = |at: &usize| splitters[*at].s[0];
         let longest = (0..splitters.len()).min_by(|a, b| begins(a).total_cmp(&begins(b)))?;
-        let SplitterWalls { index, s, near, far } = &splitters[longest];
-        let [low, high] = walls;
         let first = passages.len();
-        let beside = [[low.clone(), near.clone()], [far.clone(), high.clone()]];
-        passages.extend(beside.iter().map(|walls| Passage { walls: walls.clone() }));
+        let beside = splitters[longest].passages_beside(walls);
+        passages.extend(beside.iter().cloned());
         let inner = [
-            Self::of(&splitters[..longest], &beside[0], passages),
-            Self::of(&splitters[longest + 1..], &beside[1], passages),
+            Self::of(&splitters[..longest], &beside[0].walls, passages),
+            Self::of(&splitters[longest + 1..], &beside[1].walls, passages),
         ];
-        Some(Box::new(Self { splitter: *index, s: *s, passages: [first, first + 1], inner }))
+        Some(Box::new(Self { s: splitters[longest].s, passages: [first, first + 1], inner }))
     }
 
     fn passages_at(division: Option<&Self>, whole: usize, s: f64, found: &mut Vec<usize>) {

@@ -184,7 +184,7 @@ impl<'a> FlankVerifier<'a> {
     }
 
     /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. Collisions with standing stock are
-    /// looked for where there is no other fault.
+    /// searched for only in a program without other faults.
     ///
     /// # Errors
     /// As [`verify_flank`].

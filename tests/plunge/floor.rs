@@ -2,20 +2,18 @@
 //! corner and measured.
 
 use vanecut::cutting::clearance::FinishedPart;
-use vanecut::geometry::{
-    CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z, search, wrap_angle,
-};
+use vanecut::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z, search, wrap_angle};
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::{
-    BladeDescription, Blank, Channel, CurveDescription, Impeller, PartDescription, SideProbe,
-};
+use vanecut::part::{BladeDescription, Blank, Channel, Impeller, SideProbe};
 use vanecut::plunge::Planner;
 use vanecut::setup::{AllowanceSetup, AxisPolicy, Setup};
 use vanecut::stock::{
     CutterStretch, FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_setup,
 };
+
+use super::disc::disc;
 
 const CELLS: usize = 400;
 
@@ -29,14 +27,7 @@ fn sample(name: &str, text: &[u8]) -> Impeller {
 
 /// A flat disc with straight radial blades inclined by `lean`, rad, in the circumferential direction: towards
 /// the channel at the first wall, away from it at the second.
-fn disc(lean: f64) -> Impeller {
-    let curve = |from: [f64; 2], to: [f64; 2]| {
-        let point = |k: i32| {
-            let x = f64::from(k) / 20.0;
-            Meridional { r: from[0] + x * (to[0] - from[0]), z: from[1] + x * (to[1] - from[1]) }
-        };
-        CurveDescription::Points((0..=20).map(point).collect())
-    };
+fn leaning_disc(lean: f64) -> Impeller {
     let side = |y: f64| {
         let section = |z: f64| {
             let point = |k: i32| Point::new(60.0 + 4.5 * f64::from(k), y + z * lean.tan(), z);
@@ -44,19 +35,8 @@ fn disc(lean: f64) -> Impeller {
         };
         vec![section(-5.0), section(60.0)]
     };
-    let description = PartDescription {
-        name: "disc".to_owned(),
-        hub: curve([40.0, 0.0], [150.0, 0.0]),
-        shroud: curve([62.0, 50.0], [150.0, 30.0]),
-        blade_count: 10,
-        main: BladeDescription::Sections { suction: side(1.5), pressure: side(-1.5), line: 0 },
-        splitters: Vec::new(),
-        hub_line: 0,
-        shroud_line: 0,
-        count_line: 0,
-        notes: Vec::new(),
-    };
-    Impeller::build(&description).expect("an impeller")
+    let blade = BladeDescription::Sections { suction: side(1.5), pressure: side(-1.5), line: 0 };
+    disc((50.0, 30.0), 10, blade, Vec::new())
 }
 
 fn floor(part: &Impeller, channel: &Channel, cutters: &[CutterStretch]) -> FloorGrid {
@@ -235,7 +215,7 @@ impl<'a> Bench<'a> {
 #[test]
 fn the_corner_beside_a_flat_wall_is_as_wide_as_geometry_says() {
     let (lean, radius) = (20f64.to_radians(), 8.0);
-    let part = disc(lean);
+    let part = leaning_disc(lean);
     let channel = Channel::of(&part);
     let grid = floor(&part, &channel, &everywhere(radius));
     let AllowanceSetup { hub_allowance, blade_allowance, .. } = stock();
@@ -253,7 +233,7 @@ fn the_corner_beside_a_flat_wall_is_as_wide_as_geometry_says() {
 
 #[test]
 fn upright_walls_leave_all_floor_in_reach() {
-    let part = disc(0.0);
+    let part = leaning_disc(0.0);
     let channel = Channel::of(&part);
     let grid = floor(&part, &channel, &everywhere(8.0));
     assert!(grid.reachable.iter().all(|&reachable| reachable));
@@ -266,7 +246,7 @@ fn upright_walls_leave_all_floor_in_reach() {
 
 #[test]
 fn larger_cutters_leave_more_and_none_excuse_nothing() {
-    let part = disc(0.3);
+    let part = leaning_disc(0.3);
     let channel = Channel::of(&part);
     let out = |cutters: &[CutterStretch]| {
         floor(&part, &channel, cutters).reachable.iter().filter(|&&reachable| !reachable).count()

@@ -4,6 +4,7 @@
 
 mod assess;
 mod channel;
+mod disc;
 mod floor;
 mod free_of_contact;
 mod goals;

@@ -1,16 +1,17 @@
 //! Several splitters in a pitch: passages, floor and rows beside each of them.
 
-use vanecut::geometry::{Meridional, Point};
+use vanecut::geometry::Point;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::{BladeDescription, Blank, Channel, CurveDescription, Impeller, PartDescription};
+use vanecut::part::{BladeDescription, Blank, Channel, Impeller};
 use vanecut::plunge::Planner;
-use vanecut::setup::{AxisPolicy, Setup, Tool};
+use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::stock::{FloorGrid, FloorSource, field_cutters, residual_field, statistics, stretches_of_setup};
 
-/// Radius at which the main blades begin, and the rim, mm.
+use super::disc::{RIM, cutter, disc};
+
+/// Radius at which the main blades begin, mm.
 const BEGIN: f64 = 60.0;
-const RIM: f64 = 150.0;
 /// Half the thickness of splitters, mm.
 const HALF: f64 = 3.0;
 /// Splitters: share of the pitch from the main blade, radius at which they begin, mm.
@@ -30,28 +31,10 @@ fn blade(from: f64, turn: f64, half: f64) -> BladeDescription {
 }
 
 /// A flat disc with straight radial blades and two splitters in each pitch.
-fn disc() -> Impeller {
-    let curve = |from: [f64; 2], to: [f64; 2]| {
-        let point = |k: i32| {
-            let x = f64::from(k) / 20.0;
-            Meridional { r: from[0] + x * (to[0] - from[0]), z: from[1] + x * (to[1] - from[1]) }
-        };
-        CurveDescription::Points((0..=20).map(point).collect())
-    };
+fn split_disc() -> Impeller {
     let pitch = std::f64::consts::TAU / 5.0;
-    let description = PartDescription {
-        name: "disc".to_owned(),
-        hub: curve([40.0, 0.0], [RIM, 0.0]),
-        shroud: curve([62.0, 30.0], [RIM, 20.0]),
-        blade_count: 5,
-        main: blade(BEGIN, 0.0, 1.5),
-        splitters: SPLITTERS.iter().map(|&(share, from)| blade(from, share * pitch, HALF)).collect(),
-        hub_line: 0,
-        shroud_line: 0,
-        count_line: 0,
-        notes: Vec::new(),
-    };
-    Impeller::build(&description).expect("an impeller")
+    let splitters = SPLITTERS.iter().map(|&(share, from)| blade(from, share * pitch, HALF)).collect();
+    disc((30.0, 20.0), 5, blade(BEGIN, 0.0, 1.5), splitters)
 }
 
 /// s at radius `r`.
@@ -61,7 +44,7 @@ fn s_at(r: f64) -> f64 {
 
 #[test]
 fn each_splitter_divides_the_passage_that_it_stands_in() {
-    let part = disc();
+    let part = split_disc();
     let channel = Channel::of(&part);
     let counts = [80.0, 100.0, 130.0].map(|r| channel.passages_at(s_at(r)).len());
     assert_eq!(counts, [1, 2, 3]);
@@ -85,19 +68,9 @@ fn each_splitter_divides_the_passage_that_it_stands_in() {
 
 #[test]
 fn rows_run_beside_every_splitter_and_leave_no_floor_uncut() {
-    let part = disc();
+    let part = split_disc();
     let channel = Channel::of(&part);
-    let cutter = Tool {
-        number: 1,
-        diameter: 16.0,
-        corner_radius: 0.0,
-        insert_width: 5.0,
-        overhang: 80.0,
-        plunge_feed: 400.0,
-        spindle: 2000.0,
-        assembly: Default::default(),
-    };
-    let mut asked = Setup { tools: vec![cutter], ..Setup::default() };
+    let mut asked = Setup { tools: vec![cutter(16.0, 5.0)], ..Setup::default() };
     asked.plunge.rest = false;
     let setup = resolve(&asked, &part, &channel).expect("a setup").setup;
     let plan =

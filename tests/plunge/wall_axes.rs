@@ -3,24 +3,19 @@
 use std::sync::Arc;
 
 use vanecut::cutting::clearance::FinishedPart;
-use vanecut::geometry::{Meridional, Point, wrap_angle};
-use vanecut::part::{BladeDescription, Channel, CurveDescription, Impeller, PartDescription};
+use vanecut::geometry::{Point, wrap_angle};
+use vanecut::part::{BladeDescription, Channel, Impeller};
 use vanecut::plunge::lane::Lane;
-use vanecut::setup::{Setup, Tool};
+use vanecut::setup::Setup;
+
+use super::disc::{cutter, disc};
 
 /// Half the height of the blades, and how far they bulge there, mm.
 const MIDDLE: f64 = 17.5;
 const BULGE: f64 = 6.0;
 
 /// A flat disc with radial blades that bulge over the channel half way up.
-fn disc() -> Impeller {
-    let curve = |from: [f64; 2], to: [f64; 2]| {
-        let point = |k: i32| {
-            let x = f64::from(k) / 20.0;
-            Meridional { r: from[0] + x * (to[0] - from[0]), z: from[1] + x * (to[1] - from[1]) }
-        };
-        CurveDescription::Points((0..=20).map(point).collect())
-    };
+fn bulging_disc() -> Impeller {
     let side = |y: f64| {
         let section = |k: i32| {
             let z = -5.0 + 5.0 * f64::from(k);
@@ -29,37 +24,17 @@ fn disc() -> Impeller {
         };
         (0..=9).map(section).collect()
     };
-    let description = PartDescription {
-        name: "disc".to_owned(),
-        hub: curve([40.0, 0.0], [150.0, 0.0]),
-        shroud: curve([62.0, 35.0], [150.0, 30.0]),
-        blade_count: 8,
-        main: BladeDescription::Sections { suction: side(1.5), pressure: side(-1.5), line: 0 },
-        splitters: Vec::new(),
-        hub_line: 0,
-        shroud_line: 0,
-        count_line: 0,
-        notes: Vec::new(),
-    };
-    Impeller::build(&description).expect("an impeller")
+    let blade = BladeDescription::Sections { suction: side(1.5), pressure: side(-1.5), line: 0 };
+    disc((35.0, 30.0), 8, blade, Vec::new())
 }
 
 #[test]
 fn an_axis_turned_off_a_bulging_wall_gets_nearer_to_its_foot() {
-    let part = disc();
+    let part = bulging_disc();
     let channel = Channel::of(&part);
     let stock = Setup::default().allowances;
     let finished = Arc::new(FinishedPart::new(&part, &channel.sides));
-    let tool = Tool {
-        number: 1,
-        diameter: 10.0,
-        corner_radius: 0.0,
-        insert_width: 3.0,
-        overhang: 80.0,
-        plunge_feed: 400.0,
-        spindle: 2000.0,
-        assembly: Default::default(),
-    };
+    let tool = cutter(10.0, 3.0);
     let lane = Lane::new(&part, &channel.full, Arc::clone(&finished), &tool, &stock);
     for s in [0.4, 0.6, 0.8] {
         let own = lane.wall_axis(0, s, s, None).expect("an axis along the wall");

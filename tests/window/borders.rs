@@ -24,16 +24,11 @@ from = 0.5
 to = 0.1
 ";
 
-fn borders(window: &Window) -> [f64; 4] {
-    let sections = &window.state().state().document.edited.setup.plunge.sections;
-    [sections[0].from, sections[0].to, sections[1].from, sections[1].to]
-}
-
-#[test]
-fn a_border_is_dragged_along_the_hub_and_a_drag_is_one_step_to_undo() {
+/// A window with the sample and a setup, in the view of the channel, without cutters over the handles.
+fn with_borders(setup: &str) -> Window {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("setup.toml");
-    std::fs::write(&path, SETUP).expect("writes");
+    std::fs::write(&path, setup).expect("writes");
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1200.0, 760.0));
@@ -44,6 +39,17 @@ fn a_border_is_dragged_along_the_hub_and_a_drag_is_one_step_to_undo() {
     window.key_press(egui::Key::Num4);
     window.run_steps(10);
     settle(&mut window);
+    window
+}
+
+fn borders(window: &Window) -> [f64; 4] {
+    let sections = &window.state().state().document.edited.setup.plunge.sections;
+    [sections[0].from, sections[0].to, sections[1].from, sections[1].to]
+}
+
+#[test]
+fn a_border_is_dragged_along_the_hub_and_a_drag_is_one_step_to_undo() {
+    let mut window = with_borders(SETUP);
     assert_eq!(borders(&window), [1.0, 0.5, 0.5, 0.1]);
     let grip = |window: &Window| {
         window.get_by_role_and_label(Role::Slider, "Border 1 | 2 in the view").rect().center()
@@ -90,22 +96,10 @@ fn a_border_is_dragged_along_the_hub_and_a_drag_is_one_step_to_undo() {
 
 #[test]
 fn a_handle_moves_its_own_border_and_rest_milling_has_none() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("setup.toml");
     // Rest milling of both halves, with a border at the same place.
     let rest = "[[plunge.section]]\ntool = 2\nfrom = 1.0\nto = 0.5\nrest = true\n\
                 [[plunge.section]]\ntool = 2\nfrom = 0.5\nto = 0.1\nrest = true\n";
-    std::fs::write(&path, format!("{SETUP}{rest}")).expect("writes");
-    let (engine, _) = fake::engine();
-    let mut window = with_sample(engine);
-    window.set_size(egui::vec2(1200.0, 760.0));
-    let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(&ctx, Purpose::OpenSetup, path);
-    settle(&mut window);
-    window.state_mut().look_mut().layers.cutters = false;
-    window.key_press(egui::Key::Num4);
-    window.run_steps(10);
-    settle(&mut window);
+    let mut window = with_borders(&format!("{SETUP}{rest}"));
     assert!(window.query_by_label("Border 3 | 4 in the view").is_none(), "it would lie on the other");
     let start = window.get_by_role_and_label(Role::Slider, "Border 1 | 2 in the view").rect().center();
     let end = start + egui::vec2(-30.0, 60.0);

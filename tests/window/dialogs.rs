@@ -66,7 +66,8 @@ fn a_wrong_ending_is_refused_and_nothing_is_replaced_unasked() {
 
     export(&mut window);
     name_file(&mut window, &folder.path().join("no/such/p.apt"));
-    window.get_by_label_contains("There is no folder");
+    let missing = format!("The folder {} does not exist", folder.path().join("no/such").display());
+    window.get_by_label_contains(&missing);
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
     assert!(window.query_by_label("Export CL (APT)").is_none(), "one Esc closes it");

@@ -18,7 +18,7 @@ fn the_count_of_interferential_positions_falls_to_none() {
     window.step();
     settle(&mut window);
     let state = window.state().state();
-    // A wider step may ask for other tools, which is told.
+    // A wider step may need other tools; the notice then says so.
     let fault = state.notice.as_ref().filter(|notice| notice.tone == Tone::Fault);
     assert_eq!(fault, None, "nothing went wrong");
     let planned = state.results.planned.as_ref().expect("planned");

@@ -230,10 +230,10 @@ impl Prompt {
             }
             let folder = path.parent().unwrap_or(Path::new(""));
             if !folder.is_dir() {
-                return Err(format!("There is no folder {}", folder.display()));
+                return Err(format!("The folder {} does not exist", folder.display()));
             }
         } else if !path.exists() {
-            return Err(format!("There is no file {}", path.display()));
+            return Err(format!("The file {} does not exist", path.display()));
         }
         Ok(path)
     }
@@ -246,7 +246,7 @@ impl Prompt {
             ui.set_width(360.0);
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             ui.label(RichText::new(format!("Replace {name}?")).strong());
-            ui.label(format!("The file exists already in {}", self.folder_of(&path)));
+            ui.label(format!("It already exists in {}", self.folder_of(&path)));
             ui.add_space(6.0);
             ui.horizontal(|ui| {
                 replace = ui.button("Replace").clicked();

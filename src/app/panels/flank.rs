@@ -11,6 +11,7 @@ use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 use crate::setup::{FlankStrategy, Setup};
 
 use super::super::command::Command;
+use super::super::legend::swatch;
 use super::super::look::FlankLook;
 use super::fields::{self, ChoiceSpec, FieldSpec};
 
@@ -113,9 +114,7 @@ pub fn display(ui: &mut Ui, look: &mut FlankLook) {
 pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
     let layers = plan.layout.layers.len();
     let patch = |ui: &mut Ui, rgb: Rgb, words: &str| {
-        let (at, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
-        let [r, g, b] = rgb.map(|x| (x * 255.0).round() as u8);
-        ui.painter().rect_filled(at, 2.0, egui::Color32::from_rgb(r, g, b));
+        swatch(ui, rgb, 10.0);
         ui.label(words);
     };
     let table = ColourMap::Viridis.table();

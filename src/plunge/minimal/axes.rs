@@ -16,7 +16,7 @@ pub(super) const LEAD_STEPS: usize = 19;
 const MIDDLE_LEAD_DEG: f64 = FIRST_LEAD_DEG + 0.5 * LEAD_STEP_DEG * LEAD_STEPS as f64;
 
 /// Step of the grid around the conventional axis that is laid where no axis of the usual one clears the
-/// blades, degrees: a passage hardly wider than the cutter leaves less room than the usual step.
+/// blades, degrees: in a passage hardly wider than the cutter the usual step is too coarse.
 const NARROW_STEP_DEG: f64 = 0.5;
 /// Distance between the fitted axis of a wall row and the plain offset of the ruling from which on axes
 /// turned off the wall are tried too, in cutter radii.
