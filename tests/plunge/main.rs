@@ -13,6 +13,7 @@ mod narrow_contact;
 mod plan;
 mod probe;
 mod program;
+mod samples;
 mod slotting;
 mod splitters;
 mod tool_choice;
