@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
 use serde_json::Value;
 
 /// Time limit for rejecting bad input.
@@ -188,8 +189,7 @@ fn command_line() {
         fs::read_dir(root.join("tests/cli")).expect("cases").map(|entry| entry.unwrap().path()).collect();
     folders.sort();
     assert!(folders.len() > 40, "only {} cases found", folders.len());
-    let mut report = String::new();
-    for folder in folders {
+    let faults_in = |folder: PathBuf| -> String {
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let out = tempfile::tempdir().expect("a temporary folder");
         let words = [
@@ -197,10 +197,9 @@ fn command_line() {
             ("{data}", root.join("tests/data").display().to_string()),
             ("{out}", out.path().display().to_string()),
         ];
-        for fault in (Case { folder, words }).faults() {
-            report += &format!("{name}: {fault}\n");
-        }
-    }
+        Case { folder, words }.faults().iter().map(|fault| format!("{name}: {fault}\n")).collect()
+    };
+    let report: String = folders.into_par_iter().map(faults_in).collect();
     assert!(report.is_empty(), "\n{report}");
 }
 
