@@ -79,14 +79,14 @@ fn an_edit_of_flank_milling_is_followed_and_until_then_marked_and_the_plunge_pla
         settle(window);
     };
     // Few layers.
-    set_depth(&mut window, 20.0);
+    set_depth(&mut window, 10.0);
     window.get_by_label("Calculate flank").click_accesskit();
     window.run_steps(2);
     settle(&mut window);
     window.get_by_label("Auto-update").click();
     window.run_steps(2);
     assert!(window.query_by_label("Out of date:").is_none());
-    set_depth(&mut window, 16.0);
+    set_depth(&mut window, 8.0);
     window.get_by_label("Out of date:");
     window.get_by_label("Flank: out of date");
     window.get_by_label("Setup edited: recalculate flank (F6)");
@@ -96,6 +96,6 @@ fn an_edit_of_flank_milling_is_followed_and_until_then_marked_and_the_plunge_pla
     settle(&mut window);
     assert!(window.query_by_label("Out of date:").is_none(), "followed");
     let planned = window.state().state().results.flank.clone().expect("planned");
-    assert_eq!(planned.setup.flank.layer_depth, 16.0);
+    assert_eq!(planned.setup.flank.layer_depth, 8.0);
     window.get_by_label_contains("Flank calculated in");
 }
