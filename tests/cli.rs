@@ -6,6 +6,7 @@
 //! | `stdin` | standard input; `@PATH` alone: the bytes of that file |
 //! | `code` | accepted exit codes; absent: 0 |
 //! | `stderr` | exact standard error; absent: empty; `*`: not checked |
+//! | `error` | the code of the error, which a second run prints behind the same line; needed where a run exits with 2 |
 //! | `stdout` | exact standard output |
 //! | `contains` | lines that standard output must contain |
 //! | `json` | checks of the JSON object on standard output, see [`json_fault`] |
@@ -57,11 +58,12 @@ impl Case {
         }
     }
 
-    fn run(&self, arguments: &str, run: usize) -> Output {
+    fn run(&self, arguments: &str, run: usize, shows_code: bool) -> Output {
         let mut child = Command::new(env!("CARGO_BIN_EXE_vanecut"))
             .args(arguments.lines())
             .current_dir(&self.folder)
             .env_remove("RUST_BACKTRACE")
+            .env("VANECUT_ERROR_CODES", if shows_code { "1" } else { "" })
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -80,7 +82,7 @@ impl Case {
             let Some(arguments) = self.text("args", run) else { break };
             let before = self.all_files();
             let started = Instant::now();
-            let output = self.run(&arguments, run);
+            let output = self.run(&arguments, run, false);
             let (out, err) =
                 (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
             let mut fault = |what: String| faults.push(format!("run {run}: {what}"));
@@ -92,6 +94,13 @@ impl Case {
             let wanted = self.text("stderr", run).unwrap_or_default();
             if wanted.trim() != "*" && err != wanted {
                 fault(format!("stderr is\n{err}instead of\n{wanted}"));
+            }
+            if let Some(error) = self.text("error", run).or_else(|| (code == "2").then(String::new)) {
+                let shown = self.run(&arguments, run, true).stderr;
+                let expected = format!("{} [{}]\n", err.trim_end(), error.trim_end());
+                if shown != expected.as_bytes() {
+                    fault(format!("with its code stderr is\n{}", String::from_utf8_lossy(&shown)));
+                }
             }
             if code == "2" {
                 let one_line = err.lines().count() == 1 && err.starts_with("vanecut: ") && err.contains("; ");

@@ -7,6 +7,7 @@ use super::layer::{LayerPoint, LayerSurface};
 use super::layer_walls::LayerWalls;
 use super::stepover::stepover;
 use super::strategies::{self, PassCurve, PassRole};
+use crate::error::{ErrorCode, UserError};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
 use crate::setup::{FlankStrategy, Setup, SetupFault, SetupPlace, Tool, round_down, round_up};
@@ -35,6 +36,15 @@ pub enum FlankError {
     /// The setup does not suit the part.
     #[error(transparent)]
     Setup(#[from] SetupFault),
+}
+
+impl From<FlankError> for UserError {
+    fn from(error: FlankError) -> Self {
+        match error {
+            FlankError::Cancelled(cancelled) => cancelled.into(),
+            FlankError::Setup(fault) => fault.into(),
+        }
+    }
 }
 
 /// How well passes cover a layer.
@@ -145,7 +155,7 @@ impl LayoutInputs<'_> {
     fn layer_count(&self) -> Result<usize, SetupFault> {
         let (depth, height) = (self.setup.flank.layer_depth, self.deepest());
         let fault = |what: String, help: String| {
-            Err(SetupFault::new(what, help).at(SetupPlace::Flank("layer_depth")))
+            Err(SetupFault::new(ErrorCode::LayerDepth, what, help).at(SetupPlace::Flank("layer_depth")))
         };
         if depth.is_nan() || depth <= 0.0 {
             return fault(format!("the depth of a layer is {depth} mm"), "give more than 0".to_owned());
@@ -234,6 +244,7 @@ impl LayoutInputs<'_> {
         }
         if result.layers.iter().all(|layer| layer.area <= 0.0) {
             return Err(SetupFault::new(
+                ErrorCode::CutterTooWide,
                 format!("the cutter of D {} fits nowhere between the blades", self.tool.diameter),
                 "give a thinner one, or a smaller blade allowance",
             )
@@ -272,6 +283,7 @@ impl LayoutInputs<'_> {
         let pitch = layer.radius(layer.to).0 * (borders.high.y_at(layer.to) - borders.low.y_at(layer.to));
         if least.is_nan() || least * MAX_ACROSS <= pitch {
             return Err(SetupFault::new(
+                ErrorCode::FineScallop,
                 format!(
                     "a scallop height of {error} mm gives a stepover of {least:.4} mm: more than \
                      {MAX_ACROSS} passes side by side"

@@ -15,6 +15,7 @@ use super::sections::{MAX_POSITIONS, too_many_positions};
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, core_contact, planned_contact};
 use crate::cutting::retract::RetractSurface;
+use crate::error::UserError;
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Channel, Impeller};
@@ -37,6 +38,15 @@ pub enum PlanError {
     /// Part and setup do not match.
     #[error(transparent)]
     Setup(#[from] SetupFault),
+}
+
+impl From<PlanError> for UserError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Cancelled(cancelled) => cancelled.into(),
+            PlanError::Setup(fault) => fault.into(),
+        }
+    }
 }
 
 /// Planner for one part and one setup; holds what all policies share.

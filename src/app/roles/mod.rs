@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Button, Color32, Key, Modal, Modifiers, RichText, Ui};
 
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::gltf::read_meshes;
 use crate::mesh::nodes::{MeshNode, nodes};
@@ -63,6 +64,7 @@ impl UnassignedRoles {
         if nodes.is_empty() {
             let file = path.display().to_string();
             return Err(InputError::new(
+                ErrorCode::MeshFile,
                 &file,
                 0,
                 "holds no triangles",

@@ -39,7 +39,7 @@ pub struct SheetInput<'a> {
 /// Writes `report.html`, with its pictures where the program draws any, into `folder`.
 ///
 /// # Errors
-/// [`Failure::Work`] when drawing fails, [`Failure::Input`] when a file cannot be written.
+/// [`Failure::work`] when drawing fails, [`Failure::input`] when a file cannot be written.
 pub fn write(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
     let pictures = render::write_pictures(folder, input.outcome)?;
     let figures: String = pictures
