@@ -142,7 +142,7 @@ error_codes! {
             "Neighbouring blades run into each other.",
             "Give fewer or thinner blades.";
         MeshRoles "mesh-roles",
-            "Hub, shroud and blades cannot be told from the meshes of the file.",
+            "Hub, shroud and blades cannot be identified in the meshes of the file.",
             "Export them as separate meshes, or name them with --role NODE=hub, shroud, blade or ignore.";
         MeshUnit "mesh-unit",
             "With its unit the wheel would not have a plausible size.",

@@ -141,7 +141,7 @@ pub enum WriteTask {
     Flank(PathBuf, Arc<FlankOutcome>),
     /// A glTF scene.
     Scene(PathBuf, SceneTask),
-    /// The stock as a solid after so many plunges; `None`: after the whole program. STL or glTF by extension.
+    /// The stock as a solid after n plunges; `None`: after the whole program. STL or glTF by extension.
     Stock(PathBuf, SolidSource, Option<usize>),
     /// A picture: width, height, RGBA.
     Picture(PathBuf, u32, u32, Vec<u8>),

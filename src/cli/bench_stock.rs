@@ -77,8 +77,8 @@ fn plunge(k: u32, count: u32, part: &crate::part::Impeller, scale: f64) -> Solid
     let angle = part.pitch() * column;
     let floor = part.hub.point(s);
     let normal = part.hub.normal(s).direction_at_angle(angle);
-    let lean = Vector::new(-angle.sin(), angle.cos(), 0.0) * 0.3;
-    let axis = (normal + lean).normalize();
+    let across = Vector::new(-angle.sin(), angle.cos(), 0.0) * 0.3;
+    let axis = (normal + across).normalize();
     let tip = floor.at_angle(angle) * scale + axis * 0.5;
     let pose = |up: f64| ToolPose { tip: tip + axis * up, axis };
     SolidMove { number: k, tool: 0, rapid: false, from: pose(80.0), to: pose(0.0) }

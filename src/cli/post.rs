@@ -117,9 +117,9 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
             let what = "the program moves nothing";
             return Err(Failure::input(ErrorCode::NothingMoves, what, "give one with GOTO").at(name));
         }
-        // Tools come from the inlet: their axes lean to its side.
-        let lean: f64 = program.moves.iter().map(|m| m.axis.z).sum();
-        return Ok(PostSource { program, inlet_up: lean >= 0.0, blank: None, name, has_lines: true });
+        // Tools come from the inlet: their axes point to its side.
+        let up: f64 = program.moves.iter().map(|m| m.axis.z).sum();
+        return Ok(PostSource { program, inlet_up: up >= 0.0, blank: None, name, has_lines: true });
     }
     let (mut program, part) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;

@@ -167,9 +167,9 @@ impl CutRow {
     /// The same positions in the same order, with a new row wherever the axis turns by more than `limit`
     /// (rad) between two consecutive positions that are not dropped.
     pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
-        let PlannedRow { lambda, iterations: rounds, converged: settled, missing, .. } = self.row;
+        let PlannedRow { lambda, iterations, converged, missing, .. } = self.row;
         let empty = || Self {
-            row: PlannedRow { iterations: rounds, converged: settled, ..PlannedRow::empty(lambda) },
+            row: PlannedRow { iterations, converged, ..PlannedRow::empty(lambda) },
             placed: Vec::new(),
         };
         let mut rows = vec![empty()];

@@ -113,7 +113,7 @@ fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), UserError>
     result.tools = sections().map(|section| section.tool.diameter).collect();
     result.status = match (faults.is_empty(), plan.converged) {
         (false, _) => RunStatus::Faults,
-        (true, false) => RunStatus::Unsettled,
+        (true, false) => RunStatus::NotConverged,
         (true, true) => RunStatus::Done,
     };
     if let Some(first) = faults.first() {

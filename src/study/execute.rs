@@ -52,7 +52,7 @@ impl Tally {
     fn count(&mut self, result: RunResult) {
         match result.status {
             RunStatus::Done => {}
-            RunStatus::Faults | RunStatus::Unsettled => self.faulty += 1,
+            RunStatus::Faults | RunStatus::NotConverged => self.faulty += 1,
             RunStatus::Error => {
                 self.failed += 1;
                 if self.first_failed.is_none() {

@@ -54,7 +54,8 @@ pub enum RunStatus {
     /// A plan whose program has faults, as `verify` finds them.
     Faults,
     /// A plan whose planning loop did not converge.
-    Unsettled,
+    #[serde(rename = "unsettled")]
+    NotConverged,
     /// No plan: part and setup do not go together.
     Error,
 }
@@ -65,7 +66,7 @@ impl RunStatus {
         match self {
             Self::Done => "done",
             Self::Faults => "faults",
-            Self::Unsettled => "unsettled",
+            Self::NotConverged => "unsettled",
             Self::Error => "error",
         }
     }

@@ -94,12 +94,12 @@ fn the_mouth_between_overlapping_blades_is_covered() {
     let of = |scheme: FlankStrategy| outcome.plan.layout.totals[scheme as usize];
     // The chart does not resolve the ends of arcs around a nose.
     let gap = of(FlankStrategy::Balanced).coverage.largest_gap;
-    assert!(gap < 1.2, "{gap} intervals");
+    assert!(gap < 1.2, "{gap} stepovers");
     assert!(of(FlankStrategy::Layers).length <= of(FlankStrategy::Isoparametric).length);
 }
 
 #[test]
-fn a_channel_without_room_is_told_with_values_that_work() {
+fn a_channel_without_room_is_refused_with_values_that_work() {
     let part = overlapping();
     let mut setup = Setup::default();
     setup.allowances.blade_allowance = 40.0;

@@ -15,7 +15,7 @@ fn fault_of(edit: impl Fn(&mut vanecut::machine::MachineTool)) -> MotionFault {
 }
 
 #[test]
-fn limits_and_reach_are_told_with_their_number() {
+fn limits_and_reach_are_reported_with_their_number() {
     let tilt = fault_of(|m| m.rotary[1].limits = Some((-0.2, 0.5)));
     assert_eq!(tilt.explained().code, ErrorCode::AxisLimits, "{tilt}");
     assert!(tilt.limits_exceeded() > 3 && tilt.line() > 0 && !tilt.to_string().contains('\n'), "{tilt}");

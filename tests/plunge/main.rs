@@ -5,6 +5,7 @@
 mod assess;
 mod channel;
 mod disc;
+mod drop_cutter;
 mod floor;
 mod free_of_contact;
 mod goals;
@@ -13,7 +14,6 @@ mod narrow_contact;
 mod plan;
 mod probe;
 mod program;
-mod slotting;
 mod splitters;
 mod tool_choice;
 mod wall_axes;

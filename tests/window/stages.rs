@@ -20,9 +20,9 @@ fn held_back() -> (Engine, Arc<AtomicUsize>) {
     let allowed = Arc::new(AtomicUsize::new(usize::MAX));
     let (job, gate) = (PlanJob::default(), Arc::clone(&allowed));
     let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let told = AtomicUsize::new(0);
+        let reported = AtomicUsize::new(0);
         let listen = |stage: PlanStage| {
-            let number = told.fetch_add(1, Ordering::SeqCst) + 1;
+            let number = reported.fetch_add(1, Ordering::SeqCst) + 1;
             listener.notify(|| stage);
             while number >= gate.load(Ordering::SeqCst) && !monitor.is_cancelled() {
                 std::thread::sleep(Duration::from_millis(1));

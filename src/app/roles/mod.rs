@@ -98,11 +98,11 @@ impl RolesDialog {
     }
 
     /// Opens the dialog for a file; if it is open for that file already, only the error is replaced.
-    pub(super) fn ask(&mut self, untold: UnassignedRoles) {
+    pub(super) fn ask(&mut self, unassigned: UnassignedRoles) {
         self.waiting = false;
         match &mut self.asked {
-            Some(asked) if asked.path == untold.path => asked.fault = untold.fault,
-            asked => *asked = Some(untold),
+            Some(asked) if asked.path == unassigned.path => asked.fault = unassigned.fault,
+            asked => *asked = Some(unassigned),
         }
     }
 

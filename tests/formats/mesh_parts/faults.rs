@@ -56,8 +56,8 @@ fn holed(mesh: &TriangleMesh, step: usize, width: usize) -> TriangleMesh {
 #[test]
 fn holes_are_filled_or_refused_with_their_place() {
     let refused = |error: String| {
-        let told = ["close the mesh", "close its gaps"].iter().any(|help| error.contains(help));
-        assert!(told, "{error}");
+        let has_cure = ["close the mesh", "close its gaps"].iter().any(|help| error.contains(help));
+        assert!(has_cure, "{error}");
         println!("refused: {error}");
     };
     let judged = |part: &Impeller, meshes: Vec<NamedMesh>, what: &str| {
