@@ -324,7 +324,8 @@ impl App {
                 self.state.report_done("Calculation cancelled");
             }
             Outcome::Failed(JobError::Setup(fault)) => {
-                self.state.report_problem(Problem::of(Topic::Flank, &fault.message, &fault.help));
+                let problem = Problem::of(Topic::Flank, &fault.message, &fault.help);
+                self.state.report_problem(problem.with_code(fault.code));
             }
             Outcome::Panicked(what) => {
                 self.state.report_problem(panic_problem(Topic::Flank, "Flank calculation", &what));
@@ -357,7 +358,8 @@ impl App {
                 }
                 Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 Outcome::Failed(JobError::Setup(fault)) => {
-                    self.state.report_problem(Problem::of(Topic::Plan, &fault.message, &fault.help));
+                    let problem = Problem::of(Topic::Plan, &fault.message, &fault.help);
+                    self.state.report_problem(problem.with_code(fault.code));
                 }
                 Outcome::Panicked(what) => {
                     self.state.report_problem(panic_problem(Topic::Plan, "Calculation", &what));

@@ -261,7 +261,7 @@ fn text(outcome: &FlankOutcome) -> String {
     if let Some(verdict) = &outcome.verdict {
         text += &walls_text(verdict);
         text += &format!(
-            "{:.2} % of the floor keeps more stock than the allowed scallop height\n",
+            "{:.2} % of the floor keeps more stock than the scallop height\n",
             100.0 * verdict.uncovered.share()
         );
     }

@@ -614,7 +614,7 @@ tool = 4
             ("tool = 7", "tool = 3", 20, "there is no tool 3; use one of the tools 7, 2"),
             ("to = 0.6", "to = 1.0", 22, "outlet end"),
             ("from = 1.0", "from = 1.5", 21, "from 0 to 1"),
-            ("\"outward\"", "\"sideways\"", 23, "outlet_to_inlet"),
+            ("\"outward\"", "\"across\"", 23, "outlet_to_inlet"),
             (
                 "feed = \"outward\"",
                 "cutting_direction = \"inlet_to_outlet\"\nfeed = \"outward\"",
